@@ -1,0 +1,68 @@
+//! From joint coordinates to maximal coordinates: the poses and velocities of all bodies.
+//!
+//! ```text
+//!     R = R_p F_p.R Rj F_c.Rᵀ                      a = x_p + R_p (F_p.t + F_p.R t)            x = a − R F_c.t
+//!     ω = ω_p + R F_c.R w                          v = v_p + ω_p × (a − x_p) + R_p F_p.R u − ω × R F_c.t
+//! ```
+//!
+//! with the joint's displacement `(t, Rj)`, translation rates `u` [m/s] and rotation rates `w` [rad/s]
+//! ([`crate::model::joint`]).
+
+use crate::model::{FreeRotation, Joint, Mechanism};
+use crate::state::{BodyState, State};
+use nalgebra::{Matrix3, Vector3};
+
+/// The state of the world seen as a body.
+pub const WORLD: BodyState = BodyState {
+    position: Vector3::new(0.0, 0.0, 0.0),
+    rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+    velocity: Vector3::new(0.0, 0.0, 0.0),
+    angular_velocity: Vector3::new(0.0, 0.0, 0.0),
+};
+
+/// Translation rates (in the joint frame on the parent) and rotation rates (in that on the child).
+pub fn joint_rates(joint: &Joint, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+    let axes = joint.kind.translation_axes();
+    let mut translation = Vector3::zeros();
+    for (&axis, &value) in axes.iter().zip(velocity) {
+        translation[axis] = value;
+    }
+    let turn = &velocity[axes.len()..];
+    let rotation = match joint.kind.rotation() {
+        FreeRotation::None => Vector3::zeros(),
+        FreeRotation::AboutZ => Vector3::new(0.0, 0.0, turn[0]),
+        FreeRotation::Ball => Vector3::new(turn[0], turn[1], turn[2]),
+    };
+    (translation, rotation)
+}
+
+/// Poses and velocities of all bodies, written into `out` (one entry a body). Does not allocate.
+pub fn forward_kinematics(mechanism: &Mechanism, position: &[f64], velocity: &[f64], out: &mut [BodyState]) {
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        let parent = body.parent.map_or(WORLD, |parent| out[parent]);
+        let joint = &body.joint;
+        let (translation, turn) = joint.displacement(&position[joint.position_range()]);
+        let (translation_rate, turn_rate) = joint_rates(joint, &velocity[joint.velocity_range()]);
+        let frame_on_parent = joint.on_parent.rotation.matrix();
+        let arm_on_parent = parent.rotation * (joint.on_parent.translation.vector + frame_on_parent * translation);
+        let rotation = parent.rotation * frame_on_parent * turn * joint.on_child.rotation.matrix().transpose();
+        let arm_on_child = rotation * joint.on_child.translation.vector;
+        let angular_velocity = parent.angular_velocity + rotation * (joint.on_child.rotation.matrix() * turn_rate);
+        out[index] = BodyState {
+            position: parent.position + arm_on_parent - arm_on_child,
+            rotation,
+            velocity: parent.velocity
+                + parent.angular_velocity.cross(&arm_on_parent)
+                + parent.rotation * (frame_on_parent * translation_rate)
+                - angular_velocity.cross(&arm_on_child),
+            angular_velocity,
+        };
+    }
+}
+
+/// The bodies' poses and velocities of a state, in a new vector.
+pub fn body_states(mechanism: &Mechanism, state: &State) -> Vec<BodyState> {
+    let mut out = vec![WORLD; mechanism.bodies.len()];
+    forward_kinematics(mechanism, &state.position, &state.velocity, &mut out);
+    out
+}

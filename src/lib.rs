@@ -1,0 +1,6 @@
+//! catena: rigid multibody dynamics by the constrained Lobatto IIIA–IIIB scheme in maximal coordinates.
+
+pub mod invariants;
+pub mod kinematics;
+pub mod model;
+pub mod state;
