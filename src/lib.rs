@@ -3,4 +3,5 @@
 pub mod invariants;
 pub mod kinematics;
 pub mod model;
+pub mod simulation;
 pub mod state;

@@ -1,0 +1,279 @@
+//! The loop: step, sample, observe, until the end of the run.
+//!
+//! An [`Integrator`] advances the state and can be asked for any instant of its last step; [`Observer`]s see samples at
+//! a fixed rate (the log) and the end of every step (energy, constraint and solver figures). The loop is the same for
+//! the Lobatto scheme and for the reduced-coordinate comparators, so that charts compare like with like.
+
+use crate::invariants::{Energy, Violation, energy, violation};
+use crate::kinematics::{WORLD, body_states, forward_kinematics};
+use crate::model::Mechanism;
+use crate::state::{BodyState, State};
+use cpu_time::ThreadTime;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What an integrator is and how it has stepped so far; goes into reports and logs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodDescription {
+    /// Short name: `lobatto`, `dop853`, `rk4`, `euler`.
+    pub name: String,
+    /// Number of stages of the scheme.
+    pub stages: usize,
+    /// Order of convergence.
+    pub order: usize,
+    /// The fixed step, or the mean accepted step of an adaptive run [s].
+    pub step: f64,
+    /// Whether the step is chosen from a tolerance.
+    pub adaptive: bool,
+    /// The tolerance the step is chosen from.
+    pub tolerance: Option<f64>,
+}
+
+/// What one accepted step cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepOutcome {
+    /// Length of the step [s].
+    pub step: f64,
+    /// Iterations of the nonlinear solve, or evaluations of the right-hand side.
+    pub iterations: usize,
+    /// Attempts that were thrown away before this step was accepted.
+    pub rejected: usize,
+}
+
+/// Why a step could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// The stage equations could not be solved, even after the step was shortened again and again.
+    #[error(
+        "at t = {time} s the step from joint {joint:?} did not converge (last increment {increment:.1e}), not even with \
+         a step of {step:.1e} s; choose a smaller --step, more --stages or a smaller --tolerance"
+    )]
+    NotConverged { time: f64, step: f64, joint: String, increment: f64 },
+    /// The state is not finite any more.
+    #[error(
+        "at t = {time} s the velocity of joint {joint:?} is not finite; the motion is too violent for the step {step:.1e} s"
+    )]
+    NotFinite { time: f64, step: f64, joint: String },
+}
+
+/// A way of advancing the state of a mechanism.
+pub trait Integrator {
+    /// Makes one step that ends at or before `until`, and exactly at `until` if the step reaches it.
+    ///
+    /// # Errors
+    /// [`StepError`] when no step could be made; the state is then that of the last accepted step.
+    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError>;
+
+    /// Positions and velocities at a `time` inside the last step, from its dense output.
+    fn dense(&self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]);
+
+    /// What this integrator is.
+    fn description(&self) -> MethodDescription;
+}
+
+/// The mechanism at one sampled instant.
+pub struct Sample<'s> {
+    /// The sampled time [s].
+    pub time: f64,
+    /// Joint positions and velocities from dense output.
+    pub position: &'s [f64],
+    /// Joint velocities from dense output.
+    pub velocity: &'s [f64],
+    /// Poses and velocities of all bodies, rebuilt from them.
+    pub bodies: &'s [BodyState],
+    /// The end of the step in which the sample lies (or the start of the run).
+    pub step: &'s StepEnd,
+}
+
+/// The figures at the end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepEnd {
+    /// Time at the end of the step [s].
+    pub time: f64,
+    /// Energy there.
+    pub energy: Energy,
+    /// Constraint violation there.
+    pub violation: Violation,
+    /// What the step cost.
+    pub outcome: StepOutcome,
+}
+
+/// Anything an observer may fail with (a full disk, a closed pipe).
+pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Sees a run as it goes along.
+pub trait Observer {
+    /// A sample of the motion, in order of time, the first at the start and the last at the end of the run.
+    ///
+    /// # Errors
+    /// Whatever stops the run, for instance a disk that is full.
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError>;
+}
+
+/// What to run and how to watch it.
+pub struct RunOptions<'o> {
+    /// Simulated time to run [s].
+    pub duration: f64,
+    /// Samples per simulated second, `None` for the first and the last instant only.
+    pub rate: Option<f64>,
+    /// Set from outside to end the run after the current step.
+    pub interrupt: Option<&'o AtomicBool>,
+}
+
+/// The figures of a whole run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Accepted steps.
+    pub steps: usize,
+    /// Iterations of all steps.
+    pub iterations: usize,
+    /// Attempts thrown away.
+    pub rejected_steps: usize,
+    /// CPU time in the integrator alone [s].
+    pub solve_cpu_seconds: f64,
+    /// Energy at the start.
+    pub initial_energy: Energy,
+    /// Energy at the end.
+    pub final_energy: Energy,
+    /// Largest deviation of the total energy from its start, relative to the largest kinetic energy seen.
+    pub max_relative_energy_error: f64,
+    /// Largest violation of any constraint at the end of any step.
+    pub max_violation: Violation,
+}
+
+/// How a run ended.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The integrator gave up.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// An observer gave up.
+    #[error(transparent)]
+    Observer(ObserverError),
+    /// The interrupt flag was set.
+    #[error("interrupted at t = {time} s")]
+    Interrupted { time: f64 },
+}
+
+/// Runs `integrator` from `state` for `options.duration` and shows it to the observers.
+///
+/// The summary is filled in up to where the run ended, also when it ended in an error.
+pub fn run(
+    mechanism: &Mechanism,
+    state: &mut State,
+    integrator: &mut dyn Integrator,
+    options: &RunOptions,
+    observers: &mut [&mut dyn Observer],
+) -> (Summary, Result<(), RunError>) {
+    let mut bookkeeper = Bookkeeper::new(mechanism, state);
+    let ended = drive(mechanism, state, integrator, options, observers, &mut bookkeeper);
+    (bookkeeper.summary, ended)
+}
+
+fn drive(
+    mechanism: &Mechanism,
+    state: &mut State,
+    integrator: &mut dyn Integrator,
+    options: &RunOptions,
+    observers: &mut [&mut dyn Observer],
+    bookkeeper: &mut Bookkeeper,
+) -> Result<(), RunError> {
+    let start = state.time;
+    let end = start + options.duration;
+    let mut position = state.position.clone();
+    let mut velocity = state.velocity.clone();
+    let mut bodies = body_states(mechanism, state);
+    let mut sampled = 0_u64;
+    // The k-th sample is start + k/rate, never an accumulated sum; the last one is the end itself.
+    let sample_time = |k: u64| match options.rate {
+        Some(rate) => (start + k as f64 / rate).min(end),
+        None if k == 0 => start,
+        None => end,
+    };
+    show(
+        observers,
+        &Sample { time: start, position: &position, velocity: &velocity, bodies: &bodies, step: &bookkeeper.last },
+    )?;
+    sampled += 1;
+    while state.time < end {
+        if options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            return Err(RunError::Interrupted { time: state.time });
+        }
+        let clock = ThreadTime::now();
+        let outcome = integrator.advance(mechanism, state, end);
+        bookkeeper.summary.solve_cpu_seconds += clock.elapsed().as_secs_f64();
+        let outcome = outcome?;
+        forward_kinematics(mechanism, &state.position, &state.velocity, &mut bodies);
+        bookkeeper.record(mechanism, state.time, &bodies, outcome);
+        while sample_time(sampled) <= state.time {
+            let time = sample_time(sampled);
+            if time == state.time {
+                position.copy_from_slice(&state.position);
+                velocity.copy_from_slice(&state.velocity);
+            } else {
+                integrator.dense(mechanism, time, &mut position, &mut velocity);
+            }
+            forward_kinematics(mechanism, &position, &velocity, &mut bodies);
+            show(
+                observers,
+                &Sample { time, position: &position, velocity: &velocity, bodies: &bodies, step: &bookkeeper.last },
+            )?;
+            sampled += 1;
+            if time == end {
+                break;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn show(observers: &mut [&mut dyn Observer], sample: &Sample) -> Result<(), RunError> {
+    observers.iter_mut().try_for_each(|observer| observer.sample(sample)).map_err(RunError::Observer)
+}
+
+/// Collects the figures of the run.
+struct Bookkeeper {
+    summary: Summary,
+    last: StepEnd,
+    largest_kinetic: f64,
+    largest_deviation: f64,
+}
+
+impl Bookkeeper {
+    fn new(mechanism: &Mechanism, state: &State) -> Self {
+        let mut bodies = vec![WORLD; mechanism.bodies.len()];
+        forward_kinematics(mechanism, &state.position, &state.velocity, &mut bodies);
+        let initial = energy(mechanism, &bodies);
+        let violation = violation(mechanism, &bodies);
+        Bookkeeper {
+            summary: Summary {
+                initial_energy: initial,
+                final_energy: initial,
+                max_violation: violation,
+                ..Summary::default()
+            },
+            last: StepEnd { time: state.time, energy: initial, violation, outcome: StepOutcome::default() },
+            largest_kinetic: initial.kinetic,
+            largest_deviation: 0.0,
+        }
+    }
+
+    fn record(&mut self, mechanism: &Mechanism, time: f64, bodies: &[BodyState], outcome: StepOutcome) {
+        let energy = energy(mechanism, bodies);
+        let violation = violation(mechanism, bodies);
+        self.last = StepEnd { time, energy, violation, outcome };
+        let summary = &mut self.summary;
+        summary.steps += 1;
+        summary.iterations += outcome.iterations;
+        summary.rejected_steps += outcome.rejected;
+        summary.final_energy = energy;
+        summary.max_violation.position = summary.max_violation.position.max(violation.position);
+        summary.max_violation.velocity = summary.max_violation.velocity.max(violation.velocity);
+        self.largest_kinetic = self.largest_kinetic.max(energy.kinetic);
+        self.largest_deviation = self.largest_deviation.max((energy.total() - summary.initial_energy.total()).abs());
+        summary.max_relative_energy_error = if self.largest_kinetic > 0.0 {
+            self.largest_deviation / self.largest_kinetic
+        } else {
+            self.largest_deviation
+        };
+    }
+}
