@@ -2,6 +2,7 @@
 
 pub mod invariants;
 pub mod kinematics;
+pub mod lobatto;
 pub mod model;
 pub mod simulation;
 pub mod state;

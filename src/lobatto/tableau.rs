@@ -1,0 +1,431 @@
+//! The coefficients of the Lobatto IIIA–IIIB pair with any number of stages.
+//!
+//! The nodes `c₁ = 0 < … < c_s = 1` are the zeros of `x (1 − x) P′_{s−1}(2x − 1)` with the Legendre polynomial P; the
+//! weights integrate polynomials of degree 2s − 3 exactly. With `ℓ_j` the Lagrange polynomials of the nodes and
+//! `D_ij = ℓ_j′(c_i)` their differentiation matrix,
+//!
+//! ```text
+//!     a_ij = ∫₀^{c_i} ℓ_j                        IIIA, collocation                      (2.5.11d)
+//!     ā_ij = b_j (1 − a_ji / b_i)                IIIB, from symplecticity               (2.5.11e)
+//!     Â    = (A Ā)[2..s, 1..s−1]                 Q_i = q₀ + h c_i v₀ + h² Σ_k Â_ik M⁻¹ F_k
+//!     B    = Â⁻¹ = −(diag(b)⁻¹ Dᵀ diag(b) D)[1..s−1, 2..s]
+//!     w_i  = Σ_{k<s} b_k B_ki = Σ_j b_j D_js D_ji            momentum weights, i = 2..s
+//! ```
+//!
+//! The second form of B is why no matrix is inverted here. Along a polynomial with the values `Q_i` the stage
+//! equations say that the discrete action `Σ_j b_j ½ |Σ_i D_ji Q_i|² h⁻¹ − …` (2.5.12) is stationary in every `Q_k`
+//! (k = 2..s−1) and has the derivative `−p₀` with respect to `Q₁`; differentiating it gives the rows of B at once.
+//! (Inverting Â in doubles leaves an error of 7e-9 in B at s = 9, which is a steady drift of the energy.)
+//! Everything else is closed form as well, by the discrete orthogonality of the Legendre polynomials on the nodes:
+//!
+//! ```text
+//!     b_i = 1 / (s (s−1) P_{s−1}(ξ_i)²),   ξ = 2c − 1,       ℓ_j = b_j Σ_{k<s} P_k(ξ_j) P_k / γ_k
+//!     γ_k = 1 / (2k+1) for k < s−1,   γ_{s−1} = 1 / (s−1),   ∫₀^x P_k = (P_{k+1} − P_{k−1}) / (2 (2k+1)) at 2x − 1
+//! ```
+//!
+//! All of it is computed with about 32 digits ([`super::extended`]) and rounded once.
+//!
+//! Sources: the constrained scheme (2.5.11) and (2.5.12); E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical
+//! Integration", sections II.1, IV.2 and VII.1; the pair (b, D) on Gauss–Lobatto nodes is textbook spectral elements.
+
+use super::extended::Extended;
+
+/// Fewest stages: two, where the scheme is RATTLE.
+pub const MINIMUM_STAGES: usize = 2;
+/// Most stages: the order is then 30, beyond what doubles can use at any step size.
+pub const MAXIMUM_STAGES: usize = 16;
+
+/// Coefficients of the s-stage Lobatto IIIA–IIIB pair. Matrices are row-major; indices below count from 1 as in the
+/// equations, so that the first stage (the known start of the step) is 1 and the last (its end) is s.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tableau {
+    /// Number of stages s.
+    pub stages: usize,
+    /// Nodes `c_i`, i = 1..s, from 0 to 1 (s).
+    pub nodes: Vec<f64>,
+    /// Weights `b_i`, i = 1..s (s).
+    pub weights: Vec<f64>,
+    /// IIIA matrix A (s × s); its first row is zero and its last row is b.
+    pub a: Vec<f64>,
+    /// IIIB matrix Ā (s × s); its first column is b₁ and its last column is zero.
+    pub a_bar: Vec<f64>,
+    /// `Â_ik`, rows i = 2..s, columns k = 1..s−1 ((s−1) × (s−1)).
+    pub a_hat: Vec<f64>,
+    /// `B_ki`, the inverse of Â, rows k = 1..s−1, columns i = 2..s ((s−1) × (s−1)).
+    pub b_matrix: Vec<f64>,
+    /// `Σ_{i=2}^{s} B_ki c_i`, k = 1..s−1 (s−1): what multiplies `h v₀` in row k. Exactly it is 1/b₁ for k = 1 and
+    /// zero for every other row.
+    pub b_times_nodes: Vec<f64>,
+    /// `w_i = Σ_{k<s} b_k B_ki`, i = 2..s (s−1): the end momentum without the last stage's force is
+    /// `p₀ + M Σ_i w_i (Q_i − q₀ − h c_i v₀) / h`.
+    pub momentum_weights: Vec<f64>,
+    /// Row s of the inverse of the matrix `P_k(2c_i − 1)` (rows i, columns k = 0..s−1) (s): applied to values at the
+    /// nodes it gives the highest Legendre coefficient of their interpolant, the step-size control's error measure.
+    pub top_legendre: Vec<f64>,
+    /// Barycentric weights of the nodes (s), scaled so that the last is 1: the interpolant of values `y_i` is
+    /// `Σ_i u_i y_i / (x − c_i) ÷ Σ_i u_i / (x − c_i)`.
+    pub barycentric: Vec<f64>,
+}
+
+/// Why there is no tableau.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TableauError {
+    /// The number of stages is out of range.
+    #[error("{stages} stages: the number of stages must be from {MINIMUM_STAGES} to {MAXIMUM_STAGES}")]
+    Stages {
+        /// What was asked for.
+        stages: usize,
+    },
+}
+
+impl Tableau {
+    /// The coefficients for a number of stages from 2 to 16, each correctly rounded but for ties within 1e-28.
+    ///
+    /// # Errors
+    /// [`TableauError::Stages`] if the number is out of range.
+    pub fn new(stages: usize) -> Result<Tableau, TableauError> {
+        if !(MINIMUM_STAGES..=MAXIMUM_STAGES).contains(&stages) {
+            return Err(TableauError::Stages { stages });
+        }
+        let exact = Exact::new(stages);
+        let round = |values: &[Extended]| values.iter().map(|value| value.rounded()).collect();
+        Ok(Tableau {
+            stages,
+            nodes: round(&exact.nodes),
+            weights: round(&exact.weights),
+            a: round(&exact.a),
+            a_bar: round(&exact.a_bar),
+            a_hat: round(&exact.a_hat),
+            b_matrix: round(&exact.b_matrix),
+            b_times_nodes: round(&exact.b_times_nodes),
+            momentum_weights: round(&exact.momentum_weights),
+            top_legendre: round(&exact.top_legendre),
+            barycentric: round(&exact.barycentric),
+        })
+    }
+
+    /// Order of convergence of the constrained scheme, 2s − 2 (theorem 2.5.2).
+    pub fn order(&self) -> usize {
+        2 * self.stages - 2
+    }
+}
+
+/// The fields of [`Tableau`] before rounding.
+struct Exact {
+    nodes: Vec<Extended>,
+    weights: Vec<Extended>,
+    a: Vec<Extended>,
+    a_bar: Vec<Extended>,
+    a_hat: Vec<Extended>,
+    b_matrix: Vec<Extended>,
+    b_times_nodes: Vec<Extended>,
+    momentum_weights: Vec<Extended>,
+    top_legendre: Vec<Extended>,
+    barycentric: Vec<Extended>,
+}
+
+impl Exact {
+    fn new(stages: usize) -> Exact {
+        let (s, inner) = (stages, stages - 1);
+        let one = Extended::ONE;
+        let number = |value: usize| Extended::from(value);
+        let points = lobatto_points(s);
+        // P_k(ξ_i) for k = 0..s, one row a node.
+        let legendre: Vec<Vec<Extended>> = points.iter().map(|&point| legendre_values(point, s)).collect();
+        let top: Vec<Extended> = legendre.iter().map(|values| values[inner]).collect();
+
+        let nodes: Vec<Extended> = points.iter().map(|&point| (point + one) / number(2)).collect();
+        let weights: Vec<Extended> = top.iter().map(|&value| one / (number(s * inner) * value * value)).collect();
+        let barycentric: Vec<Extended> = top.iter().map(|&value| one / value).collect();
+        let top_legendre: Vec<Extended> = top.iter().map(|&value| one / (number(s) * value)).collect();
+
+        let a = matrix(s, s, |i, j| {
+            let series: Extended =
+                (0..s).map(|k| legendre[j][k] * legendre_integral(&legendre[i], points[i], k, s)).sum();
+            weights[j] * series
+        });
+        let a_bar = matrix(s, s, |i, j| weights[j] * (one - a[j * s + i] / weights[i]));
+        let a_hat = matrix(inner, inner, |i, k| (0..s).map(|j| a[(i + 1) * s + j] * a_bar[j * s + k]).sum());
+
+        // ℓ_j′(ξ_i) = P_{s−1}(ξ_i) / (P_{s−1}(ξ_j) (ξ_i − ξ_j)); the rows sum to zero because constants have no slope,
+        // and the slope with respect to c is twice that with respect to ξ.
+        let mut derivative =
+            matrix(s, s, |i, j| if i == j { Extended::ZERO } else { top[i] / (top[j] * (nodes[i] - nodes[j])) });
+        for i in 0..s {
+            derivative[i * s + i] = -derivative[i * s..(i + 1) * s].iter().copied().sum::<Extended>();
+        }
+        let stiffness = |k: usize, i: usize| -> Extended {
+            (0..s).map(|j| weights[j] * derivative[j * s + k] * derivative[j * s + i]).sum()
+        };
+        let b_matrix = matrix(inner, inner, |k, i| -(stiffness(k, i + 1) / weights[k]));
+        let momentum_weights = (1..s).map(|i| stiffness(inner, i)).collect();
+        let b_times_nodes =
+            (0..inner).map(|k| (0..inner).map(|i| b_matrix[k * inner + i] * nodes[i + 1]).sum()).collect();
+        Exact { nodes, weights, a, a_bar, a_hat, b_matrix, b_times_nodes, momentum_weights, top_legendre, barycentric }
+    }
+}
+
+/// A row-major matrix from a function of row and column.
+fn matrix(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> Extended) -> Vec<Extended> {
+    (0..rows * columns).map(|index| entry(index / columns, index % columns)).collect()
+}
+
+/// `P_0(ξ) … P_degree(ξ)` by the three-term recurrence `(k+1) P_{k+1} = (2k+1) ξ P_k − k P_{k−1}`.
+fn legendre_values(point: Extended, degree: usize) -> Vec<Extended> {
+    let mut values = vec![Extended::ONE, point];
+    for k in 1..degree {
+        let next = Extended::from(2 * k + 1) * point * values[k] - Extended::from(k) * values[k - 1];
+        values.push(next / Extended::from(k + 1));
+    }
+    values
+}
+
+/// `γ_k⁻¹ ∫₀^c P_k(2x − 1) dx` for `ξ = 2c − 1` and the values of the polynomials there, with γ the discrete norms.
+fn legendre_integral(values: &[Extended], point: Extended, k: usize, stages: usize) -> Extended {
+    if k == 0 {
+        return (point + Extended::ONE) / Extended::from(2usize);
+    }
+    let twice_integral_times_norm = values[k + 1] - values[k - 1];
+    let over_continuous_norm = twice_integral_times_norm / Extended::from(2usize);
+    if k < stages - 1 {
+        over_continuous_norm
+    } else {
+        over_continuous_norm * Extended::from(stages - 1) / Extended::from(2 * k + 1)
+    }
+}
+
+/// The zeros of `(1 − ξ²) P′_{s−1}(ξ)`, increasing, symmetric about 0.
+fn lobatto_points(stages: usize) -> Vec<Extended> {
+    let degree = stages - 1;
+    let mut points = vec![Extended::ZERO; stages];
+    points[degree] = Extended::ONE;
+    points[0] = -Extended::ONE;
+    for upper in stages.div_ceil(2)..degree {
+        // Chebyshev–Lobatto points lie between the same neighbours, which is near enough for Newton's method.
+        let mut point = Extended::from((std::f64::consts::PI * (degree - upper) as f64 / degree as f64).cos());
+        // Five steps reach 32 digits from a start good to two; three more cost nothing and leave no doubt.
+        for _ in 0..8 {
+            // Newton on (1 − ξ²) P′ = n (P_{n−1} − ξ P_n), whose derivative is −n (n+1) P_n.
+            let values = legendre_values(point, degree);
+            let residual = values[degree - 1] - point * values[degree];
+            point = point + residual / (Extended::from(stages) * values[degree]);
+        }
+        points[upper] = point;
+        points[degree - upper] = -point;
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bound on what exact identities may leave: 32 digits, less the factor 2·10⁴ of the largest entry of B and a
+    /// few hundred operations.
+    const EXACT: f64 = 1e-24;
+
+    fn power(base: Extended, exponent: usize) -> Extended {
+        (0..exponent).fold(Extended::ONE, |product, _| product * base)
+    }
+
+    fn inverse(value: usize) -> Extended {
+        Extended::ONE / Extended::from(value)
+    }
+
+    fn assert_zero(value: Extended, what: &str) {
+        assert!(value.abs().rounded() < EXACT, "{what}: {:e}", value.abs().rounded());
+    }
+
+    fn all(mut check: impl FnMut(usize, Exact)) {
+        for stages in MINIMUM_STAGES..=MAXIMUM_STAGES {
+            check(stages, Exact::new(stages));
+        }
+    }
+
+    #[test]
+    fn weights_integrate_polynomials_of_degree_2s_minus_3() {
+        all(|s, exact| {
+            let moment =
+                |k: usize| -> Extended { (0..s).map(|i| exact.weights[i] * power(exact.nodes[i], k - 1)).sum() };
+            for k in 1..=2 * s - 2 {
+                assert_zero(moment(k) - inverse(k), &format!("s = {s}, k = {k}"));
+            }
+            // One degree more must fail, or the nodes would be Gauss–Legendre's, which do not contain the ends.
+            assert!((moment(2 * s - 1) - inverse(2 * s - 1)).abs().rounded() > EXACT, "s = {s}");
+        });
+    }
+
+    #[test]
+    fn first_matrix_is_the_collocation_method_of_the_nodes() {
+        // C(s): Σ_j a_ij c_j^{k−1} = c_i^k / k for k = 1..s, which determines A.
+        all(|s, exact| {
+            for (i, k) in (0..s).flat_map(|i| (1..=s).map(move |k| (i, k))) {
+                let sum: Extended = (0..s).map(|j| exact.a[i * s + j] * power(exact.nodes[j], k - 1)).sum();
+                assert_zero(sum - power(exact.nodes[i], k) * inverse(k), &format!("s = {s}, i = {i}, k = {k}"));
+            }
+        });
+    }
+
+    #[test]
+    fn second_matrix_satisfies_d_of_s() {
+        // D(s): Σ_i b_i c_i^{k−1} ā_ij = b_j (1 − c_j^k) / k for k = 1..s, which determines Ā.
+        all(|s, exact| {
+            for (j, k) in (0..s).flat_map(|j| (1..=s).map(move |k| (j, k))) {
+                let sum: Extended =
+                    (0..s).map(|i| exact.weights[i] * power(exact.nodes[i], k - 1) * exact.a_bar[i * s + j]).sum();
+                let wanted = exact.weights[j] * (Extended::ONE - power(exact.nodes[j], k)) * inverse(k);
+                assert_zero(sum - wanted, &format!("s = {s}, j = {j}, k = {k}"));
+            }
+        });
+    }
+
+    #[test]
+    fn pair_is_symplectic_and_symmetric() {
+        all(|s, exact| {
+            let (b, a, a_bar) = (&exact.weights, &exact.a, &exact.a_bar);
+            for (i, j) in (0..s).flat_map(|i| (0..s).map(move |j| (i, j))) {
+                let symplectic = b[i] * a_bar[i * s + j] + b[j] * a[j * s + i] - b[i] * b[j];
+                assert_zero(symplectic, &format!("symplectic, s = {s}, ({i}, {j})"));
+                for matrix in [a, a_bar] {
+                    let mirrored = matrix[(s - 1 - i) * s + s - 1 - j];
+                    assert_zero(mirrored + matrix[i * s + j] - b[j], &format!("symmetric, s = {s}, ({i}, {j})"));
+                }
+            }
+        });
+    }
+
+    #[test]
+    fn structure_that_makes_the_constrained_scheme_solvable() {
+        // Q₁ = q₀, Q_s = q̄, and the last force does not act on the stages (text after 2.5.11).
+        all(|s, exact| {
+            for j in 0..s {
+                assert_zero(exact.a[j], "first row of A");
+                assert_zero(exact.a[(s - 1) * s + j] - exact.weights[j], "last row of A");
+                assert_zero(exact.a_bar[j * s + s - 1], "last column of the second matrix");
+                assert_zero(exact.a_bar[j * s] - exact.weights[0], "first column of the second matrix");
+            }
+        });
+    }
+
+    #[test]
+    fn closed_form_of_b_is_the_inverse_of_a_hat() {
+        all(|s, exact| {
+            let n = s - 1;
+            for (k, l) in (0..n).flat_map(|k| (0..n).map(move |l| (k, l))) {
+                let product: Extended = (0..n).map(|i| exact.b_matrix[k * n + i] * exact.a_hat[i * n + l]).sum();
+                let identity = if k == l { Extended::ONE } else { Extended::ZERO };
+                assert_zero(product - identity, &format!("s = {s}, ({k}, {l})"));
+            }
+        });
+    }
+
+    #[test]
+    fn momentum_weights_and_row_sums_are_those_of_b() {
+        all(|s, exact| {
+            let n = s - 1;
+            for i in 0..n {
+                let sum: Extended = (0..n).map(|k| exact.weights[k] * exact.b_matrix[k * n + i]).sum();
+                assert_zero(sum - exact.momentum_weights[i], &format!("s = {s}, i = {i}"));
+            }
+            assert_zero(exact.b_times_nodes[0] - Extended::ONE / exact.weights[0], &format!("s = {s}, first row"));
+            for k in 1..n {
+                assert_zero(exact.b_times_nodes[k], &format!("s = {s}, row {k}"));
+            }
+        });
+    }
+
+    #[test]
+    fn top_legendre_row_picks_the_highest_coefficient() {
+        all(|s, exact| {
+            for k in 0..s {
+                let sum: Extended = (0..s)
+                    .map(|i| {
+                        exact.top_legendre[i] * legendre_values(exact.nodes[i] + exact.nodes[i] - Extended::ONE, s)[k]
+                    })
+                    .sum();
+                let wanted = if k == s - 1 { Extended::ONE } else { Extended::ZERO };
+                assert_zero(sum - wanted, &format!("s = {s}, P_{k}"));
+            }
+        });
+    }
+
+    #[test]
+    fn barycentric_formula_reproduces_a_polynomial_of_degree_s_minus_1() {
+        all(|s, exact| {
+            let x = Extended::from(0.3);
+            let (mut above, mut below) = (Extended::ZERO, Extended::ZERO);
+            for i in 0..s {
+                let share = exact.barycentric[i] / (x - exact.nodes[i]);
+                above = above + share * power(exact.nodes[i], s - 1);
+                below = below + share;
+            }
+            assert_zero(above / below - power(x, s - 1), &format!("s = {s}"));
+        });
+    }
+
+    #[test]
+    fn tables_of_two_three_and_four_stages_are_the_published_ones() {
+        // Hairer, Lubich, Wanner, tables II.1.3 and II.1.4; the same numbers as tables 2.4 to 2.6 of the source.
+        let over =
+            |numerators: &[f64], denominator: f64| -> Vec<f64> { numerators.iter().map(|n| n / denominator).collect() };
+        let two = Tableau::new(2).unwrap();
+        assert_eq!(two.nodes, [0.0, 1.0]);
+        assert_eq!(two.weights, [0.5, 0.5]);
+        assert_eq!(two.a, [0.0, 0.0, 0.5, 0.5]);
+        assert_eq!(two.a_bar, [0.5, 0.0, 0.5, 0.0]);
+        assert_eq!((two.a_hat[0], two.b_matrix[0], two.momentum_weights[0]), (0.5, 2.0, 1.0));
+
+        let three = Tableau::new(3).unwrap();
+        assert_eq!(three.nodes, [0.0, 0.5, 1.0]);
+        assert_eq!(three.weights, over(&[1.0, 4.0, 1.0], 6.0)[..]);
+        assert_eq!(three.a, over(&[0.0, 0.0, 0.0, 5.0, 8.0, -1.0, 4.0, 16.0, 4.0], 24.0)[..]);
+        assert_eq!(three.a_bar, over(&[1.0, -1.0, 0.0, 1.0, 2.0, 0.0, 1.0, 5.0, 0.0], 6.0)[..]);
+        assert_eq!(three.a_hat, over(&[2.0, 1.0, 4.0, 8.0], 24.0)[..]);
+        assert_eq!(three.b_matrix, [16.0, -2.0, -8.0, 4.0]);
+
+        let four = Tableau::new(4).unwrap();
+        let root = 5f64.sqrt();
+        let nodes = [0.0, (5.0 - root) / 10.0, (5.0 + root) / 10.0, 1.0];
+        let a = [
+            [0.0, 0.0, 0.0, 0.0],
+            [11.0 + root, 25.0 - root, 25.0 - 13.0 * root, -1.0 + root],
+            [11.0 - root, 25.0 + 13.0 * root, 25.0 + root, -1.0 - root],
+            [10.0, 50.0, 50.0, 10.0],
+        ];
+        let a_bar = [
+            [10.0, -5.0 - 5.0 * root, -5.0 + 5.0 * root, 0.0],
+            [10.0, 25.0 + root, 25.0 - 13.0 * root, 0.0],
+            [10.0, 25.0 + 13.0 * root, 25.0 - root, 0.0],
+            [10.0, 55.0 - 5.0 * root, 55.0 + 5.0 * root, 0.0],
+        ];
+        for i in 0..4 {
+            // The right-hand sides are themselves computed in doubles: a few roundings of numbers of size one.
+            assert!((four.nodes[i] - nodes[i]).abs() < 1e-15);
+            for j in 0..4 {
+                assert!((four.a[4 * i + j] - a[i][j] / 120.0).abs() < 1e-15, "A ({i}, {j})");
+                assert!((four.a_bar[4 * i + j] - a_bar[i][j] / 120.0).abs() < 1e-15, "second ({i}, {j})");
+            }
+        }
+    }
+
+    #[test]
+    fn entries_of_b_are_correctly_rounded() {
+        // Computed independently with 60 digits by inverting Â, itself from the Vandermonde system of the nodes.
+        let nine = Tableau::new(9).unwrap().b_matrix;
+        assert_eq!(nine[0], 1943.2767947162020778);
+        assert_eq!(nine[1], -241.3454209431097763567);
+        assert_eq!(nine[7 * 8], -2.470464209788288182109);
+        assert_eq!(nine.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs())), nine[0]);
+        let sixteen = Tableau::new(16).unwrap();
+        assert_eq!(sixteen.nodes[1], 0.01521597686489103352388);
+        assert_eq!(sixteen.b_matrix[0], 21338.70013068561227231);
+        assert_eq!(sixteen.b_matrix[14 * 15], 2.127518804361213749754);
+    }
+
+    #[test]
+    fn stages_out_of_range_are_refused() {
+        for stages in [0, 1, 17] {
+            assert_eq!(Tableau::new(stages), Err(TableauError::Stages { stages }));
+        }
+    }
+}
