@@ -1,4 +1,22 @@
-//! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11).
+//! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
+//!
+//! Reading order: [`tableau`] (coefficients), [`step`] (the loop of one step), [`start`], [`stage`] (poses of all
+//! stages), [`articulated`] (residual and solve), [`anderson`], [`predictor`], [`dense`], [`control`] (step length),
+//! [`integrator`] (steps strung together); [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
+pub mod algebra;
+pub mod anderson;
+pub mod articulated;
+pub mod control;
+pub mod dense;
+pub mod dispatch;
 mod extended;
+pub mod integrator;
+pub mod lanes;
+pub mod predictor;
+pub mod stage;
+pub mod start;
+pub mod step;
 pub mod tableau;
+
+pub use integrator::Lobatto;

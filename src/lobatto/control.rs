@@ -1,0 +1,118 @@
+//! The choice of the step from a tolerance (step-control.md, controller "one").
+//!
+//! One number, the stop of the iteration `ε`, sets everything: the top Legendre coefficient `E` of the joint
+//! displacements is kept near `c √ε`, because the local error behaves like `E²`, and the number of iterations near
+//! `N*`, where the cost per simulated second is smallest:
+//!
+//! ```text
+//!     h ← h · clip( min( (E_tol/E_n)^{.7/(s−1)} (E_{n−1}/E_n)^{.3/(s−1)},  ((N* + 1)/(N + 1))^{1/2} ), 0.3, 2 )
+//! ```
+
+use super::lanes::Isa;
+use super::step::{Attempt, Step, StopRule};
+use crate::model::Mechanism;
+use crate::state::State;
+
+/// The number of iterations the controller steers for.
+const WANTED_ITERATIONS: f64 = 12.0;
+
+/// What to do with an attempt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// Keep the step; [`Control::step`] is the length of the next one.
+    Accept,
+    /// Try again with the new [`Control::step`].
+    Retry {
+        /// Whether the guess must not use the past.
+        without_past: bool,
+    },
+}
+
+/// The controller's memory.
+pub struct Control {
+    tolerance: f64,
+    stages: usize,
+    /// ε: where the iteration stops.
+    stop: f64,
+    /// The wanted E.
+    wanted: f64,
+    step: f64,
+    previous: Option<f64>,
+    longest: f64,
+}
+
+impl Control {
+    /// A controller for a wanted position accuracy.
+    pub fn new(_mechanism: &Mechanism, tolerance: f64, isa: Isa) -> Self {
+        // The end error is the stop times the scene's own amplification, 1e2 … 1e6 (step-control.md, section 4).
+        let stop = (1e-4 * tolerance).clamp(1e-16, 1e-4);
+        let stages = if isa == Isa::Avx512 { 9 } else { 5 };
+        let factor = if stages == 9 { 0.3 } else { 1.0 };
+        Control { tolerance, stages, stop, wanted: factor * stop.sqrt(), step: 0.0, previous: None, longest: f64::INFINITY }
+    }
+
+    /// The number of stages the tolerance and the processor call for.
+    pub fn stages(&self) -> usize {
+        self.stages
+    }
+
+    /// The tolerance asked for.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// The length of the next step [s].
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Where the iteration stops.
+    pub fn rule(&self) -> StopRule {
+        StopRule { increment: self.stop, rounding: self.stop.max(1e-11), iterations: 40 }
+    }
+
+    /// Whether a first step has been chosen.
+    pub fn started(&self) -> bool {
+        self.step > 0.0
+    }
+
+    /// Chooses the first step from the velocities and accelerations: `h = 0.1 / Ω`, `Ω⁴ = Σ (q̇⁴ + q̈²)`.
+    pub fn start(&mut self, mechanism: &Mechanism, state: &State, kernel: &mut dyn Step) {
+        let mut accelerations = vec![0.0; mechanism.velocity_count];
+        kernel.accelerations(mechanism, state, 1e-4, &mut accelerations);
+        let power: f64 =
+            state.velocity.iter().zip(&accelerations).map(|(rate, acceleration)| rate.powi(4) + acceleration.powi(2)).sum();
+        let rate = power.sqrt().sqrt();
+        self.step = if rate.is_finite() { (0.1 / rate.max(1e-3)).min(1.0) } else { 1e-3 };
+    }
+
+    /// Judges an attempt of length `step` and sets the next one.
+    pub fn judge(&mut self, attempt: &Attempt, step: f64, plain: bool) -> Verdict {
+        let order = (self.stages - 1) as f64;
+        match *attempt {
+            Attempt::Failed { .. } => {
+                if plain {
+                    self.step = 0.5 * step;
+                }
+                self.longest = self.longest.min(step);
+                Verdict::Retry { without_past: !plain }
+            }
+            Attempt::Converged { iterations, legendre } => {
+                let error = legendre.max(1e-300);
+                let limit = 1.8_f64.powf(order) * self.wanted;
+                if error > limit {
+                    self.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
+                    return Verdict::Retry { without_past: false };
+                }
+                let previous = self.previous.unwrap_or(error);
+                let by_error = (self.wanted / error).powf(0.7 / order) * (previous / error).powf(0.3 / order);
+                let by_iterations = ((WANTED_ITERATIONS + 1.0) / (iterations as f64 + 1.0)).sqrt();
+                let factor = by_error.min(by_iterations).clamp(0.3, 2.0);
+                self.previous = Some(error);
+                // A truncated last step must not shorten what follows.
+                self.step = if step < 0.999 * self.step { self.step.max(step * factor) } else { step * factor };
+                Verdict::Accept
+            }
+        }
+    }
+}

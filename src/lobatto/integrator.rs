@@ -1,0 +1,329 @@
+//! The integrator: steps of the scheme strung together, with fixed or chosen length.
+//!
+//! Fixed steps stay on the grid `t₀ + n h`: a step that does not converge is tried again without the past, then
+//! halved, and the grid is met again afterwards. Chosen steps follow [`super::control`].
+
+use super::control::{Control, Verdict};
+use super::dense::DenseRule;
+use super::dispatch::step_for;
+use super::lanes::Isa;
+use super::step::{Attempt, Step, StopRule};
+use super::tableau::{Tableau, TableauError};
+use crate::model::{FreeRotation, Mechanism};
+use crate::simulation::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::state::{State, quaternion_exponential, quaternion_product};
+
+/// A step is halved at most this often before the integrator gives up.
+const HALVINGS: i32 = 14;
+
+/// The constrained Lobatto IIIA–IIIB scheme as an [`Integrator`].
+///
+/// ```
+/// use catena::lobatto::Lobatto;
+/// use catena::model::{Body, Joint, JointKind, Mechanism, Pose};
+/// use catena::simulation::Integrator;
+/// use catena::state::State;
+/// use nalgebra::{Translation3, Vector3};
+///
+/// // A rod of 1 m and 1 kg on a hinge, released from the horizontal.
+/// let hinge = Joint::new("hinge", JointKind::Revolute, Pose::identity(), Translation3::new(-0.5, 0.0, 0.0).into());
+/// let rod = Body { name: "rod".into(), parent: None, mass: 1.0, inertia: Vector3::new(0.0, 1.0 / 12.0, 1.0 / 12.0), joint: hinge };
+/// let mechanism = Mechanism::new("pendulum", Vector3::new(0.0, -9.81, 0.0), vec![rod])?;
+/// let mut state = State::zero(&mechanism);
+/// let mut lobatto = Lobatto::fixed(&mechanism, 9, 0.1)?;
+/// while state.time < 1.0 {
+///     lobatto.advance(&mechanism, &mut state, 1.0)?;
+/// }
+/// let energy = 0.5 / 3.0 * state.velocity[0].powi(2) + 0.5 * 9.81 * state.position[0].sin();
+/// assert!(energy.abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Lobatto {
+    kernel: Box<dyn Step>,
+    tableau: Tableau,
+    dense: DenseRule,
+    mode: Mode,
+    /// The state at the start of the last step, for dense output.
+    origin: State,
+    /// Velocities at the end of the last step.
+    end_rates: Vec<f64>,
+    last_step: f64,
+    steps: usize,
+    stepped_time: f64,
+    /// What the last call left behind; anything else means that somebody moved the state.
+    left_at: Option<f64>,
+}
+
+enum Mode {
+    Fixed { step: f64, grid: f64, rule: StopRule },
+    Adaptive(Control),
+}
+
+impl Lobatto {
+    /// Fixed steps of `step` seconds with `stages` stages, iterated to rounding.
+    ///
+    /// # Errors
+    /// [`TableauError`] if the number of stages is not from 2 to 16.
+    pub fn fixed(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, TableauError> {
+        Self::fixed_with(mechanism, stages, step, StopRule::ROUNDING, Isa::detect())
+    }
+
+    /// Fixed steps with a stop rule and vector instructions of one's own choice (for experiments and tests).
+    ///
+    /// # Errors
+    /// [`TableauError`] if the number of stages is not from 2 to 16.
+    pub fn fixed_with(
+        mechanism: &Mechanism,
+        stages: usize,
+        step: f64,
+        rule: StopRule,
+        isa: Isa,
+    ) -> Result<Self, TableauError> {
+        let mode = Mode::Fixed { step, grid: f64::NEG_INFINITY, rule };
+        Self::with_mode(mechanism, stages, mode, isa)
+    }
+
+    /// Steps chosen from a wanted position accuracy [m or rad].
+    ///
+    /// # Errors
+    /// [`TableauError`] never for the stage numbers chosen here; it is part of the signature for symmetry.
+    pub fn adaptive(mechanism: &Mechanism, tolerance: f64) -> Result<Self, TableauError> {
+        let isa = Isa::detect();
+        let control = Control::new(mechanism, tolerance, isa);
+        let stages = control.stages();
+        Self::with_mode(mechanism, stages, Mode::Adaptive(control), isa)
+    }
+
+    fn with_mode(mechanism: &Mechanism, stages: usize, mode: Mode, isa: Isa) -> Result<Self, TableauError> {
+        let tableau = Tableau::new(stages)?;
+        Ok(Lobatto {
+            kernel: step_for(mechanism, &tableau, isa),
+            dense: DenseRule::new(&tableau),
+            tableau,
+            mode,
+            origin: State::zero(mechanism),
+            end_rates: vec![0.0; mechanism.velocity_count],
+            last_step: 0.0,
+            steps: 0,
+            stepped_time: 0.0,
+            left_at: None,
+        })
+    }
+
+    /// Solves and accepts a step of length `step`; counts the failed attempts.
+    fn accept(&mut self, mechanism: &Mechanism, state: &mut State, step: f64) {
+        self.origin.position.copy_from_slice(&state.position);
+        self.origin.time = state.time;
+        self.kernel.accept(mechanism, state);
+        self.end_rates.copy_from_slice(&state.velocity);
+        state.time += step;
+        self.last_step = step;
+        self.steps += 1;
+        self.stepped_time += step;
+        self.left_at = Some(state.time);
+    }
+
+    fn fixed_step(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+        let Mode::Fixed { step, grid, rule } = &mut self.mode else { return Ok(StepOutcome::default()) };
+        let (nominal, rule) = (*step, *rule);
+        // A grid point this close is where rounding left us, not a step to make.
+        if *grid <= state.time + 1e-9 * nominal || *grid > state.time + nominal {
+            *grid = state.time + nominal;
+        }
+        if *grid > until || until - *grid < 1e-7 * nominal {
+            *grid = until;
+        }
+        let target = *grid;
+        let mut outcome = StepOutcome::default();
+        let mut length = target - state.time;
+        for halving in 0..=HALVINGS {
+            for plain in [false, true] {
+                match self.kernel.attempt(mechanism, state, length, &rule, plain) {
+                    Attempt::Converged { iterations, .. } => {
+                        outcome.iterations += iterations;
+                        outcome.step = length;
+                        self.accept(mechanism, state, length);
+                        if halving == 0 {
+                            state.time = target;
+                        }
+                        self.left_at = Some(state.time);
+                        return finite(mechanism, state, length).map(|()| outcome);
+                    }
+                    Attempt::Failed { iterations, freedom, increment } => {
+                        outcome.iterations += iterations;
+                        outcome.rejected += 1;
+                        if halving == HALVINGS && plain {
+                            return Err(not_converged(mechanism, state.time, length, freedom, increment));
+                        }
+                    }
+                }
+            }
+            length *= 0.5;
+        }
+        Ok(outcome)
+    }
+
+    fn adaptive_step(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+        let Mode::Adaptive(control) = &mut self.mode else { return Ok(StepOutcome::default()) };
+        let mut outcome = StepOutcome::default();
+        if !control.started() {
+            control.start(mechanism, state, self.kernel.as_mut());
+        }
+        let mut plain = false;
+        loop {
+            let Mode::Adaptive(control) = &mut self.mode else { return Ok(outcome) };
+            let remaining = until - state.time;
+            let reaches = control.step() >= remaining * (1.0 - 1e-9);
+            let length = if reaches { remaining } else { control.step() };
+            let attempt = self.kernel.attempt(mechanism, state, length, &control.rule(), plain);
+            let (Attempt::Converged { iterations, .. } | Attempt::Failed { iterations, .. }) = attempt;
+            outcome.iterations += iterations;
+            match control.judge(&attempt, length, plain) {
+                Verdict::Accept => {
+                    outcome.step = length;
+                    self.accept(mechanism, state, length);
+                    if reaches {
+                        state.time = until;
+                        self.left_at = Some(until);
+                    }
+                    return finite(mechanism, state, length).map(|()| outcome);
+                }
+                Verdict::Retry { without_past } => {
+                    outcome.rejected += 1;
+                    plain = without_past;
+                    // Below this the step vanishes against the time itself.
+                    if control.step() < 1e-13 * state.time.abs().max(1e-3)
+                        && let Attempt::Failed { freedom, increment, .. } = attempt
+                    {
+                        return Err(not_converged(mechanism, state.time, length, freedom, increment));
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Integrator for Lobatto {
+    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+        if self.left_at != Some(state.time) {
+            self.kernel.forget();
+            if let Mode::Fixed { grid, .. } = &mut self.mode {
+                *grid = f64::NEG_INFINITY;
+            }
+        }
+        match self.mode {
+            Mode::Fixed { .. } => self.fixed_step(mechanism, state, until),
+            Mode::Adaptive(_) => self.adaptive_step(mechanism, state, until),
+        }
+    }
+
+    fn dense(&self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        let weights = self.dense.weights((time - self.origin.time) / self.last_step);
+        let mut stages = [0.0; super::stage::MAX_LANES];
+        let stages = &mut stages[..self.tableau.stages - 1];
+        let start_rates = self.kernel.start_rates();
+        position.copy_from_slice(&self.origin.position);
+        for body in &mechanism.bodies {
+            let joint = &body.joint;
+            let ball = joint.kind.rotation() == FreeRotation::Ball;
+            let scalars = joint.kind.velocity_count() - if ball { 3 } else { 0 };
+            for offset in 0..scalars {
+                let freedom = joint.velocity_index + offset;
+                self.kernel.displacement(freedom, stages);
+                let (start, end) = (self.last_step * start_rates[freedom], self.last_step * self.end_rates[freedom]);
+                let (displacement, slope) = weights.apply(stages, start, end);
+                position[joint.position_index + offset] += displacement;
+                velocity[freedom] = slope / self.last_step;
+            }
+            if ball {
+                let first = joint.velocity_index + scalars;
+                let mut turn = [0.0; 3];
+                let mut rate = [0.0; 3];
+                let mut last = [0.0; 3];
+                for axis in 0..3 {
+                    self.kernel.displacement(first + axis, stages);
+                    last[axis] = stages[stages.len() - 1];
+                }
+                // The slope of the rotation vector at the end belongs to the angular velocity there.
+                let end = inverse_tangent(&last, &[0, 1, 2].map(|axis| self.end_rates[first + axis]));
+                for axis in 0..3 {
+                    self.kernel.displacement(first + axis, stages);
+                    let ends = (self.last_step * start_rates[first + axis], self.last_step * end[axis]);
+                    (turn[axis], rate[axis]) = weights.apply(stages, ends.0, ends.1);
+                }
+                let slot = joint.position_index + scalars;
+                let turned = quaternion_product(&self.origin.position[slot..slot + 4], &quaternion_exponential(&turn));
+                position[slot..slot + 4].copy_from_slice(&turned);
+                let spin = tangent(&turn, &rate);
+                for axis in 0..3 {
+                    velocity[first + axis] = spin[axis] / self.last_step;
+                }
+            }
+        }
+    }
+
+    fn description(&self) -> MethodDescription {
+        let (adaptive, tolerance, step) = match &self.mode {
+            Mode::Fixed { step, .. } => (false, None, *step),
+            Mode::Adaptive(control) => {
+                (true, Some(control.tolerance()), self.stepped_time / self.steps.max(1) as f64)
+            }
+        };
+        MethodDescription {
+            name: "lobatto".to_string(),
+            stages: self.tableau.stages,
+            order: self.tableau.order(),
+            step,
+            adaptive,
+            tolerance,
+        }
+    }
+}
+
+/// Body-frame angular velocity of `exp(θ)` for the rate of θ: `(1 − k₁ θ̂ + k₂ θ̂²) θ̇`.
+fn tangent(theta: &[f64; 3], rate: &[f64; 3]) -> [f64; 3] {
+    // The derivative of log(exp(−θ) exp(θ + ε θ̇)) without series for small angles: both factors are exact maps.
+    let (theta, rate) = (nalgebra::Vector3::from(*theta), nalgebra::Vector3::from(*rate));
+    let angle = theta.norm();
+    let (first, second) = if angle < 1e-4 {
+        (0.5 - angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0)
+    } else {
+        ((1.0 - angle.cos()) / (angle * angle), (angle - angle.sin()) / angle.powi(3))
+    };
+    let once = theta.cross(&rate);
+    (rate - first * once + second * theta.cross(&once)).into()
+}
+
+/// The rate of θ for a body-frame angular velocity of `exp(θ)`: the inverse of [`tangent`].
+fn inverse_tangent(theta: &[f64; 3], spin: &[f64; 3]) -> [f64; 3] {
+    let (theta, spin) = (nalgebra::Vector3::from(*theta), nalgebra::Vector3::from(*spin));
+    let angle = theta.norm();
+    let factor = if angle < 1e-3 {
+        1.0 / 12.0 + angle * angle / 720.0
+    } else {
+        (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
+    };
+    let once = theta.cross(&spin);
+    (spin + 0.5 * once + factor * theta.cross(&once)).into()
+}
+
+fn joint_of_freedom(mechanism: &Mechanism, freedom: usize) -> String {
+    mechanism
+        .bodies
+        .iter()
+        .find(|body| body.joint.velocity_range().contains(&freedom))
+        .map_or_else(String::new, |body| body.joint.name.clone())
+}
+
+fn not_converged(mechanism: &Mechanism, time: f64, step: f64, freedom: usize, increment: f64) -> StepError {
+    StepError::NotConverged { time, step, joint: joint_of_freedom(mechanism, freedom), increment }
+}
+
+fn finite(mechanism: &Mechanism, state: &State, step: f64) -> Result<(), StepError> {
+    match state.velocity.iter().position(|rate| !rate.is_finite()) {
+        None => Ok(()),
+        Some(freedom) => {
+            Err(StepError::NotFinite { time: state.time, step, joint: joint_of_freedom(mechanism, freedom) })
+        }
+    }
+}

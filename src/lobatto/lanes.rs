@@ -1,0 +1,397 @@
+//! Stages as SIMD lanes: the vectors in which all stages of a step are computed at once.
+//!
+//! Lane `j` holds stage `j + 2` of an s-stage step (the first stage is the known start), so that a step of s stages
+//! fills s − 1 lanes; the lanes above that carry zeros. The kernel is written once, over the [`Lanes`] trait, and
+//! instantiated for the widest vectors the processor has, found at run time ([`Isa::detect`]).
+//!
+//! This is the only file with `unsafe`. Two proofs carry every block in it:
+//!
+//! - **P1** — the intrinsics of a vector type need a processor feature. [`crate::lobatto::dispatch`] names the AVX types only
+//!   after [`Isa::detect`] has found `avx2` and `fma` (and `avx512f` for [`Avx512`]), and no other module names them.
+//! - **P2** — loads and stores go through arrays of exactly the vector's length, by value or reference, so that
+//!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// A vector of `COUNT` doubles, one for each lane, with the arithmetic the kernel needs.
+pub trait Lanes:
+    Copy + Send + 'static + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+    /// Number of lanes.
+    const COUNT: usize;
+    /// `[f64; COUNT]`.
+    type Array: Copy + AsRef<[f64]> + AsMut<[f64]>;
+    /// All lanes equal.
+    fn splat(value: f64) -> Self;
+    /// The lanes of an array.
+    fn from_array(array: Self::Array) -> Self;
+    /// The lanes as an array.
+    fn to_array(self) -> Self::Array;
+    /// An array of zeros.
+    fn zero_array() -> Self::Array;
+    /// `self · b + c`.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// `c − self · b`.
+    fn neg_mul_add(self, b: Self, c: Self) -> Self;
+    /// `1 / self`.
+    fn reciprocal(self) -> Self;
+    /// The larger of `|self|` and `bound`, lane by lane; a NaN in `self` gives NaN.
+    fn max_abs(self, bound: Self) -> Self;
+    /// Runs `work` compiled for this vector type.
+    fn run<R>(work: impl FnOnce() -> R) -> R;
+
+    /// All lanes zero.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+
+    /// The lanes of a slice, zero above its end.
+    fn from_slice(values: &[f64]) -> Self {
+        let mut array = Self::zero_array();
+        array.as_mut()[..values.len()].copy_from_slice(values);
+        Self::from_array(array)
+    }
+
+    /// Mixes lanes: `Σ_i columns[i] · self[i]`, a matrix (by columns) times the vector of the lanes.
+    #[inline(always)]
+    fn mix(self, columns: &[Self]) -> Self {
+        let array = self.to_array();
+        let lanes = array.as_ref();
+        let mut sum = columns[0] * Self::splat(lanes[0]);
+        let mut index = 1;
+        while index < Self::COUNT {
+            sum = columns[index].mul_add(Self::splat(lanes[index]), sum);
+            index += 1;
+        }
+        sum
+    }
+
+    /// Sum of all lanes, always in the same order.
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        self.to_array().as_ref().iter().sum()
+    }
+
+    /// Largest lane; NaN if any lane is NaN.
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        self.to_array().as_ref().iter().fold(f64::NEG_INFINITY, |worst, &value| if value > worst || value.is_nan() { value } else { worst })
+    }
+}
+
+/// The vector instructions of a processor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Isa {
+    /// No more than the build promises.
+    Portable,
+    /// AVX2 with fused multiply-add: four lanes an instruction.
+    Avx2,
+    /// AVX-512F: eight lanes an instruction.
+    Avx512,
+}
+
+impl Isa {
+    /// The widest vectors of the processor this runs on.
+    pub fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            return if is_x86_feature_detected!("avx512f") { Isa::Avx512 } else { Isa::Avx2 };
+        }
+        Isa::Portable
+    }
+
+    /// Name for reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Isa::Portable => "portable",
+            Isa::Avx2 => "avx2",
+            Isa::Avx512 => "avx512",
+        }
+    }
+}
+
+macro_rules! operators {
+    ($name:ty, $($generics:tt)*) => {
+        impl<$($generics)*> Add for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, other: Self) -> Self { Self::lane_add(self, other) }
+        }
+        impl<$($generics)*> Sub for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self { Self::lane_sub(self, other) }
+        }
+        impl<$($generics)*> Mul for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, other: Self) -> Self { Self::lane_mul(self, other) }
+        }
+        impl<$($generics)*> Neg for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self { Self::lane_sub(Self::splat(0.0), self) }
+        }
+    };
+}
+
+/// Lanes without vector instructions of their own: whatever the compiler makes of an array.
+#[derive(Clone, Copy)]
+pub struct Portable<const N: usize>([f64; N]);
+
+impl<const N: usize> Portable<N> {
+    #[inline(always)]
+    fn zip(self, other: Self, operation: impl Fn(f64, f64) -> f64) -> Self {
+        Portable(std::array::from_fn(|lane| operation(self.0[lane], other.0[lane])))
+    }
+    #[inline(always)]
+    fn lane_add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn lane_sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn lane_mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+}
+
+operators!(Portable<N>, const N: usize);
+
+impl<const N: usize> Lanes for Portable<N>
+where
+    [f64; N]: AsRef<[f64]> + AsMut<[f64]>,
+{
+    const COUNT: usize = N;
+    type Array = [f64; N];
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Portable([value; N])
+    }
+    #[inline(always)]
+    fn from_array(array: [f64; N]) -> Self {
+        Portable(array)
+    }
+    #[inline(always)]
+    fn to_array(self) -> [f64; N] {
+        self.0
+    }
+    #[inline(always)]
+    fn zero_array() -> [f64; N] {
+        [0.0; N]
+    }
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        self * b + c
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        c - self * b
+    }
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        Portable(self.0.map(|value| 1.0 / value))
+    }
+    #[inline(always)]
+    fn max_abs(self, bound: Self) -> Self {
+        self.zip(bound, |a, b| if a.abs() > b || a.is_nan() { a.abs() } else { b })
+    }
+    #[inline(always)]
+    fn run<R>(work: impl FnOnce() -> R) -> R {
+        work()
+    }
+}
+
+/// Twice the lanes of `V`.
+#[derive(Clone, Copy)]
+pub struct Pair<V, const N: usize>(V, V);
+
+macro_rules! pair {
+    ($half:ty, $half_count:literal, $count:literal) => {
+        impl Pair<$half, $count> {
+            #[inline(always)]
+            fn lane_add(self, other: Self) -> Self {
+                Pair(self.0 + other.0, self.1 + other.1)
+            }
+            #[inline(always)]
+            fn lane_sub(self, other: Self) -> Self {
+                Pair(self.0 - other.0, self.1 - other.1)
+            }
+            #[inline(always)]
+            fn lane_mul(self, other: Self) -> Self {
+                Pair(self.0 * other.0, self.1 * other.1)
+            }
+        }
+        operators!(Pair<$half, $count>,);
+        impl Lanes for Pair<$half, $count> {
+            const COUNT: usize = $count;
+            type Array = [f64; $count];
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                Pair(<$half>::splat(value), <$half>::splat(value))
+            }
+            #[inline(always)]
+            fn from_array(array: [f64; $count]) -> Self {
+                Pair(
+                    <$half>::from_array(std::array::from_fn(|lane| array[lane])),
+                    <$half>::from_array(std::array::from_fn(|lane| array[lane + $half_count])),
+                )
+            }
+            #[inline(always)]
+            fn to_array(self) -> [f64; $count] {
+                let (low, high) = (self.0.to_array(), self.1.to_array());
+                std::array::from_fn(|lane| if lane < $half_count { low[lane] } else { high[lane - $half_count] })
+            }
+            #[inline(always)]
+            fn zero_array() -> [f64; $count] {
+                [0.0; $count]
+            }
+            #[inline(always)]
+            fn mul_add(self, b: Self, c: Self) -> Self {
+                Pair(self.0.mul_add(b.0, c.0), self.1.mul_add(b.1, c.1))
+            }
+            #[inline(always)]
+            fn neg_mul_add(self, b: Self, c: Self) -> Self {
+                Pair(self.0.neg_mul_add(b.0, c.0), self.1.neg_mul_add(b.1, c.1))
+            }
+            #[inline(always)]
+            fn reciprocal(self) -> Self {
+                Pair(self.0.reciprocal(), self.1.reciprocal())
+            }
+            #[inline(always)]
+            fn max_abs(self, bound: Self) -> Self {
+                Pair(self.0.max_abs(bound.0), self.1.max_abs(bound.1))
+            }
+            #[inline(always)]
+            fn run<R>(work: impl FnOnce() -> R) -> R {
+                <$half>::run(work)
+            }
+        }
+    };
+}
+
+#[cfg(target_arch = "x86_64")]
+pub use x86::{Avx128, Avx256, Avx512};
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use super::{Add, Lanes, Mul, Neg, Sub};
+    use std::arch::x86_64::*;
+
+    macro_rules! vector {
+        ($(#[$doc:meta])* $name:ident, $raw:ty, $count:literal, $features:literal,
+         $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fnmadd:ident,
+         $max_abs:expr) => {
+            $(#[$doc])*
+            #[derive(Clone, Copy)]
+            pub struct $name($raw);
+
+            impl $name {
+                #[inline(always)]
+                fn lane_add(self, other: Self) -> Self {
+                    // SAFETY: P1.
+                    $name(unsafe { $add(self.0, other.0) })
+                }
+                #[inline(always)]
+                fn lane_sub(self, other: Self) -> Self {
+                    // SAFETY: P1.
+                    $name(unsafe { $sub(self.0, other.0) })
+                }
+                #[inline(always)]
+                fn lane_mul(self, other: Self) -> Self {
+                    // SAFETY: P1.
+                    $name(unsafe { $mul(self.0, other.0) })
+                }
+            }
+
+            operators!($name,);
+
+            impl Lanes for $name {
+                const COUNT: usize = $count;
+                type Array = [f64; $count];
+                #[inline(always)]
+                fn splat(value: f64) -> Self {
+                    // SAFETY: P1.
+                    $name(unsafe { $set1(value) })
+                }
+                #[inline(always)]
+                fn from_array(array: [f64; $count]) -> Self {
+                    // SAFETY: P1 and P2.
+                    $name(unsafe { $load(array.as_ptr()) })
+                }
+                #[inline(always)]
+                fn to_array(self) -> [f64; $count] {
+                    let mut array = [0.0; $count];
+                    // SAFETY: P1 and P2.
+                    unsafe { $store(array.as_mut_ptr(), self.0) };
+                    array
+                }
+                #[inline(always)]
+                fn zero_array() -> [f64; $count] {
+                    [0.0; $count]
+                }
+                #[inline(always)]
+                fn mul_add(self, b: Self, c: Self) -> Self {
+                    // SAFETY: P1.
+                    $name(unsafe { $fmadd(self.0, b.0, c.0) })
+                }
+                #[inline(always)]
+                fn neg_mul_add(self, b: Self, c: Self) -> Self {
+                    // SAFETY: P1.
+                    $name(unsafe { $fnmadd(self.0, b.0, c.0) })
+                }
+                #[inline(always)]
+                fn reciprocal(self) -> Self {
+                    // SAFETY: P1.
+                    $name(unsafe { $div($set1(1.0), self.0) })
+                }
+                #[inline(always)]
+                fn max_abs(self, bound: Self) -> Self {
+                    // The intrinsics return their second operand when either is NaN, so |self| comes second.
+                    // SAFETY: P1.
+                    $name(unsafe { $max_abs(self.0, bound.0) })
+                }
+                #[inline(always)]
+                fn run<R>(work: impl FnOnce() -> R) -> R {
+                    #[target_feature(enable = $features)]
+                    fn with_features<R>(work: impl FnOnce() -> R) -> R {
+                        work()
+                    }
+                    // SAFETY: P1.
+                    unsafe { with_features(work) }
+                }
+            }
+        };
+    }
+
+    vector!(
+        /// Two lanes in a 128-bit register.
+        Avx128, __m128d, 2, "avx2,fma",
+        _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_fmadd_pd, _mm_fnmadd_pd,
+        |a, b| _mm_max_pd(b, _mm_andnot_pd(_mm_set1_pd(-0.0), a))
+    );
+    vector!(
+        /// Four lanes in a 256-bit register.
+        Avx256, __m256d, 4, "avx2,fma",
+        _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
+        _mm256_fmadd_pd, _mm256_fnmadd_pd,
+        |a, b| _mm256_max_pd(b, _mm256_andnot_pd(_mm256_set1_pd(-0.0), a))
+    );
+    vector!(
+        /// Eight lanes in a 512-bit register.
+        Avx512, __m512d, 8, "avx512f,avx2,fma",
+        _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
+        _mm512_fmadd_pd, _mm512_fnmadd_pd,
+        |a, b| _mm512_max_pd(b, _mm512_abs_pd(a))
+    );
+}
+
+#[cfg(target_arch = "x86_64")]
+pair!(Avx256, 4, 8);
+#[cfg(target_arch = "x86_64")]
+pair!(Avx512, 8, 16);
+#[cfg(target_arch = "x86_64")]
+pair!(Pair<Avx256, 8>, 8, 16);

@@ -1,0 +1,188 @@
+//! The first guess of a step: the last step's joint displacements, extrapolated.
+//!
+//! In units of the new step, with the new start at 0, the old stages lie at `x_n = (c_n − 1) h_old/h` and had the
+//! displacements `y_n` from the new start. The guess for the stages `x = c_2 … c_s` is the polynomial that has the
+//! value 0 and the velocity `h v` at 0 and meets the κ newest old stages, in Newton's form
+//!
+//! ```text
+//!     p(x) = x h v + x² Σ_{n<κ} d_n Π_{k<n} (x − x_k),     d_n: divided differences of (y_n − x_n h v) / x_n²
+//! ```
+//!
+//! (step-control.md, section 0.4). Newton's form holds all orders at once: after the step has converged, the order
+//! that would have guessed best is read off and used next time. κ = 0 is the guess `q₀ + h c v₀`, which needs no past.
+
+use super::lanes::Lanes;
+use super::stage::{MAX_LANES, Stages};
+use super::tableau::Tableau;
+use crate::model::FreeRotation;
+use crate::state::{quaternion_exponential, quaternion_logarithm, quaternion_product};
+
+/// At most so many degrees of freedom vote on the order.
+const VOTERS: usize = 48;
+
+/// The past that guesses are made from.
+pub struct Predictor<V> {
+    /// Old displacements from the new start, newest first: stages s−1 … 1; `nodes.len()` numbers a degree of freedom.
+    past: Vec<f64>,
+    /// `c_n − 1` of the old stages, newest first.
+    nodes: Vec<f64>,
+    /// Divided differences of the last guess; as many as `past`.
+    differences: Vec<f64>,
+    /// `x² Π (x − x_k)` of the last guess.
+    basis: [V; MAX_LANES],
+    /// Length of the step the past comes from, zero for none.
+    old_step: f64,
+    /// The order in use.
+    order: usize,
+    /// The order the last guess was made with.
+    used: usize,
+}
+
+impl<V: Lanes> Predictor<V> {
+    /// Memory for a number of degrees of freedom.
+    pub fn new(freedoms: usize, tableau: &Tableau) -> Self {
+        let nodes: Vec<f64> = tableau.nodes[..tableau.stages - 1].iter().rev().map(|node| node - 1.0).collect();
+        Predictor {
+            past: vec![0.0; freedoms * nodes.len()],
+            differences: vec![0.0; freedoms * nodes.len()],
+            basis: [V::zero(); MAX_LANES],
+            old_step: 0.0,
+            order: nodes.len().min(2),
+            used: 0,
+            nodes,
+        }
+    }
+
+    /// Forgets the past: the next step starts from something else.
+    pub fn forget(&mut self) {
+        self.old_step = 0.0;
+    }
+
+    /// Whether a guess of order above zero can be made.
+    pub fn has_past(&self) -> bool {
+        self.old_step > 0.0
+    }
+
+    /// Writes the guess into the displacements; `plain` asks for order zero.
+    #[inline(always)]
+    pub fn guess(&mut self, stages: &mut Stages<V>, plain: bool) {
+        let count = self.nodes.len();
+        let step = stages.step;
+        let nodes = stages.coefficients.nodes;
+        if plain || !self.has_past() {
+            self.used = 0;
+            for (displacement, &rate) in stages.displacement.iter_mut().zip(&stages.start.rates) {
+                *displacement = nodes * V::splat(step * rate);
+            }
+            return;
+        }
+        self.used = self.order;
+        // One more than is used, so that the vote sees the next higher order.
+        let terms = (self.order + 1).min(count);
+        let ratio = self.old_step / step;
+        let mut x = [0.0; MAX_LANES];
+        let mut inverse_square = [0.0; MAX_LANES];
+        let mut inverse = [[0.0; MAX_LANES]; MAX_LANES];
+        for n in 0..terms {
+            x[n] = self.nodes[n] * ratio;
+            inverse_square[n] = 1.0 / (x[n] * x[n]);
+            for k in 0..n {
+                inverse[n][k] = 1.0 / (x[n] - x[k]);
+            }
+        }
+        self.basis[0] = nodes * nodes;
+        for n in 1..terms {
+            self.basis[n] = self.basis[n - 1] * (nodes - V::splat(x[n - 1]));
+        }
+        for (freedom, (displacement, &rate)) in stages.displacement.iter_mut().zip(&stages.start.rates).enumerate() {
+            let past = &self.past[freedom * count..(freedom + 1) * count];
+            let differences = &mut self.differences[freedom * count..(freedom + 1) * count];
+            let advance = step * rate;
+            for n in 0..terms {
+                let mut value = (past[n] - x[n] * advance) * inverse_square[n];
+                for k in 0..n {
+                    value = (value - differences[k]) * inverse[n][k];
+                }
+                differences[n] = value;
+            }
+            let mut guess = nodes * V::splat(advance);
+            for n in 0..self.order.min(terms) {
+                guess = self.basis[n].mul_add(V::splat(differences[n]), guess);
+            }
+            *displacement = guess;
+        }
+    }
+
+    /// Learns from the converged step: picks the order that would have guessed best, keeps the displacements.
+    #[inline(always)]
+    pub fn learn(&mut self, stages: &Stages<V>) {
+        if self.used > 0 {
+            self.vote(stages);
+        }
+        let count = self.nodes.len();
+        let last = stages.coefficients.active - 1;
+        for plan in &stages.start.plans {
+            let scalars = plan.translations + usize::from(plan.rotation == FreeRotation::AboutZ);
+            for freedom in plan.first_axis..plan.first_axis + scalars {
+                let lanes = stages.displacement[freedom].to_array();
+                let lanes = lanes.as_ref();
+                let past = &mut self.past[freedom * count..(freedom + 1) * count];
+                for (n, entry) in past.iter_mut().enumerate() {
+                    *entry = if n < last { lanes[last - 1 - n] - lanes[last] } else { -lanes[last] };
+                }
+            }
+            if plan.rotation == FreeRotation::Ball {
+                self.learn_ball(stages, plan.first_axis + plan.translations);
+            }
+        }
+        self.old_step = stages.step;
+    }
+
+    /// The past of a ball joint: rotation vectors from the new start, `log(exp(−θ_s) exp(θ_n))`.
+    fn learn_ball(&mut self, stages: &Stages<V>, freedom: usize) {
+        let count = self.nodes.len();
+        let last = stages.coefficients.active - 1;
+        let lane = |axis: usize, lane: usize| stages.displacement[freedom + axis].to_array().as_ref()[lane];
+        let back = quaternion_exponential(&[-lane(0, last), -lane(1, last), -lane(2, last)]);
+        for n in 0..count {
+            let turned = if n < last {
+                let stage = last - 1 - n;
+                quaternion_product(&back, &quaternion_exponential(&[lane(0, stage), lane(1, stage), lane(2, stage)]))
+            } else {
+                back
+            };
+            let vector = quaternion_logarithm(&turned);
+            for axis in 0..3 {
+                self.past[(freedom + axis) * count + n] = vector[axis];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn vote(&mut self, stages: &Stages<V>) {
+        let count = self.nodes.len();
+        let terms = (self.used + 1).min(count);
+        let mut worst = [V::zero(); MAX_LANES];
+        let freedoms = stages.displacement.len();
+        let stride = freedoms.div_ceil(VOTERS).max(1);
+        let mut freedom = 0;
+        while freedom < freedoms {
+            let differences = &self.differences[freedom * count..(freedom + 1) * count];
+            let advance = V::splat(stages.step * stages.start.rates[freedom]);
+            let mut missing = advance.neg_mul_add(stages.coefficients.nodes, stages.displacement[freedom]);
+            for n in 0..terms {
+                missing = self.basis[n].neg_mul_add(V::splat(differences[n]), missing);
+                worst[n] = missing.max_abs(worst[n]);
+            }
+            freedom += stride;
+        }
+        let mut best = (f64::INFINITY, self.used);
+        for n in self.used.saturating_sub(2)..terms {
+            let error = worst[n].largest();
+            if error < best.0 {
+                best = (error, n + 1);
+            }
+        }
+        self.order = best.1;
+    }
+}

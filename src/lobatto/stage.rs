@@ -1,0 +1,265 @@
+//! The poses of all stages from the joint displacements: the forward sweep.
+//!
+//! All stages of a step are rebuilt from the joint displacements `θ_i` since its start, root to leaf, so that every
+//! joint holds to rounding at every iterate (method page, section 4). Rotations since the start are unit quaternions
+//! `(w, u)` in world axes, `R_i = (1 + N_i) R_0`, and positions are increments, so that no difference of poses is
+//! ever formed (section 7):
+//!
+//! ```text
+//!     q_b   = q_p ∘ exp(Σ θ z_0)                        z_0: free rotation axes at the start
+//!     Δa_b  = Δa_p + N_p arm + Σ θ (1 + N_p) e_0        e_0: free translation axes at the start
+//!     N     = 2 (w û + u uᵀ − |u|² 1)
+//! ```
+
+use super::algebra::{Matrix, Symmetric, Vector};
+use super::lanes::Lanes;
+use super::start::Start;
+use super::tableau::Tableau;
+use crate::model::FreeRotation;
+
+/// The largest number of lanes any vector type has.
+pub const MAX_LANES: usize = 16;
+
+/// The largest joint rotation within a step the kernel represents [rad].
+pub const MAX_TURN: f64 = 3.1;
+
+/// Rotation and anchor displacement of a body at all stages, since the start of the step, in world axes.
+#[derive(Clone, Copy)]
+pub struct StagePose<V> {
+    /// Real part of the quaternion.
+    pub w: V,
+    /// Vector part of the quaternion.
+    pub u: Vector<V>,
+    /// Displacement of the anchor [m].
+    pub anchor: Vector<V>,
+}
+
+/// The coefficients of the scheme as lanes. Lane `j` of an unknown is stage `j + 2`; lane `j` of a residual is row
+/// `j + 2`, except that the last lane is row 1: the two share their geometry, except for the last lane, where the
+/// row's is that of the start.
+pub struct Coefficients<V> {
+    /// Number of lanes in use, s − 1.
+    pub active: usize,
+    /// B by columns.
+    pub residual: [V; MAX_LANES],
+    /// Â by columns.
+    pub solve: [V; MAX_LANES],
+    /// Momentum weights `Σ_k b_k B_ki`, by columns, in every lane.
+    pub momentum: [V; MAX_LANES],
+    /// Nodes c_2 … c_s.
+    pub nodes: V,
+    /// One where a row has its stage's geometry, zero where it has that of the start.
+    pub moved: V,
+    /// The last weight, b_s.
+    pub last_weight: f64,
+}
+
+impl<V: Lanes> Coefficients<V> {
+    /// Arranges a tableau in lanes.
+    pub fn new(tableau: &Tableau) -> Self {
+        let active = tableau.stages - 1;
+        let row_of_lane = |lane: usize| if lane + 1 == active { 0 } else { lane + 1 };
+        let mut residual = [V::zero(); MAX_LANES];
+        let mut solve = [V::zero(); MAX_LANES];
+        let mut momentum = [V::zero(); MAX_LANES];
+        for column in 0..active {
+            let rows: Vec<f64> = (0..active).map(|lane| tableau.b_matrix[row_of_lane(lane) * active + column]).collect();
+            residual[column] = V::from_slice(&rows);
+            let rows: Vec<f64> = (0..active).map(|lane| tableau.a_hat[lane * active + row_of_lane(column)]).collect();
+            solve[column] = V::from_slice(&rows);
+            momentum[column] = V::splat(tableau.momentum_weights[column]);
+        }
+        let moved: Vec<f64> = (0..active).map(|lane| if lane + 1 == active { 0.0 } else { 1.0 }).collect();
+        Coefficients {
+            active,
+            residual,
+            solve,
+            momentum,
+            nodes: V::from_slice(&tableau.nodes[1..]),
+            moved: V::from_slice(&moved),
+            last_weight: tableau.weights[active],
+        }
+    }
+}
+
+/// An articulated inertia and bias wrench about the anchor of a body, in world axes:
+/// `[force; torque] = [mass coupling; couplingᵀ inertia] [acceleration; angular acceleration] + [force; torque]`.
+#[derive(Clone, Copy)]
+pub struct Articulated<V> {
+    /// Force by acceleration [kg].
+    pub mass: Symmetric<V>,
+    /// Force by angular acceleration [kg m].
+    pub coupling: Matrix<V>,
+    /// Torque by angular acceleration [kg m²].
+    pub inertia: Symmetric<V>,
+    /// Bias force.
+    pub force: Vector<V>,
+    /// Bias torque.
+    pub torque: Vector<V>,
+}
+
+/// What the elimination of one degree of freedom leaves for the forward solve.
+#[derive(Clone, Copy)]
+pub struct Eliminated<V> {
+    /// The axis in the world at each row's stage.
+    pub axis: Vector<V>,
+    /// `A s / (sᵀ A s)`, force part.
+    pub force_ratio: Vector<V>,
+    /// `A s / (sᵀ A s)`, torque part.
+    pub torque_ratio: Vector<V>,
+    /// `−sᵀ(bias) / (sᵀ A s)`.
+    pub bias: V,
+}
+
+/// The workspace of a step: everything that has lanes.
+pub struct Stages<V> {
+    /// The known start of the step.
+    pub start: Start,
+    /// The scheme.
+    pub coefficients: Coefficients<V>,
+    /// Displacement of every degree of freedom since the start: the unknowns.
+    pub displacement: Vec<V>,
+    /// The latest Newton increment of the unknowns.
+    pub increment: Vec<V>,
+    /// One entry a body.
+    pub poses: Vec<StagePose<V>>,
+    /// Arm from the parent's anchor at the rows' stages; one entry a body.
+    pub arms: Vec<Vector<V>>,
+    /// One entry a degree of freedom.
+    pub eliminated: Vec<Eliminated<V>>,
+    /// Where the children of branching bodies meet.
+    pub slots: Vec<Articulated<V>>,
+    /// Twist of the branching bodies on the way back.
+    pub twists: Vec<(Vector<V>, Vector<V>)>,
+    /// Length of the step [s].
+    pub step: f64,
+}
+
+impl<V: Lanes> Stages<V> {
+    /// A workspace for a mechanism and a scheme.
+    pub fn new(mechanism: &crate::model::Mechanism, tableau: &Tableau) -> Self {
+        let start = Start::new(mechanism);
+        let bodies = mechanism.bodies.len();
+        let freedoms = mechanism.velocity_count;
+        let articulated = Articulated {
+            mass: Symmetric::zero(),
+            coupling: Matrix::zero(),
+            inertia: Symmetric::zero(),
+            force: Vector::zero(),
+            torque: Vector::zero(),
+        };
+        let eliminated = Eliminated {
+            axis: Vector::zero(),
+            force_ratio: Vector::zero(),
+            torque_ratio: Vector::zero(),
+            bias: V::zero(),
+        };
+        Stages {
+            coefficients: Coefficients::new(tableau),
+            displacement: vec![V::zero(); freedoms],
+            increment: vec![V::zero(); freedoms],
+            poses: vec![StagePose { w: V::splat(1.0), u: Vector::zero(), anchor: Vector::zero() }; bodies],
+            arms: vec![Vector::zero(); bodies],
+            eliminated: vec![eliminated; freedoms],
+            slots: vec![articulated; start.slots],
+            twists: vec![(Vector::zero(), Vector::zero()); start.slots],
+            start,
+            step: 0.0,
+        }
+    }
+
+    /// The forward sweep: poses of all bodies at all stages from `displacement`.
+    #[inline(always)]
+    pub fn sweep_poses(&mut self) {
+        let start = &self.start;
+        for (index, (plan, known)) in start.plans.iter().zip(&start.bodies).enumerate() {
+            let (mut pose, turns) = match plan.parent {
+                Some(parent) => {
+                    let parent = self.poses[parent];
+                    let anchor = rotate_increment(parent.w, parent.u, Vector::splat(&known.arm)).plus(parent.anchor);
+                    (StagePose { w: parent.w, u: parent.u, anchor }, true)
+                }
+                None => (StagePose { w: V::splat(1.0), u: Vector::zero(), anchor: Vector::zero() }, false),
+            };
+            let mut freedom = plan.first_axis;
+            for _ in 0..plan.translations {
+                let axis = Vector::splat(&start.axes[freedom]);
+                let turned = if turns { rotate_increment(pose.w, pose.u, axis).plus(axis) } else { axis };
+                pose.anchor = turned.times_plus(self.displacement[freedom], pose.anchor);
+                freedom += 1;
+            }
+            match plan.rotation {
+                FreeRotation::None => {}
+                FreeRotation::AboutZ => {
+                    let angle = self.displacement[freedom];
+                    let (cosine, sine) = half_angle(angle * angle);
+                    let axis = Vector::splat(&start.axes[freedom]).times(sine * angle);
+                    (pose.w, pose.u) = if turns { compose(pose.w, pose.u, cosine, axis) } else { (cosine, axis) };
+                }
+                FreeRotation::Ball => {
+                    let turn = self.rotation_vector(freedom);
+                    let (cosine, sine) = half_angle(turn.dot(turn));
+                    let axis = turn.times(sine);
+                    (pose.w, pose.u) = if turns { compose(pose.w, pose.u, cosine, axis) } else { (cosine, axis) };
+                }
+            }
+            self.poses[index] = pose;
+        }
+    }
+
+    /// The rotation vector of a ball joint since the start, in world axes.
+    #[inline(always)]
+    pub fn rotation_vector(&self, freedom: usize) -> Vector<V> {
+        let axes = &self.start.axes[freedom..freedom + 3];
+        let first = Vector::splat(&axes[0]).times(self.displacement[freedom]);
+        let second = Vector::splat(&axes[1]).times_plus(self.displacement[freedom + 1], first);
+        Vector::splat(&axes[2]).times_plus(self.displacement[freedom + 2], second)
+    }
+}
+
+/// `N v = (D − 1) v` of a rotation given as a unit quaternion, without cancellation.
+#[inline(always)]
+pub fn rotate_increment<V: Lanes>(w: V, u: Vector<V>, v: Vector<V>) -> Vector<V> {
+    let twice = u.times(V::splat(2.0));
+    let across = twice.cross(v);
+    u.cross_plus(across, across.times(w))
+}
+
+/// The product of two quaternions.
+#[inline(always)]
+fn compose<V: Lanes>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (V, Vector<V>) {
+    let real = u.dot_from(u2, w * w2);
+    (real, u.cross_plus(u2, u2.times_plus(w, u.times(w2))))
+}
+
+/// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`], by their Taylor series.
+#[inline(always)]
+fn half_angle<V: Lanes>(square: V) -> (V, V) {
+    // (−1/4)ⁿ/(2n)! and ½ (−1/4)ⁿ/(2n+1)!; at φ = 3.1 the first term left out is below 3e-17.
+    const COSINE: [f64; 12] = series(0, 1.0);
+    const SINE: [f64; 12] = series(1, 0.5);
+    (horner(&COSINE, square), horner(&SINE, square))
+}
+
+/// The coefficients `first · (−1/4)ⁿ / (2n + odd)!`.
+const fn series(odd: usize, first: f64) -> [f64; 12] {
+    let mut terms = [first; 12];
+    let mut n = 1;
+    while n < 12 {
+        terms[n] = -0.25 * terms[n - 1] / (((2 * n + odd) * (2 * n + odd - 1)) as f64);
+        n += 1;
+    }
+    terms
+}
+
+/// A polynomial with ascending coefficients.
+#[inline(always)]
+pub fn horner<V: Lanes>(coefficients: &[f64], x: V) -> V {
+    let mut value = V::splat(coefficients[coefficients.len() - 1]);
+    let mut index = coefficients.len() - 1;
+    while index > 0 {
+        index -= 1;
+        value = value.mul_add(x, V::splat(coefficients[index]));
+    }
+    value
+}

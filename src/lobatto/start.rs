@@ -1,0 +1,182 @@
+//! The start of a step: everything the stages need of the known state, once a step.
+//!
+//! All vectors are in world axes. For body `b` with anchor `a` (the origin of its joint frame) and parent anchor `a_p`:
+//!
+//! ```text
+//!     arm   = a − a_p                 [m]        turns with the parent
+//!     com   = x − a                   [m]        turns with the body
+//!     Σ     = R Σ_body Rᵀ             [kg m²]    second moments about the centre of mass
+//!     axes  = the free axes of the joint: translations turn with the parent, rotations with the body
+//! ```
+
+use crate::kinematics::{WORLD, forward_kinematics};
+use crate::model::{FreeRotation, Mechanism};
+use crate::state::{BodyState, State};
+
+/// What receives the articulated inertia of a body's children, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Children {
+    /// No children.
+    None,
+    /// One child, which is the next body: its inertia is carried over directly.
+    Next,
+    /// Several children: they meet in a slot of their own.
+    Slot(usize),
+}
+
+/// The constant part of a body: where it hangs and which axes are free.
+#[derive(Clone, Debug)]
+pub struct BodyPlan {
+    /// Parent body, or `None` for the world.
+    pub parent: Option<usize>,
+    /// Where the parent collects; `Children::None` for the world.
+    pub parent_collects: Children,
+    /// Whether this is the last child of its parent, which the backward sweep meets first.
+    pub first_collected: bool,
+    /// How the children's inertia arrives.
+    pub children: Children,
+    /// First degree of freedom.
+    pub first_axis: usize,
+    /// Number of free translations.
+    pub translations: usize,
+    /// Which rotations are free.
+    pub rotation: FreeRotation,
+    /// Mass [kg].
+    pub mass: f64,
+    /// `½ tr J` [kg m²], the trace of Σ.
+    pub half_trace: f64,
+}
+
+/// The start-of-step part of a body.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BodyStart {
+    /// From the parent's anchor to this body's [m].
+    pub arm: [f64; 3],
+    /// From the anchor to the centre of mass [m].
+    pub com: [f64; 3],
+    /// Σ: xx, xy, xz, yy, yz, zz [kg m²].
+    pub sigma: [f64; 6],
+    /// Velocity of the centre of mass [m/s].
+    pub velocity: [f64; 3],
+    /// Angular velocity [rad/s].
+    pub spin: [f64; 3],
+}
+
+/// The plan of a mechanism and the start of the current step.
+pub struct Start {
+    /// One entry a body.
+    pub plans: Vec<BodyPlan>,
+    /// One entry a body.
+    pub bodies: Vec<BodyStart>,
+    /// World direction of each degree of freedom.
+    pub axes: Vec<[f64; 3]>,
+    /// Velocity of each degree of freedom.
+    pub rates: Vec<f64>,
+    /// Number of slots where children of branching bodies meet.
+    pub slots: usize,
+    states: Vec<BodyState>,
+}
+
+impl Start {
+    /// Plans the sweeps over a mechanism.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let count = mechanism.bodies.len();
+        let mut child_count = vec![0_usize; count];
+        for body in &mechanism.bodies {
+            if let Some(parent) = body.parent {
+                child_count[parent] += 1;
+            }
+        }
+        let mut slots = 0;
+        let children: Vec<Children> = child_count
+            .iter()
+            .map(|&number| match number {
+                0 => Children::None,
+                1 => Children::Next,
+                _ => {
+                    slots += 1;
+                    Children::Slot(slots - 1)
+                }
+            })
+            .collect();
+        let mut collected = vec![false; count];
+        let mut plans: Vec<BodyPlan> = mechanism
+            .bodies
+            .iter()
+            .enumerate()
+            .rev()
+            .map(|(index, body)| BodyPlan {
+                parent: body.parent,
+                parent_collects: body.parent.map_or(Children::None, |parent| children[parent]),
+                first_collected: body.parent.is_some_and(|parent| !std::mem::replace(&mut collected[parent], true)),
+                children: children[index],
+                first_axis: body.joint.velocity_index,
+                translations: body.joint.kind.translation_axes().len(),
+                rotation: body.joint.kind.rotation(),
+                mass: body.mass,
+                half_trace: 0.5 * body.inertia.sum(),
+            })
+            .collect();
+        plans.reverse();
+        Start {
+            plans,
+            bodies: vec![BodyStart::default(); count],
+            axes: vec![[0.0; 3]; mechanism.velocity_count],
+            rates: vec![0.0; mechanism.velocity_count],
+            slots,
+            states: vec![WORLD; count],
+        }
+    }
+
+    /// Takes the state at the start of a step. Does not allocate.
+    pub fn set(&mut self, mechanism: &Mechanism, state: &State) {
+        forward_kinematics(mechanism, &state.position, &state.velocity, &mut self.states);
+        self.rates.copy_from_slice(&state.velocity);
+        for (index, body) in mechanism.bodies.iter().enumerate() {
+            let own = self.states[index];
+            let joint = &body.joint;
+            let parent_rotation = body.parent.map_or(WORLD.rotation, |parent| self.states[parent].rotation);
+            let (translation, _) = joint.displacement(&state.position[joint.position_range()]);
+            let frame = parent_rotation * joint.on_parent.rotation.matrix();
+            let com = -(own.rotation * joint.on_child.translation.vector);
+            // The anchor on the parent, from the parent's own anchor, without a difference of world positions.
+            let mut arm = parent_rotation * joint.on_parent.translation.vector + frame * translation;
+            if let Some(parent) = body.parent {
+                for axis in 0..3 {
+                    arm[axis] += self.bodies[parent].com[axis];
+                }
+            }
+            let moments = body.inertia;
+            let second = nalgebra::Vector3::repeat(0.5 * moments.sum()) - moments;
+            let scaled = own.rotation * nalgebra::Matrix3::from_diagonal(&second);
+            let rotation = own.rotation;
+            let entry = |row: usize, column: usize| {
+                scaled[(row, 0)] * rotation[(column, 0)]
+                    + scaled[(row, 1)] * rotation[(column, 1)]
+                    + scaled[(row, 2)] * rotation[(column, 2)]
+            };
+            self.bodies[index] = BodyStart {
+                arm: arm.into(),
+                com: com.into(),
+                sigma: [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)],
+                velocity: own.velocity.into(),
+                spin: own.angular_velocity.into(),
+            };
+            let mut slot = joint.velocity_index;
+            for &axis in joint.kind.translation_axes() {
+                self.axes[slot] = frame.column(axis).into_owned().into();
+                slot += 1;
+            }
+            let child_frame = own.rotation * joint.on_child.rotation.matrix();
+            let rotations: &[usize] = match joint.kind.rotation() {
+                FreeRotation::None => &[],
+                FreeRotation::AboutZ => &[2],
+                FreeRotation::Ball => &[0, 1, 2],
+            };
+            for &axis in rotations {
+                self.axes[slot] = child_frame.column(axis).into_owned().into();
+                slot += 1;
+            }
+        }
+    }
+}

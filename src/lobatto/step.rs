@@ -1,0 +1,214 @@
+//! One step of the constrained Lobatto IIIA–IIIB scheme (2.5.11), at the price of a recursion.
+//!
+//! ```text
+//!     guess θ                                             predictor.rs
+//!     repeat:  poses of all stages from θ                 stage.rs         g(Q_i) = 0 to rounding at every iterate
+//!              residual ρ_k, factors of H(q_k)            articulated.rs
+//!              δ_i = Σ_k Â_ik α_k,  H(q_k) α_k = −ρ_k     articulated.rs
+//!              θ ← Anderson(θ, δ)                         anderson.rs
+//!     until |δ| is small enough
+//!     velocity from H(q̄) v̄ = Sᵀ p̄                        articulated.rs   (2.5.11h)
+//! ```
+
+use super::anderson::Anderson;
+use super::lanes::Lanes;
+use super::predictor::Predictor;
+use super::stage::{MAX_TURN, Stages};
+use super::tableau::Tableau;
+use crate::model::Mechanism;
+use crate::state::State;
+
+/// When to stop iterating and when to give up.
+#[derive(Clone, Copy, Debug)]
+pub struct StopRule {
+    /// The iteration ends when no joint increment is larger than this (relative to 1 rad or 1 m).
+    pub increment: f64,
+    /// Increments below this that no longer fall are rounding: the iteration ends.
+    pub rounding: f64,
+    /// Largest number of iterations.
+    pub iterations: usize,
+}
+
+impl StopRule {
+    /// Iterate to rounding.
+    pub const ROUNDING: StopRule = StopRule { increment: 2e-16, rounding: 1e-11, iterations: 60 };
+}
+
+/// How an attempt at a step ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Attempt {
+    /// The stage equations are solved; `E` is the largest top Legendre coefficient of a joint's displacement.
+    Converged { iterations: usize, legendre: f64 },
+    /// They are not: the iterations spent, the degree of freedom that was worst, and its last increment.
+    Failed { iterations: usize, freedom: usize, increment: f64 },
+}
+
+/// A step of the scheme for one number of lanes; what the integrator sees of it.
+pub trait Step {
+    /// Solves the stage equations of a step from `state`; `plain` guesses without the past.
+    fn attempt(&mut self, mechanism: &Mechanism, state: &State, step: f64, rule: &StopRule, plain: bool) -> Attempt;
+    /// Moves `state` to the end of the step that the last attempt solved.
+    fn accept(&mut self, mechanism: &Mechanism, state: &mut State);
+    /// Forgets the past, after `state` was changed by somebody else.
+    fn forget(&mut self);
+    /// Displacement of a degree of freedom at the stages 2 … s of the last step.
+    fn displacement(&self, freedom: usize, stages: &mut [f64]);
+    /// Velocities at the start of the last step.
+    fn start_rates(&self) -> &[f64];
+    /// Rough second derivatives of the displacements at the start of a step of this length, from one iteration.
+    fn accelerations(&mut self, mechanism: &Mechanism, state: &State, step: f64, out: &mut [f64]);
+}
+
+/// [`Step`] with the lanes of `V`.
+pub struct Kernel<V> {
+    stages: Stages<V>,
+    anderson: Anderson<V>,
+    predictor: Predictor<V>,
+    /// Row of the inverse Legendre matrix for the stages 2 … s.
+    top_legendre: V,
+    gravity: [f64; 3],
+    velocity: Vec<f64>,
+    end: Vec<f64>,
+}
+
+impl<V: Lanes> Kernel<V> {
+    /// The workspace for a mechanism and a scheme.
+    pub fn new(mechanism: &Mechanism, tableau: &Tableau) -> Self {
+        Kernel {
+            stages: Stages::new(mechanism, tableau),
+            anderson: Anderson::new(mechanism.velocity_count),
+            predictor: Predictor::new(mechanism.velocity_count, tableau),
+            top_legendre: V::from_slice(&tableau.top_legendre[1..]),
+            gravity: mechanism.gravity.into(),
+            velocity: vec![0.0; mechanism.velocity_count],
+            end: vec![0.0; mechanism.velocity_count],
+        }
+    }
+
+    /// One Newton iteration: fills the increments; returns the largest.
+    fn iterate(&mut self) -> f64 {
+        let stages = &mut self.stages;
+        let gravity = &self.gravity;
+        V::run(|| stages.sweep_poses());
+        V::run(|| stages.sweep_residual(gravity));
+        V::run(|| stages.sweep_increments().largest())
+    }
+
+    fn worst_freedom(&self) -> usize {
+        let size = |freedom: usize| self.stages.increment[freedom].max_abs(V::zero()).largest();
+        // A NaN counts as largest.
+        let worse = |a: &usize, b: &usize| size(*a).partial_cmp(&size(*b)).unwrap_or(std::cmp::Ordering::Greater);
+        (0..self.stages.increment.len()).max_by(worse).unwrap_or(0)
+    }
+}
+
+impl<V: Lanes> Step for Kernel<V> {
+    fn attempt(&mut self, mechanism: &Mechanism, state: &State, step: f64, rule: &StopRule, plain: bool) -> Attempt {
+        self.stages.start.set(mechanism, state);
+        self.stages.step = step;
+        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
+        V::run(|| predictor.guess(stages, plain));
+        self.anderson.restart();
+        let mut recent = [f64::INFINITY; 5];
+        let mut scale = 1.0_f64;
+        let failed = |kernel: &Self, iterations, increment| Attempt::Failed {
+            iterations,
+            freedom: kernel.worst_freedom(),
+            increment,
+        };
+        for iteration in 1..=rule.iterations {
+            let increment = self.iterate();
+            let previous = recent[(iteration + 3) % 5];
+            let converged = increment <= rule.increment * scale
+                || (increment <= rule.rounding * scale && increment > 0.5 * previous);
+            if converged {
+                let (displacement, increments) = (&mut self.stages.displacement, &self.stages.increment);
+                let top = self.top_legendre;
+                let legendre = V::run(|| add_and_measure(displacement, increments, top));
+                return Attempt::Converged { iterations: iteration, legendre };
+            }
+            let hopeless = iteration >= 8 && increment > 0.3 * recent[iteration % 5] && increment > 1e-9 * scale;
+            if !increment.is_finite() || hopeless {
+                return failed(self, iteration, increment);
+            }
+            recent[(iteration + 4) % 5] = increment;
+            let (anderson, stages) = (&mut self.anderson, &mut self.stages);
+            let largest = V::run(|| anderson.advance(&mut stages.displacement, &stages.increment).largest());
+            scale = largest.max(1.0);
+            if largest > MAX_TURN && self.turned_too_far() {
+                return failed(self, iteration, increment);
+            }
+        }
+        failed(self, rule.iterations, recent[(rule.iterations + 4) % 5])
+    }
+
+    fn accept(&mut self, mechanism: &Mechanism, state: &mut State) {
+        let (stages, gravity, velocity) = (&mut self.stages, &self.gravity, &mut self.velocity);
+        V::run(|| stages.sweep_poses());
+        V::run(|| stages.sweep_momentum(gravity));
+        V::run(|| stages.sweep_velocities(velocity));
+        let (stages, predictor) = (&self.stages, &mut self.predictor);
+        V::run(|| predictor.learn(stages));
+        let last = self.stages.coefficients.active - 1;
+        for (end, displacement) in self.end.iter_mut().zip(&self.stages.displacement) {
+            *end = displacement.to_array().as_ref()[last];
+        }
+        state.displace(mechanism, &self.end);
+        state.velocity.copy_from_slice(&self.velocity);
+    }
+
+    fn forget(&mut self) {
+        self.predictor.forget();
+    }
+
+    fn displacement(&self, freedom: usize, stages: &mut [f64]) {
+        stages.copy_from_slice(&self.stages.displacement[freedom].to_array().as_ref()[..stages.len()]);
+    }
+
+    fn start_rates(&self) -> &[f64] {
+        &self.stages.start.rates
+    }
+
+    fn accelerations(&mut self, mechanism: &Mechanism, state: &State, step: f64, out: &mut [f64]) {
+        self.stages.start.set(mechanism, state);
+        self.stages.step = step;
+        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
+        V::run(|| predictor.guess(stages, true));
+        self.iterate();
+        let last = self.stages.coefficients.active - 1;
+        for (out, increment) in out.iter_mut().zip(&self.stages.increment) {
+            *out = 2.0 * increment.to_array().as_ref()[last] / (step * step);
+        }
+    }
+}
+
+impl<V: Lanes> Kernel<V> {
+    /// Whether a rotation of any joint has left what the series of the stage poses represent.
+    fn turned_too_far(&self) -> bool {
+        let stages = &self.stages;
+        stages.start.plans.iter().any(|plan| {
+            let first = plan.first_axis + plan.translations;
+            match plan.rotation {
+                FreeRotation::None => false,
+                FreeRotation::AboutZ => stages.displacement[first].max_abs(V::zero()).largest() > MAX_TURN,
+                FreeRotation::Ball => {
+                    let vector = stages.rotation_vector(first);
+                    vector.dot(vector).largest() > MAX_TURN * MAX_TURN
+                }
+            }
+        })
+    }
+}
+
+use crate::model::FreeRotation;
+
+/// Adds the last increments and returns the largest top Legendre coefficient.
+#[inline(always)]
+fn add_and_measure<V: Lanes>(displacement: &mut [V], increments: &[V], top: V) -> f64 {
+    let mut largest = 0.0_f64;
+    for (displacement, &increment) in displacement.iter_mut().zip(increments) {
+        *displacement = *displacement + increment;
+        largest = largest.max((*displacement * top).sum().abs());
+    }
+    largest
+}
