@@ -252,8 +252,8 @@ impl<'a> DiscreteLagrangian<'a> {
             let angles = place(inner);
             let stages: Vec<DVector<f64>> = angles.iter().map(|stage| self.coordinates(stage)).collect();
             let mut all = DVector::zeros(inner.len());
-            for k in 1..s - 1 {
-                let own = self.tangents(&angles[k]).tr_mul(&self.action_gradient(&stages, k));
+            for (k, stage) in angles.iter().enumerate().take(s - 1).skip(1) {
+                let own = self.tangents(stage).tr_mul(&self.action_gradient(&stages, k));
                 all.rows_mut((k - 1) * dof, dof).copy_from(&own);
             }
             all
