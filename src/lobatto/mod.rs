@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`] (the loop of one step), [`start`], [`stage`] (poses of all
 //! stages), [`articulated`] (residual and solve), [`anderson`], [`predictor`], [`dense`], [`control`] (step length),
-//! [`integrator`] (steps strung together); [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
+//! [`integrator`] (steps strung together); [`literal`] is the scheme word for word, the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
 pub mod algebra;
 pub mod anderson;
@@ -13,6 +13,7 @@ pub mod dispatch;
 mod extended;
 pub mod integrator;
 pub mod lanes;
+pub mod literal;
 pub mod predictor;
 pub mod stage;
 pub mod start;

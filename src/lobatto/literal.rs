@@ -1,0 +1,491 @@
+//! The scheme (2.5.11) word for word: every coordinate, every constraint, every multiplier, one dense Newton iteration.
+//!
+//! This is the oracle of the tests, not a way to simulate: a step of n bodies costs O((s n)³). The fast solver
+//! eliminates most of what is written out here and must give the same step to rounding.
+//!
+//! The coordinates of a body are `(x, R) ∈ R³ × R^{3×3} = R¹²` (the columns of R one after the other), so that with the
+//! second-moment matrix `Σ = ½ tr(J) 1 − J` the kinetic energy is `½ m |ẋ|² + ½ tr(Ṙ Σ Ṙᵀ) = ½ q̇ᵀ M q̇` with a
+//! constant diagonal M, and `p = M q̇` is `(m ẋ, Ṙ Σ)`. With the potential `V = −Σ m gᵀ x`,
+//!
+//! ```text
+//!     Q̇_i = M⁻¹ P_i                                  (2.5.11a)        Q_i = q + h Σ_j a_ij Q̇_j      (2.5.11d)
+//!     Ṗ_i = −∂V/∂q − Dg(Q_i)ᵀ Λ_i                    (2.5.11b)        P_i = p + h Σ_j ā_ij Ṗ_j      (2.5.11e)
+//!     0   = g(Q_i)                                   (2.5.11c)        q̄ = q + h Σ_i b_i Q̇_i         (2.5.11f)
+//!     0   = Dg(q̄) M⁻¹ p̄                              (2.5.11h)        p̄ = p + h Σ_i b_i Ṗ_i         (2.5.11g)
+//! ```
+//!
+//! for i = 1..s. Newton's unknowns are the increments `Q_i − q` (i = 2..s) and `Λ_k` (k = 1..s−1); the other stage
+//! values follow from them by the linear equations above, and Λ_s from (2.5.11h), which is linear.
+//!
+//! | symbol | meaning                                                                 | size, unit                   |
+//! |--------|-------------------------------------------------------------------------|------------------------------|
+//! | q, Q_i | positions and rotation matrices of all n bodies                         | 12 n; m and 1                |
+//! | p, P_i | `(m ẋ, Ṙ Σ)` of all bodies                                              | 12 n; kg m/s and kg m²/s     |
+//! | g      | `RᵀR = 1` (6 a body), then the joint's rows (6 − degrees of freedom)     | d; m and 1                   |
+//! | Λ_i    | multipliers                                                             | d; N and N m                 |
+//!
+//! Every row of g is a polynomial of degree two, so its Jacobian and second derivative are exact and come from the
+//! same list of coefficients. Σ must be positive definite here, because (2.5.11a) divides by it; the elimination of
+//! `RᵀR = 1` that the fast solver uses only divides by J.
+
+use super::tableau::Tableau;
+use crate::model::{FreeRotation, Mechanism, Pose};
+use crate::state::BodyState;
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+/// Coordinates of one body: three of position, nine of rotation.
+const BODY_COORDINATES: usize = 12;
+/// Newton's method converges in about six iterations; many more mean that the step is too long for it.
+const MAXIMUM_ITERATIONS: usize = 50;
+/// A correction this small (metres, or entries of a rotation matrix) that stops shrinking is rounding.
+const ROUNDING_LEVEL: f64 = 1e-10;
+
+/// Why the literal scheme could not be set up or could not make a step.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LiteralError {
+    /// The mass matrix in R¹² is singular or indefinite, so (2.5.11a) cannot be formed.
+    #[error(
+        "body {body:?}: mass {mass} kg and second moments {moments:?} kg m² must all be positive for the literal scheme"
+    )]
+    Mass { body: String, mass: f64, moments: [f64; 3] },
+    /// Newton's matrix is singular.
+    #[error("the stage equations are singular for a step of {step} s")]
+    Singular { step: f64 },
+    /// Newton's iteration did not reach rounding.
+    #[error("Newton's iteration did not converge for a step of {step} s (last correction {correction:.1e})")]
+    NotConverged { step: f64, correction: f64 },
+}
+
+/// One step of the scheme with all its stages.
+#[derive(Clone, Debug)]
+pub struct LiteralStep {
+    /// The next state.
+    pub bodies: Vec<BodyState>,
+    /// `p`, the momentum the step started with (12 n).
+    pub start_momentum: DVector<f64>,
+    /// `p̄`, the momentum it ended with (12 n).
+    pub end_momentum: DVector<f64>,
+    /// `Q_1 … Q_s`, each 12 n; the first is the start and the last the end of the step.
+    pub stage_coordinates: Vec<DVector<f64>>,
+    /// `P_1 … P_s`, each 12 n.
+    pub stage_momenta: Vec<DVector<f64>>,
+    /// `Λ_1 … Λ_s`, each d.
+    pub multipliers: Vec<DVector<f64>>,
+    /// Newton iterations.
+    pub iterations: usize,
+}
+
+/// The literal scheme for one mechanism and one tableau.
+#[derive(Clone, Debug)]
+pub struct Literal<'a> {
+    mechanism: &'a Mechanism,
+    tableau: &'a Tableau,
+    /// Diagonal of M (12 n).
+    mass: DVector<f64>,
+    /// `−∂V/∂q` (12 n), constant for gravity.
+    force: DVector<f64>,
+    /// The rows of g.
+    constraints: Vec<Quadratic>,
+}
+
+impl<'a> Literal<'a> {
+    /// Writes out the mass matrix and every constraint.
+    ///
+    /// # Errors
+    /// [`LiteralError::Mass`] if a mass or a second moment of a body is not positive.
+    pub fn new(mechanism: &'a Mechanism, tableau: &'a Tableau) -> Result<Self, LiteralError> {
+        let size = BODY_COORDINATES * mechanism.bodies.len();
+        let (mut mass, mut force) = (DVector::zeros(size), DVector::zeros(size));
+        for (index, body) in mechanism.bodies.iter().enumerate() {
+            let moments = Vector3::repeat(0.5 * body.inertia.sum()) - body.inertia;
+            if body.mass <= 0.0 || moments.min() <= 0.0 {
+                let body_name = body.name.clone();
+                return Err(LiteralError::Mass { body: body_name, mass: body.mass, moments: moments.into() });
+            }
+            let first = BODY_COORDINATES * index;
+            for row in 0..3 {
+                mass[first + row] = body.mass;
+                force[first + row] = body.mass * mechanism.gravity[row];
+                for column in 0..3 {
+                    mass[first + 3 + 3 * column + row] = moments[column];
+                }
+            }
+        }
+        Ok(Literal { mechanism, tableau, mass, force, constraints: constraints(mechanism) })
+    }
+
+    /// Diagonal of the mass matrix M (12 n).
+    pub fn mass(&self) -> &DVector<f64> {
+        &self.mass
+    }
+
+    /// `−∂V/∂q` (12 n): the weight of every body.
+    pub fn force(&self) -> &DVector<f64> {
+        &self.force
+    }
+
+    /// `g(q)` (d).
+    pub fn constraint(&self, q: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.constraints.len(), self.constraints.iter().map(|row| row.value(q)))
+    }
+
+    /// `Dg(q)` (d × 12 n).
+    pub fn constraint_jacobian(&self, q: &DVector<f64>) -> DMatrix<f64> {
+        let mut jacobian = DMatrix::zeros(self.constraints.len(), q.len());
+        for (index, row) in self.constraints.iter().enumerate() {
+            row.add_gradient(q, |column, entry| jacobian[(index, column)] += entry);
+        }
+        jacobian
+    }
+
+    /// One step of length `step` [s], which may be negative, from a state that satisfies all constraints.
+    ///
+    /// The momentum is good to about 1e-16/h relative, because Λ is known from positions only.
+    ///
+    /// # Errors
+    /// [`LiteralError::NotConverged`] or [`LiteralError::Singular`] if the step is too long for Newton's method from
+    /// the start `Q_i = q + h c_i q̇`.
+    pub fn step(&self, bodies: &[BodyState], step: f64) -> Result<LiteralStep, LiteralError> {
+        let (q, velocity) = coordinates(bodies);
+        let p = self.mass.component_mul(&velocity);
+        let (s, n, d) = (self.tableau.stages, q.len(), self.constraints.len());
+        let scale = self.multiplier_scale(&q) / (step * step);
+        // Zero increments from q and zero multipliers would do; the straight line saves an iteration.
+        let mut increments: Vec<DVector<f64>> = self.tableau.nodes.iter().map(|c| &velocity * (step * c)).collect();
+        let mut multipliers = vec![DVector::zeros(d); s];
+
+        let mut last_correction = f64::INFINITY;
+        for iteration in 1..=MAXIMUM_ITERATIONS {
+            let stage_coordinates: Vec<DVector<f64>> = increments.iter().map(|increment| &q + increment).collect();
+            let jacobians: Vec<DMatrix<f64>> =
+                stage_coordinates.iter().map(|stage| self.constraint_jacobian(stage)).collect();
+            let (_, collocated) = self.stage_values(&p, step, &jacobians, &multipliers);
+            let mut residual = DVector::zeros((s - 1) * (n + d));
+            for i in 1..s {
+                residual.rows_mut((i - 1) * n, n).copy_from(&(&increments[i] - &collocated[i]));
+                residual.rows_mut((s - 1) * n + (i - 1) * d, d).copy_from(&self.constraint(&stage_coordinates[i]));
+            }
+            let newton_matrix = self.newton_matrix(step, &jacobians, &multipliers, &scale);
+            let correction = newton_matrix.lu().solve(&residual).ok_or(LiteralError::Singular { step })?;
+            for i in 1..s {
+                increments[i] -= correction.rows((i - 1) * n, n);
+                multipliers[i - 1] -= correction.rows((s - 1) * n + (i - 1) * d, d).component_mul(&scale);
+            }
+            // The largest entry, with NaN kept: `amax` would lose it.
+            let size = correction.iter().fold(
+                0.0,
+                |largest: f64, entry| {
+                    if entry.abs() <= largest { largest } else { entry.abs() }
+                },
+            );
+            if !size.is_finite() {
+                return Err(LiteralError::NotConverged { step, correction: size });
+            }
+            if size < ROUNDING_LEVEL && size > 0.25 * last_correction || size == 0.0 {
+                return self.finish(&q, p, step, &increments, multipliers, iteration);
+            }
+            last_correction = size;
+        }
+        Err(LiteralError::NotConverged { step, correction: last_correction })
+    }
+
+    /// `P_i` by (2.5.11b, e), and `Q_i − q` by (2.5.11a, d), from the multipliers and `Dg(Q_i)` of all stages.
+    fn stage_values(
+        &self,
+        p: &DVector<f64>,
+        step: f64,
+        jacobians: &[DMatrix<f64>],
+        multipliers: &[DVector<f64>],
+    ) -> (Vec<DVector<f64>>, Vec<DVector<f64>>) {
+        let s = self.tableau.stages;
+        let momentum_rates: Vec<DVector<f64>> =
+            (0..s).map(|i| &self.force - jacobians[i].tr_mul(&multipliers[i])).collect();
+        let momenta: Vec<DVector<f64>> = (0..s)
+            .map(|i| (0..s).fold(p.clone(), |sum, j| sum + &momentum_rates[j] * (step * self.tableau.a_bar[i * s + j])))
+            .collect();
+        let rates: Vec<DVector<f64>> = momenta.iter().map(|momentum| momentum.component_div(&self.mass)).collect();
+        let increments = (0..s)
+            .map(|i| {
+                (0..s).fold(DVector::zeros(p.len()), |sum, j| sum + &rates[j] * (step * self.tableau.a[i * s + j]))
+            })
+            .collect();
+        (momenta, increments)
+    }
+
+    /// Derivative of the residual with respect to `(Q_2 … Q_s, Λ_1 … Λ_{s−1} ÷ scale)`.
+    fn newton_matrix(
+        &self,
+        step: f64,
+        jacobians: &[DMatrix<f64>],
+        multipliers: &[DVector<f64>],
+        scale: &DVector<f64>,
+    ) -> DMatrix<f64> {
+        let (s, n, d) = (self.tableau.stages, self.mass.len(), self.constraints.len());
+        let mut matrix = DMatrix::zeros((s - 1) * (n + d), (s - 1) * (n + d));
+        for i in 1..s {
+            for coordinate in 0..n {
+                matrix[((i - 1) * n + coordinate, (i - 1) * n + coordinate)] = 1.0;
+            }
+            let constraint_rows = (s - 1) * n + (i - 1) * d;
+            matrix.view_mut((constraint_rows, (i - 1) * n), (d, n)).copy_from(&jacobians[i]);
+            for k in 0..s - 1 {
+                let weight = step * step * self.tableau.a_hat[(i - 1) * (s - 1) + k];
+                for column in 0..d {
+                    for row in 0..n {
+                        matrix[((i - 1) * n + row, (s - 1) * n + k * d + column)] =
+                            weight * jacobians[k][(column, row)] * scale[column] / self.mass[row];
+                    }
+                }
+                if k > 0 {
+                    // d(Dg(Q)ᵀ Λ)/dQ; the first stage has none because Q_1 = q is given.
+                    for (constraint, multiplier) in self.constraints.iter().zip(multipliers[k].iter()) {
+                        constraint.add_second_derivative(|row, column, entry| {
+                            matrix[((i - 1) * n + row, (k - 1) * n + column)] +=
+                                weight * multiplier * entry / self.mass[row];
+                        });
+                    }
+                }
+            }
+        }
+        matrix
+    }
+
+    /// The last multiplier by the projection (2.5.11h), and the end of the step.
+    fn finish(
+        &self,
+        q: &DVector<f64>,
+        p: DVector<f64>,
+        step: f64,
+        increments: &[DVector<f64>],
+        mut multipliers: Vec<DVector<f64>>,
+        iterations: usize,
+    ) -> Result<LiteralStep, LiteralError> {
+        let (s, b) = (self.tableau.stages, &self.tableau.weights);
+        let stage_coordinates: Vec<DVector<f64>> = increments.iter().map(|increment| q + increment).collect();
+        let jacobians: Vec<DMatrix<f64>> =
+            stage_coordinates.iter().map(|stage| self.constraint_jacobian(stage)).collect();
+        let (stage_momenta, _) = self.stage_values(&p, step, &jacobians, &multipliers);
+        let mut end_momentum = p.clone();
+        for i in 0..s {
+            end_momentum += (&self.force - jacobians[i].tr_mul(&multipliers[i])) * (step * b[i]);
+        }
+        // Twice, so that what rounding leaves of the first solution is projected away too.
+        for _ in 0..2 {
+            let correction = self.project(&jacobians[s - 1], &end_momentum).ok_or(LiteralError::Singular { step })?;
+            end_momentum -= jacobians[s - 1].tr_mul(&correction);
+            multipliers[s - 1] += correction / (step * b[s - 1]);
+        }
+        let velocity = end_momentum.component_div(&self.mass);
+        Ok(LiteralStep {
+            bodies: body_states(&stage_coordinates[s - 1], &velocity),
+            start_momentum: p,
+            end_momentum,
+            stage_coordinates,
+            stage_momenta,
+            multipliers,
+            iterations,
+        })
+    }
+
+    /// The impulse μ with `Dg M⁻¹ (p − Dgᵀ μ) = 0`; none if the rows of Dg depend on each other.
+    fn project(&self, jacobian: &DMatrix<f64>, momentum: &DVector<f64>) -> Option<DVector<f64>> {
+        let mut weighted = jacobian.transpose();
+        for (mut row, mass) in weighted.row_iter_mut().zip(self.mass.iter()) {
+            row /= *mass;
+        }
+        let right = weighted.tr_mul(momentum);
+        Some((jacobian * weighted).cholesky()?.solve(&right))
+    }
+
+    /// `1 / (Dg M⁻¹ Dgᵀ)_rr` at q: the multiplier whose force moves the constraint by about one unit. Newton's unknown is
+    /// the multiplier measured in it, so that light and heavy bodies mix without harm.
+    fn multiplier_scale(&self, q: &DVector<f64>) -> DVector<f64> {
+        let jacobian = self.constraint_jacobian(q);
+        DVector::from_iterator(
+            self.constraints.len(),
+            jacobian.row_iter().map(|row| 1.0 / row.iter().zip(self.mass.iter()).map(|(j, m)| j * j / m).sum::<f64>()),
+        )
+    }
+
+    /// The mechanism this scheme was written out for.
+    pub fn mechanism(&self) -> &Mechanism {
+        self.mechanism
+    }
+}
+
+/// `q` and `q̇` (12 n each) of a state: `Ṙ = ω̂ R` with the angular velocity in the world.
+pub fn coordinates(bodies: &[BodyState]) -> (DVector<f64>, DVector<f64>) {
+    let size = BODY_COORDINATES * bodies.len();
+    let (mut q, mut velocity) = (DVector::zeros(size), DVector::zeros(size));
+    for (index, body) in bodies.iter().enumerate() {
+        let first = BODY_COORDINATES * index;
+        let rotation_rate = body.angular_velocity.cross_matrix() * body.rotation;
+        q.rows_mut(first, 3).copy_from(&body.position);
+        q.rows_mut(first + 3, 9).copy_from_slice(body.rotation.as_slice());
+        velocity.rows_mut(first, 3).copy_from(&body.velocity);
+        velocity.rows_mut(first + 3, 9).copy_from_slice(rotation_rate.as_slice());
+    }
+    (q, velocity)
+}
+
+/// The state with coordinates `q` and velocities `q̇` (12 n each); the inverse of [`coordinates`] on the constraints.
+pub fn body_states(q: &DVector<f64>, velocity: &DVector<f64>) -> Vec<BodyState> {
+    (0..q.len() / BODY_COORDINATES)
+        .map(|index| {
+            let first = BODY_COORDINATES * index;
+            let rotation = Matrix3::from_column_slice(&q.as_slice()[first + 3..first + 12]);
+            let rotation_rate = Matrix3::from_column_slice(&velocity.as_slice()[first + 3..first + 12]);
+            let spin = rotation_rate * rotation.transpose();
+            BodyState {
+                position: q.fixed_rows::<3>(first).into_owned(),
+                rotation,
+                velocity: velocity.fixed_rows::<3>(first).into_owned(),
+                angular_velocity: 0.5
+                    * Vector3::new(
+                        spin[(2, 1)] - spin[(1, 2)],
+                        spin[(0, 2)] - spin[(2, 0)],
+                        spin[(1, 0)] - spin[(0, 1)],
+                    ),
+            }
+        })
+        .collect()
+}
+
+/// An affine function of the coordinates.
+#[derive(Clone, Debug)]
+struct Affine {
+    constant: f64,
+    /// (coordinate, coefficient)
+    terms: Vec<(usize, f64)>,
+}
+
+/// A vector of the world whose components are affine functions of the coordinates.
+type AffineVector = [Affine; 3];
+
+/// A polynomial of degree two in the coordinates: one row of g.
+#[derive(Clone, Debug)]
+struct Quadratic {
+    constant: f64,
+    /// (coordinate, coefficient)
+    linear: Vec<(usize, f64)>,
+    /// (coordinate, coordinate, coefficient)
+    products: Vec<(usize, usize, f64)>,
+}
+
+impl Quadratic {
+    fn value(&self, q: &DVector<f64>) -> f64 {
+        self.constant
+            + self.linear.iter().map(|&(i, coefficient)| coefficient * q[i]).sum::<f64>()
+            + self.products.iter().map(|&(i, j, coefficient)| coefficient * q[i] * q[j]).sum::<f64>()
+    }
+
+    /// Hands every contribution to the gradient at q to `add(coordinate, value)`.
+    fn add_gradient(&self, q: &DVector<f64>, mut add: impl FnMut(usize, f64)) {
+        for &(i, coefficient) in &self.linear {
+            add(i, coefficient);
+        }
+        for &(i, j, coefficient) in &self.products {
+            add(i, coefficient * q[j]);
+            add(j, coefficient * q[i]);
+        }
+    }
+
+    /// Hands every contribution to the second derivative to `add(coordinate, coordinate, value)`.
+    fn add_second_derivative(&self, mut add: impl FnMut(usize, usize, f64)) {
+        for &(i, j, coefficient) in &self.products {
+            add(i, j, coefficient);
+            add(j, i, coefficient);
+        }
+    }
+}
+
+/// The vector fixed in a body (or in the world) with the components `local` in its frame.
+fn direction(body: Option<usize>, local: &Vector3<f64>) -> AffineVector {
+    [0, 1, 2].map(|row| match body {
+        None => Affine { constant: local[row], terms: Vec::new() },
+        Some(index) => Affine {
+            constant: 0.0,
+            terms: (0..3).map(|column| (BODY_COORDINATES * index + 3 + 3 * column + row, local[column])).collect(),
+        },
+    })
+}
+
+/// The place in the world of the point `local` of a body.
+fn point(body: Option<usize>, local: &Vector3<f64>) -> AffineVector {
+    let mut place = direction(body, local);
+    if let Some(index) = body {
+        for (row, component) in place.iter_mut().enumerate() {
+            component.terms.push((BODY_COORDINATES * index + row, 1.0));
+        }
+    }
+    place
+}
+
+/// `a − b`.
+fn difference(a: AffineVector, b: &AffineVector) -> AffineVector {
+    let mut result = a;
+    for (left, right) in result.iter_mut().zip(b) {
+        left.constant -= right.constant;
+        left.terms.extend(right.terms.iter().map(|&(i, coefficient)| (i, -coefficient)));
+    }
+    result
+}
+
+/// `a · b − constant`.
+fn dot(a: &AffineVector, b: &AffineVector, constant: f64) -> Quadratic {
+    let mut row = Quadratic { constant: -constant, linear: Vec::new(), products: Vec::new() };
+    for (left, right) in a.iter().zip(b) {
+        row.constant += left.constant * right.constant;
+        row.linear.extend(left.terms.iter().map(|&(i, coefficient)| (i, coefficient * right.constant)));
+        row.linear.extend(right.terms.iter().map(|&(i, coefficient)| (i, coefficient * left.constant)));
+        for &(i, of_left) in &left.terms {
+            row.products.extend(right.terms.iter().map(|&(j, of_right)| (i, j, of_left * of_right)));
+        }
+    }
+    row
+}
+
+/// Every row of g: `RᵀR = 1` and the joint of each body in turn.
+///
+/// With the joint frame F on parent and child, `gap = F_c origin − F_p origin` and axes `e_i`, a joint asks
+///
+/// - `e_i(parent) · gap = 0` for each axis i along which it may not translate (for three such axes the gap itself);
+/// - `e_i(parent) · e_j(child) = 0` for (i, j) = (x, z), (y, z) if it may turn about z only, and for (x, y), (y, z),
+///   (z, x) if it may not turn at all. These hold also when F is turned by half a turn about an axis; a step that starts
+///   from the right branch cannot get there.
+fn constraints(mechanism: &Mechanism) -> Vec<Quadratic> {
+    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let mut rows = Vec::new();
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        let own_axes = axes.map(|axis| direction(Some(index), &axis));
+        for (first, second) in [(0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)] {
+            rows.push(dot(&own_axes[first], &own_axes[second], if first == second { 1.0 } else { 0.0 }));
+        }
+
+        let joint = &body.joint;
+        let axes_of = |owner: Option<usize>, frame: &Pose| axes.map(|axis| direction(owner, &(frame.rotation * axis)));
+        let on_parent = axes_of(body.parent, &joint.on_parent);
+        let on_child = axes_of(Some(index), &joint.on_child);
+        let gap = difference(
+            point(Some(index), &joint.on_child.translation.vector),
+            &point(body.parent, &joint.on_parent.translation.vector),
+        );
+        let free = joint.kind.translation_axes();
+        for axis in (0..3).filter(|axis| !free.contains(axis)) {
+            if free.is_empty() {
+                rows.push(dot(&gap, &direction(None, &axes[axis]), 0.0));
+            } else {
+                rows.push(dot(&on_parent[axis], &gap, 0.0));
+            }
+        }
+        let perpendicular: &[(usize, usize)] = match joint.kind.rotation() {
+            FreeRotation::None => &[(0, 1), (1, 2), (2, 0)],
+            FreeRotation::AboutZ => &[(0, 2), (1, 2)],
+            FreeRotation::Ball => &[],
+        };
+        for &(first, second) in perpendicular {
+            rows.push(dot(&on_parent[first], &on_child[second], 0.0));
+        }
+    }
+    rows
+}

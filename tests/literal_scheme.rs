@@ -1,0 +1,412 @@
+//! Claims about the literal scheme (2.5.11), the oracle of the fast solver: it is what the source says it is.
+//!
+//! Its states are compared with benchmark answers, its order with 2s − 2 (theorem 2.5.2), its trajectories with the
+//! discrete Euler–Lagrange equations (2.5.8) of the discrete Lagrangian (2.5.12), none of which it is built from.
+
+mod models;
+
+use catena::invariants::{energy, violation};
+use catena::kinematics::{body_states, forward_kinematics};
+use catena::lobatto::literal::{Literal, LiteralError, coordinates};
+use catena::lobatto::tableau::Tableau;
+use catena::model::Mechanism;
+use catena::state::{BodyState, State};
+use models::{Model, pose_distance, velocity_distance};
+use nalgebra::{DMatrix, DVector, Vector3};
+
+/// The state after `count` equal steps over `duration` seconds.
+fn run(model: &Model, stages: usize, duration: f64, count: usize) -> Vec<BodyState> {
+    let tableau = Tableau::new(stages).unwrap();
+    let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+    let step = duration / count as f64;
+    (0..count).fold(model.bodies(), |bodies, _| literal.step(&bodies, step).unwrap().bodies)
+}
+
+#[test]
+fn planar_chains_reach_the_benchmark_positions() {
+    for (links, time, x, z) in models::PLANAR_CHAIN_TIP.into_iter().filter(|row| row.0 <= 2) {
+        let (tip_x, tip_z) =
+            models::planar_chain_tip(&run(&models::planar_chain(links), 7, time, (time * 20.0) as usize));
+        // Order 12 at h = 0.05 leaves less than rounding, which is 1e-16/h a step, 100 steps, grown up to sevenfold.
+        let error = (tip_x - x).abs().max((tip_z - z).abs());
+        assert!(error < 2e-12, "{links} links at {time} s: {error:e}");
+    }
+}
+
+#[test]
+fn thrown_box_follows_the_benchmark_rotation_and_the_parabola() {
+    let model = models::free_body();
+    for (time, quaternion, body_spin) in models::FREE_BODY {
+        let body = run(&model, 7, time, (time * 40.0) as usize)[0];
+        let rotation = catena::model::joint::rotation_from_wxyz(&quaternion);
+        let start = model.bodies()[0];
+        let parabola = start.velocity * time + 0.5 * time * time * model.mechanism.gravity;
+        // Rounding near the intermediate axis grows e^(3 t): 1e-14 · e^6 at 2 s.
+        assert!((body.rotation - rotation).amax() < 1e-11, "{:e}", (body.rotation - rotation).amax());
+        let spin = body.rotation.transpose() * body.angular_velocity - Vector3::from(body_spin);
+        assert!(spin.amax() < 1e-10, "{:e}", spin.amax());
+        // A quadratic polynomial is integrated exactly; 80 roundings of lengths up to 3 m.
+        assert!((body.position - parabola).amax() < 1e-13, "{:e}", (body.position - parabola).amax());
+    }
+}
+
+#[test]
+fn order_is_2s_minus_2() {
+    for (name, model) in
+        [("spatial pendulum", models::spatial_pendulum()), ("double pendulum", models::double_pendulum())]
+    {
+        let duration = 0.8;
+        // Order 12 with steps of 0.02: its error is far below those measured (they end at 1e-10).
+        let exact = run(&model, 7, duration, 40);
+        for (stages, coarse) in [(2, 80), (3, 20), (4, 10)] {
+            let [first, second] =
+                [coarse, 2 * coarse].map(|count| pose_distance(&run(&model, stages, duration, count), &exact));
+            let order = (first / second).log2();
+            println!("{name}, s = {stages}: {first:.2e} {second:.2e} order {order:.3}");
+            // The next term of the error expansion is h² smaller: h = 0.08 and rates of order 5 give a few per cent.
+            assert!((order - (2 * stages - 2) as f64).abs() < 0.15, "{name}, s = {stages}: order {order}");
+        }
+    }
+}
+
+#[test]
+fn every_joint_holds_to_rounding_at_position_and_velocity_level() {
+    let mut all: Vec<Model> = models::JOINT_KINDS.into_iter().map(models::one_joint).collect();
+    all.extend([models::floating_tree(), models::double_pendulum(), models::chain(4)]);
+    for model in all {
+        for stages in [2, 3, 5] {
+            let tableau = Tableau::new(stages).unwrap();
+            let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+            let mut bodies = model.bodies();
+            for _ in 0..5 {
+                bodies = literal.step(&bodies, 0.01).unwrap().bodies;
+                let worst = violation(&model.mechanism, &bodies);
+                // A rounding of coordinates of order one each, ten terms; no step adds to the next.
+                assert!(worst.position < 4e-15, "{}, s = {stages}: {worst:?}", model.mechanism.name);
+                // The same for velocities, which reach 10 m/s and rad/s here.
+                assert!(worst.velocity < 1e-13, "{}, s = {stages}: {worst:?}", model.mechanism.name);
+                // Also for Ṙ itself: RᵀṘ must be skew, or the angular velocity would not represent it.
+                let (q, velocity) = coordinates(&bodies);
+                assert!((literal.constraint_jacobian(&q) * velocity).amax() < 1e-13);
+            }
+        }
+    }
+}
+
+#[test]
+fn step_back_undoes_a_step() {
+    for model in
+        [moving_double_pendulum(), models::floating_tree(), models::one_joint(catena::model::JointKind::Planar)]
+    {
+        for stages in [2, 3, 4, 6] {
+            let tableau = Tableau::new(stages).unwrap();
+            let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+            let (start, step) = (model.bodies(), 0.02);
+            let there = literal.step(&start, step).unwrap().bodies;
+            let back = literal.step(&there, -step).unwrap().bodies;
+            let (poses, velocities) = (pose_distance(&start, &back), velocity_distance(&start, &back));
+            println!("{} s = {stages}: {poses:.1e} {velocities:.1e}", model.mechanism.name);
+            // Positions to rounding; velocities to the rounding of positions divided by the step (5e-15), some ten times.
+            assert!(poses < 1e-14, "{}, s = {stages}: {poses:e}", model.mechanism.name);
+            assert!(velocities < 1e-13, "{}, s = {stages}: {velocities:e}", model.mechanism.name);
+            // The claim is about h, −h, not about small steps: the motion was a thousand times larger.
+            assert!(pose_distance(&start, &there) > 1e-3);
+        }
+    }
+}
+
+#[test]
+fn energy_error_does_not_grow_with_time() {
+    // The order-2 scheme at a coarse step: a method that is not symplectic would drift. Second half against first half.
+    let model = models::double_pendulum();
+    let tableau = Tableau::new(2).unwrap();
+    let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+    let mut bodies = model.bodies();
+    let start = energy(&model.mechanism, &bodies).total();
+    let mut worst = [0.0f64; 2];
+    for step in 0..2000 {
+        bodies = literal.step(&bodies, 0.02).unwrap().bodies;
+        let error = (energy(&model.mechanism, &bodies).total() - start).abs();
+        worst[step / 1000] = worst[step / 1000].max(error);
+    }
+    println!("energy error {:.2e} J in the first half, {:.2e} J in the second", worst[0], worst[1]);
+    assert!(worst[1] < 1.5 * worst[0]);
+}
+
+#[test]
+fn singular_second_moments_are_refused_by_name() {
+    let model = models::heavy_top();
+    let tableau = Tableau::new(3).unwrap();
+    match Literal::new(&model.mechanism, &tableau) {
+        Err(LiteralError::Mass { body, moments, .. }) => {
+            assert_eq!(body, "top");
+            assert_eq!(moments[1], 0.0);
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn step_beyond_the_embedding_is_an_error() {
+    // A body turned by one s = 2 step obeys sin θ = hω: no solution beyond hω = 1.
+    let model = models::free_body();
+    let tableau = Tableau::new(2).unwrap();
+    let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+    assert!(literal.step(&model.bodies(), 0.3).is_err());
+    assert!(literal.step(&model.bodies(), 0.1).is_ok());
+}
+
+/// The discrete Lagrangian (2.5.12) of a mechanism of revolute joints, in joint angles and from its definition alone:
+///
+/// ```text
+///     L_d(θ₀, θ₁) = ext h Σ_j b_j L(Q_j, Q̇_j),    Q_j = q(θ_j) by forward kinematics,   h Q̇_j = Σ_i D_ji Q_i
+/// ```
+///
+/// where the polynomial through the stages gives the velocities and the inner stages are chosen on N so that the sum is
+/// stationary. Nothing of (2.5.11) enters: no A, Ā, multipliers or momenta, only the nodes and weights.
+struct DiscreteLagrangian<'a> {
+    mechanism: &'a Mechanism,
+    tableau: &'a Tableau,
+    step: f64,
+    mass: DVector<f64>,
+    force: DVector<f64>,
+    /// `D_ji` (s × s).
+    derivative: DMatrix<f64>,
+}
+
+impl<'a> DiscreteLagrangian<'a> {
+    fn new(mechanism: &'a Mechanism, tableau: &'a Tableau, step: f64) -> Self {
+        let size = 12 * mechanism.bodies.len();
+        let (mut mass, mut force) = (DVector::zeros(size), DVector::zeros(size));
+        for (index, body) in mechanism.bodies.iter().enumerate() {
+            mass.rows_mut(12 * index, 3).fill(body.mass);
+            force.rows_mut(12 * index, 3).copy_from(&(mechanism.gravity * body.mass));
+            for (column, moment) in models::second_moments(body).diagonal().iter().enumerate() {
+                mass.rows_mut(12 * index + 3 + 3 * column, 3).fill(*moment);
+            }
+        }
+        let (c, u, s) = (&tableau.nodes, &tableau.barycentric, tableau.stages);
+        let mut derivative = DMatrix::from_fn(s, s, |j, i| if i == j { 0.0 } else { u[i] / u[j] / (c[j] - c[i]) });
+        for j in 0..s {
+            derivative[(j, j)] = -derivative.row(j).sum();
+        }
+        DiscreteLagrangian { mechanism, tableau, step, mass, force, derivative }
+    }
+
+    fn coordinates(&self, angles: &DVector<f64>) -> DVector<f64> {
+        let mut bodies = vec![catena::kinematics::WORLD; self.mechanism.bodies.len()];
+        forward_kinematics(self.mechanism, angles.as_slice(), &vec![0.0; angles.len()], &mut bodies);
+        coordinates(&bodies).0
+    }
+
+    /// `dq/dθ` (12 n × degrees of freedom), one unit velocity at a time.
+    fn tangents(&self, angles: &DVector<f64>) -> DMatrix<f64> {
+        let columns: Vec<DVector<f64>> = (0..angles.len())
+            .map(|joint| {
+                let mut bodies = vec![catena::kinematics::WORLD; self.mechanism.bodies.len()];
+                let mut unit = vec![0.0; angles.len()];
+                unit[joint] = 1.0;
+                forward_kinematics(self.mechanism, angles.as_slice(), &unit, &mut bodies);
+                coordinates(&bodies).1
+            })
+            .collect();
+        DMatrix::from_columns(&columns)
+    }
+
+    /// `h Σ_j b_j L(Q_j, Q̇_j)` for given stages in R¹²ⁿ [J s].
+    fn action(&self, stages: &[DVector<f64>]) -> f64 {
+        (0..stages.len())
+            .map(|j| {
+                let rate = self.rate(stages, j);
+                let kinetic = 0.5 * rate.dot(&self.mass.component_mul(&rate));
+                self.step * self.tableau.weights[j] * (kinetic + self.force.dot(&stages[j]))
+            })
+            .sum()
+    }
+
+    fn rate(&self, stages: &[DVector<f64>], j: usize) -> DVector<f64> {
+        (0..stages.len()).map(|i| &stages[i] * (self.derivative[(j, i)] / self.step)).sum()
+    }
+
+    /// Derivative of the action with respect to stage k in R¹²ⁿ, the other stages held.
+    fn action_gradient(&self, stages: &[DVector<f64>], k: usize) -> DVector<f64> {
+        let inertial: DVector<f64> = (0..stages.len())
+            .map(|j| {
+                let weight = self.tableau.weights[j] * self.derivative[(j, k)];
+                self.mass.component_mul(&self.rate(stages, j)) * weight
+            })
+            .sum();
+        inertial + &self.force * (self.step * self.tableau.weights[k])
+    }
+
+    /// L_d: the inner stages by Newton's method on the gradient in joint angles, from the straight line.
+    fn value(&self, start: &DVector<f64>, end: &DVector<f64>) -> f64 {
+        let (s, dof) = (self.tableau.stages, start.len());
+        let place = |inner: &DVector<f64>| -> Vec<DVector<f64>> {
+            let mut angles = vec![start.clone()];
+            angles.extend((0..s - 2).map(|k| inner.rows(k * dof, dof).into_owned()));
+            angles.push(end.clone());
+            angles
+        };
+        let gradient = |inner: &DVector<f64>| -> DVector<f64> {
+            let angles = place(inner);
+            let stages: Vec<DVector<f64>> = angles.iter().map(|stage| self.coordinates(stage)).collect();
+            let mut all = DVector::zeros(inner.len());
+            for (k, stage) in angles.iter().enumerate().take(s - 1).skip(1) {
+                let own = self.tangents(stage).tr_mul(&self.action_gradient(&stages, k));
+                all.rows_mut((k - 1) * dof, dof).copy_from(&own);
+            }
+            all
+        };
+        let mut inner = DVector::zeros((s - 2) * dof);
+        for k in 1..s - 1 {
+            inner.rows_mut((k - 1) * dof, dof).copy_from(&(start + (end - start) * self.tableau.nodes[k]));
+        }
+        // The Jacobian by differences is good to 1e-9, so each round gains eight digits; five are ample.
+        for _ in 0..if s > 2 { 5 } else { 0 } {
+            let columns: Vec<DVector<f64>> = (0..inner.len())
+                .map(|index| {
+                    let (mut ahead, mut behind) = (inner.clone(), inner.clone());
+                    ahead[index] += 1e-5;
+                    behind[index] -= 1e-5;
+                    (gradient(&ahead) - gradient(&behind)) / 2e-5
+                })
+                .collect();
+            inner -= DMatrix::from_columns(&columns).lu().solve(&gradient(&inner)).unwrap();
+        }
+        let stages: Vec<DVector<f64>> = place(&inner).iter().map(|angles| self.coordinates(angles)).collect();
+        self.action(&stages)
+    }
+}
+
+/// The angles of a mechanism of revolute joints, read from its bodies.
+fn revolute_angles(mechanism: &Mechanism, q: &DVector<f64>) -> DVector<f64> {
+    let bodies = catena::lobatto::literal::body_states(q, &DVector::zeros(q.len()));
+    DVector::from_iterator(
+        bodies.len(),
+        mechanism.bodies.iter().zip(&bodies).map(|(body, own)| {
+            let parent = body.parent.map_or(catena::kinematics::WORLD, |parent| bodies[parent]);
+            let turn = body.joint.on_parent.rotation.matrix().transpose()
+                * parent.rotation.transpose()
+                * own.rotation
+                * body.joint.on_child.rotation.matrix();
+            turn[(1, 0)].atan2(turn[(0, 0)])
+        }),
+    )
+}
+
+/// A moving start, so that no term of the equations vanishes by symmetry.
+fn moving_double_pendulum() -> Model {
+    let mut model = models::double_pendulum();
+    model.state.velocity = vec![0.9, -1.6];
+    model
+}
+
+#[test]
+fn stages_make_the_discrete_action_stationary_and_multipliers_are_its_reactions() {
+    // In R¹²ⁿ: D_{Q_k}(h Σ b_j L) = h b_k Dg(Q_k)ᵀ Λ_k for the inner stages of each step, and at the shared point
+    // D₂L_d(q₀, q₁) + D₁L_d(q₁, q₂) = Dg(q₁)ᵀ λ, λ = h b_s Λ_s + h b_1 Λ_1 (2.5.8). Tangentially to N, with tangents
+    // that come from forward kinematics, both sides vanish whatever Λ is.
+    let model = moving_double_pendulum();
+    let step = 0.05;
+    for stages in [2, 3, 4, 5, 9] {
+        let tableau = Tableau::new(stages).unwrap();
+        let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+        let discrete = DiscreteLagrangian::new(&model.mechanism, &tableau, step);
+        let first = literal.step(&model.bodies(), step).unwrap();
+        let second = literal.step(&first.bodies, step).unwrap();
+        // Rounding of the coordinates, amplified by M D b D / h: the largest such entry is that of B, times b, over h.
+        let entry = tableau.b_matrix[0] * tableau.weights[0];
+        let bound = 2e-15 * entry / step;
+        let check = |what: &str, gradient: DVector<f64>, q: &DVector<f64>, reaction: DVector<f64>| {
+            let full = (&gradient - literal.constraint_jacobian(q).tr_mul(&reaction)).amax();
+            let tangential = discrete.tangents(&revolute_angles(&model.mechanism, q)).tr_mul(&gradient).amax();
+            println!("s = {stages} {what}: {full:.1e} {tangential:.1e} of {:.1e}, bound {bound:.1e}", gradient.amax());
+            assert!(full < bound && tangential < bound, "s = {stages}, {what}: {full:e} {tangential:e}");
+        };
+        for taken in [&first, &second] {
+            for k in 1..stages - 1 {
+                check(
+                    "inner stage",
+                    discrete.action_gradient(&taken.stage_coordinates, k),
+                    &taken.stage_coordinates[k],
+                    &taken.multipliers[k] * (step * tableau.weights[k]),
+                );
+            }
+        }
+        let last = stages - 1;
+        check(
+            "shared point",
+            discrete.action_gradient(&first.stage_coordinates, last)
+                + discrete.action_gradient(&second.stage_coordinates, 0),
+            &second.stage_coordinates[0],
+            (&first.multipliers[last] + &second.multipliers[0]) * (step * tableau.weights[0]),
+        );
+    }
+}
+
+#[test]
+fn trajectories_satisfy_the_discrete_euler_lagrange_equations() {
+    // (2.5.8) on N, without multipliers: d/dθ₁ [L_d(θ₀, θ₁) + L_d(θ₁, θ₂)] = 0 with L_d as a function of its two end
+    // points only, its inner stages solved for anew at every evaluation, and differentiated by difference quotients.
+    let model = moving_double_pendulum();
+    let step = 0.05;
+    for stages in [2, 3, 4] {
+        let tableau = Tableau::new(stages).unwrap();
+        let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+        let discrete = DiscreteLagrangian::new(&model.mechanism, &tableau, step);
+        let first = literal.step(&model.bodies(), step).unwrap();
+        let second = literal.step(&first.bodies, step).unwrap();
+        let [start, middle, end] =
+            [&first.stage_coordinates[0], &second.stage_coordinates[0], &second.stage_coordinates[stages - 1]]
+                .map(|q| revolute_angles(&model.mechanism, q));
+        for joint in 0..middle.len() {
+            // A quotient of fourth order: error ε⁴ of the fifth derivative (1e-12 here) and 1e-16/ε of rounding.
+            let width = 2e-3;
+            let both = |offset: f64| {
+                let mut moved = middle.clone();
+                moved[joint] += offset * width;
+                (discrete.value(&start, &moved), discrete.value(&moved, &end))
+            };
+            let [m2, m1, p1, p2] = [-2.0, -1.0, 1.0, 2.0].map(both);
+            let slope = |m2: f64, m1: f64, p1: f64, p2: f64| (m2 - 8.0 * m1 + 8.0 * p1 - p2) / (12.0 * width);
+            let (of_first, of_second) = (slope(m2.0, m1.0, p1.0, p2.0), slope(m2.1, m1.1, p1.1, p2.1));
+            println!("s = {stages}, joint {joint}: {of_first:.3e} + {of_second:.3e} = {:.1e}", of_first + of_second);
+            assert!((of_first + of_second).abs() < 1e-10, "s = {stages}: {of_first} + {of_second}");
+            // −D₁L_d and D₂L_d are the momentum, which is far from zero: the sum cancels because the equations hold.
+            assert!(of_first.abs() > 0.1);
+        }
+    }
+}
+
+#[test]
+fn start_and_end_momenta_are_the_derivatives_of_the_discrete_lagrangian() {
+    // p = −D₁L_d and p̄ = D₂L_d on the tangent space of N, where the multipliers do not act.
+    let model = moving_double_pendulum();
+    let step = 0.05;
+    let tableau = Tableau::new(4).unwrap();
+    let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+    let discrete = DiscreteLagrangian::new(&model.mechanism, &tableau, step);
+    let taken = literal.step(&model.bodies(), step).unwrap();
+    for (stage, sign, momentum) in [(0, -1.0, &taken.start_momentum), (3, 1.0, &taken.end_momentum)] {
+        let q = &taken.stage_coordinates[stage];
+        let tangents = discrete.tangents(&revolute_angles(&model.mechanism, q));
+        let gradient = discrete.action_gradient(&taken.stage_coordinates, stage) * sign;
+        let error = tangents.tr_mul(&(gradient - momentum)).amax();
+        // Rounding of coordinates over the step, times 30 for the entries of b D.
+        assert!(error < 1e-13, "stage {stage}: {error:e}");
+    }
+}
+
+#[test]
+fn coordinates_and_body_states_are_inverse() {
+    let model = models::floating_tree();
+    let bodies = body_states(&model.mechanism, &model.state);
+    let (q, velocity) = coordinates(&bodies);
+    let again = catena::lobatto::literal::body_states(&q, &velocity);
+    assert_eq!(pose_distance(&bodies, &again), 0.0);
+    // The angular velocity goes through Ṙ = ω̂R and back, a dozen roundings of numbers of order one.
+    assert!(velocity_distance(&bodies, &again) < 1e-14);
+    let zero = State::zero(&model.mechanism);
+    assert_eq!(zero.position.len(), model.state.position.len());
+}
