@@ -78,11 +78,7 @@ impl<V: Lanes> Vector<V> {
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         let ([a, b, c], [x, y, z]) = (self.0, other.0);
-        Vector([
-            c.neg_mul_add(y, b * z),
-            a.neg_mul_add(z, c * x),
-            b.neg_mul_add(x, a * y),
-        ])
+        Vector([c.neg_mul_add(y, b * z), a.neg_mul_add(z, c * x), b.neg_mul_add(x, a * y)])
     }
     /// `self × other + start`.
     #[inline(always)]

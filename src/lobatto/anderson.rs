@@ -51,12 +51,8 @@ impl<V: Lanes> Anderson<V> {
         if self.iterations == 0 {
             for ((x, &f), memory) in x.iter_mut().zip(f).zip(&mut self.history) {
                 *x = *x + f;
-                *memory = History {
-                    increment: f,
-                    target: *x,
-                    increments: [V::zero(); DEPTH],
-                    targets: [V::zero(); DEPTH],
-                };
+                *memory =
+                    History { increment: f, target: *x, increments: [V::zero(); DEPTH], targets: [V::zero(); DEPTH] };
                 largest = x.max_abs(largest);
             }
             self.iterations = 1;

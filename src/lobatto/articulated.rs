@@ -358,7 +358,14 @@ impl<V: Lanes> Articulated<V> {
     }
 
     #[inline(always)]
-    fn eliminate(&mut self, axis: Vector<V>, force: Vector<V>, torque: Vector<V>, inverse: V, bias: V) -> Eliminated<V> {
+    fn eliminate(
+        &mut self,
+        axis: Vector<V>,
+        force: Vector<V>,
+        torque: Vector<V>,
+        inverse: V,
+        bias: V,
+    ) -> Eliminated<V> {
         let (force_ratio, torque_ratio) = (force.times(inverse), torque.times(inverse));
         self.mass = self.mass.minus_outer(force, force_ratio);
         self.coupling = self.coupling.minus_outer(force, torque_ratio);

@@ -48,7 +48,15 @@ impl Control {
         let stop = (1e-4 * tolerance).clamp(1e-16, 1e-4);
         let stages = if isa == Isa::Avx512 { 9 } else { 5 };
         let factor = if stages == 9 { 0.3 } else { 1.0 };
-        Control { tolerance, stages, stop, wanted: factor * stop.sqrt(), step: 0.0, previous: None, longest: f64::INFINITY }
+        Control {
+            tolerance,
+            stages,
+            stop,
+            wanted: factor * stop.sqrt(),
+            step: 0.0,
+            previous: None,
+            longest: f64::INFINITY,
+        }
     }
 
     /// The number of stages the tolerance and the processor call for.
@@ -80,8 +88,12 @@ impl Control {
     pub fn start(&mut self, mechanism: &Mechanism, state: &State, kernel: &mut dyn Step) {
         let mut accelerations = vec![0.0; mechanism.velocity_count];
         kernel.accelerations(mechanism, state, 1e-4, &mut accelerations);
-        let power: f64 =
-            state.velocity.iter().zip(&accelerations).map(|(rate, acceleration)| rate.powi(4) + acceleration.powi(2)).sum();
+        let power: f64 = state
+            .velocity
+            .iter()
+            .zip(&accelerations)
+            .map(|(rate, acceleration)| rate.powi(4) + acceleration.powi(2))
+            .sum();
         let rate = power.sqrt().sqrt();
         self.step = if rate.is_finite() { (0.1 / rate.max(1e-3)).min(1.0) } else { 1e-3 };
     }

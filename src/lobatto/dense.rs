@@ -49,7 +49,9 @@ impl DenseRule {
         let (mut value, mut slope) = lagrange(&self.nodes, x);
         let omega: f64 = self.nodes.iter().map(|node| x - node).product();
         let omega_slope: f64 = (0..self.nodes.len())
-            .map(|skip| self.nodes.iter().enumerate().filter(|(k, _)| *k != skip).map(|(_, node)| x - node).product::<f64>())
+            .map(|skip| {
+                self.nodes.iter().enumerate().filter(|(k, _)| *k != skip).map(|(_, node)| x - node).product::<f64>()
+            })
             .sum();
         // p = L + ω (1 − x) a₀ + ω x a₁ with a₀ = (h v₀ − L'(0))/ω'(0) and a₁ = (h v₁ − L'(1))/ω'(1).
         let start = [omega * (1.0 - x), omega_slope * (1.0 - x) - omega].map(|factor| factor / self.slope_at_start);
@@ -82,10 +84,9 @@ fn lagrange(nodes: &[f64], x: f64) -> (Vec<f64>, Vec<f64>) {
         let others = || (0..count).filter(move |&k| k != j);
         let scale: f64 = others().map(|k| nodes[j] - nodes[k]).product();
         values[j] = others().map(|k| x - nodes[k]).product::<f64>() / scale;
-        slopes[j] = others()
-            .map(|skip| others().filter(|&k| k != skip).map(|k| x - nodes[k]).product::<f64>())
-            .sum::<f64>()
-            / scale;
+        slopes[j] =
+            others().map(|skip| others().filter(|&k| k != skip).map(|k| x - nodes[k]).product::<f64>()).sum::<f64>()
+                / scale;
     }
     (values, slopes)
 }

@@ -1,8 +1,8 @@
 //! Which vectors a step runs in: the narrowest type that holds its stages, of the widest the processor has.
 
-use super::lanes::{Isa, Portable};
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx128, Avx256, Avx512, Pair};
+use super::lanes::{Isa, Portable};
 use super::step::{Kernel, Step};
 use super::tableau::Tableau;
 use crate::model::Mechanism;

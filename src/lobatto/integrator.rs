@@ -163,7 +163,12 @@ impl Lobatto {
         Ok(outcome)
     }
 
-    fn adaptive_step(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+    fn adaptive_step(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
         let Mode::Adaptive(control) = &mut self.mode else { return Ok(StepOutcome::default()) };
         let mut outcome = StepOutcome::default();
         if !control.started() {
@@ -265,9 +270,7 @@ impl Integrator for Lobatto {
     fn description(&self) -> MethodDescription {
         let (adaptive, tolerance, step) = match &self.mode {
             Mode::Fixed { step, .. } => (false, None, *step),
-            Mode::Adaptive(control) => {
-                (true, Some(control.tolerance()), self.stepped_time / self.steps.max(1) as f64)
-            }
+            Mode::Adaptive(control) => (true, Some(control.tolerance()), self.stepped_time / self.steps.max(1) as f64),
         };
         MethodDescription {
             name: "lobatto".to_string(),

@@ -76,7 +76,10 @@ pub trait Lanes:
     /// Largest lane; NaN if any lane is NaN.
     #[inline(always)]
     fn largest(self) -> f64 {
-        self.to_array().as_ref().iter().fold(f64::NEG_INFINITY, |worst, &value| if value > worst || value.is_nan() { value } else { worst })
+        self.to_array()
+            .as_ref()
+            .iter()
+            .fold(f64::NEG_INFINITY, |worst, &value| if value > worst || value.is_nan() { value } else { worst })
     }
 }
 

@@ -63,7 +63,8 @@ impl<V: Lanes> Coefficients<V> {
         let mut solve = [V::zero(); MAX_LANES];
         let mut momentum = [V::zero(); MAX_LANES];
         for column in 0..active {
-            let rows: Vec<f64> = (0..active).map(|lane| tableau.b_matrix[row_of_lane(lane) * active + column]).collect();
+            let rows: Vec<f64> =
+                (0..active).map(|lane| tableau.b_matrix[row_of_lane(lane) * active + column]).collect();
             residual[column] = V::from_slice(&rows);
             let rows: Vec<f64> = (0..active).map(|lane| tableau.a_hat[lane * active + row_of_lane(column)]).collect();
             solve[column] = V::from_slice(&rows);

@@ -89,9 +89,18 @@ impl<V: Lanes> Kernel<V> {
     fn iterate(&mut self) -> f64 {
         let stages = &mut self.stages;
         let gravity = &self.gravity;
-        V::run(#[inline(always)] || stages.sweep_poses());
-        V::run(#[inline(always)] || stages.sweep_residual(gravity));
-        V::run(#[inline(always)] || stages.sweep_increments().largest())
+        V::run(
+            #[inline(always)]
+            || stages.sweep_poses(),
+        );
+        V::run(
+            #[inline(always)]
+            || stages.sweep_residual(gravity),
+        );
+        V::run(
+            #[inline(always)]
+            || stages.sweep_increments().largest(),
+        )
     }
 
     fn worst_freedom(&self) -> usize {
@@ -107,7 +116,10 @@ impl<V: Lanes> Step for Kernel<V> {
         self.stages.start.set(mechanism, state);
         self.stages.step = step;
         let (stages, predictor) = (&mut self.stages, &mut self.predictor);
-        V::run(#[inline(always)] || predictor.guess(stages, plain));
+        V::run(
+            #[inline(always)]
+            || predictor.guess(stages, plain),
+        );
         self.anderson.restart();
         let mut recent = [f64::INFINITY; 5];
         let mut scale = 1.0_f64;
@@ -124,7 +136,10 @@ impl<V: Lanes> Step for Kernel<V> {
             if converged {
                 let (displacement, increments) = (&mut self.stages.displacement, &self.stages.increment);
                 let top = self.top_legendre;
-                let legendre = V::run(#[inline(always)] || add_and_measure(displacement, increments, top));
+                let legendre = V::run(
+                    #[inline(always)]
+                    || add_and_measure(displacement, increments, top),
+                );
                 return Attempt::Converged { iterations: iteration, legendre };
             }
             let hopeless = iteration >= 8 && increment > 0.3 * recent[iteration % 5] && increment > 1e-9 * scale;
@@ -133,7 +148,10 @@ impl<V: Lanes> Step for Kernel<V> {
             }
             recent[(iteration + 4) % 5] = increment;
             let (anderson, stages) = (&mut self.anderson, &mut self.stages);
-            let largest = V::run(#[inline(always)] || anderson.advance(&mut stages.displacement, &stages.increment).largest());
+            let largest = V::run(
+                #[inline(always)]
+                || anderson.advance(&mut stages.displacement, &stages.increment).largest(),
+            );
             scale = largest.max(1.0);
             if largest > MAX_TURN && self.turned_too_far() {
                 return failed(self, iteration, increment);
@@ -144,11 +162,23 @@ impl<V: Lanes> Step for Kernel<V> {
 
     fn accept(&mut self, mechanism: &Mechanism, state: &mut State) {
         let (stages, gravity, velocity) = (&mut self.stages, &self.gravity, &mut self.velocity);
-        V::run(#[inline(always)] || stages.sweep_poses());
-        V::run(#[inline(always)] || stages.sweep_momentum(gravity));
-        V::run(#[inline(always)] || stages.sweep_velocities(velocity));
+        V::run(
+            #[inline(always)]
+            || stages.sweep_poses(),
+        );
+        V::run(
+            #[inline(always)]
+            || stages.sweep_momentum(gravity),
+        );
+        V::run(
+            #[inline(always)]
+            || stages.sweep_velocities(velocity),
+        );
         let (stages, predictor) = (&self.stages, &mut self.predictor);
-        V::run(#[inline(always)] || predictor.learn(stages));
+        V::run(
+            #[inline(always)]
+            || predictor.learn(stages),
+        );
         let last = self.stages.coefficients.active - 1;
         for (end, displacement) in self.end.iter_mut().zip(&self.stages.displacement) {
             *end = displacement.to_array().as_ref()[last];
@@ -173,7 +203,10 @@ impl<V: Lanes> Step for Kernel<V> {
         self.stages.start.set(mechanism, state);
         self.stages.step = step;
         let (stages, predictor) = (&mut self.stages, &mut self.predictor);
-        V::run(#[inline(always)] || predictor.guess(stages, true));
+        V::run(
+            #[inline(always)]
+            || predictor.guess(stages, true),
+        );
         self.iterate();
         let last = self.stages.coefficients.active - 1;
         for (out, increment) in out.iter_mut().zip(&self.stages.increment) {
