@@ -128,10 +128,8 @@ impl ArticulatedBody {
                 None => {}
             }
         }
-        let mut world = Motion::default();
-        world.acceleration = -mechanism.gravity;
         let mut motion = vec![Motion::default(); links.len() + 1];
-        motion[0] = world;
+        motion[0].acceleration = -mechanism.gravity;
         ArticulatedBody {
             motion,
             gathered: vec![Articulated::default(); links.len() + 1],
