@@ -4,5 +4,6 @@ pub mod invariants;
 pub mod kinematics;
 pub mod lobatto;
 pub mod model;
+pub mod reduced;
 pub mod simulation;
 pub mod state;
