@@ -3,5 +3,6 @@
 pub mod invariants;
 pub mod kinematics;
 pub mod model;
+pub mod scene;
 pub mod simulation;
 pub mod state;
