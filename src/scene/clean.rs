@@ -143,7 +143,8 @@ impl Cleaner<'_> {
         let first = parent.children.iter().find(|first| first.name == schema.name);
         match first.filter(|_| count != Count::Any) {
             Some(first) if first.same_as(&child) || schema.name == "material" => {
-                let message = format!("<{}> is given twice (first on line {}); the first is used", child.name, first.line);
+                let message =
+                    format!("<{}> is given twice (first on line {}); the first is used", child.name, first.line);
                 self.warn(node, message);
             }
             Some(first) => {

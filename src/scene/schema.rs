@@ -141,8 +141,7 @@ static CYLINDER: Schema =
 static SPHERE: Schema = leaf("sphere", &[attribute("radius", Numbers(1), Required)]);
 static CAPSULE: Schema =
     leaf("capsule", &[attribute("radius", Numbers(1), Required), attribute("length", Numbers(1), Required)]);
-static MESH: Schema =
-    leaf("mesh", &[attribute("filename", Text, Required), attribute("scale", Numbers(3), Optional)]);
+static MESH: Schema = leaf("mesh", &[attribute("filename", Text, Required), attribute("scale", Numbers(3), Optional)]);
 
 static MATERIAL: Schema = Schema {
     name: "material",

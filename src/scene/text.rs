@@ -18,9 +18,8 @@ pub(super) struct XmlText {
 
 /// The text of a file.
 pub(super) fn read_text(file: &Path) -> Result<String, SceneError> {
-    let refuse = |line, problem| {
-        Err(SceneError { file: file.to_path_buf(), line, element: None, problem: Box::new(problem) })
-    };
+    let refuse =
+        |line, problem| Err(SceneError { file: file.to_path_buf(), line, element: None, problem: Box::new(problem) });
     let bytes = match std::fs::read(file) {
         Ok(bytes) => bytes,
         Err(error) => return refuse(None, Problem::Unreadable(error.to_string())),

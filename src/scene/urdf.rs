@@ -57,16 +57,7 @@ pub fn robot_from_text(source: &str, path: &Path, packages: &PackagePath) -> Res
     meshes.make_absolute(&mut robot);
     robot.put(version);
     let description = write(&robot);
-    Ok(Robot {
-        name,
-        links,
-        joints,
-        root,
-        path: path.to_path_buf(),
-        source: source.to_string(),
-        description,
-        warnings,
-    })
+    Ok(Robot { name, links, joints, root, path: path.to_path_buf(), source: source.to_string(), description, warnings })
 }
 
 /// Hands the repaired URDF to `urdf-rs`.
