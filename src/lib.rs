@@ -5,5 +5,6 @@ pub mod kinematics;
 pub mod lobatto;
 pub mod model;
 pub mod reduced;
+pub mod scene;
 pub mod simulation;
 pub mod state;
