@@ -129,6 +129,11 @@ impl<'a> Literal<'a> {
         DVector::from_iterator(self.constraints.len(), self.constraints.iter().map(|row| row.value(q)))
     }
 
+    /// `g(q + increment) − g(q)` (d), without cancellation.
+    fn constraint_change(&self, q: &DVector<f64>, increment: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.constraints.len(), self.constraints.iter().map(|row| row.change(q, increment)))
+    }
+
     /// `Dg(q)` (d × 12 n).
     pub fn constraint_jacobian(&self, q: &DVector<f64>) -> DMatrix<f64> {
         let mut jacobian = DMatrix::zeros(self.constraints.len(), q.len());
@@ -140,7 +145,9 @@ impl<'a> Literal<'a> {
 
     /// One step of length `step` [s], which may be negative, from a state that satisfies all constraints.
     ///
-    /// The momentum is good to about 1e-16/h relative, because Λ is known from positions only.
+    /// `g(Q_i) = 0` is imposed as `g(Q_i) − g(q) = 0`, which is the same because (2.5.11) assumes `g(q) = 0`: the defect that
+    /// rounding leaves in q, some 1e-16, would otherwise be pushed out within one step, at a speed of 1e-16/h, and spoil
+    /// the comparison of velocities. In a long run of literal steps these defects add up like a random walk.
     ///
     /// # Errors
     /// [`LiteralError::NotConverged`] or [`LiteralError::Singular`] if the step is too long for Newton's method from
@@ -163,7 +170,7 @@ impl<'a> Literal<'a> {
             let mut residual = DVector::zeros((s - 1) * (n + d));
             for i in 1..s {
                 residual.rows_mut((i - 1) * n, n).copy_from(&(&increments[i] - &collocated[i]));
-                residual.rows_mut((s - 1) * n + (i - 1) * d, d).copy_from(&self.constraint(&stage_coordinates[i]));
+                residual.rows_mut((s - 1) * n + (i - 1) * d, d).copy_from(&self.constraint_change(&q, &increments[i]));
             }
             let newton_matrix = self.newton_matrix(step, &jacobians, &multipliers, &scale);
             let correction = newton_matrix.lu().solve(&residual).ok_or(LiteralError::Singular { step })?;
@@ -377,6 +384,15 @@ impl Quadratic {
         self.constant
             + self.linear.iter().map(|&(i, coefficient)| coefficient * q[i]).sum::<f64>()
             + self.products.iter().map(|&(i, j, coefficient)| coefficient * q[i] * q[j]).sum::<f64>()
+    }
+
+    /// Value at `q + increment` less the value at `q`.
+    fn change(&self, q: &DVector<f64>, increment: &DVector<f64>) -> f64 {
+        let linear = self.linear.iter().map(|&(i, coefficient)| coefficient * increment[i]);
+        let products = self.products.iter().map(|&(i, j, coefficient)| {
+            coefficient * (q[i] * increment[j] + increment[i] * q[j] + increment[i] * increment[j])
+        });
+        linear.sum::<f64>() + products.sum::<f64>()
     }
 
     /// Hands every contribution to the gradient at q to `add(coordinate, value)`.
