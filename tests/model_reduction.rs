@@ -459,3 +459,23 @@ fn wrong_initial_conditions_are_named() {
     assert!(matches!(velocity("ball", &[0.0, f64::NAN, 0.0]), Err(ModelError::NotFinite { .. })));
     assert!(position("ball", &[0.1, 0.2, 0.3]).is_ok());
 }
+
+#[test]
+fn numbers_that_overflow_are_refused() {
+    let text = robot(&[
+        "<link name=\"base\"/>".to_string(),
+        "<link name=\"a\"/>".to_string(),
+        link("b", 1.0, "0 0 0", "0 0 0", [1.0, 1.0, 1.0]),
+        joint("one", "fixed", "base", "a", "1e308 0 0", "0 0 0", "0 0 1"),
+        joint("two", "fixed", "a", "b", "1e308 0 0", "0 0 0", "0 0 1"),
+    ]);
+    let refused = Model::new(read(&text), &ModelOptions::default()).unwrap_err();
+    assert!(matches!(&refused, ModelError::Overflow { line: 4, link, .. } if link == "b"), "{refused}");
+    let heavy = robot(&[
+        link("a", 1e308, "0 0 0", "0 0 0", [1.0, 1.0, 1.0]),
+        link("b", 1e308, "0 0 0", "0 0 0", [1.0, 1.0, 1.0]),
+        joint("weld", "fixed", "a", "b", "0 0 0", "0 0 0", "0 0 1"),
+    ]);
+    let options = ModelOptions { base: Base::Floating, ..Default::default() };
+    assert!(matches!(Model::new(read(&heavy), &options), Err(ModelError::Overflow { line: 2, .. })));
+}

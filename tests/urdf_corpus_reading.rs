@@ -5,7 +5,7 @@ mod common;
 
 use catena::kinematics::body_states;
 use catena::model::{Base, Model, ModelError, ModelOptions, Pose};
-use catena::scene::{PackagePath, Robot, SceneError, read_urdf};
+use catena::scene::{PackagePath, Robot, SceneError, read_urdf, robot_from_text};
 use common::{Numbers, literal_link_poses, rotation_angle, shared};
 use std::path::{Path, PathBuf};
 
@@ -149,4 +149,50 @@ fn damaged_files_load_with_a_warning_or_give_one_clear_error() {
             (Err(error), Ok(_)) => panic!("{name} must load: {error}"),
         }
     }
+}
+
+#[test]
+fn no_damage_to_a_real_robot_makes_reading_or_reduction_panic() {
+    let Some(folder) = shared("urdf-corpus") else { return };
+    let mut numbers = Numbers::new(9);
+    let pieces = [
+        "",
+        "<",
+        ">",
+        "\"",
+        "-",
+        "1e308",
+        "-1e308",
+        "0",
+        "nan",
+        "<link name=\"x\"/>",
+        "</joint>",
+        "fixed",
+        "\u{0}",
+        "é",
+    ];
+    let (mut read, mut modelled) = (0, 0);
+    for path in urdf_files(&folder.join("loads")).iter().chain(&urdf_files(&folder.join("rejects"))) {
+        let text = std::fs::read_to_string(path).unwrap();
+        for _ in 0..60 {
+            let mut damaged = text.clone();
+            // Half of the time a whole number is replaced: such files often stay readable.
+            let start = numbers.next(0.0, text.len() as f64) as usize;
+            let start = match damaged.get(start..).and_then(|rest| rest.find("=\"")) {
+                Some(offset) if numbers.next(0.0, 1.0) < 0.5 => start + offset + 2,
+                _ => start,
+            };
+            let is_end = |c: char| c == '"' || c == ' ' || c == '\n';
+            let Some(length) = damaged.get(start..).and_then(|rest| rest.find(is_end)) else { continue };
+            damaged.replace_range(start..start + length, pieces[numbers.next(0.0, pieces.len() as f64) as usize]);
+            let Ok(robot) = robot_from_text(&damaged, path, &PackagePath::default()) else { continue };
+            read += 1;
+            for base in [Base::Fixed, Base::Floating] {
+                let model = Model::new(robot.clone(), &ModelOptions { base, ..Default::default() });
+                modelled +=
+                    usize::from(model.is_ok_and(|model| model.zero_state().position.iter().all(|q| q.is_finite())));
+            }
+        }
+    }
+    assert!(read > 200 && modelled > 200, "the damage must not hide everything: {read}, {modelled}");
 }
