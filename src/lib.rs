@@ -2,6 +2,7 @@
 
 pub mod invariants;
 pub mod kinematics;
+pub mod log;
 pub mod model;
 pub mod simulation;
 pub mod state;
