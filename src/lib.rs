@@ -4,5 +4,6 @@ pub mod invariants;
 pub mod kinematics;
 pub mod log;
 pub mod model;
+pub mod report;
 pub mod simulation;
 pub mod state;

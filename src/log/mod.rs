@@ -19,13 +19,11 @@
 //! [`Recorder`] is the [`crate::simulation::Observer`].
 
 mod cdr;
-mod description;
 mod file;
 mod recorder;
 mod ros;
 mod visual;
 
-pub use description::with_absolute_meshes;
 pub use file::LogError;
 pub use recorder::{LinkFrame, LogSetup, Recorder, Severity};
 

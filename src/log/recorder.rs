@@ -36,7 +36,7 @@ pub struct LogSetup {
     pub simulation: BTreeMap<String, String>,
     /// File name and text of the URDF as it was read.
     pub urdf: Option<(String, String)>,
-    /// The URDF for viewers ([`super::with_absolute_meshes`]).
+    /// The URDF for viewers, with the addresses of meshes made absolute.
     pub robot_description: Option<String>,
     /// Every link, in the order of the URDF.
     pub links: Vec<LinkFrame>,
