@@ -4,6 +4,7 @@ pub mod invariants;
 pub mod kinematics;
 pub mod log;
 pub mod model;
+pub mod reduced;
 pub mod report;
 pub mod simulation;
 pub mod state;

@@ -7,6 +7,7 @@ use crate::kinematics::joint_rates;
 use crate::log::LinkFrame;
 use crate::model::joint::wxyz_from_rotation;
 use crate::model::{FreeRotation, Joint, Mechanism};
+use crate::reduced::{Reaction, ReducedOde, joint_reactions};
 use crate::simulation::{MethodDescription, Summary};
 use crate::state::{BodyState, State};
 use nalgebra::Vector3;
@@ -160,15 +161,6 @@ impl From<Vec<f64>> for Numbers {
     }
 }
 
-/// Force and torque of a parent on its child at their joint, in the world.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Reaction {
-    /// Force [N].
-    pub force: Vector3<f64>,
-    /// Torque about the joint [N m].
-    pub torque: Vector3<f64>,
-}
-
 impl MethodReport {
     /// The method as an integrator describes itself.
     pub fn new(description: &MethodDescription) -> Self {
@@ -221,7 +213,7 @@ impl LinkReport {
 
 impl JointReport {
     /// One joint of a state.
-    pub fn new(joint: &Joint, state: &State, reaction: Reaction) -> Self {
+    pub fn new(joint: &Joint, state: &State, reaction: &Reaction) -> Self {
         let position = &state.position[joint.position_range()];
         let velocity = &state.velocity[joint.velocity_range()];
         let mut reported_velocity = velocity.to_vec();
@@ -241,14 +233,14 @@ impl JointReport {
     }
 }
 
-/// Every joint of a mechanism, in the order of its bodies; `reactions` has one entry a body.
-pub fn joint_reports(mechanism: &Mechanism, state: &State, reactions: &[Reaction]) -> Vec<(String, JointReport)> {
-    let reactions = reactions.iter().copied().chain(std::iter::repeat(Reaction::default()));
+/// Every joint of a mechanism, in the order of its bodies.
+pub fn joint_reports(mechanism: &Mechanism, state: &State) -> Vec<(String, JointReport)> {
+    let mut accelerations = vec![0.0; mechanism.velocity_count];
+    ReducedOde::new(mechanism).accelerations(&state.position, &state.velocity, &mut accelerations);
+    let reactions = joint_reactions(mechanism, &state.position, &state.velocity, &accelerations);
     let joints = mechanism.bodies.iter().map(|body| &body.joint);
-    joints
-        .zip(reactions)
-        .map(|(joint, reaction)| (joint.name.clone(), JointReport::new(joint, state, reaction)))
-        .collect()
+    let report = |(joint, reaction): (&Joint, _)| (joint.name.clone(), JointReport::new(joint, state, &reaction));
+    joints.zip(reactions).map(report).collect()
 }
 
 /// Serializes pairs as the entries of an object, in their order.
@@ -342,7 +334,7 @@ fn counted(count: usize, noun: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Reaction, counted, joint_reports, rounded};
+    use super::{counted, joint_reports, rounded};
     use crate::model::{Body, Joint, JointKind, Mechanism, Pose};
     use crate::state::{State, quaternion_exponential};
     use nalgebra::{Translation3, Vector3};
@@ -357,7 +349,7 @@ mod tests {
         let quarter = std::f64::consts::FRAC_PI_2;
         state.position[3..7].copy_from_slice(&quaternion_exponential(&[0.0, 0.0, quarter]));
         state.velocity.copy_from_slice(&[4.0, 5.0, 6.0, 1.0, 0.0, 0.5]);
-        let reports = joint_reports(&mechanism, &state, &[Reaction::default()]);
+        let reports = joint_reports(&mechanism, &state);
         let super::Numbers::Many(velocity) = &reports[0].1.velocity else { panic!("six numbers") };
         for (got, expected) in velocity.iter().zip([4.0, 5.0, 6.0, 0.0, 1.0, 0.5]) {
             assert!((got - expected).abs() < 1e-15, "{velocity:?}");

@@ -3,7 +3,9 @@
 use catena::kinematics::{WORLD, forward_kinematics};
 use catena::log::{LinkFrame, LogSetup, Recorder, Severity};
 use catena::model::{Body, Joint, JointKind, Mechanism, Pose, joint::rotation_from_wxyz};
-use catena::simulation::{Integrator, MethodDescription, Observer, ObserverError, RunOptions, Sample, StepError, StepOutcome, run};
+use catena::simulation::{
+    Integrator, MethodDescription, Observer, ObserverError, RunOptions, Sample, StepError, StepOutcome, run,
+};
 use catena::state::State;
 use foxglove::Decode;
 use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
@@ -99,7 +101,8 @@ fn log_seen_by(name: &str, duration: f64, onlooker: &mut Onlooker) -> Vec<u8> {
     state.velocity.copy_from_slice(&VELOCITY);
     let mut recorder = Recorder::create(&path, &mechanism, &setup()).expect("the log is created");
     let options = RunOptions { duration, rate: Some(60.0), interrupt: None };
-    let (_, ended) = run(&mechanism, &mut state, &mut Coasting { step: 0.05 }, &options, &mut [&mut recorder, onlooker]);
+    let (_, ended) =
+        run(&mechanism, &mut state, &mut Coasting { step: 0.05 }, &options, &mut [&mut recorder, onlooker]);
     ended.expect("nothing can fail");
     recorder.finish().expect("the log is completed");
     std::fs::read(&path).expect("the log is readable")

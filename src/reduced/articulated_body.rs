@@ -1,0 +1,484 @@
+//! Joint accelerations of a tree of bodies in O(n): the articulated-body algorithm.
+//!
+//! Every quantity has the axes of the world and is referred to the body's own joint anchor `a` (the origin of the
+//! joint frame on the child), so a wrench goes from a child to its parent by one lever arm and no 6×6 rotation.
+//! For each body, with the joint frame `Q = R F_c.R` [-] on the child and the arm `r = a − a_parent` [m]:
+//!
+//! ```text
+//! root to leaf: the motion if every joint acceleration were zero (gravity enters as an acceleration −g of the world)
+//!     ω  = ω_p + Q w                                     angular velocity [rad/s]
+//!     α₀ = α₀_p + ω_p × Q w                              angular acceleration [rad/s²]
+//!     a₀ = a₀_p + K_p r + 2 ω_p × u                      acceleration of the anchor [m/s²], u the sliding velocity [m/s]
+//!     K  = [α₀]× + ω ωᵀ − |ω|² 1                         the field of accelerations: a point at ρ has a₀ + K ρ
+//!     n  = I α₀ + ω × I ω + h × a₀,   f = m a₀ + K h     torque [N m] at the anchor and force [N] this motion needs
+//!
+//! leaf to root: the wrench a subtree needs for the rest (δα, δa) of its anchor's acceleration is
+//!     [ n ]   [ A   B ] [ δα ]   [ n ]                   A [kg m²], B [kg m], M [kg]; a rigid body has A = I, B = [h]×,
+//!     [ f ] = [ Bᵀ  M ] [ δa ] + [ f ]                   M = m 1, and the children add theirs, shifted by their arms
+//!     U = 𝓜 s,  d = sᵀU,  y = τ − sᵀ(n, f)               for each free screw s = (e, 0) or (0, e), one after another:
+//!     𝓜 ← 𝓜 − U Uᵀ/d,   (n, f) ← (n, f) + U y/d
+//!
+//! root to leaf:    q̈ = (y − Uᵀδ)/d,   δ ← δ + s q̈       in the reverse order of the screws
+//! ```
+//!
+//! `I` [kg m²] is the inertia about the anchor and `h` [kg m] the mass times the arm from anchor to centre of mass.
+//! Taking out one screw after another is the block elimination of a joint with several degrees of freedom, exactly.
+//! Splitting off the motion at q̈ = 0 first spares the product of 𝓜 with the velocity terms in every joint.
+//!
+//! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7 (the recursion) and section
+//! 5.3 (the bias force).
+
+use super::small::{
+    Symmetric, column, cross, cross_matrix, cross_symmetric, dot, from_columns, product, times, transpose_times,
+    twice_symmetric_part_of_cross,
+};
+use crate::model::joint::rotation_from_wxyz;
+use crate::model::{Body, FreeRotation, JointKind, Mechanism};
+use nalgebra::{Matrix3, Vector3};
+
+/// Forward dynamics of one mechanism: its constants and the workspace of an evaluation.
+#[derive(Clone, Debug)]
+pub struct ArticulatedBody {
+    links: Vec<Link>,
+    /// The motion of the world (entry 0) and of every body (entry body + 1).
+    motion: Vec<Motion>,
+    /// What the children of a body other than the next in the numbering have handed to it; zero between evaluations.
+    gathered: Vec<Articulated>,
+    /// One for each degree of freedom.
+    screws: Vec<Screw>,
+    /// The rest of the accelerations, laid out as `motion`.
+    rest: Vec<Acceleration>,
+    position_count: usize,
+    velocity_count: usize,
+}
+
+/// The constants of a body, in its joint frame.
+#[derive(Clone, Debug)]
+struct Link {
+    kind: JointKind,
+    /// Entry of the parent in the workspace, where the world is entry 0.
+    parent: usize,
+    /// Whether the next body is a child.
+    next_is_child: bool,
+    /// Whether there are other children.
+    branches: bool,
+    position_index: usize,
+    velocity_index: usize,
+    /// The joint frame on the parent, seen from the parent's own joint frame.
+    mount: Matrix3<f64>,
+    /// From the parent's anchor to the origin of the joint frame on the parent, in the parent's joint frame [m].
+    arm: Vector3<f64>,
+    mass: f64,
+    /// Mass times the arm from the anchor to the centre of mass [kg m].
+    moment: Vector3<f64>,
+    /// Inertia about the anchor [kg m²].
+    inertia: Symmetric,
+}
+
+/// A body's pose and motion at zero joint acceleration, and what that motion needs; all in the axes of the world.
+#[derive(Clone, Copy, Debug)]
+struct Motion {
+    frame: Matrix3<f64>,
+    arm: Vector3<f64>,
+    angular_velocity: Vector3<f64>,
+    angular_acceleration: Vector3<f64>,
+    acceleration: Vector3<f64>,
+    field: Matrix3<f64>,
+    inertia: Symmetric,
+    moment: Vector3<f64>,
+    torque: Vector3<f64>,
+    force: Vector3<f64>,
+}
+
+/// The articulated inertia and wrench of a subtree at an anchor.
+#[derive(Clone, Copy, Debug, Default)]
+struct Articulated {
+    angular: Symmetric,
+    coupling: Matrix3<f64>,
+    linear: Symmetric,
+    torque: Vector3<f64>,
+    force: Vector3<f64>,
+}
+
+/// One free direction after its elimination: `q̈ = free − (angular, linear) · δ`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Screw {
+    axis: Vector3<f64>,
+    angular: Vector3<f64>,
+    linear: Vector3<f64>,
+    free: f64,
+}
+
+/// Angular acceleration, and linear acceleration of the anchor.
+#[derive(Clone, Copy, Debug, Default)]
+struct Acceleration {
+    angular: Vector3<f64>,
+    linear: Vector3<f64>,
+}
+
+impl ArticulatedBody {
+    /// Sets up the constants and the workspace.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let bodies = &mechanism.bodies;
+        let mut links: Vec<Link> = (0..bodies.len()).map(|index| Link::new(bodies, index)).collect();
+        for (index, body) in bodies.iter().enumerate() {
+            match body.parent {
+                Some(parent) if parent + 1 == index => links[parent].next_is_child = true,
+                Some(parent) => links[parent].branches = true,
+                None => {}
+            }
+        }
+        let mut world = Motion::default();
+        world.acceleration = -mechanism.gravity;
+        let mut motion = vec![Motion::default(); links.len() + 1];
+        motion[0] = world;
+        ArticulatedBody {
+            motion,
+            gathered: vec![Articulated::default(); links.len() + 1],
+            screws: vec![Screw::default(); mechanism.velocity_count],
+            rest: vec![Acceleration::default(); links.len() + 1],
+            links,
+            position_count: mechanism.position_count,
+            velocity_count: mechanism.velocity_count,
+        }
+    }
+
+    /// The time derivatives of the joint velocities, written into `acceleration`. Does not allocate.
+    ///
+    /// `joint_force` are generalised forces [N or N m] that act along the joint velocities; `None` means none.
+    /// The slices have the lengths of the mechanism's position and velocity vectors. Quaternions need not be of unit
+    /// length. A mechanism whose acceleration is not determined (a massless leaf) gives values that are not finite.
+    pub fn accelerations(
+        &mut self,
+        position: &[f64],
+        velocity: &[f64],
+        joint_force: Option<&[f64]>,
+        acceleration: &mut [f64],
+    ) {
+        assert_eq!(position.len(), self.position_count, "length of the position vector");
+        assert_eq!(velocity.len(), self.velocity_count, "length of the velocity vector");
+        assert_eq!(acceleration.len(), self.velocity_count, "length of the acceleration vector");
+        self.find_motion(position, velocity);
+        self.eliminate_joints(joint_force);
+        self.resolve_accelerations(acceleration);
+    }
+
+    /// First pass, root to leaf: poses, velocities, and the accelerations at zero joint acceleration.
+    fn find_motion(&mut self, position: &[f64], velocity: &[f64]) {
+        for (index, link) in self.links.iter().enumerate() {
+            let parent = &self.motion[link.parent];
+            let mounted = product(&parent.frame, &link.mount);
+            let mut arm = times(&parent.frame, &link.arm);
+            let mut sliding = Vector3::zeros();
+            let (frame, turning) = if link.kind == JointKind::Revolute {
+                let frame = rotate_about_z(&mounted, position[link.position_index]);
+                (frame, column(&frame, 2) * velocity[link.velocity_index])
+            } else {
+                let (translation, rotation) = link.kind.split_position(&position[link.position_index..]);
+                let (slide, turn) = link.kind.split_velocity(&velocity[link.velocity_index..]);
+                arm += times(&mounted, &translation);
+                sliding = 2.0 * cross(&parent.angular_velocity, &times(&mounted, &slide));
+                let frame = product(&mounted, &rotation);
+                (frame, times(&frame, &turn))
+            };
+            let acceleration = parent.acceleration + times(&parent.field, &arm) + sliding;
+            let angular_velocity = parent.angular_velocity + turning;
+            let angular_acceleration = parent.angular_acceleration + cross(&parent.angular_velocity, &turning);
+            let field = acceleration_field(&angular_velocity, &angular_acceleration);
+            let inertia = link.inertia.congruence(&frame);
+            let moment = times(&frame, &link.moment);
+            let torque = inertia.times(&angular_acceleration)
+                + cross(&angular_velocity, &inertia.times(&angular_velocity))
+                + cross(&moment, &acceleration);
+            let force = acceleration * link.mass + times(&field, &moment);
+            self.motion[index + 1] = Motion {
+                frame,
+                arm,
+                angular_velocity,
+                angular_acceleration,
+                acceleration,
+                field,
+                inertia,
+                moment,
+                torque,
+                force,
+            };
+        }
+    }
+
+    /// Second pass, leaf to root: articulated inertias, and the elimination of every free direction.
+    fn eliminate_joints(&mut self, joint_force: Option<&[f64]>) {
+        // A first child follows its parent in the numbering, so its share is carried over and never stored.
+        let mut carried = Articulated::default();
+        for (index, link) in self.links.iter().enumerate().rev() {
+            let motion = &self.motion[index + 1];
+            let mut subtree = Articulated::rigid(motion, link.mass);
+            if link.next_is_child {
+                subtree.add(&carried);
+            }
+            if link.branches {
+                subtree.add(&self.gathered[index + 1]);
+                self.gathered[index + 1] = Articulated::default();
+            }
+            let applied = |offset: usize| joint_force.map_or(0.0, |force| force[link.velocity_index + offset]);
+            if link.kind == JointKind::Revolute {
+                self.screws[link.velocity_index] = subtree.eliminate_rotation(&column(&motion.frame, 2), applied(0));
+            } else {
+                let translations = link.kind.translation_axes();
+                let count = link.kind.velocity_count();
+                let screws = &mut self.screws[link.velocity_index..link.velocity_index + count];
+                for offset in (translations.len()..count).rev() {
+                    let axis = link.kind.rotation_axis(offset - translations.len());
+                    screws[offset] = subtree.eliminate_rotation(&column(&motion.frame, axis), applied(offset));
+                }
+                let parent = &self.motion[link.parent];
+                for (offset, &axis) in translations.iter().enumerate().rev() {
+                    let direction = times(&parent.frame, &column(&link.mount, axis));
+                    screws[offset] = subtree.eliminate_translation(&direction, applied(offset));
+                }
+            }
+            if link.parent == index {
+                carried = subtree.shifted(&motion.arm);
+            } else if link.parent > 0 {
+                self.gathered[link.parent].add(&subtree.shifted(&motion.arm));
+            }
+        }
+    }
+
+    /// Third pass, root to leaf: the joint accelerations, and what they add to each body's acceleration.
+    fn resolve_accelerations(&mut self, acceleration: &mut [f64]) {
+        for (index, link) in self.links.iter().enumerate() {
+            let parent = &self.rest[link.parent];
+            let mut angular = parent.angular;
+            let mut linear = parent.linear + cross(&parent.angular, &self.motion[index + 1].arm);
+            if link.kind == JointKind::Revolute {
+                let screw = &self.screws[link.velocity_index];
+                let rate = screw.rate(&angular, &linear);
+                acceleration[link.velocity_index] = rate;
+                angular += screw.axis * rate;
+            } else {
+                let translations = link.kind.translation_axes().len();
+                for offset in 0..link.kind.velocity_count() {
+                    let screw = &self.screws[link.velocity_index + offset];
+                    let rate = screw.rate(&angular, &linear);
+                    acceleration[link.velocity_index + offset] = rate;
+                    let moved = if offset < translations { &mut linear } else { &mut angular };
+                    *moved += screw.axis * rate;
+                }
+            }
+            self.rest[index + 1] = Acceleration { angular, linear };
+        }
+    }
+}
+
+impl Link {
+    /// The constants of one body; who its children are is filled in afterwards.
+    fn new(bodies: &[Body], index: usize) -> Self {
+        let body = &bodies[index];
+        let joint = &body.joint;
+        let frame_on_child = joint.on_child.rotation.matrix();
+        let (mount, arm) = match body.parent {
+            // The place of a root in the world does not matter: gravity is uniform.
+            None => (*joint.on_parent.rotation.matrix(), Vector3::zeros()),
+            Some(parent) => {
+                let anchor = &bodies[parent].joint.on_child;
+                let seen = anchor.inverse() * joint.on_parent;
+                (*seen.rotation.matrix(), seen.translation.vector)
+            }
+        };
+        let centre = -(frame_on_child.transpose() * joint.on_child.translation.vector);
+        let steiner = Matrix3::identity() * centre.norm_squared() - centre * centre.transpose();
+        let inertia =
+            frame_on_child.transpose() * Matrix3::from_diagonal(&body.inertia) * frame_on_child + steiner * body.mass;
+        Link {
+            kind: joint.kind,
+            parent: body.parent.map_or(0, |parent| parent + 1),
+            next_is_child: false,
+            branches: false,
+            position_index: joint.position_index,
+            velocity_index: joint.velocity_index,
+            mount,
+            arm,
+            mass: body.mass,
+            moment: centre * body.mass,
+            inertia: Symmetric::from_matrix(&inertia),
+        }
+    }
+}
+
+impl JointKind {
+    /// Joint translation and rotation from the head of a position vector.
+    fn split_position(self, position: &[f64]) -> (Vector3<f64>, Matrix3<f64>) {
+        let axes = self.translation_axes();
+        let rotation = match self.rotation() {
+            FreeRotation::None => Matrix3::identity(),
+            FreeRotation::AboutZ => rotate_about_z(&Matrix3::identity(), position[axes.len()]),
+            FreeRotation::Ball => rotation_from_wxyz(&position[axes.len()..]),
+        };
+        (self.split_translation(position), rotation)
+    }
+
+    /// Translation rates and rotation rates from the head of a velocity vector.
+    fn split_velocity(self, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+        let turn = &velocity[self.translation_axes().len()..];
+        let rotation = match self.rotation() {
+            FreeRotation::None => Vector3::zeros(),
+            FreeRotation::AboutZ => Vector3::new(0.0, 0.0, turn[0]),
+            FreeRotation::Ball => Vector3::new(turn[0], turn[1], turn[2]),
+        };
+        (self.split_translation(velocity), rotation)
+    }
+
+    fn split_translation(self, values: &[f64]) -> Vector3<f64> {
+        let mut translation = Vector3::zeros();
+        for (&axis, &value) in self.translation_axes().iter().zip(values) {
+            translation[axis] = value;
+        }
+        translation
+    }
+
+    /// The joint-frame axis of the n-th free rotation.
+    fn rotation_axis(self, number: usize) -> usize {
+        if self.rotation() == FreeRotation::AboutZ { 2 } else { number }
+    }
+}
+
+impl Default for Motion {
+    /// The world at rest.
+    fn default() -> Self {
+        Motion {
+            frame: Matrix3::identity(),
+            arm: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
+            angular_acceleration: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+            field: Matrix3::zeros(),
+            inertia: Symmetric::default(),
+            moment: Vector3::zeros(),
+            torque: Vector3::zeros(),
+            force: Vector3::zeros(),
+        }
+    }
+}
+
+impl Articulated {
+    /// A single body.
+    #[inline(always)]
+    fn rigid(motion: &Motion, mass: f64) -> Self {
+        Articulated {
+            angular: motion.inertia,
+            coupling: cross_matrix(&motion.moment),
+            linear: Symmetric::scalar(mass),
+            torque: motion.torque,
+            force: motion.force,
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, other: &Articulated) {
+        self.angular.add(&other.angular);
+        self.coupling += other.coupling;
+        self.linear.add(&other.linear);
+        self.torque += other.torque;
+        self.force += other.force;
+    }
+
+    /// Frees the rotation about `axis`, with the torque `applied` on it.
+    #[inline(always)]
+    fn eliminate_rotation(&mut self, axis: &Vector3<f64>, applied: f64) -> Screw {
+        let angular = self.angular.times(axis);
+        let linear = transpose_times(&self.coupling, axis);
+        self.eliminate(axis, &angular, &linear, dot(axis, &angular), applied - dot(axis, &self.torque))
+    }
+
+    /// Frees the translation along `axis`, with the force `applied` on it.
+    #[inline(always)]
+    fn eliminate_translation(&mut self, axis: &Vector3<f64>, applied: f64) -> Screw {
+        let angular = times(&self.coupling, axis);
+        let linear = self.linear.times(axis);
+        self.eliminate(axis, &angular, &linear, dot(axis, &linear), applied - dot(axis, &self.force))
+    }
+
+    /// The rank-one step: `U = (angular, linear)`, `d = inertia`, `y = unbalanced`.
+    #[inline(always)]
+    fn eliminate(
+        &mut self,
+        axis: &Vector3<f64>,
+        angular: &Vector3<f64>,
+        linear: &Vector3<f64>,
+        inertia: f64,
+        unbalanced: f64,
+    ) -> Screw {
+        let inverse = 1.0 / inertia;
+        let scaled_angular = angular * inverse;
+        let scaled_linear = linear * inverse;
+        let free = unbalanced * inverse;
+        self.angular.subtract_dyad(angular, &scaled_angular);
+        self.linear.subtract_dyad(linear, &scaled_linear);
+        for j in 0..3 {
+            for i in 0..3 {
+                self.coupling[(i, j)] -= angular[i] * scaled_linear[j];
+            }
+        }
+        self.torque += angular * free;
+        self.force += linear * free;
+        Screw { axis: *axis, angular: scaled_angular, linear: scaled_linear, free }
+    }
+
+    /// The same subtree seen from a point that lies `−arm` away: the parent's anchor.
+    #[inline(always)]
+    fn shifted(&self, arm: &Vector3<f64>) -> Articulated {
+        // A' = A − B'[r]× − (B[r]×)ᵀ with B' = B + [r]×M; the mean of B and B' makes that one symmetric part.
+        let lever = cross_symmetric(arm, &self.linear);
+        let mean = self.coupling + lever * 0.5;
+        let turned = twice_symmetric_part_of_cross(&mean, arm);
+        let mut angular = self.angular;
+        angular.xx -= turned.xx;
+        angular.xy -= turned.xy;
+        angular.xz -= turned.xz;
+        angular.yy -= turned.yy;
+        angular.yz -= turned.yz;
+        angular.zz -= turned.zz;
+        Articulated {
+            angular,
+            coupling: self.coupling + lever,
+            linear: self.linear,
+            torque: self.torque + cross(arm, &self.force),
+            force: self.force,
+        }
+    }
+}
+
+impl Screw {
+    /// The joint acceleration that the rest of the parent's acceleration leaves.
+    #[inline(always)]
+    fn rate(&self, angular: &Vector3<f64>, linear: &Vector3<f64>) -> f64 {
+        self.free - dot(&self.angular, angular) - dot(&self.linear, linear)
+    }
+}
+
+/// `F Rz(angle)`.
+#[inline(always)]
+fn rotate_about_z(frame: &Matrix3<f64>, angle: f64) -> Matrix3<f64> {
+    let (sine, cosine) = angle.sin_cos();
+    let (x, y) = (column(frame, 0), column(frame, 1));
+    from_columns(&(x * cosine + y * sine), &(y * cosine - x * sine), &column(frame, 2))
+}
+
+/// `[α]× + ω ωᵀ − |ω|² 1`.
+#[inline(always)]
+fn acceleration_field(omega: &Vector3<f64>, alpha: &Vector3<f64>) -> Matrix3<f64> {
+    let (xx, yy, zz) = (omega.x * omega.x, omega.y * omega.y, omega.z * omega.z);
+    let (xy, xz, yz) = (omega.x * omega.y, omega.x * omega.z, omega.y * omega.z);
+    Matrix3::new(
+        -(yy + zz),
+        xy - alpha.z,
+        xz + alpha.y,
+        xy + alpha.z,
+        -(xx + zz),
+        yz - alpha.x,
+        xz - alpha.y,
+        yz + alpha.x,
+        -(xx + yy),
+    )
+}

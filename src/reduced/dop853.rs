@@ -1,0 +1,339 @@
+//! DOP853 in joint coordinates: the explicit Runge–Kutta method of Dormand and Prince of order 8, with step control.
+//!
+//! ```text
+//!     Y_i = y₀ + h Σ_{j<i} a_ij k_j,   k_i = f(Y_i),   i = 1..12            y₁ = y₀ + h Σ b_i k_i
+//!     e₅ = h Σ (b_i − b̂_i) k_i,   e₃ = h Σ (b_i − b̃_i) k_i                  the embedded orders 5 and 3
+//!     err = |e₅|² / √(|e₅|² + 0.01 |e₃|²)                                   accepted if err ≤ 1; of order h⁸
+//!     h_new = h · min(6, max(1/3, 0.9 err^(−1/8)))
+//! ```
+//!
+//! `|e|` is the root mean square of `e_j / (tol (1 + max(|y₀|, |y₁|)))`: absolute and relative tolerance are the same
+//! number, in the units of each entry. The slope at y₁ is the first of the next step, so a step costs 12 evaluations.
+//! Dense output has order 7 and costs three evaluations in each step that is asked for it.
+//!
+//! Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993,
+//! sections II.4 (initial step, control), II.6 (dense output) and II.10 (error estimate), with the constants of the
+//! authors' code.
+
+use super::dop853_table::{DENSE, DENSE_STAGES, FIFTH_ORDER_ERROR, Row, SOLUTION, STAGES, THIRD_ORDER};
+use super::ode::{ReducedOde, joint_of_entry};
+use crate::model::Mechanism;
+use crate::simulation::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::state::State;
+use std::cell::RefCell;
+
+/// Factor on the step that the error estimate asks for.
+const SAFETY: f64 = 0.9;
+/// Bounds of the ratio of a step to the one before.
+const SHRINK_LIMIT: f64 = 1.0 / 3.0;
+const GROWTH_LIMIT: f64 = 6.0;
+/// The error estimate behaves like h⁸.
+const ORDER: f64 = 8.0;
+/// The end is reached with a step longer by up to this factor, so that no sliver of a step remains.
+const STRETCH: f64 = 1.01;
+/// The slope at the end of the step has this place among the slopes.
+const END_SLOPE: usize = 12;
+
+/// DOP853 with a step chosen from a tolerance, or with a fixed one.
+#[derive(Clone, Debug)]
+pub struct Dop853 {
+    control: Control,
+    /// Step to try next [s]; none before the first step.
+    next_step: Option<f64>,
+    start_time: f64,
+    end_time: f64,
+    accepted: usize,
+    accepted_time: f64,
+    /// In a cell because dense output evaluates further slopes, and only when it is asked for.
+    work: RefCell<Work>,
+}
+
+/// How steps are chosen.
+#[derive(Clone, Copy, Debug)]
+enum Control {
+    Tolerance(f64),
+    Fixed(f64),
+}
+
+/// The vectors of a step, one behind the other where they are summed together.
+#[derive(Clone, Debug)]
+struct Work {
+    ode: ReducedOde,
+    start: Vec<f64>,
+    end: Vec<f64>,
+    stage: Vec<f64>,
+    /// Σ b k and Σ (b − b̂) k.
+    mean_slope: Vec<f64>,
+    fifth_order_error: Vec<f64>,
+    /// The 12 slopes of the stages, the one at the end, and the 3 of dense output.
+    slopes: Vec<f64>,
+    /// The 8 coefficients of dense output.
+    polynomial: Vec<f64>,
+    polynomial_is_current: bool,
+}
+
+impl Dop853 {
+    /// For one mechanism, with `tolerance` both absolute and relative on every entry of the state.
+    pub fn new(mechanism: &Mechanism, tolerance: f64) -> Self {
+        Dop853::with_control(mechanism, Control::Tolerance(tolerance))
+    }
+
+    /// For one mechanism, with a fixed step [s] and no error control.
+    pub fn with_fixed_step(mechanism: &Mechanism, step: f64) -> Self {
+        Dop853::with_control(mechanism, Control::Fixed(step))
+    }
+
+    fn with_control(mechanism: &Mechanism, control: Control) -> Self {
+        let ode = ReducedOde::new(mechanism);
+        let zeros = |count: usize| vec![0.0; count * ode.dimension()];
+        Dop853 {
+            control,
+            next_step: None,
+            start_time: 0.0,
+            end_time: f64::NAN,
+            accepted: 0,
+            accepted_time: 0.0,
+            work: RefCell::new(Work {
+                start: zeros(1),
+                end: zeros(1),
+                stage: zeros(1),
+                mean_slope: zeros(1),
+                fifth_order_error: zeros(1),
+                slopes: zeros(16),
+                polynomial: zeros(8),
+                polynomial_is_current: false,
+                ode,
+            }),
+        }
+    }
+}
+
+impl Integrator for Dop853 {
+    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+        let work = self.work.get_mut();
+        work.polynomial_is_current = false;
+        work.ode.load(state, &mut work.start);
+        let mut evaluations = 0;
+        // Unless somebody has changed the state since the last step, its first slope is known.
+        let continues = state.time == self.end_time && work.start == work.end;
+        if !continues {
+            self.next_step = None;
+            work.ode.derivative(&work.start, &mut work.slopes[..work.start.len()]);
+            evaluations += 1;
+            work.check_finite(mechanism, &work.slopes[..work.start.len()], state.time, 0.0)?;
+        } else {
+            let n = work.start.len();
+            work.slopes.copy_within(END_SLOPE * n..(END_SLOPE + 1) * n, 0);
+        }
+        let mut wanted = match (self.control, self.next_step) {
+            (Control::Fixed(step), _) => step,
+            (Control::Tolerance(_), Some(step)) => step,
+            (Control::Tolerance(tolerance), None) => {
+                evaluations += 1;
+                work.initial_step(tolerance, until - state.time)
+            }
+        };
+        let mut rejected = 0;
+        loop {
+            let remaining = until - state.time;
+            let stretch = if matches!(self.control, Control::Fixed(_)) { 1.000_000_1 } else { STRETCH };
+            let last = wanted * stretch >= remaining;
+            let step = if last { remaining } else { wanted };
+            work.attempt(step);
+            evaluations += 11;
+            let error = match self.control {
+                Control::Tolerance(tolerance) => work.error(step, tolerance),
+                Control::Fixed(_) => {
+                    work.check_finite(mechanism, &work.end, state.time, step)?;
+                    0.0
+                }
+            };
+            if error <= 1.0 {
+                work.ode.normalise(&mut work.end);
+                let n = work.end.len();
+                work.ode.derivative(&work.end, &mut work.slopes[END_SLOPE * n..(END_SLOPE + 1) * n]);
+                evaluations += 1;
+                work.ode.store(&work.end, state);
+                self.start_time = state.time;
+                state.time = if last { until } else { state.time + step };
+                self.end_time = state.time;
+                self.accepted += 1;
+                self.accepted_time += step;
+                // No growth right after a rejection; and a step cut short by the end says nothing against longer ones.
+                let growth = if rejected > 0 { 1.0 } else { GROWTH_LIMIT };
+                let proposed = step * (SAFETY * error.powf(-1.0 / ORDER)).clamp(SHRINK_LIMIT, growth);
+                self.next_step = Some(if last { proposed.max(wanted) } else { proposed });
+                return Ok(StepOutcome { step, iterations: evaluations, rejected });
+            }
+            rejected += 1;
+            // A step that ran into infinity has no error to go by.
+            let factor = if error.is_finite() { SAFETY * error.powf(-1.0 / ORDER) } else { 0.0 };
+            wanted = step * factor.max(SHRINK_LIMIT);
+            if wanted <= 10.0 * f64::EPSILON * state.time.abs().max(until.abs()) {
+                work.check_finite(mechanism, &work.end, state.time, step)?;
+                let joint = joint_of_entry(mechanism, work.worst_entry());
+                return Err(StepError::NotConverged { time: state.time, step, joint, increment: error });
+            }
+        }
+    }
+
+    fn dense(&self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        let step = self.end_time - self.start_time;
+        let work = &mut *self.work.borrow_mut();
+        if !work.polynomial_is_current {
+            work.find_polynomial(step);
+        }
+        let s = (time - self.start_time) / step;
+        let (value, n) = (&work.polynomial, work.start.len());
+        // Nested in s and 1 − s by turns, so that both ends are met exactly.
+        let at = |i: usize| {
+            let upper =
+                value[4 * n + i] + s * (value[5 * n + i] + (1.0 - s) * (value[6 * n + i] + s * value[7 * n + i]));
+            let lower = value[2 * n + i] + s * (value[3 * n + i] + (1.0 - s) * upper);
+            value[i] + s * (value[n + i] + (1.0 - s) * lower)
+        };
+        position.iter_mut().enumerate().for_each(|(i, entry)| *entry = at(i));
+        velocity.iter_mut().enumerate().for_each(|(i, entry)| *entry = at(mechanism.position_count + i));
+        work.ode.normalise(position);
+    }
+
+    fn description(&self) -> MethodDescription {
+        let (adaptive, tolerance, step) = match self.control {
+            Control::Tolerance(tolerance) => (true, Some(tolerance), self.accepted_time / self.accepted.max(1) as f64),
+            Control::Fixed(step) => (false, None, step),
+        };
+        MethodDescription { name: "dop853".to_string(), stages: 12, order: 8, step, adaptive, tolerance }
+    }
+}
+
+impl Work {
+    /// A first step from the sizes of y, ẏ and ÿ, by one explicit Euler step (algorithm II.4.14). One evaluation.
+    fn initial_step(&mut self, tolerance: f64, longest: f64) -> f64 {
+        let n = self.start.len();
+        let (first, rest) = self.slopes.split_at_mut(n);
+        let second = &mut rest[..n];
+        let scale = |y: f64| tolerance * (1.0 + y.abs());
+        let sum =
+            |values: &[f64]| values.iter().zip(&self.start).map(|(&value, &y)| (value / scale(y)).powi(2)).sum::<f64>();
+        let (slope_size, state_size) = (sum(first), sum(&self.start));
+        let tiny = slope_size <= 1e-10 || state_size <= 1e-10;
+        let trial = if tiny { 1e-6 } else { 0.01 * (state_size / slope_size).sqrt() }.min(longest);
+        for ((stage, &y), &slope) in self.stage.iter_mut().zip(&self.start).zip(first.iter()) {
+            *stage = y + trial * slope;
+        }
+        self.ode.derivative(&self.stage, second);
+        second.iter_mut().zip(first.iter()).for_each(|(entry, &slope)| *entry -= slope);
+        let curvature = (sum(second).sqrt() / trial).max(slope_size.sqrt());
+        let by_curvature =
+            if curvature <= 1e-15 { (1e-3 * trial).max(1e-6) } else { (0.01 / curvature).powf(1.0 / ORDER) };
+        (100.0 * trial).min(by_curvature).min(longest)
+    }
+
+    /// Slopes 1 to 11, the end point and what the error estimate needs.
+    fn attempt(&mut self, step: f64) {
+        let n = self.start.len();
+        for (stage, row) in STAGES.iter().enumerate().skip(1) {
+            weighted_sum(row, &self.slopes, &mut self.stage);
+            add_scaled(&self.start, step, &mut self.stage);
+            self.ode.derivative(&self.stage, &mut self.slopes[stage * n..(stage + 1) * n]);
+        }
+        weighted_sum(SOLUTION, &self.slopes, &mut self.mean_slope);
+        self.end.copy_from_slice(&self.mean_slope);
+        add_scaled(&self.start, step, &mut self.end);
+    }
+
+    /// The error of the step in units of the tolerance; NaN if anything in it is not finite.
+    fn error(&mut self, step: f64, tolerance: f64) -> f64 {
+        let n = self.start.len();
+        weighted_sum(FIFTH_ORDER_ERROR, &self.slopes, &mut self.fifth_order_error);
+        weighted_sum(THIRD_ORDER, &self.slopes, &mut self.stage);
+        let (mut fifth, mut third) = (0.0, 0.0);
+        let sizes = self.start.iter().zip(&self.end);
+        let slopes = self.fifth_order_error.iter().zip(self.mean_slope.iter().zip(&self.stage));
+        for ((&start, &end), (&difference, (&mean, &embedded))) in sizes.zip(slopes) {
+            let weight = 1.0 / (tolerance * (1.0 + start.abs().max(end.abs())));
+            fifth += (difference * weight).powi(2);
+            third += ((mean - embedded) * weight).powi(2);
+        }
+        let denominator = fifth + 0.01 * third;
+        if denominator == 0.0 { 0.0 } else { step * fifth / (n as f64 * denominator).sqrt() }
+    }
+
+    /// The entry with the largest error of order 5 in the last attempt.
+    fn worst_entry(&self) -> usize {
+        let size = |i: usize| self.fifth_order_error[i].abs() / (1.0 + self.end[i].abs());
+        (0..self.end.len()).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0)
+    }
+
+    /// The three further slopes and the coefficients of dense output (formula II.6.20 in the form of the code).
+    fn find_polynomial(&mut self, step: f64) {
+        let n = self.start.len();
+        for (stage, row) in (END_SLOPE + 1..).zip(DENSE_STAGES) {
+            weighted_sum(row, &self.slopes, &mut self.stage);
+            add_scaled(&self.start, step, &mut self.stage);
+            self.ode.derivative(&self.stage, &mut self.slopes[stage * n..(stage + 1) * n]);
+        }
+        let (low, high) = self.polynomial.split_at_mut(4 * n);
+        for i in 0..n {
+            let rise = self.end[i] - self.start[i];
+            let start_bend = step * self.slopes[i] - rise;
+            low[i] = self.start[i];
+            low[n + i] = rise;
+            low[2 * n + i] = start_bend;
+            low[3 * n + i] = rise - step * self.slopes[END_SLOPE * n + i] - start_bend;
+        }
+        for (coefficient, row) in high.chunks_exact_mut(n).zip(DENSE) {
+            weighted_sum(row, &self.slopes, coefficient);
+            coefficient.iter_mut().for_each(|entry| *entry *= step);
+        }
+        self.polynomial_is_current = true;
+    }
+
+    /// Names the joint of the last entry that is not finite; velocities come after positions and fail first.
+    fn check_finite(&self, mechanism: &Mechanism, y: &[f64], time: f64, step: f64) -> Result<(), StepError> {
+        match y.iter().rposition(|value| !value.is_finite()) {
+            Some(bad) => Err(StepError::NotFinite { time, step, joint: joint_of_entry(mechanism, bad) }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// `out = y + h out`.
+#[inline]
+fn add_scaled(y: &[f64], step: f64, out: &mut [f64]) {
+    for (entry, &value) in out.iter_mut().zip(y) {
+        *entry = value + step * *entry;
+    }
+}
+
+/// `out = Σ w_j k_j` over the nonzero weights of a row, in a single pass over the slopes.
+#[inline]
+fn weighted_sum(row: Row, slopes: &[f64], out: &mut [f64]) {
+    match row.len() {
+        1 => weighted_sum_of::<1>(row, slopes, out),
+        2 => weighted_sum_of::<2>(row, slopes, out),
+        3 => weighted_sum_of::<3>(row, slopes, out),
+        4 => weighted_sum_of::<4>(row, slopes, out),
+        5 => weighted_sum_of::<5>(row, slopes, out),
+        6 => weighted_sum_of::<6>(row, slopes, out),
+        7 => weighted_sum_of::<7>(row, slopes, out),
+        8 => weighted_sum_of::<8>(row, slopes, out),
+        9 => weighted_sum_of::<9>(row, slopes, out),
+        _ => weighted_sum_of::<12>(row, slopes, out),
+    }
+}
+
+fn weighted_sum_of<const COUNT: usize>(row: Row, slopes: &[f64], out: &mut [f64]) {
+    let n = out.len();
+    let terms: [(f64, &[f64]); COUNT] = std::array::from_fn(|j| {
+        let (stage, weight) = row[j];
+        (weight, &slopes[stage * n..(stage + 1) * n])
+    });
+    for (i, entry) in out.iter_mut().enumerate() {
+        let mut sum = 0.0;
+        for (weight, slope) in &terms {
+            sum += weight * slope[i];
+        }
+        *entry = sum;
+    }
+}

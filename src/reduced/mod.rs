@@ -1,0 +1,25 @@
+//! The comparator: the same mechanism as an unconstrained ordinary differential equation in joint coordinates.
+//!
+//! It shares no line with the Lobatto scheme, so it serves as an oracle in tests, and it is tuned as a rival in the
+//! benches. In reading order:
+//!
+//! - [`articulated_body`]: joint accelerations, O(n);
+//! - [`inverse_dynamics`]: the wrenches the joints carry;
+//! - [`ode`]: the first-order system y = (position, velocity);
+//! - [`euler`], [`rk4`], [`dop853`]: three ways to integrate it.
+
+pub mod articulated_body;
+pub mod dop853;
+mod dop853_table;
+pub mod euler;
+pub mod inverse_dynamics;
+pub mod ode;
+pub mod rk4;
+mod small;
+
+pub use articulated_body::ArticulatedBody;
+pub use dop853::Dop853;
+pub use euler::Euler;
+pub use inverse_dynamics::{Reaction, joint_reactions};
+pub use ode::ReducedOde;
+pub use rk4::Rk4;
