@@ -6,5 +6,6 @@ pub mod log;
 pub mod model;
 pub mod reduced;
 pub mod report;
+pub mod scene;
 pub mod simulation;
 pub mod state;

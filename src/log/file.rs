@@ -21,8 +21,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Uncompressed bytes of messages after which a chunk is written: the 1 MiB of a chunk less room for its framing.
+/// Uncompressed bytes after which a chunk is written: the 1 MiB of a chunk less room for one more sample.
 const BATCH_SIZE: usize = 1_000_000;
+
+/// Bytes of a message record besides its data: kind, length, channel, sequence and two times.
+const MESSAGE_FRAMING: usize = 1 + 8 + 2 + 4 + 8 + 8;
 
 /// How much of a run may be lost when the process is killed.
 const PROVISIONAL_INTERVAL: Duration = Duration::from_secs(1);
@@ -142,7 +145,7 @@ impl LogFile {
 
     /// Writes the open batch if it is large enough, or provisionally if it has waited long enough.
     pub(super) fn settle(&mut self) -> Result<(), LogError> {
-        if self.batch.bytes.len() >= BATCH_SIZE {
+        if self.batch.size() >= BATCH_SIZE {
             self.close_batch()?;
         } else if self.is_regular && self.saved.elapsed() >= PROVISIONAL_INTERVAL {
             self.save_batch()?;
@@ -211,6 +214,11 @@ impl LogFile {
 }
 
 impl Batch {
+    /// Uncompressed size in a chunk.
+    fn size(&self) -> usize {
+        self.bytes.len() + MESSAGE_FRAMING * self.headers.len()
+    }
+
     fn write_to<W: Write + Seek>(&self, writer: &mut Writer<W>) -> Result<(), McapError> {
         let mut rest = &self.bytes[..];
         for (header, length) in &self.headers {

@@ -9,6 +9,7 @@ use super::nanoseconds;
 use super::ros::{self, JointStateEncoder};
 use crate::model::joint::wxyz_from_rotation;
 use crate::model::{Mechanism, Pose};
+use crate::scene::Robot;
 use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
 use foxglove::messages::{self, FrameTransform, FrameTransforms, Quaternion, SceneUpdate, Timestamp, Vector3};
 use foxglove::{Encode, Schema};
@@ -31,13 +32,11 @@ pub struct LinkFrame {
 
 /// What a log says besides the motion.
 #[derive(Clone, Debug, Default)]
-pub struct LogSetup {
+pub struct LogSetup<'r> {
     /// How the run was made: the metadata record `simulation`.
     pub simulation: BTreeMap<String, String>,
-    /// File name and text of the URDF as it was read.
-    pub urdf: Option<(String, String)>,
-    /// The URDF for viewers, with the addresses of meshes made absolute.
-    pub robot_description: Option<String>,
+    /// The robot as it was read: its file, the URDF for viewers, and what links look like.
+    pub robot: Option<&'r Robot>,
     /// Every link, in the order of the URDF.
     pub links: Vec<LinkFrame>,
     /// Warnings of reading and reducing the model.
@@ -83,21 +82,9 @@ impl Recorder {
     /// [`LogError`] when the file cannot be created or written.
     pub fn create(path: &Path, mechanism: &Mechanism, setup: &LogSetup) -> Result<Self, LogError> {
         let mut file = LogFile::create(path)?;
-        let mut buffer = Vec::new();
         file.metadata("simulation", setup.simulation.clone())?;
-        if let Some((name, text)) = &setup.urdf {
-            file.attach(name, "application/xml", text.as_bytes())?;
-        }
-        if let Some(description) = &setup.robot_description {
-            let channel = ros_channel(&mut file, "/robot_description", ros::STRING)?;
-            ros::encode_string(description, &mut buffer);
-            file.message(channel, 0, &buffer);
-            let scene = super::visual::scene(description);
-            if !scene.entities.is_empty() {
-                let channel = foxglove_channel::<SceneUpdate>(&mut file, "/scene")?;
-                encode(&scene, &mut buffer);
-                file.message(channel, 0, &buffer);
-            }
+        if let Some(robot) = setup.robot {
+            describe(&mut file, robot)?;
         }
         let channels = Channels {
             log: foxglove_channel::<messages::Log>(&mut file, "/log")?,
@@ -119,7 +106,7 @@ impl Recorder {
             waiting: None,
             last_figures: None,
             last_time: 0,
-            buffer,
+            buffer: Vec::new(),
         };
         for warning in &setup.warnings {
             recorder.say(Severity::Warning, warning);
@@ -207,6 +194,23 @@ impl Observer for Recorder {
         }
         Ok(self.file.settle()?)
     }
+}
+
+/// The URDF as an attachment and for viewers, and the robot's looks.
+fn describe(file: &mut LogFile, robot: &Robot) -> Result<(), LogError> {
+    let name = robot.path.file_name().unwrap_or(robot.path.as_os_str());
+    file.attach(&name.to_string_lossy(), "application/xml", robot.source.as_bytes())?;
+    let mut buffer = Vec::new();
+    let channel = ros_channel(file, "/robot_description", ros::STRING)?;
+    ros::encode_string(&robot.description, &mut buffer);
+    file.message(channel, 0, &buffer);
+    let scene = super::visual::scene(&robot.links);
+    if !scene.entities.is_empty() {
+        let channel = foxglove_channel::<SceneUpdate>(file, "/scene")?;
+        encode(&scene, &mut buffer);
+        file.message(channel, 0, &buffer);
+    }
+    Ok(())
 }
 
 /// The links that get a transform: all, save a link that is the world frame itself.

@@ -1,101 +1,81 @@
-//! The visual geometry of a URDF as a `foxglove.SceneUpdate`: one entity a link, fixed to the link's frame.
+//! The visual geometry of a robot as a `foxglove.SceneUpdate`: one entity a link, fixed to the link's frame.
 //!
-//! Boxes, spheres and cylinders become primitives with the colour of their material. Meshes are given by their
-//! address alone. What cannot be understood is left out: this is a picture, and the model has been checked elsewhere.
+//! Boxes, spheres, cylinders and capsules become primitives with the colour of their material; meshes are given by
+//! their address, because the log is not the place to keep them.
 
+use crate::model::Pose;
+use crate::scene::{Geometry, Link, Shape};
 use foxglove::messages::{
-    Color, CubePrimitive, CylinderPrimitive, ModelPrimitive, Pose, Quaternion, SceneEntity, SceneUpdate,
-    SpherePrimitive, Vector3,
+    Color, CubePrimitive, CylinderPrimitive, ModelPrimitive, Pose as PoseMessage, Quaternion, SceneEntity, SceneUpdate,
+    SpherePrimitive, Vector3 as VectorMessage,
 };
-use nalgebra::UnitQuaternion;
-use roxmltree::{Document, Node};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 /// What has no material is drawn in this grey.
-const PLAIN: Color = Color { r: 0.7, g: 0.7, b: 0.72, a: 1.0 };
+const PLAIN: [f64; 4] = [0.7, 0.7, 0.72, 1.0];
 
-/// The scene of a URDF, empty if nothing can be drawn.
-pub(super) fn scene(urdf: &str) -> SceneUpdate {
-    let Ok(document) = Document::parse(urdf) else { return SceneUpdate::default() };
-    let robot = document.root_element();
-    let entities = children(robot, "link").filter_map(|link| entity(robot, link));
-    SceneUpdate { entities: entities.collect(), ..SceneUpdate::default() }
+/// The scene of a robot's links, empty if there is nothing to draw.
+pub(super) fn scene(links: &[Link]) -> SceneUpdate {
+    let drawn = links.iter().filter(|link| !link.visuals.is_empty());
+    SceneUpdate { entities: drawn.map(entity).collect(), ..SceneUpdate::default() }
 }
 
-fn entity(robot: Node, link: Node) -> Option<SceneEntity> {
-    let name = link.attribute("name")?.to_string();
-    let mut entity = SceneEntity { frame_id: name.clone(), id: name, frame_locked: true, ..SceneEntity::default() };
-    for visual in children(link, "visual") {
-        add_visual(&mut entity, robot, visual);
+fn entity(link: &Link) -> SceneEntity {
+    let mut entity = SceneEntity {
+        frame_id: link.name.clone(),
+        id: link.name.clone(),
+        frame_locked: true,
+        ..SceneEntity::default()
+    };
+    link.visuals.iter().for_each(|visual| add(&mut entity, visual));
+    entity
+}
+
+fn add(entity: &mut SceneEntity, visual: &Shape) {
+    let [r, g, b, a] = visual.color.unwrap_or(PLAIN);
+    let color = Some(Color { r, g, b, a });
+    let mut ball = |pose: &Pose, radius: f64| {
+        let size = Some(vector(&Vector3::repeat(2.0 * radius)));
+        entity.spheres.push(SpherePrimitive { pose: Some(place(pose)), size, color });
+    };
+    let pose = Some(place(&visual.origin));
+    match &visual.geometry {
+        Geometry::Box { size } => entity.cubes.push(CubePrimitive { pose, size: Some(vector(size)), color }),
+        Geometry::Sphere { radius } => ball(&visual.origin, *radius),
+        Geometry::Cylinder { radius, length } => entity.cylinders.push(cylinder(pose, *radius, *length, color)),
+        Geometry::Capsule { radius, length } => {
+            for end in [-0.5 * length, 0.5 * length] {
+                ball(&(visual.origin * Translation3::new(0.0, 0.0, end)), *radius);
+            }
+            entity.cylinders.push(cylinder(pose, *radius, *length, color));
+        }
+        Geometry::Mesh(mesh) => entity.models.push(ModelPrimitive {
+            pose,
+            scale: Some(vector(&mesh.scale)),
+            color,
+            override_color: visual.color.is_some(),
+            url: match &mesh.resolved {
+                Some(file) => format!("file://{}", file.display()),
+                None => mesh.path.clone(),
+            },
+            ..ModelPrimitive::default()
+        }),
     }
-    let drawn = entity.cubes.len() + entity.spheres.len() + entity.cylinders.len() + entity.models.len();
-    (drawn > 0).then_some(entity)
 }
 
-fn add_visual(entity: &mut SceneEntity, robot: Node, visual: Node) -> Option<()> {
-    let pose = Some(pose(child(visual, "origin")));
-    let color = Some(color(robot, visual).unwrap_or(PLAIN));
-    let shape = child(visual, "geometry")?.children().find(Node::is_element)?;
-    let number = |name| shape.attribute(name)?.trim().parse::<f64>().ok();
-    match shape.tag_name().name() {
-        "box" => {
-            let [x, y, z] = numbers(shape.attribute("size")?)?;
-            entity.cubes.push(CubePrimitive { pose, size: Some(Vector3 { x, y, z }), color });
-        }
-        "sphere" => {
-            let diameter = 2.0 * number("radius")?;
-            let size = Some(Vector3 { x: diameter, y: diameter, z: diameter });
-            entity.spheres.push(SpherePrimitive { pose, size, color });
-        }
-        "cylinder" => {
-            let diameter = 2.0 * number("radius")?;
-            let size = Some(Vector3 { x: diameter, y: diameter, z: number("length")? });
-            entity.cylinders.push(CylinderPrimitive { pose, size, bottom_scale: 1.0, top_scale: 1.0, color });
-        }
-        "mesh" => {
-            let [x, y, z] = shape.attribute("scale").and_then(numbers).unwrap_or([1.0; 3]);
-            entity.models.push(ModelPrimitive {
-                pose,
-                scale: Some(Vector3 { x, y, z }),
-                color,
-                override_color: child(visual, "material").is_some(),
-                url: shape.attribute("filename")?.to_string(),
-                ..ModelPrimitive::default()
-            });
-        }
-        _ => {}
-    }
-    Some(())
+fn cylinder(pose: Option<PoseMessage>, radius: f64, length: f64, color: Option<Color>) -> CylinderPrimitive {
+    let size = Some(vector(&Vector3::new(2.0 * radius, 2.0 * radius, length)));
+    CylinderPrimitive { pose, size, bottom_scale: 1.0, top_scale: 1.0, color }
 }
 
-fn pose(origin: Option<Node>) -> Pose {
-    let read = |name| origin.and_then(|node| numbers(node.attribute(name)?)).unwrap_or([0.0; 3]);
-    let [x, y, z] = read("xyz");
-    let [roll, pitch, yaw] = read("rpy");
-    let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    Pose {
-        position: Some(Vector3 { x, y, z }),
+fn place(pose: &Pose) -> PoseMessage {
+    let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation);
+    PoseMessage {
+        position: Some(vector(&pose.translation.vector)),
         orientation: Some(Quaternion { x: turn.i, y: turn.j, z: turn.k, w: turn.w }),
     }
 }
 
-/// The colour of a visual: its own, or that of the robot's material of the same name.
-fn color(robot: Node, visual: Node) -> Option<Color> {
-    let material = child(visual, "material")?;
-    let named = || children(robot, "material").find(|other| other.attribute("name") == material.attribute("name"));
-    let color = child(material, "color").or_else(|| child(named()?, "color"))?;
-    let [r, g, b, a] = numbers(color.attribute("rgba")?)?;
-    Some(Color { r, g, b, a })
-}
-
-fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
-    let numbers: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
-    numbers.ok()?.try_into().ok()
-}
-
-fn children<'a, 'd: 'a>(node: Node<'a, 'd>, name: &'static str) -> impl Iterator<Item = Node<'a, 'd>> {
-    node.children().filter(move |child| child.has_tag_name(name))
-}
-
-fn child<'a, 'd: 'a>(node: Node<'a, 'd>, name: &'static str) -> Option<Node<'a, 'd>> {
-    children(node, name).next()
+fn vector(vector: &Vector3<f64>) -> VectorMessage {
+    VectorMessage { x: vector.x, y: vector.y, z: vector.z }
 }

@@ -1,0 +1,419 @@
+//! From the XML document to the URDF that is meant: only elements of the schema, only good numbers.
+//!
+//! Where the intent is plain the file is repaired and a warning says so; where it is not, the first error ends the
+//! reading. The result is written out again as XML for `urdf-rs`, whose own errors name neither line nor link.
+
+use super::error::{Element, Problem, SceneError, Warning};
+use super::schema::{Attribute, Content, Count, GEOMETRY, Presence, Schema};
+use super::text::XmlText;
+use roxmltree::Node;
+use std::path::Path;
+
+/// A URDF element after repair.
+pub(super) struct CleanElement {
+    pub name: &'static str,
+    pub line: usize,
+    attributes: Vec<CleanAttribute>,
+    pub children: Vec<CleanElement>,
+}
+
+pub(super) struct CleanAttribute {
+    name: &'static str,
+    text: String,
+    /// Whether the file has it; otherwise it was assumed.
+    given: bool,
+}
+
+impl CleanAttribute {
+    /// Its value.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+}
+
+/// Elements and attributes that are not read, each kind once, in order of appearance.
+pub(super) struct Ignored {
+    /// For instance `<gazebo>` or `drake_ignore="..." of <link>`.
+    pub what: String,
+    pub line: usize,
+    pub count: usize,
+}
+
+/// What cleaning produces.
+pub(super) struct Cleaned {
+    pub robot: CleanElement,
+    pub warnings: Vec<Warning>,
+    pub ignored: Vec<Ignored>,
+}
+
+/// Reads the document by the schema.
+pub(super) fn clean(xml: &XmlText, schema: &'static Schema) -> Result<Cleaned, SceneError> {
+    let document = xml.document()?;
+    let root = document.root_element();
+    let mut cleaner = Cleaner {
+        xml,
+        namespace: root.tag_name().namespace().map(str::to_string),
+        owner: None,
+        warnings: Vec::new(),
+        ignored: Vec::new(),
+    };
+    if root.tag_name().name() != schema.name {
+        return Err(cleaner.error(root, Problem::NotRobot(shown(root.tag_name().name()))));
+    }
+    cleaner.refuse_xacro(root)?;
+    let robot = cleaner.element(root, schema)?;
+    Ok(Cleaned { robot, warnings: cleaner.warnings, ignored: cleaner.ignored })
+}
+
+struct Cleaner<'x> {
+    xml: &'x XmlText,
+    /// Namespace of `<robot>` itself: that of its elements too.
+    namespace: Option<String>,
+    /// The link or joint being read.
+    owner: Option<Element>,
+    warnings: Vec<Warning>,
+    ignored: Vec<Ignored>,
+}
+
+impl Cleaner<'_> {
+    /// Elements of xacro directly under the root mean that the file is a source, not a URDF.
+    fn refuse_xacro(&self, root: Node) -> Result<(), SceneError> {
+        let is_xacro = |node: &Node| {
+            node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"))
+                && Some(node.tag_name().namespace()) != Some(self.namespace.as_deref())
+        };
+        match root.children().find(|node| node.is_element() && is_xacro(node)) {
+            Some(node) => Err(self.error(node, Problem::Xacro(format!("<xacro:{}>", node.tag_name().name())))),
+            None => Ok(()),
+        }
+    }
+
+    /// One element with all that the schema knows of it.
+    fn element(&mut self, node: Node, schema: &'static Schema) -> Result<CleanElement, SceneError> {
+        if schema.name == "link" || schema.name == "joint" {
+            self.owner = owner_of(node, schema.name);
+        }
+        let mut element = CleanElement {
+            name: schema.name,
+            line: self.xml.line(node),
+            attributes: self.attributes(node, schema)?,
+            children: Vec::new(),
+        };
+        for child in node.children().filter(Node::is_element) {
+            let known = schema.children.iter().find(|known| known.schema.name == child.tag_name().name());
+            match known.filter(|_| child.tag_name().namespace() == self.namespace.as_deref()) {
+                Some(known) => self.child(child, known.schema, known.count, &mut element)?,
+                None => self.ignore(child, format!("<{}>", qualified(child)), schema.name),
+            }
+        }
+        for known in schema.children.iter().filter(|known| known.count == Count::One) {
+            if element.child(known.schema.name).is_none() {
+                let (parent, missing) = (schema.name.to_string(), known.schema.name.to_string());
+                return Err(self.error(node, Problem::MissingElement { parent, element: missing }));
+            }
+        }
+        if schema.name == "link" || schema.name == "joint" {
+            self.owner = None;
+        }
+        Ok(element)
+    }
+
+    /// Reads a child element into its parent, unless it is a shape or material that cannot be shown.
+    fn child(
+        &mut self,
+        node: Node,
+        schema: &'static Schema,
+        count: Count,
+        parent: &mut CleanElement,
+    ) -> Result<(), SceneError> {
+        if matches!(schema.name, "visual" | "collision")
+            && let Some(reason) = unusable_geometry(node)
+        {
+            self.warn(node, format!("its <{}> was left out: {reason}", schema.name));
+            return Ok(());
+        }
+        let child = match self.element(node, schema) {
+            // A colour is not worth refusing a robot for.
+            Err(error) if schema.name == "material" => {
+                self.warn(node, format!("its <material> was left out: {}", error.problem));
+                return Ok(());
+            }
+            child => child?,
+        };
+        let first = parent.children.iter().find(|first| first.name == schema.name);
+        match first.filter(|_| count != Count::Any) {
+            Some(first) if first.same_as(&child) || schema.name == "material" => {
+                let message =
+                    format!("<{}> is given twice (first on line {}); the first is used", child.name, first.line);
+                self.warn(node, message);
+            }
+            Some(first) => {
+                let (parent, element) = (parent.name.to_string(), child.name.to_string());
+                let problem = Problem::RepeatedElement { parent, element, first_line: first.line };
+                return Err(self.error(node, problem));
+            }
+            None => parent.children.push(child),
+        }
+        Ok(())
+    }
+
+    /// The attributes of an element that the schema knows.
+    fn attributes(&mut self, node: Node, schema: &'static Schema) -> Result<Vec<CleanAttribute>, SceneError> {
+        let mut clean = Vec::new();
+        for attribute in schema.attributes {
+            // An empty name is no name.
+            let value = node
+                .attribute(attribute.name)
+                .filter(|value| !(value.trim().is_empty() && attribute.content == Content::Text));
+            match (value, attribute.presence) {
+                (Some(value), _) => {
+                    let text = self.content(node, schema, attribute, value)?;
+                    clean.push(CleanAttribute { name: attribute.name, text, given: true });
+                }
+                (None, Presence::Optional) => {}
+                (None, Presence::Default(default)) => {
+                    clean.push(CleanAttribute { name: attribute.name, text: default.to_string(), given: false });
+                }
+                (None, Presence::Required) => {
+                    let (element, attribute) = (schema.name.to_string(), attribute.name.to_string());
+                    return Err(self.error(node, Problem::MissingAttribute { element, attribute }));
+                }
+                (None, Presence::Assumed(assumed)) => {
+                    let consequence =
+                        if attribute.content == Content::Limit { "no limit is assumed" } else { "0 is assumed" };
+                    self.warn(node, format!("<{}> has no {}; {consequence}", schema.name, attribute.name));
+                    clean.push(CleanAttribute { name: attribute.name, text: assumed.to_string(), given: false });
+                }
+            }
+        }
+        for given in node.attributes() {
+            let known = given.namespace().is_none() && schema.attributes.iter().any(|a| a.name == given.name());
+            if !known {
+                self.ignore(node, format!("{}=\"...\"", shown(given.name())), schema.name);
+            }
+        }
+        Ok(clean)
+    }
+
+    /// The value of an attribute, with its numbers checked and separated by spaces.
+    fn content(
+        &mut self,
+        node: Node,
+        schema: &Schema,
+        attribute: &Attribute,
+        value: &str,
+    ) -> Result<String, SceneError> {
+        let count = match attribute.content {
+            Content::Text => return Ok(value.to_string()),
+            Content::Numbers(count) => count,
+            Content::Limit => 1,
+        };
+        let infinite_allowed = attribute.content == Content::Limit;
+        match numbers(value, count, infinite_allowed) {
+            Ok((numbers, commas)) => {
+                if commas {
+                    let (element, name, text) = (schema.name, attribute.name, shown(value));
+                    let message = format!("<{element} {name}=\"{text}\">: the commas were read as spaces");
+                    self.warn(node, message);
+                }
+                Ok(numbers.join(" "))
+            }
+            Err(reason) => Err(self.error(
+                node,
+                Problem::Number {
+                    element: schema.name.to_string(),
+                    attribute: attribute.name.to_string(),
+                    text: shown(value),
+                    reason,
+                },
+            )),
+        }
+    }
+
+    fn ignore(&mut self, node: Node, what: String, parent: &str) {
+        let what = if parent == "robot" { what } else { format!("{what} of <{parent}>") };
+        let line = self.xml.line(node);
+        match self.ignored.iter_mut().find(|ignored| ignored.what == what) {
+            Some(ignored) => ignored.count += 1,
+            None => self.ignored.push(Ignored { what, line, count: 1 }),
+        }
+    }
+
+    fn warn(&mut self, node: Node, message: String) {
+        let (file, line) = (self.xml.file.clone(), Some(self.xml.line(node)));
+        self.warnings.push(Warning { file, line, element: self.owner.clone(), message });
+    }
+
+    fn error(&self, node: Node, problem: Problem) -> SceneError {
+        let (file, line) = (self.xml.file.clone(), Some(self.xml.line(node)));
+        SceneError { file, line, element: self.owner.clone(), problem: Box::new(problem) }
+    }
+}
+
+/// The link or joint that a node is, if it has a name.
+fn owner_of(node: Node, kind: &str) -> Option<Element> {
+    let name = node.attribute("name")?.to_string();
+    Some(if kind == "link" { Element::Link(name) } else { Element::Joint(name) })
+}
+
+/// The name of an element with the prefix it was written with.
+fn qualified(node: Node) -> String {
+    let name = shown(node.tag_name().name());
+    match node.tag_name().namespace().and_then(|uri| node.lookup_prefix(uri)) {
+        Some(prefix) => format!("{prefix}:{name}"),
+        None => name,
+    }
+}
+
+/// Why a visual or collision cannot be used although the rest of the robot can.
+fn unusable_geometry(shape: Node) -> Option<String> {
+    let elements = |node: Node| node.children().filter(|child| child.is_element()).count();
+    let geometry = shape.children().find(|child| child.tag_name().name() == GEOMETRY.name);
+    let Some(geometry) = geometry.filter(|geometry| elements(*geometry) > 0) else {
+        return Some("it has no geometry".to_string());
+    };
+    let known = |node: &Node| GEOMETRY.children.iter().any(|known| known.schema.name == node.tag_name().name());
+    let Some(form) = geometry.children().filter(Node::is_element).find(known) else {
+        let name = geometry.first_element_child().map_or(String::new(), qualified);
+        return Some(format!("<{name}> is no geometry of URDF"));
+    };
+    let no_file = form.attribute("filename").is_none_or(|name| name.trim().is_empty());
+    (form.tag_name().name() == "mesh" && no_file).then(|| "its mesh has no filename".to_string())
+}
+
+/// The numbers of an attribute as separate texts, and whether commas stood between them; or what is wrong.
+fn numbers(value: &str, count: usize, infinite_allowed: bool) -> Result<(Vec<String>, bool), String> {
+    if value.contains("${") || value.contains("$(") {
+        return Err("is unexpanded xacro; run xacro on its source first".to_string());
+    }
+    let wanted =
+        || if count == 1 { "one number was expected".to_string() } else { format!("{count} numbers were expected") };
+    let commas = value.contains(',');
+    let words: Vec<&str> = if commas {
+        // A comma between numbers is plain; `0,5 1` could be a decimal comma.
+        let words: Vec<&str> = value.split(',').map(str::trim).collect();
+        if words.len() != count {
+            return Err(format!("{}, separated by spaces", wanted()));
+        }
+        words
+    } else {
+        value.split_whitespace().collect()
+    };
+    for word in &words {
+        match word.parse::<f64>() {
+            Err(_) => return Err(format!("{:?} is not a number", shown(word))),
+            Ok(number) if number.is_nan() || (number.is_infinite() && !infinite_allowed) => {
+                return Err(format!("{:?} is not a finite number", shown(word)));
+            }
+            Ok(_) => {}
+        }
+    }
+    if words.len() != count {
+        return Err(format!("{}, not {}", wanted(), words.len()));
+    }
+    Ok((words.iter().map(|word| word.to_string()).collect(), commas))
+}
+
+/// A piece of the file as messages show it: on one line and not endless.
+pub(super) fn shown(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let mut shown: String = text.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().nth(LONGEST).is_some() {
+        shown.push('…');
+    }
+    shown
+}
+
+impl CleanElement {
+    /// The text of an attribute, given or assumed.
+    pub fn attribute(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|attribute| attribute.name == name).map(|attribute| attribute.text.as_str())
+    }
+
+    /// Whether the file itself has this attribute.
+    pub fn gives(&self, name: &str) -> bool {
+        self.attributes.iter().any(|attribute| attribute.name == name && attribute.given)
+    }
+
+    /// The numbers of an attribute; the schema has checked them.
+    pub fn numbers(&self, name: &str) -> Option<Vec<f64>> {
+        self.attribute(name)?.split_whitespace().map(|word| word.parse().ok()).collect()
+    }
+
+    /// Replaces the text of an attribute.
+    pub fn set(&mut self, name: &str, text: String) {
+        if let Some(attribute) = self.attributes.iter_mut().find(|attribute| attribute.name == name) {
+            attribute.text = text;
+        }
+    }
+
+    /// Takes an attribute out.
+    pub fn take(&mut self, name: &str) -> Option<CleanAttribute> {
+        let index = self.attributes.iter().position(|attribute| attribute.name == name)?;
+        Some(self.attributes.remove(index))
+    }
+
+    /// Puts back what [`CleanElement::take`] took out.
+    pub fn put(&mut self, attribute: Option<CleanAttribute>) {
+        self.attributes.extend(attribute);
+    }
+
+    /// The first child with this name.
+    pub fn child(&self, name: &str) -> Option<&CleanElement> {
+        self.children.iter().find(|child| child.name == name)
+    }
+
+    /// All children with this name.
+    pub fn children_named(&self, name: &str) -> impl Iterator<Item = &CleanElement> {
+        self.children.iter().filter(move |child| child.name == name)
+    }
+
+    fn same_as(&self, other: &CleanElement) -> bool {
+        let attributes = |element: &CleanElement| -> Vec<(&str, String)> {
+            element.attributes.iter().map(|attribute| (attribute.name, attribute.text.clone())).collect()
+        };
+        self.name == other.name
+            && attributes(self) == attributes(other)
+            && self.children.len() == other.children.len()
+            && self.children.iter().zip(&other.children).all(|(a, b)| a.same_as(b))
+    }
+
+    /// Writes the element as XML.
+    pub fn write(&self, indent: usize, out: &mut String) {
+        let margin = "  ".repeat(indent);
+        *out += &format!("{margin}<{}", self.name);
+        for attribute in &self.attributes {
+            *out += &format!(" {}=\"{}\"", attribute.name, escaped(&attribute.text));
+        }
+        if self.children.is_empty() {
+            *out += "/>\n";
+            return;
+        }
+        *out += ">\n";
+        for child in &self.children {
+            child.write(indent + 1, out);
+        }
+        *out += &format!("{margin}</{}>\n", self.name);
+    }
+}
+
+/// XML text for an attribute value.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => out += "&amp;",
+            '<' => out += "&lt;",
+            '>' => out += "&gt;",
+            '"' => out += "&quot;",
+            '\n' | '\r' | '\t' => out.push(' '),
+            other => out.push(other),
+        }
+    }
+    out
+}
+
+/// Where an error about this file, line and link or joint belongs.
+pub(super) fn error_at(file: &Path, line: usize, element: Option<Element>, problem: Problem) -> SceneError {
+    SceneError { file: file.to_path_buf(), line: Some(line), element, problem: Box::new(problem) }
+}

@@ -1,0 +1,212 @@
+//! From what `urdf-rs` parsed, and the lines it came from, to a [`Robot`]'s links and joints.
+
+use super::clean::{CleanElement, error_at};
+use super::error::{Element, Problem, SceneError, Warning};
+use super::mesh_files::MeshFiles;
+use super::robot::{Dynamics, Geometry, Inertial, Limit, Link, MeshFile, Mimic, Shape, UrdfJoint, UrdfJointKind};
+use crate::model::Pose;
+use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
+use std::path::Path;
+
+/// What all conversions need.
+pub(super) struct Converter<'c> {
+    pub file: &'c Path,
+    pub meshes: &'c MeshFiles,
+    pub materials: &'c [urdf_rs::Material],
+    /// Whether the file's version (1.1 and later) knows `quat_xyzw`.
+    pub quaternions: bool,
+    pub warnings: Vec<Warning>,
+}
+
+impl Converter<'_> {
+    /// A link.
+    pub fn link(&mut self, link: &urdf_rs::Link, element: &CleanElement) -> Result<Link, SceneError> {
+        let owner = Element::Link(link.name.clone());
+        let inertial = match element.child("inertial") {
+            None => None,
+            Some(inertial) => Some(self.inertial(&link.inertial, inertial, &owner)?),
+        };
+        let mut visuals = Vec::new();
+        for (visual, element) in link.visual.iter().zip(element.children_named("visual")) {
+            let color = visual.material.as_ref().and_then(|material| self.color(material));
+            let origin = self.origin(&visual.origin, element, &owner)?;
+            let geometry = self.geometry(&visual.geometry);
+            visuals.push(Shape { name: visual.name.clone(), origin, geometry, color, line: element.line });
+        }
+        let mut collisions = Vec::new();
+        for (collision, element) in link.collision.iter().zip(element.children_named("collision")) {
+            let origin = self.origin(&collision.origin, element, &owner)?;
+            let geometry = self.geometry(&collision.geometry);
+            collisions.push(Shape { name: collision.name.clone(), origin, geometry, color: None, line: element.line });
+        }
+        Ok(Link { name: link.name.clone(), inertial, visuals, collisions, line: element.line })
+    }
+
+    /// A joint.
+    pub fn joint(&mut self, joint: &urdf_rs::Joint, element: &CleanElement) -> Result<UrdfJoint, SceneError> {
+        let owner = Element::Joint(joint.name.clone());
+        let kind = joint_kind(&joint.joint_type);
+        let axis = self.axis(joint, kind, element, &owner)?;
+        let limit = element.child("limit").map(|limit| Limit {
+            lower: limit.gives("lower").then_some(joint.limit.lower),
+            upper: limit.gives("upper").then_some(joint.limit.upper),
+            effort: limit.gives("effort").then_some(joint.limit.effort),
+            velocity: limit.gives("velocity").then_some(joint.limit.velocity),
+        });
+        if limit.is_none() && matches!(kind, UrdfJointKind::Revolute | UrdfJointKind::Prismatic) {
+            self.warn(element.line, &owner, format!("a {} joint should have a <limit>; none is assumed", kind.name()));
+        }
+        Ok(UrdfJoint {
+            name: joint.name.clone(),
+            kind,
+            parent: joint.parent.link.clone(),
+            child: joint.child.link.clone(),
+            origin: self.origin(&joint.origin, element, &owner)?,
+            axis,
+            limit,
+            dynamics: joint.dynamics.as_ref().map(|d| Dynamics { damping: d.damping, friction: d.friction }),
+            mimic: joint.mimic.as_ref().map(|mimic| Mimic {
+                joint: mimic.joint.clone(),
+                multiplier: mimic.multiplier.unwrap_or(1.0),
+                offset: mimic.offset.unwrap_or(0.0),
+            }),
+            line: element.line,
+        })
+    }
+
+    /// The axis, of length one.
+    fn axis(
+        &mut self,
+        joint: &urdf_rs::Joint,
+        kind: UrdfJointKind,
+        element: &CleanElement,
+        owner: &Element,
+    ) -> Result<Vector3<f64>, SceneError> {
+        let given = Vector3::from(joint.axis.xyz.0);
+        // The largest entry is divided out first, so that neither 1e-200 nor 1e200 is taken for zero or infinity.
+        let largest = given.amax();
+        let line = element.child("axis").map_or(element.line, |axis| axis.line);
+        if !kind.has_axis() {
+            return Ok(if largest > 0.0 { (given / largest).normalize() } else { Vector3::x() });
+        }
+        if largest == 0.0 {
+            return Err(error_at(self.file, line, Some(owner.clone()), Problem::ZeroAxis));
+        }
+        let length = given.norm();
+        // Files write unit vectors with some five to seven digits.
+        if (length - 1.0).abs() > 1e-4 {
+            self.warn(line, owner, format!("the axis has length {length}; it was normalised"));
+        }
+        Ok(if length == 1.0 { given } else { (given / largest).normalize() })
+    }
+
+    fn inertial(
+        &mut self,
+        inertial: &urdf_rs::Inertial,
+        element: &CleanElement,
+        owner: &Element,
+    ) -> Result<Inertial, SceneError> {
+        let mass = inertial.mass.value;
+        if mass < 0.0 {
+            let line = element.child("mass").map_or(element.line, |mass| mass.line);
+            return Err(error_at(self.file, line, Some(owner.clone()), Problem::NegativeMass(mass)));
+        }
+        let i = &inertial.inertia;
+        let inertia = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
+        self.check_inertia(mass, &inertia, element, owner);
+        Ok(Inertial { origin: self.origin(&inertial.origin, element, owner)?, mass, inertia, line: element.line })
+    }
+
+    /// Warns of an inertia that no rigid body has: one principal moment exceeding the sum of the others.
+    fn check_inertia(&mut self, mass: f64, inertia: &Matrix3<f64>, element: &CleanElement, owner: &Element) {
+        let mut moments: Vec<f64> = inertia.symmetric_eigenvalues().iter().copied().collect();
+        moments.sort_by(f64::total_cmp);
+        let excess = moments[2] - moments[0] - moments[1];
+        // Inertias are written with a few digits: less than one part in 10⁴ is their rounding.
+        // A radius of gyration below a nanometre is the dust of a computation, not a statement.
+        if excess > 1e-4 * moments[2] && moments[2] > mass * 1e-18 {
+            let line = element.child("inertia").map_or(element.line, |inertia| inertia.line);
+            self.warn(
+                line,
+                owner,
+                format!(
+                    "no body has the principal moments of inertia {:.4e}, {:.4e}, {:.4e} kg m²: the largest exceeds \
+                     the sum of the others (they are used all the same)",
+                    moments[0], moments[1], moments[2]
+                ),
+            );
+        } else if mass == 0.0 && moments[2] != 0.0 {
+            self.warn(element.line, owner, "has inertia but no mass".to_string());
+        }
+    }
+
+    /// The `<origin>` of an element; without one, the identity.
+    fn origin(&mut self, pose: &urdf_rs::Pose, parent: &CleanElement, owner: &Element) -> Result<Pose, SceneError> {
+        let translation = Translation3::new(pose.xyz[0], pose.xyz[1], pose.xyz[2]);
+        let rpy = Rotation3::from_euler_angles(pose.rpy[0], pose.rpy[1], pose.rpy[2]);
+        let Some(origin) = parent.child("origin") else { return Ok(Pose::from_parts(translation, rpy)) };
+        let Some(q) = origin.numbers("quat_xyzw") else { return Ok(Pose::from_parts(translation, rpy)) };
+        if !self.quaternions {
+            self.warn(origin.line, owner, "quat_xyzw is ignored: it needs <robot version=\"1.1\">".to_string());
+            return Ok(Pose::from_parts(translation, rpy));
+        }
+        let refuse = |reason: &str| {
+            let problem = Problem::Number {
+                element: "origin".to_string(),
+                attribute: "quat_xyzw".to_string(),
+                text: origin.attribute("quat_xyzw").unwrap_or_default().to_string(),
+                reason: reason.to_string(),
+            };
+            Err(error_at(self.file, origin.line, Some(owner.clone()), problem))
+        };
+        if origin.gives("rpy") {
+            return refuse("rpy is given too");
+        }
+        // urdf-rs would turn it into roll, pitch, yaw, which loses up to 4 mrad near a pitch of 90°.
+        match q.as_slice() {
+            &[x, y, z, w] if x != 0.0 || y != 0.0 || z != 0.0 || w != 0.0 => {
+                let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)).to_rotation_matrix();
+                Ok(Pose::from_parts(translation, rotation))
+            }
+            _ => refuse("the quaternion is zero"),
+        }
+    }
+
+    fn geometry(&self, geometry: &urdf_rs::Geometry) -> Geometry {
+        match geometry {
+            urdf_rs::Geometry::Box { size } => Geometry::Box { size: Vector3::from(size.0) },
+            urdf_rs::Geometry::Cylinder { radius, length } => Geometry::Cylinder { radius: *radius, length: *length },
+            urdf_rs::Geometry::Sphere { radius } => Geometry::Sphere { radius: *radius },
+            urdf_rs::Geometry::Capsule { radius, length } => Geometry::Capsule { radius: *radius, length: *length },
+            urdf_rs::Geometry::Mesh { filename, scale } => Geometry::Mesh(MeshFile {
+                path: filename.clone(),
+                resolved: self.meshes.get(filename).cloned(),
+                scale: scale.map_or(Vector3::repeat(1.0), |scale| Vector3::from(scale.0)),
+            }),
+        }
+    }
+
+    /// The colour of a material, or of the robot's material of that name.
+    fn color(&self, material: &urdf_rs::Material) -> Option<[f64; 4]> {
+        let own = material.color.as_ref();
+        let named = || self.materials.iter().find(|known| known.name == material.name)?.color.as_ref();
+        own.or_else(named).map(|color| color.rgba.0)
+    }
+
+    fn warn(&mut self, line: usize, element: &Element, message: String) {
+        let file = self.file.to_path_buf();
+        self.warnings.push(Warning { file, line: Some(line), element: Some(element.clone()), message });
+    }
+}
+
+fn joint_kind(kind: &urdf_rs::JointType) -> UrdfJointKind {
+    match kind {
+        urdf_rs::JointType::Revolute => UrdfJointKind::Revolute,
+        urdf_rs::JointType::Continuous => UrdfJointKind::Continuous,
+        urdf_rs::JointType::Prismatic => UrdfJointKind::Prismatic,
+        urdf_rs::JointType::Fixed => UrdfJointKind::Fixed,
+        urdf_rs::JointType::Floating => UrdfJointKind::Floating,
+        urdf_rs::JointType::Planar => UrdfJointKind::Planar,
+        urdf_rs::JointType::Spherical => UrdfJointKind::Spherical,
+    }
+}

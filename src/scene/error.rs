@@ -1,0 +1,139 @@
+//! Errors and warnings about the input: each names the file, the line, and the link or joint.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// The part of a robot that a message is about.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Element {
+    /// A link, by name.
+    Link(String),
+    /// A joint, by name.
+    Joint(String),
+}
+
+impl fmt::Display for Element {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Element::Link(name) => write!(out, "link {name:?}"),
+            Element::Joint(name) => write!(out, "joint {name:?}"),
+        }
+    }
+}
+
+/// `file:line: element: `, leaving out what is not known.
+fn place(file: &std::path::Path, line: Option<usize>, element: &Option<Element>) -> String {
+    let mut place = file.display().to_string();
+    if let Some(line) = line {
+        place += &format!(":{line}");
+    }
+    if let Some(element) = element {
+        place += &format!(": {element}");
+    }
+    place
+}
+
+/// Why a file is not a robot.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}: {problem}", place(file, *line, element))]
+pub struct SceneError {
+    /// The file.
+    pub file: PathBuf,
+    /// The line, counted from 1.
+    pub line: Option<usize>,
+    /// The link or joint.
+    pub element: Option<Element>,
+    /// What is wrong.
+    pub problem: Box<Problem>,
+}
+
+/// Something that was repaired, left out, or will not be simulated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warning {
+    /// The file.
+    pub file: PathBuf,
+    /// The line, counted from 1.
+    pub line: Option<usize>,
+    /// The link or joint.
+    pub element: Option<Element>,
+    /// What was done.
+    pub message: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}: {}", place(&self.file, self.line, &self.element), self.message)
+    }
+}
+
+/// What can be wrong with a URDF.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// The file system refused.
+    #[error("cannot be read: {0}")]
+    Unreadable(String),
+    /// Nothing in it.
+    #[error("the file is empty")]
+    Empty,
+    /// Not text.
+    #[error("is not a text file (byte {0} is not UTF-8)")]
+    NotText(usize),
+    /// Not XML.
+    #[error("is not well-formed XML: {0}")]
+    Xml(String),
+    /// XML, but not a URDF.
+    #[error("the outermost element is <{0}>; a URDF has <robot>")]
+    NotRobot(String),
+    /// A xacro source instead of its result.
+    #[error("{0} is xacro, which must be expanded first: `xacro FILE.xacro > FILE.urdf`")]
+    Xacro(String),
+    /// No links.
+    #[error("the robot has no links")]
+    NoLinks,
+    /// An attribute is missing or empty.
+    #[error("<{element}> has no {attribute}=\"...\"")]
+    MissingAttribute { element: String, attribute: String },
+    /// A child element is missing.
+    #[error("<{parent}> has no <{element}>")]
+    MissingElement { parent: String, element: String },
+    /// A child element appears more than once, and not twice the same.
+    #[error("<{parent}> has <{element}> more than once, with different contents (the first on line {first_line})")]
+    RepeatedElement { parent: String, element: String, first_line: usize },
+    /// Two links or two joints with one name.
+    #[error("the name is already taken on line {first_line}")]
+    DuplicateName { first_line: usize },
+    /// A number that is none, or not finite, or too many or too few.
+    #[error("<{element} {attribute}=\"{text}\">: {reason}")]
+    Number { element: String, attribute: String, text: String, reason: String },
+    /// Not a joint type of URDF.
+    #[error(
+        "type {0:?} is not one of revolute, continuous, prismatic, fixed, floating, planar, spherical (URDF knows no other)"
+    )]
+    JointType(String),
+    /// The axis has no direction.
+    #[error("the axis is zero, so the joint has no direction to move in")]
+    ZeroAxis,
+    /// A negative mass.
+    #[error("the mass {0} kg is negative")]
+    NegativeMass(f64),
+    /// A joint refers to a link that does not exist.
+    #[error("its {role} link {name:?} does not exist")]
+    UnknownLink { role: &'static str, name: String },
+    /// A link is the child of two joints.
+    #[error("is the child of two joints, {first:?} and {second:?}: the links of a URDF must form a tree")]
+    TwoParents { first: String, second: String },
+    /// The joints go round in a circle.
+    #[error("is its own ancestor ({}): the links of a URDF must form a tree", path.join(" → "))]
+    Cycle { path: Vec<String> },
+    /// More than one link without a parent.
+    #[error("the links form several trees, with the roots {}: join them, or fix them to a link \"world\"", quoted(.0))]
+    SeveralRoots(Vec<String>),
+    /// What urdf-rs says about a file in which this program saw nothing wrong.
+    #[error("urdf-rs refuses it: {0}")]
+    Parser(String),
+}
+
+/// `"a", "b", "c"`.
+pub(crate) fn quoted<S: AsRef<str>>(names: &[S]) -> String {
+    names.iter().map(|name| format!("{:?}", name.as_ref())).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,210 @@
+//! The nouns of a robot as its URDF describes it: links, joints and shapes.
+//!
+//! Units: m, rad, kg, kg m², N m. A [`Pose`] `X` places a child frame in its parent: `p_parent = X p_child`.
+
+use super::error::Warning;
+use crate::model::Pose;
+use nalgebra::{Matrix3, Vector3};
+use std::path::PathBuf;
+
+/// The name of the link that stands for the fixed world when it is the root, declared or not.
+pub const WORLD_LINK: &str = "world";
+
+/// A URDF, validated: the links and joints form one tree and every number is finite.
+#[derive(Clone, Debug)]
+pub struct Robot {
+    /// Name from the `<robot>` element.
+    pub name: String,
+    /// The links, in the order of the file.
+    pub links: Vec<Link>,
+    /// The joints, in the order of the file.
+    pub joints: Vec<UrdfJoint>,
+    /// The link at the root of the tree; `None` when the root is a world that only joints mention.
+    pub root: Option<usize>,
+    /// The file it came from.
+    pub path: PathBuf,
+    /// The text of the file, as written.
+    pub source: String,
+    /// The repaired URDF with the mesh files made absolute (`file://`), for viewers.
+    pub description: String,
+    /// What was repaired, left out, or will not be simulated.
+    pub warnings: Vec<Warning>,
+}
+
+impl Robot {
+    /// The index of the link with this name.
+    pub fn link(&self, name: &str) -> Option<usize> {
+        self.links.iter().position(|link| link.name == name)
+    }
+
+    /// Whether the root of the tree is the fixed world: a link named `world`, or one that only joints mention.
+    pub fn root_is_world(&self) -> bool {
+        self.root.is_none_or(|root| self.links[root].name == WORLD_LINK)
+    }
+}
+
+/// A link: a frame, perhaps with mass and shapes.
+#[derive(Clone, Debug)]
+pub struct Link {
+    /// Name, unique among the links.
+    pub name: String,
+    /// Mass and inertia, if given.
+    pub inertial: Option<Inertial>,
+    /// What viewers show.
+    pub visuals: Vec<Shape>,
+    /// What touches.
+    pub collisions: Vec<Shape>,
+    /// Line of the `<link>` element.
+    pub line: usize,
+}
+
+/// Mass and inertia of a link.
+#[derive(Clone, Debug)]
+pub struct Inertial {
+    /// The inertial frame in the link frame: its origin is the centre of mass.
+    pub origin: Pose,
+    /// Mass [kg], not negative.
+    pub mass: f64,
+    /// Inertia about the centre of mass, in the axes of the inertial frame [kg m²].
+    pub inertia: Matrix3<f64>,
+    /// Line of the `<inertial>` element.
+    pub line: usize,
+}
+
+/// A visual or collision shape.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// Name, if given.
+    pub name: Option<String>,
+    /// The shape's frame in the link frame.
+    pub origin: Pose,
+    /// Its geometry.
+    pub geometry: Geometry,
+    /// Colour (red, green, blue, opacity in 0..1) from the material, if given.
+    pub color: Option<[f64; 4]>,
+    /// Line of the `<visual>` or `<collision>` element.
+    pub line: usize,
+}
+
+/// The geometry of a shape; cylinders and capsules lie along z.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Geometry {
+    /// A box with these edge lengths [m].
+    Box { size: Vector3<f64> },
+    /// A cylinder [m].
+    Cylinder { radius: f64, length: f64 },
+    /// A sphere [m].
+    Sphere { radius: f64 },
+    /// A capsule whose cylindrical part has this length [m].
+    Capsule { radius: f64, length: f64 },
+    /// A mesh from a file.
+    Mesh(MeshFile),
+}
+
+/// A reference to a mesh file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile {
+    /// As written in the URDF.
+    pub path: String,
+    /// The existing file it stands for, if one was found.
+    pub resolved: Option<PathBuf>,
+    /// Scale along x, y, z.
+    pub scale: Vector3<f64>,
+}
+
+/// The joint types of URDF.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UrdfJointKind {
+    /// One limited rotation about the axis.
+    Revolute,
+    /// One unlimited rotation about the axis.
+    Continuous,
+    /// One translation along the axis.
+    Prismatic,
+    /// No relative motion.
+    Fixed,
+    /// Every relative motion.
+    Floating,
+    /// Translations across the axis and the rotation about it.
+    Planar,
+    /// Every rotation.
+    Spherical,
+}
+
+impl UrdfJointKind {
+    /// The name in a URDF.
+    pub fn name(self) -> &'static str {
+        match self {
+            UrdfJointKind::Revolute => "revolute",
+            UrdfJointKind::Continuous => "continuous",
+            UrdfJointKind::Prismatic => "prismatic",
+            UrdfJointKind::Fixed => "fixed",
+            UrdfJointKind::Floating => "floating",
+            UrdfJointKind::Planar => "planar",
+            UrdfJointKind::Spherical => "spherical",
+        }
+    }
+
+    /// Whether the axis of the joint means something.
+    pub fn has_axis(self) -> bool {
+        !matches!(self, UrdfJointKind::Fixed | UrdfJointKind::Floating | UrdfJointKind::Spherical)
+    }
+}
+
+/// A joint of the URDF.
+#[derive(Clone, Debug)]
+pub struct UrdfJoint {
+    /// Name, unique among the joints.
+    pub name: String,
+    /// Type.
+    pub kind: UrdfJointKind,
+    /// Name of the parent link; [`WORLD_LINK`] need not be declared.
+    pub parent: String,
+    /// Name of the child link.
+    pub child: String,
+    /// The joint frame, which is the child's link frame at zero displacement, in the parent's link frame.
+    pub origin: Pose,
+    /// Unit axis in the joint frame.
+    pub axis: Vector3<f64>,
+    /// Limits, if given.
+    pub limit: Option<Limit>,
+    /// Damping and friction, if given.
+    pub dynamics: Option<Dynamics>,
+    /// The joint this one should follow, if any.
+    pub mimic: Option<Mimic>,
+    /// Line of the `<joint>` element.
+    pub line: usize,
+}
+
+/// Joint limits; `None` where the file says nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// Smallest position [rad or m].
+    pub lower: Option<f64>,
+    /// Largest position [rad or m].
+    pub upper: Option<f64>,
+    /// Largest effort [N m or N].
+    pub effort: Option<f64>,
+    /// Largest speed [rad/s or m/s].
+    pub velocity: Option<f64>,
+}
+
+/// Joint damping and friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dynamics {
+    /// Viscous damping [N m s/rad or N s/m].
+    pub damping: f64,
+    /// Dry friction [N m or N].
+    pub friction: f64,
+}
+
+/// This joint's position should be `multiplier · (position of joint) + offset`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mimic {
+    /// The joint to follow.
+    pub joint: String,
+    /// Factor.
+    pub multiplier: f64,
+    /// Offset [rad or m].
+    pub offset: f64,
+}

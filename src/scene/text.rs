@@ -1,0 +1,124 @@
+//! From a file to its XML: bytes, text, document, and where each line starts.
+//!
+//! Some files in the wild are one character away from XML (a NUL at the end, blank lines before the declaration, a
+//! namespace prefix nobody declared); here they are put right without moving a line.
+
+use super::error::{Problem, SceneError, Warning};
+use roxmltree::{Document, Node};
+use std::path::{Path, PathBuf};
+
+/// The text of a file, ready to be parsed as XML.
+pub(super) struct XmlText {
+    pub file: PathBuf,
+    pub text: String,
+    /// Byte offset at which each line begins.
+    line_starts: Vec<usize>,
+    pub warnings: Vec<Warning>,
+}
+
+/// The text of a file.
+pub(super) fn read_text(file: &Path) -> Result<String, SceneError> {
+    let refuse =
+        |line, problem| Err(SceneError { file: file.to_path_buf(), line, element: None, problem: Box::new(problem) });
+    let bytes = match std::fs::read(file) {
+        Ok(bytes) => bytes,
+        Err(error) => return refuse(None, Problem::Unreadable(error.to_string())),
+    };
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok(text),
+        Err(error) => {
+            let valid = error.utf8_error().valid_up_to();
+            let line = 1 + error.as_bytes()[..valid].iter().filter(|&&byte| byte == b'\n').count();
+            refuse(Some(line), Problem::NotText(valid))
+        }
+    }
+}
+
+impl XmlText {
+    /// Puts right what keeps a plainly meant file from being XML.
+    pub fn new(file: &Path, source: &str) -> Result<Self, SceneError> {
+        let mut xml =
+            XmlText { file: file.to_path_buf(), text: String::new(), line_starts: Vec::new(), warnings: Vec::new() };
+        let mut text = source.strip_prefix('\u{feff}').unwrap_or(source).to_string();
+        let kept = text.trim_end_matches(['\0', ' ', '\t', '\r', '\n', '\u{1a}']).len();
+        if kept == 0 {
+            return Err(xml.error_at(None, Problem::Empty));
+        }
+        if text[kept..].contains(['\0', '\u{1a}']) {
+            let line = 1 + text[..kept].matches('\n').count();
+            xml.warn_at(line, "control characters after the end of the file were ignored");
+        }
+        text.truncate(kept);
+        blank_late_declaration(&mut text);
+        xml.text = text;
+        xml.index_lines();
+        xml.declare_prefixes()?;
+        Ok(xml)
+    }
+
+    /// The parsed document.
+    pub fn document(&self) -> Result<Document<'_>, SceneError> {
+        Document::parse(&self.text).map_err(|error| self.xml_error(&error))
+    }
+
+    /// The line on which an element starts.
+    pub fn line(&self, node: Node) -> usize {
+        let start = node.range().start;
+        self.line_starts.partition_point(|&line_start| line_start <= start)
+    }
+
+    fn index_lines(&mut self) {
+        self.line_starts =
+            std::iter::once(0).chain(self.text.match_indices('\n').map(|(offset, _)| offset + 1)).collect();
+    }
+
+    /// Declares namespace prefixes that are used without a declaration: nothing of theirs is read anyway.
+    fn declare_prefixes(&mut self) -> Result<(), SceneError> {
+        // Each pass finds one prefix; a file with more than this many is not a slip.
+        for _ in 0..32 {
+            let unknown = match Document::parse(&self.text) {
+                Err(roxmltree::Error::UnknownNamespace(prefix, position)) if !prefix.is_empty() => (prefix, position),
+                Err(error) => return Err(self.xml_error(&error)),
+                Ok(_) => return Ok(()),
+            };
+            let Some(after_name) = self.text.find("<robot").map(|start| start + "<robot".len()) else { return Ok(()) };
+            let (prefix, position) = unknown;
+            self.text.insert_str(after_name, &format!(" xmlns:{prefix}=\"urn:undeclared:{prefix}\""));
+            self.index_lines();
+            self.warn_at(position.row as usize, &format!("the namespace prefix {prefix:?} is not declared"));
+        }
+        Ok(())
+    }
+
+    fn warn_at(&mut self, line: usize, message: &str) {
+        let file = self.file.clone();
+        self.warnings.push(Warning { file, line: Some(line), element: None, message: message.to_string() });
+    }
+
+    fn error_at(&self, line: Option<usize>, problem: Problem) -> SceneError {
+        SceneError { file: self.file.clone(), line, element: None, problem: Box::new(problem) }
+    }
+
+    fn xml_error(&self, error: &roxmltree::Error) -> SceneError {
+        // The message is quoted on one line whatever characters the file puts into it.
+        let message: String = error.to_string().chars().map(|c| if c.is_control() { '?' } else { c }).collect();
+        let line = match error.pos() {
+            // roxmltree gives 1:1 to errors without a place; a missing end is at the end.
+            _ if matches!(error, roxmltree::Error::UnclosedRootNode) => self.line_starts.len(),
+            position => position.row as usize,
+        };
+        self.error_at(Some(line), Problem::Xml(message))
+    }
+}
+
+/// Replaces an XML declaration that is not at the very start, where XML forbids it, by spaces.
+fn blank_late_declaration(text: &mut String) {
+    let start = text.len() - text.trim_start().len();
+    if start == 0 || !text[start..].starts_with("<?xml ") {
+        return;
+    }
+    if let Some(length) = text[start..].find("?>").map(|end| end + 2) {
+        let blank: String = text[start..start + length].chars().map(|c| if c == '\n' { '\n' } else { ' ' }).collect();
+        text.replace_range(start..start + length, &blank);
+    }
+}

@@ -1,0 +1,34 @@
+//! What a URDF says that is not simulated: one warning for each kind of thing, never silence.
+
+use super::clean::Ignored;
+use super::error::Warning;
+use super::robot::{Link, UrdfJoint, UrdfJointKind};
+use std::path::Path;
+
+/// The warnings about a robot's joints, shapes, and elements nobody reads.
+pub(super) fn unsimulated(file: &Path, links: &[Link], joints: &[UrdfJoint], ignored: &[Ignored]) -> Vec<Warning> {
+    let moving: Vec<&UrdfJoint> = joints.iter().filter(|joint| joint.kind != UrdfJointKind::Fixed).collect();
+    let lines_where =
+        |holds: &dyn Fn(&UrdfJoint) -> bool| moving.iter().filter(|j| holds(j)).map(|j| j.line).collect::<Vec<_>>();
+    let touching: Vec<usize> = links.iter().filter(|link| !link.collisions.is_empty()).map(|link| link.line).collect();
+    let kinds = [
+        ("joint limits", "joint", "are", lines_where(&|joint| joint.limit.is_some())),
+        ("joint damping", "joint", "is", lines_where(&|joint| joint.dynamics.is_some_and(|d| d.damping != 0.0))),
+        ("joint friction", "joint", "is", lines_where(&|joint| joint.dynamics.is_some_and(|d| d.friction != 0.0))),
+        ("mimic relations", "joint", "are", lines_where(&|joint| joint.mimic.is_some())),
+        ("contacts (collision shapes)", "link", "are", touching),
+    ];
+    let counted = kinds.into_iter().filter_map(|(what, of, verb, lines)| {
+        let first = *lines.first()?;
+        let plural = if lines.len() == 1 { "" } else { "s" };
+        Some((first, format!("{what} of {} {of}{plural} {verb} not simulated", lines.len())))
+    });
+    let unread = ignored.iter().map(|ignored| {
+        let times = if ignored.count == 1 { String::new() } else { format!(" ({} times)", ignored.count) };
+        (ignored.line, format!("{}{times} is not read", ignored.what))
+    });
+    counted
+        .chain(unread)
+        .map(|(line, message)| Warning { file: file.to_path_buf(), line: Some(line), element: None, message })
+        .collect()
+}

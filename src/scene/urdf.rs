@@ -1,0 +1,105 @@
+//! Reads a URDF into a [`Robot`].
+
+use super::clean::{CleanElement, Cleaned, clean, error_at};
+use super::convert::Converter;
+use super::error::{Element, Problem, SceneError};
+use super::mesh_files::MeshFiles;
+use super::package_path::PackagePath;
+use super::robot::Robot;
+use super::schema::ROBOT;
+use super::text::{XmlText, read_text};
+use super::tree::find_root;
+use super::unsimulated::unsimulated;
+use std::path::Path;
+
+const JOINT_TYPES: [&str; 7] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"];
+
+/// Reads and validates a URDF file.
+///
+/// # Errors
+/// [`SceneError`] with the line and the link or joint, when the file is not one robot with sound numbers.
+pub fn read_urdf(path: &Path, packages: &PackagePath) -> Result<Robot, SceneError> {
+    robot_from_text(&read_text(path)?, path, packages)
+}
+
+/// Reads and validates the text of a URDF; `path` names it in messages and is where relative meshes are looked for.
+///
+/// # Errors
+/// As [`read_urdf`].
+pub fn robot_from_text(source: &str, path: &Path, packages: &PackagePath) -> Result<Robot, SceneError> {
+    let xml = XmlText::new(path, source)?;
+    let Cleaned { mut robot, warnings: repairs, ignored } = clean(&xml, &ROBOT)?;
+    check_joint_types(path, &robot)?;
+    // What depends on the version (quaternions, limits) is read here, so that urdf-rs need not know of it.
+    let version = robot.take("version");
+    let quaternions = version.as_ref().is_some_and(|version| knows_quaternions(version.text()));
+    let parsed = parse(path, &robot)?;
+    let (meshes, missing_meshes) = MeshFiles::find(path, &robot, packages);
+
+    let mut converter =
+        Converter { file: path, meshes: &meshes, materials: &parsed.materials, quaternions, warnings: Vec::new() };
+    let mut links = Vec::with_capacity(parsed.links.len());
+    for (link, element) in parsed.links.iter().zip(robot.children_named("link")) {
+        links.push(converter.link(link, element)?);
+    }
+    let mut joints = Vec::with_capacity(parsed.joints.len());
+    for (joint, element) in parsed.joints.iter().zip(robot.children_named("joint")) {
+        joints.push(converter.joint(joint, element)?);
+    }
+    let root = find_root(path, &links, &joints, robot.line)?;
+
+    let mut warnings = xml.warnings;
+    warnings.extend(repairs);
+    warnings.extend(converter.warnings);
+    warnings.extend(missing_meshes);
+    warnings.extend(unsimulated(path, &links, &joints, &ignored));
+    let name = robot.attribute("name").map_or_else(|| file_stem(path), str::to_string);
+    meshes.make_absolute(&mut robot);
+    robot.put(version);
+    let description = write(&robot);
+    Ok(Robot { name, links, joints, root, path: path.to_path_buf(), source: source.to_string(), description, warnings })
+}
+
+/// Hands the repaired URDF to `urdf-rs`.
+fn parse(path: &Path, robot: &CleanElement) -> Result<urdf_rs::Robot, SceneError> {
+    let refuse = |reason: String| error_at(path, robot.line, None, Problem::Parser(reason));
+    let parsed = urdf_rs::read_from_string(&write(robot)).map_err(|error| {
+        let reason: String = error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        refuse(reason)
+    })?;
+    // Lines are found by order, so both sides must have seen the same elements.
+    let counts = |links: usize, joints: usize| format!("{links} links and {joints} joints");
+    let written = counts(robot.children_named("link").count(), robot.children_named("joint").count());
+    let read = counts(parsed.links.len(), parsed.joints.len());
+    if written != read {
+        return Err(refuse(format!("it read {read}, but the file has {written}")));
+    }
+    Ok(parsed)
+}
+
+fn write(robot: &CleanElement) -> String {
+    let mut text = String::from("<?xml version=\"1.0\"?>\n");
+    robot.write(0, &mut text);
+    text
+}
+
+fn check_joint_types(path: &Path, robot: &CleanElement) -> Result<(), SceneError> {
+    for joint in robot.children_named("joint") {
+        let kind = joint.attribute("type").unwrap_or_default();
+        if !JOINT_TYPES.contains(&kind) {
+            let element = joint.attribute("name").map(|name| Element::Joint(name.to_string()));
+            return Err(error_at(path, joint.line, element, Problem::JointType(kind.to_string())));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a URDF version is 1.1 or later.
+fn knows_quaternions(version: &str) -> bool {
+    let mut numbers = version.trim().split('.').map(|number| number.parse::<u32>().unwrap_or(0));
+    (numbers.next().unwrap_or(1), numbers.next().unwrap_or(0)) >= (1, 1)
+}
+
+fn file_stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "robot".to_string(), |stem| stem.to_string_lossy().into_owned())
+}
