@@ -1,8 +1,8 @@
 //! The MCAP file under the log: batches of messages, and a file that is readable whenever the process is killed.
 //!
-//! Messages are collected in memory and written as one compressed chunk whenever [`BATCH_SIZE`] bytes have come
-//! together. Where chunks end depends on the messages alone, which makes equal runs give equal files. A run that is
-//! slow would then leave little behind when it is killed; so about every second the batch that is still open is
+//! Messages are collected in memory and written as one compressed chunk whenever the next would not fit into
+//! [`CHUNK_SIZE`]. Where chunks end depends on the messages alone, which makes equal runs give equal files. A run that
+//! is slow would then leave little behind when it is killed; so about every second the batch that is still open is
 //! written after the last chunk as a chunk of its own, which is overwritten when the batch is complete:
 //!
 //! ```text
@@ -12,7 +12,8 @@
 //!
 //! Only regular files have such a provisional end; into pipes and devices nothing is written that is not final.
 
-use mcap::records::{MessageHeader, Metadata};
+use super::batch::Batch;
+use mcap::records::Metadata;
 use mcap::{Attachment, McapError, WriteOptions, Writer};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -21,14 +22,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Uncompressed bytes after which a chunk is written: the 1 MiB of a chunk less room for one more sample.
-const BATCH_SIZE: usize = 1_000_000;
-
-/// Bytes of a message record besides its data: kind, length, channel, sequence and two times.
-const MESSAGE_FRAMING: usize = 1 + 8 + 2 + 4 + 8 + 8;
+/// Largest uncompressed size of a chunk of several messages.
+const CHUNK_SIZE: usize = 1 << 20;
 
 /// How much of a run may be lost when the process is killed.
-const PROVISIONAL_INTERVAL: Duration = Duration::from_secs(1);
+pub(super) const PROVISIONAL_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Why the log could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -41,19 +39,11 @@ pub enum LogError {
     Write { path: PathBuf, source: io::Error },
 }
 
-/// The messages that are not in a final chunk yet.
-#[derive(Default)]
-struct Batch {
-    headers: Vec<(MessageHeader, usize)>,
-    bytes: Vec<u8>,
-}
-
 /// A channel of the log, in the order of creation: topic, schema (name, encoding, data), message encoding.
 struct Channel {
     topic: String,
     schema: (String, String, Vec<u8>),
     encoding: String,
-    messages: u32,
 }
 
 /// An MCAP file being written.
@@ -63,6 +53,7 @@ pub(super) struct LogFile {
     is_regular: bool,
     writer: Writer<BufWriter<Sink>>,
     channels: Vec<Channel>,
+    /// The messages that are in no final chunk yet.
     batch: Batch,
     saved: Instant,
     saved_messages: usize,
@@ -113,42 +104,31 @@ impl LogFile {
         self.writer.attach(&attachment).map_err(|error| write_error(&self.path, error))
     }
 
-    /// Adds a channel for messages of the `schema` (name, encoding, data) and returns its number.
+    /// Adds a channel for messages of the `schema` (name, encoding, data) and returns its identifier.
     pub(super) fn channel(
         &mut self,
         topic: &str,
         schema: (&str, &str, &[u8]),
         encoding: &str,
-    ) -> Result<usize, LogError> {
+    ) -> Result<u16, LogError> {
         let (name, schema_encoding, data) = schema;
         let channel = Channel {
             topic: topic.to_string(),
             schema: (name.to_string(), schema_encoding.to_string(), data.to_vec()),
             encoding: encoding.to_string(),
-            messages: 0,
         };
-        add_channel(&mut self.writer, &channel).map_err(|error| write_error(&self.path, error))?;
+        let identifier = add_channel(&mut self.writer, &channel).map_err(|error| write_error(&self.path, error))?;
         self.channels.push(channel);
-        Ok(self.channels.len() - 1)
+        Ok(identifier)
     }
 
-    /// Adds a message of a channel that [`LogFile::channel`] returned; [`LogFile::settle`] may write it.
-    pub(super) fn message(&mut self, channel: usize, nanoseconds: u64, data: &[u8]) {
-        let sequence = self.channels[channel].messages;
-        self.channels[channel].messages = sequence.wrapping_add(1);
-        // Identifiers count from 1 in the order of creation, in this file and in every provisional chunk.
-        let channel_id = channel as u16 + 1;
-        let header = MessageHeader { channel_id, sequence, log_time: nanoseconds, publish_time: nanoseconds };
-        self.batch.headers.push((header, data.len()));
-        self.batch.bytes.extend_from_slice(data);
-    }
-
-    /// Writes the open batch if it is large enough, or provisionally if it has waited long enough.
-    pub(super) fn settle(&mut self) -> Result<(), LogError> {
-        if self.batch.size() >= BATCH_SIZE {
-            self.close_batch()?;
-        } else if self.is_regular && self.saved.elapsed() >= PROVISIONAL_INTERVAL {
-            self.save_batch()?;
+    /// Adds messages and writes a chunk whenever one is full.
+    pub(super) fn append(&mut self, messages: &Batch) -> Result<(), LogError> {
+        for (header, data) in messages.messages() {
+            if self.batch.count() > 0 && self.batch.size_with(data.len()) > CHUNK_SIZE {
+                self.close_batch()?;
+            }
+            self.batch.push_message(header, data);
         }
         Ok(())
     }
@@ -159,20 +139,20 @@ impl LogFile {
             .write_to(&mut self.writer)
             .and_then(|()| self.writer.flush())
             .map_err(|error| write_error(&self.path, error))?;
-        self.batch.headers.clear();
-        self.batch.bytes.clear();
+        self.batch.clear();
         self.saved = Instant::now();
         self.saved_messages = 0;
         Ok(())
     }
 
-    /// Writes the open batch as a provisional chunk and leaves the file where it was.
-    fn save_batch(&mut self) -> Result<(), LogError> {
-        if self.batch.headers.len() > self.saved_messages {
+    /// Writes the open batch as a provisional chunk, if it has waited long enough, and leaves the file where it was.
+    pub(super) fn save_if_due(&mut self) -> Result<(), LogError> {
+        let has_news = self.batch.count() > self.saved_messages;
+        if self.is_regular && has_news && self.saved.elapsed() >= PROVISIONAL_INTERVAL {
             self.save_chunk().map_err(|error| write_error(&self.path, error))?;
-            self.saved_messages = self.batch.headers.len();
+            self.saved_messages = self.batch.count();
+            self.saved = Instant::now();
         }
-        self.saved = Instant::now();
         Ok(())
     }
 
@@ -197,7 +177,7 @@ impl LogFile {
     /// # Errors
     /// [`LogError::Write`], as for every message.
     pub(super) fn finish(mut self) -> Result<(), LogError> {
-        if !self.batch.headers.is_empty() {
+        if self.batch.count() > 0 {
             self.close_batch()?;
         }
         let path = self.path;
@@ -210,23 +190,6 @@ impl LogFile {
             }
         });
         ended.map_err(|source| LogError::Write { path, source })
-    }
-}
-
-impl Batch {
-    /// Uncompressed size in a chunk.
-    fn size(&self) -> usize {
-        self.bytes.len() + MESSAGE_FRAMING * self.headers.len()
-    }
-
-    fn write_to<W: Write + Seek>(&self, writer: &mut Writer<W>) -> Result<(), McapError> {
-        let mut rest = &self.bytes[..];
-        for (header, length) in &self.headers {
-            let (data, after) = rest.split_at(*length);
-            writer.write_to_known_channel(header, data)?;
-            rest = after;
-        }
-        Ok(())
     }
 }
 

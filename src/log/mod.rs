@@ -18,6 +18,8 @@
 //!
 //! [`Recorder`] is the [`crate::simulation::Observer`].
 
+mod background;
+mod batch;
 mod cdr;
 mod file;
 mod recorder;

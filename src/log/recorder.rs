@@ -4,6 +4,8 @@
 //! its end, which lies after the samples inside the step; they wait for the first sample that is not earlier, so that
 //! times never go back in the file.
 
+use super::background::BackgroundFile;
+use super::batch::Batch;
 use super::file::{LogError, LogFile};
 use super::nanoseconds;
 use super::ros::{self, JointStateEncoder};
@@ -54,7 +56,7 @@ pub enum Severity {
 
 /// Writes a run to an MCAP file.
 pub struct Recorder {
-    file: LogFile,
+    file: BackgroundFile,
     channels: Channels,
     links: Vec<LinkFrame>,
     transforms: FrameTransforms,
@@ -68,11 +70,11 @@ pub struct Recorder {
 }
 
 struct Channels {
-    log: usize,
-    transforms: usize,
-    joint_states: usize,
-    energy: usize,
-    constraint: usize,
+    log: u16,
+    transforms: u16,
+    joint_states: u16,
+    energy: u16,
+    constraint: u16,
 }
 
 impl Recorder {
@@ -83,8 +85,9 @@ impl Recorder {
     pub fn create(path: &Path, mechanism: &Mechanism, setup: &LogSetup) -> Result<Self, LogError> {
         let mut file = LogFile::create(path)?;
         file.metadata("simulation", setup.simulation.clone())?;
+        let mut beginning = Batch::default();
         if let Some(robot) = setup.robot {
-            describe(&mut file, robot)?;
+            describe(&mut file, &mut beginning, robot)?;
         }
         let channels = Channels {
             log: foxglove_channel::<messages::Log>(&mut file, "/log")?,
@@ -93,43 +96,33 @@ impl Recorder {
             energy: ros_channel(&mut file, "/energy", ros::FLOAT64_MULTI_ARRAY)?,
             constraint: ros_channel(&mut file, "/constraint", ros::FLOAT64_MULTI_ARRAY)?,
         };
+        for warning in &setup.warnings {
+            beginning.push(channels.log, 0, &log_line(0, Severity::Warning, warning));
+        }
+        // What never changes is safe in the file before the run begins.
+        file.append(&beginning)?;
+        file.close_batch()?;
         let links = drawn_links(&setup.links);
         let joints = mechanism.bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.position_count() == 1);
         let names: Vec<&str> = joints.clone().map(|joint| joint.name.as_str()).collect();
-        let mut recorder = Recorder {
+        Ok(Recorder {
             transforms: transforms_of(&links),
             joint_states: JointStateEncoder::new(names.into_iter()),
             scalar_joints: joints.map(|joint| (joint.position_index, joint.velocity_index)).collect(),
-            file,
+            file: BackgroundFile::new(path, file)?,
             channels,
             links,
             waiting: None,
             last_figures: None,
             last_time: 0,
             buffer: Vec::new(),
-        };
-        for warning in &setup.warnings {
-            recorder.say(Severity::Warning, warning);
-        }
-        recorder.file.close_batch()?;
-        Ok(recorder)
+        })
     }
 
     /// Adds a line to `/log` at the time of the last message.
     pub fn say(&mut self, severity: Severity, text: &str) {
-        let level = match severity {
-            Severity::Warning => messages::log::Level::Warning,
-            Severity::Error => messages::log::Level::Error,
-        };
-        let message = messages::Log {
-            timestamp: Some(timestamp(self.last_time)),
-            level: level.into(),
-            message: text.to_string(),
-            name: "catena".to_string(),
-            ..messages::Log::default()
-        };
-        encode(&message, &mut self.buffer);
-        self.file.message(self.channels.log, self.last_time, &self.buffer);
+        let line = log_line(self.last_time, severity, text);
+        self.file.piece().push(self.channels.log, self.last_time, &line);
     }
 
     /// Writes everything that is still in memory and completes the file.
@@ -156,14 +149,14 @@ impl Recorder {
             transform.rotation = Some(Quaternion { x, y, z, w });
         }
         encode(&self.transforms, &mut self.buffer);
-        self.file.message(self.channels.transforms, stamp, &self.buffer);
+        self.file.piece().push(self.channels.transforms, stamp, &self.buffer);
     }
 
     fn write_joint_states(&mut self, sample: &Sample, stamp: u64) {
         let positions = self.scalar_joints.iter().map(|&(position, _)| sample.position[position]);
         let velocities = self.scalar_joints.iter().map(|&(_, velocity)| sample.velocity[velocity]);
         self.joint_states.encode(stamp, positions, velocities, &mut self.buffer);
-        self.file.message(self.channels.joint_states, stamp, &self.buffer);
+        self.file.piece().push(self.channels.joint_states, stamp, &self.buffer);
     }
 
     /// Writes the figures of the step that is waiting, if it ended at or before `time`.
@@ -172,10 +165,10 @@ impl Recorder {
         let stamp = nanoseconds(end.time);
         let energy = [end.energy.kinetic, end.energy.potential, end.energy.total()];
         ros::encode_figures("kinetic, potential, total [J]", &energy, &mut self.buffer);
-        self.file.message(self.channels.energy, stamp, &self.buffer);
+        self.file.piece().push(self.channels.energy, stamp, &self.buffer);
         let violation = [end.violation.position, end.violation.velocity];
         ros::encode_figures("position [m, rad], velocity [m/s, rad/s]", &violation, &mut self.buffer);
-        self.file.message(self.channels.constraint, stamp, &self.buffer);
+        self.file.piece().push(self.channels.constraint, stamp, &self.buffer);
         self.last_figures = Some(end.time);
         self.last_time = self.last_time.max(stamp);
     }
@@ -196,19 +189,37 @@ impl Observer for Recorder {
     }
 }
 
+/// An encoded line of `/log`.
+fn log_line(time: u64, severity: Severity, text: &str) -> Vec<u8> {
+    let level = match severity {
+        Severity::Warning => messages::log::Level::Warning,
+        Severity::Error => messages::log::Level::Error,
+    };
+    let message = messages::Log {
+        timestamp: Some(timestamp(time)),
+        level: level.into(),
+        message: text.to_string(),
+        name: "catena".to_string(),
+        ..messages::Log::default()
+    };
+    let mut line = Vec::new();
+    encode(&message, &mut line);
+    line
+}
+
 /// The URDF as an attachment and for viewers, and the robot's looks.
-fn describe(file: &mut LogFile, robot: &Robot) -> Result<(), LogError> {
+fn describe(file: &mut LogFile, beginning: &mut Batch, robot: &Robot) -> Result<(), LogError> {
     let name = robot.path.file_name().unwrap_or(robot.path.as_os_str());
     file.attach(&name.to_string_lossy(), "application/xml", robot.source.as_bytes())?;
     let mut buffer = Vec::new();
     let channel = ros_channel(file, "/robot_description", ros::STRING)?;
     ros::encode_string(&robot.description, &mut buffer);
-    file.message(channel, 0, &buffer);
+    beginning.push(channel, 0, &buffer);
     let scene = super::visual::scene(&robot.links);
     if !scene.entities.is_empty() {
         let channel = foxglove_channel::<SceneUpdate>(file, "/scene")?;
         encode(&scene, &mut buffer);
-        file.message(channel, 0, &buffer);
+        beginning.push(channel, 0, &buffer);
     }
     Ok(())
 }
@@ -231,11 +242,11 @@ fn transforms_of(links: &[LinkFrame]) -> FrameTransforms {
     FrameTransforms { transforms: transforms.collect() }
 }
 
-fn ros_channel(file: &mut LogFile, topic: &str, (name, definition): (&str, &str)) -> Result<usize, LogError> {
+fn ros_channel(file: &mut LogFile, topic: &str, (name, definition): (&str, &str)) -> Result<u16, LogError> {
     file.channel(topic, (name, "ros2msg", definition.as_bytes()), "cdr")
 }
 
-fn foxglove_channel<M: Encode>(file: &mut LogFile, topic: &str) -> Result<usize, LogError> {
+fn foxglove_channel<M: Encode>(file: &mut LogFile, topic: &str) -> Result<u16, LogError> {
     // All of foxglove's own messages have a schema.
     let schema = M::get_schema().unwrap_or_else(|| Schema::new("", "", Vec::new()));
     file.channel(topic, (&schema.name, &schema.encoding, &schema.data), &M::get_message_encoding())
