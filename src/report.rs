@@ -3,14 +3,12 @@
 //! The JSON is a promise to other people's scripts; its keys and their order are tested (`tests/cli.rs`). Links and
 //! joints are given in the world and in the joint's frame on the parent as [`LinkReport`] and [`JointReport`] say.
 
-use crate::kinematics::joint_rates;
-use crate::log::LinkFrame;
+use crate::kinematics::body_states;
 use crate::model::joint::wxyz_from_rotation;
-use crate::model::{FreeRotation, Joint, Mechanism};
-use crate::reduced::{Reaction, ReducedOde, joint_reactions};
+use crate::model::{JointRecord, LinkFrame, Model};
+use crate::reduced::{ReducedOde, joint_reactions};
 use crate::simulation::{MethodDescription, Summary};
-use crate::state::{BodyState, State};
-use nalgebra::Vector3;
+use crate::state::State;
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::path::PathBuf;
@@ -193,54 +191,55 @@ impl ConstraintReport {
     }
 }
 
-impl LinkReport {
-    /// A link whose frame is at `frame` in its body, with the centre of mass at `center_of_mass` in the link's frame.
-    pub fn new(frame: &LinkFrame, center_of_mass: &Vector3<f64>, bodies: &[BodyState]) -> Self {
-        let body = frame.body.map_or(crate::kinematics::WORLD, |body| bodies[body]);
-        let rotation = body.rotation * frame.pose.rotation.matrix();
-        let position = body.position + body.rotation * frame.pose.translation.vector;
-        let center_of_mass = position + rotation * center_of_mass;
-        let arm = center_of_mass - body.position;
-        LinkReport {
-            position: position.into(),
-            orientation: wxyz_from_rotation(&rotation),
-            center_of_mass: center_of_mass.into(),
-            linear_velocity: (body.velocity + body.angular_velocity.cross(&arm)).into(),
-            angular_velocity: body.angular_velocity.into(),
+impl ModelReport {
+    /// The size of a model.
+    pub fn new(model: &Model) -> Self {
+        ModelReport {
+            links: model.links.len(),
+            bodies: model.mechanism.bodies.len(),
+            joints: model.mechanism.bodies.len(),
+            degrees_of_freedom: model.mechanism.velocity_count,
+            loops: 0,
+            redundant_constraints: 0,
         }
     }
 }
 
-impl JointReport {
-    /// One joint of a state.
-    pub fn new(joint: &Joint, state: &State, reaction: &Reaction) -> Self {
-        let position = &state.position[joint.position_range()];
-        let velocity = &state.velocity[joint.velocity_range()];
-        let mut reported_velocity = velocity.to_vec();
-        if joint.kind.rotation() == FreeRotation::Ball {
-            // The state has the angular velocity in the joint frame on the child.
-            let (_, turned) = joint.displacement(position);
-            let (_, angular) = joint_rates(joint, velocity);
-            let first = joint.kind.translation_axes().len();
-            reported_velocity[first..].copy_from_slice((turned * angular).as_slice());
-        }
-        JointReport {
-            position: position.to_vec().into(),
-            velocity: reported_velocity.into(),
-            reaction_force: reaction.force.into(),
-            reaction_torque: reaction.torque.into(),
-        }
-    }
+/// Every link of a model in a state, in the order of the URDF.
+pub fn link_reports(model: &Model, state: &State) -> Vec<(String, LinkReport)> {
+    let bodies = body_states(&model.mechanism, state);
+    let report = |(index, link): (usize, &LinkFrame)| {
+        let link_state = model.link_state(&bodies, index);
+        let report = LinkReport {
+            position: link_state.position.into(),
+            orientation: wxyz_from_rotation(&link_state.rotation),
+            center_of_mass: link_state.center_of_mass.into(),
+            linear_velocity: link_state.linear_velocity.into(),
+            angular_velocity: link_state.angular_velocity.into(),
+        };
+        (link.name.clone(), report)
+    };
+    model.links.iter().enumerate().map(report).collect()
 }
 
-/// Every joint of a mechanism, in the order of its bodies.
-pub fn joint_reports(mechanism: &Mechanism, state: &State) -> Vec<(String, JointReport)> {
+/// Every joint of a model that moves, in the order of the URDF; a floating base comes first.
+pub fn joint_reports(model: &Model, state: &State) -> Vec<(String, JointReport)> {
+    let mechanism = &model.mechanism;
     let mut accelerations = vec![0.0; mechanism.velocity_count];
     ReducedOde::new(mechanism).accelerations(&state.position, &state.velocity, &mut accelerations);
     let reactions = joint_reactions(mechanism, &state.position, &state.velocity, &accelerations);
-    let joints = mechanism.bodies.iter().map(|body| &body.joint);
-    let report = |(joint, reaction): (&Joint, _)| (joint.name.clone(), JointReport::new(joint, state, &reaction));
-    joints.zip(reactions).map(report).collect()
+    let report = |(index, record): (usize, &JointRecord)| {
+        let reaction = reactions[record.body?];
+        let (position, velocity) = model.joint_user_coordinates(index, &state.position, &state.velocity);
+        let report = JointReport {
+            position: position.into(),
+            velocity: velocity.into(),
+            reaction_force: reaction.force.into(),
+            reaction_torque: reaction.torque.into(),
+        };
+        Some((record.name.clone(), report))
+    };
+    model.joints.iter().enumerate().filter_map(report).collect()
 }
 
 /// Serializes pairs as the entries of an object, in their order.
@@ -334,27 +333,7 @@ fn counted(count: usize, noun: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{counted, joint_reports, rounded};
-    use crate::model::{Body, Joint, JointKind, Mechanism, Pose};
-    use crate::state::{State, quaternion_exponential};
-    use nalgebra::{Translation3, Vector3};
-
-    /// The state has ω in the child's frame, the report promises the joint's frame on the parent.
-    #[test]
-    fn angular_velocity_of_floating_joints_is_in_the_frame_on_the_parent() {
-        let joint = Joint::new("base", JointKind::Floating, Translation3::new(1.0, 2.0, 3.0).into(), Pose::identity());
-        let body = Body { name: "b".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(1.0), joint };
-        let mechanism = Mechanism::new("m", Vector3::zeros(), vec![body]).expect("one body is a tree");
-        let mut state = State::zero(&mechanism);
-        let quarter = std::f64::consts::FRAC_PI_2;
-        state.position[3..7].copy_from_slice(&quaternion_exponential(&[0.0, 0.0, quarter]));
-        state.velocity.copy_from_slice(&[4.0, 5.0, 6.0, 1.0, 0.0, 0.5]);
-        let reports = joint_reports(&mechanism, &state);
-        let super::Numbers::Many(velocity) = &reports[0].1.velocity else { panic!("six numbers") };
-        for (got, expected) in velocity.iter().zip([4.0, 5.0, 6.0, 0.0, 1.0, 0.5]) {
-            assert!((got - expected).abs() < 1e-15, "{velocity:?}");
-        }
-    }
+    use super::{counted, rounded};
 
     #[test]
     fn numbers_for_people_have_three_digits_and_nouns_agree() {

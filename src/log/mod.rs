@@ -27,7 +27,7 @@ mod ros;
 mod visual;
 
 pub use file::LogError;
-pub use recorder::{LinkFrame, LogSetup, Recorder, Severity};
+pub use recorder::{Recorder, Severity};
 
 /// Simulated seconds as the nanoseconds of a log: rounded, never negative.
 pub fn nanoseconds(time: f64) -> u64 {

@@ -10,7 +10,7 @@ use super::file::{LogError, LogFile};
 use super::nanoseconds;
 use super::ros::{self, JointStateEncoder};
 use crate::model::joint::wxyz_from_rotation;
-use crate::model::{Mechanism, Pose};
+use crate::model::{LinkFrame, Model, Pose};
 use crate::scene::Robot;
 use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
 use foxglove::messages::{self, FrameTransform, FrameTransforms, Quaternion, SceneUpdate, Timestamp, Vector3};
@@ -20,30 +20,6 @@ use std::path::Path;
 
 /// The frame all poses are given in, unless a moving link has taken the name.
 const WORLD_FRAME: &str = "world";
-
-/// Where a link's frame is: fixed in a body, or in the world.
-#[derive(Clone, Debug)]
-pub struct LinkFrame {
-    /// Name of the link.
-    pub name: String,
-    /// The body the link belongs to; `None` is the world.
-    pub body: Option<usize>,
-    /// The link's frame in that body's frame.
-    pub pose: Pose,
-}
-
-/// What a log says besides the motion.
-#[derive(Clone, Debug, Default)]
-pub struct LogSetup<'r> {
-    /// How the run was made: the metadata record `simulation`.
-    pub simulation: BTreeMap<String, String>,
-    /// The robot as it was read: its file, the URDF for viewers, and what links look like.
-    pub robot: Option<&'r Robot>,
-    /// Every link, in the order of the URDF.
-    pub links: Vec<LinkFrame>,
-    /// Warnings of reading and reducing the model.
-    pub warnings: Vec<String>,
-}
 
 /// How serious a line of `/log` is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,17 +54,16 @@ struct Channels {
 }
 
 impl Recorder {
-    /// Creates the file at `path`, or replaces what is in it, and writes what is known before the first sample.
+    /// Creates the file at `path`, or replaces what is in it, and writes what is known before the first sample;
+    /// `simulation` says how the run is made.
     ///
     /// # Errors
     /// [`LogError`] when the file cannot be created or written.
-    pub fn create(path: &Path, mechanism: &Mechanism, setup: &LogSetup) -> Result<Self, LogError> {
+    pub fn create(path: &Path, model: &Model, simulation: BTreeMap<String, String>) -> Result<Self, LogError> {
         let mut file = LogFile::create(path)?;
-        file.metadata("simulation", setup.simulation.clone())?;
+        file.metadata("simulation", simulation)?;
         let mut beginning = Batch::default();
-        if let Some(robot) = setup.robot {
-            describe(&mut file, &mut beginning, robot)?;
-        }
+        describe(&mut file, &mut beginning, &model.robot)?;
         let channels = Channels {
             log: foxglove_channel::<messages::Log>(&mut file, "/log")?,
             transforms: foxglove_channel::<FrameTransforms>(&mut file, "/tf")?,
@@ -96,19 +71,20 @@ impl Recorder {
             energy: ros_channel(&mut file, "/energy", ros::FLOAT64_MULTI_ARRAY)?,
             constraint: ros_channel(&mut file, "/constraint", ros::FLOAT64_MULTI_ARRAY)?,
         };
-        for warning in &setup.warnings {
-            beginning.push(channels.log, 0, &log_line(0, Severity::Warning, warning));
+        for warning in &model.warnings {
+            beginning.push(channels.log, 0, &log_line(0, Severity::Warning, &warning.to_string()));
         }
         // What never changes is safe in the file before the run begins.
         file.append(&beginning)?;
         file.close_batch()?;
-        let links = drawn_links(&setup.links);
-        let joints = mechanism.bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.position_count() == 1);
-        let names: Vec<&str> = joints.clone().map(|joint| joint.name.as_str()).collect();
+        let links = drawn_links(&model.links);
+        let joints = model.mechanism.bodies.iter().map(|body| &body.joint);
+        let scalar = joints.filter(|joint| joint.kind.position_count() == 1);
+        let names: Vec<&str> = scalar.clone().map(|joint| joint.name.as_str()).collect();
         Ok(Recorder {
             transforms: transforms_of(&links),
             joint_states: JointStateEncoder::new(names.into_iter()),
-            scalar_joints: joints.map(|joint| (joint.position_index, joint.velocity_index)).collect(),
+            scalar_joints: scalar.map(|joint| (joint.position_index, joint.velocity_index)).collect(),
             file: BackgroundFile::new(path, file)?,
             channels,
             links,
@@ -138,10 +114,10 @@ impl Recorder {
         for (link, transform) in self.links.iter().zip(&mut self.transforms.transforms) {
             let (translation, rotation) = match link.body.map(|body| &sample.bodies[body]) {
                 Some(body) => (
-                    body.position + body.rotation * link.pose.translation.vector,
-                    body.rotation * link.pose.rotation.matrix(),
+                    body.position + body.rotation * link.in_body.translation.vector,
+                    body.rotation * link.in_body.rotation.matrix(),
                 ),
-                None => (link.pose.translation.vector, *link.pose.rotation.matrix()),
+                None => (link.in_body.translation.vector, *link.in_body.rotation.matrix()),
             };
             let [w, x, y, z] = wxyz_from_rotation(&rotation);
             transform.timestamp = Some(timestamp(stamp));
@@ -226,7 +202,7 @@ fn describe(file: &mut LogFile, beginning: &mut Batch, robot: &Robot) -> Result<
 
 /// The links that get a transform: all, save a link that is the world frame itself.
 fn drawn_links(links: &[LinkFrame]) -> Vec<LinkFrame> {
-    let is_world = |link: &LinkFrame| link.name == WORLD_FRAME && link.body.is_none() && link.pose == Pose::identity();
+    let is_world = |link: &LinkFrame| link.name == WORLD_FRAME && link.body.is_none() && link.in_body == Pose::identity();
     links.iter().filter(|link| !is_world(link)).cloned().collect()
 }
 

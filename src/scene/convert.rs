@@ -3,8 +3,7 @@
 use super::clean::{CleanElement, error_at};
 use super::error::{Element, Problem, SceneError, Warning};
 use super::mesh_files::MeshFiles;
-use super::robot::{Dynamics, Geometry, Inertial, Limit, Link, MeshFile, Mimic, Shape, UrdfJoint, UrdfJointKind};
-use crate::model::Pose;
+use super::robot::{Dynamics, Geometry, Inertial, Limit, Link, MeshFile, Mimic, Pose, Shape, UrdfJoint, UrdfJointKind};
 use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
 

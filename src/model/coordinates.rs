@@ -1,0 +1,207 @@
+//! Between the user's joint coordinates and the [`State`].
+//!
+//! | URDF type                       | position given          | position reported        | velocity             |
+//! |---------------------------------|-------------------------|--------------------------|----------------------|
+//! | revolute, continuous, prismatic | displacement            | the same                 | rate                 |
+//! | planar                          | x, y, angle             | the same                 | rates                |
+//! | spherical                       | roll, pitch, yaw        | quaternion w, x, y, z    | wx, wy, wz           |
+//! | floating                        | x, y, z, roll, pitch, yaw | x, y, z, quaternion    | vx, vy, vz, wx, wy, wz |
+//!
+//! Everything is in the joint's frame on the parent; a floating joint's numbers are of the child *link* frame and its
+//! origin, whereas the state holds the pose of the body's principal frame. With the child link frame `L` in the body,
+//!
+//! ```text
+//!     X_body = X_link L⁻¹        v_body = v_link + ω × (p_body − p_link)        w = Rⱼᵀ ω        [m, m/s, rad/s]
+//! ```
+
+use super::joint::{Pose, rotation_from_wxyz, wxyz_from_rotation};
+use super::model_error::ModelError;
+use super::robot_model::{JointRecord, Model};
+use crate::scene::UrdfJointKind;
+use crate::state::State;
+use nalgebra::{Rotation3, Translation3, Vector3};
+
+impl Model {
+    /// Every joint at zero displacement (as the URDF defines it), a floating base at its pose, at rest.
+    pub fn zero_state(&self) -> State {
+        let mut state = State::zero(&self.mechanism);
+        for record in self.joints.iter().filter(|record| record.kind == UrdfJointKind::Floating) {
+            let Some(body) = record.body else { continue };
+            let link = if self.is_base(record) { self.base_pose } else { Pose::identity() };
+            let range = self.mechanism.bodies[body].joint.position_range();
+            state.position[range].copy_from_slice(&pose_numbers(&(link * record.child_link_in_body.inverse())));
+        }
+        state
+    }
+
+    /// The state with the given joint positions and velocities (user coordinates) and everything else at zero;
+    /// `base_velocity` is that of the floating root link's frame origin, in the world (linear, angular).
+    ///
+    /// # Errors
+    /// [`ModelError`] for joints that do not exist or do not move, and for wrong counts of numbers.
+    pub fn initial_state(
+        &self,
+        positions: &[(String, Vec<f64>)],
+        velocities: &[(String, Vec<f64>)],
+        base_velocity: Option<[f64; 6]>,
+    ) -> Result<State, ModelError> {
+        let mut state = self.zero_state();
+        for (name, values) in positions {
+            let (record, body) = self.moving_joint(name)?;
+            check_numbers("position", record, position_names(record.kind), values)?;
+            let numbers = match record.kind {
+                UrdfJointKind::Spherical => wxyz_from_rpy(&values[..3]).to_vec(),
+                UrdfJointKind::Floating => {
+                    let link = Pose::from_parts(
+                        Translation3::new(values[0], values[1], values[2]),
+                        Rotation3::from_euler_angles(values[3], values[4], values[5]),
+                    );
+                    pose_numbers(&(link * record.child_link_in_body.inverse())).to_vec()
+                }
+                _ => values.clone(),
+            };
+            state.position[self.mechanism.bodies[body].joint.position_range()].copy_from_slice(&numbers);
+        }
+        if let Some(velocity) = base_velocity {
+            let base = self.joints.first().filter(|record| self.is_base(record)).ok_or(ModelError::BaseDoesNotFloat)?;
+            // The base joint's frame is the world.
+            self.set_velocity(&mut state, base, &velocity)?;
+        }
+        for (name, values) in velocities {
+            let (record, _) = self.moving_joint(name)?;
+            self.set_velocity(&mut state, record, values)?;
+        }
+        Ok(state)
+    }
+
+    /// A joint's reported position and velocity, from the position and velocity vectors of a state. Empty for joints
+    /// that do not move.
+    pub fn joint_user_coordinates(&self, joint: usize, position: &[f64], velocity: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let record = &self.joints[joint];
+        let Some(body) = record.body else { return (Vec::new(), Vec::new()) };
+        let joint = &self.mechanism.bodies[body].joint;
+        let (q, w) = (&position[joint.position_range()], &velocity[joint.velocity_range()]);
+        match record.kind {
+            UrdfJointKind::Spherical => {
+                let omega = rotation_from_wxyz(q) * Vector3::new(w[0], w[1], w[2]);
+                (with_positive_w(q).to_vec(), omega.as_slice().to_vec())
+            }
+            UrdfJointKind::Floating => {
+                let body_pose = pose_from_numbers(q);
+                let link_pose = body_pose * record.child_link_in_body;
+                let omega = body_pose.rotation * Vector3::new(w[3], w[4], w[5]);
+                let arm = link_pose.translation.vector - body_pose.translation.vector;
+                let linear = Vector3::new(w[0], w[1], w[2]) + omega.cross(&arm);
+                (pose_numbers(&link_pose).to_vec(), linear.iter().chain(omega.iter()).copied().collect())
+            }
+            _ => (q.to_vec(), w.to_vec()),
+        }
+    }
+
+    /// Whether a record is that of the floating base.
+    pub fn is_base(&self, record: &JointRecord) -> bool {
+        !self.robot.joints.iter().any(|joint| joint.name == record.name)
+    }
+
+    /// The record and body of a joint that moves.
+    fn moving_joint(&self, name: &str) -> Result<(&JointRecord, usize), ModelError> {
+        let known = || self.moving_joints().map(str::to_string).collect();
+        let Some(record) = self.joints.iter().find(|record| record.name == name) else {
+            return Err(ModelError::UnknownJoint { joint: name.to_string(), known: known() });
+        };
+        let reason = if record.kind == UrdfJointKind::Fixed { "it is fixed" } else { "nothing beyond it has mass" };
+        match record.body {
+            Some(body) => Ok((record, body)),
+            None => Err(ModelError::JointDoesNotMove {
+                joint: name.to_string(),
+                reason: reason.to_string(),
+                known: known(),
+            }),
+        }
+    }
+
+    fn set_velocity(&self, state: &mut State, record: &JointRecord, values: &[f64]) -> Result<(), ModelError> {
+        check_numbers("velocity", record, velocity_names(record.kind), values)?;
+        let Some(body) = record.body else { return Ok(()) };
+        let joint = &self.mechanism.bodies[body].joint;
+        let position = &state.position[joint.position_range()];
+        let numbers = match record.kind {
+            UrdfJointKind::Spherical => {
+                let spin = rotation_from_wxyz(position).transpose() * Vector3::new(values[0], values[1], values[2]);
+                spin.as_slice().to_vec()
+            }
+            UrdfJointKind::Floating => {
+                let body_pose = pose_from_numbers(position);
+                let link_pose = body_pose * record.child_link_in_body;
+                let omega = Vector3::new(values[3], values[4], values[5]);
+                let arm = body_pose.translation.vector - link_pose.translation.vector;
+                let linear = Vector3::new(values[0], values[1], values[2]) + omega.cross(&arm);
+                let spin = body_pose.rotation.inverse() * omega;
+                linear.iter().chain(spin.iter()).copied().collect()
+            }
+            _ => values.to_vec(),
+        };
+        state.velocity[joint.velocity_range()].copy_from_slice(&numbers);
+        Ok(())
+    }
+}
+
+/// What the user gives as a position, by name.
+pub fn position_names(kind: UrdfJointKind) -> &'static str {
+    match kind {
+        UrdfJointKind::Revolute | UrdfJointKind::Continuous => "angle",
+        UrdfJointKind::Prismatic => "length",
+        UrdfJointKind::Planar => "x,y,angle",
+        UrdfJointKind::Spherical => "roll,pitch,yaw",
+        UrdfJointKind::Floating => "x,y,z,roll,pitch,yaw",
+        UrdfJointKind::Fixed => "",
+    }
+}
+
+/// What the user gives as a velocity, by name.
+pub fn velocity_names(kind: UrdfJointKind) -> &'static str {
+    match kind {
+        UrdfJointKind::Revolute | UrdfJointKind::Continuous | UrdfJointKind::Prismatic => "rate",
+        UrdfJointKind::Planar => "vx,vy,rate",
+        UrdfJointKind::Spherical => "wx,wy,wz",
+        UrdfJointKind::Floating => "vx,vy,vz,wx,wy,wz",
+        UrdfJointKind::Fixed => "",
+    }
+}
+
+fn check_numbers(
+    what: &'static str,
+    record: &JointRecord,
+    wanted: &'static str,
+    values: &[f64],
+) -> Result<(), ModelError> {
+    let joint = record.name.clone();
+    if values.len() != wanted.split(',').count() {
+        return Err(ModelError::WrongCount { what, joint, kind: record.kind.name(), wanted, given: values.len() });
+    }
+    if values.iter().any(|value| !value.is_finite()) {
+        return Err(ModelError::NotFinite { what, joint });
+    }
+    Ok(())
+}
+
+fn wxyz_from_rpy(rpy: &[f64]) -> [f64; 4] {
+    wxyz_from_rotation(Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]).matrix())
+}
+
+/// x, y, z, and the quaternion w, x, y, z of a pose.
+fn pose_numbers(pose: &Pose) -> [f64; 7] {
+    let (t, q) = (pose.translation.vector, wxyz_from_rotation(pose.rotation.matrix()));
+    [t.x, t.y, t.z, q[0], q[1], q[2], q[3]]
+}
+
+fn pose_from_numbers(numbers: &[f64]) -> Pose {
+    let rotation = Rotation3::from_matrix_unchecked(rotation_from_wxyz(&numbers[3..7]));
+    Pose::from_parts(Translation3::new(numbers[0], numbers[1], numbers[2]), rotation)
+}
+
+/// Of the two quaternions of a rotation, the one with w ≥ 0.
+fn with_positive_w(q: &[f64]) -> [f64; 4] {
+    let sign = if q[0] < 0.0 { -1.0 } else { 1.0 };
+    [sign * q[0], sign * q[1], sign * q[2], sign * q[3]]
+}

@@ -1,0 +1,64 @@
+//! Why a robot cannot be simulated, or not as asked.
+
+use super::mechanism::MechanismError;
+use crate::scene::Element;
+use std::path::PathBuf;
+
+/// Errors of the reduction and of initial conditions.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub enum ModelError {
+    /// A floating base was asked for, but the robot is attached to the world.
+    #[error("{}: the base cannot float: the root link of {robot:?} is the fixed world", file.display())]
+    BaseIsWorld { file: PathBuf, robot: String },
+    /// A body whose inertia no motion can have.
+    #[error(
+        "{}:{line}: link {link:?}: {} has the principal moments of inertia {:e}, {:e}, {:e} kg m² (mass {mass} kg); \
+         they must not be negative", file.display(), with_fused(fused), moments[0], moments[1], moments[2]
+    )]
+    NegativeInertia { file: PathBuf, line: usize, link: String, fused: Vec<String>, mass: f64, moments: [f64; 3] },
+    /// A joint that can move without moving any mass.
+    #[error(
+        "{}:{line}: {element}: can move without moving any mass or inertia, so its motion is not determined; give \
+         link {child:?} a mass and an inertia", file.display()
+    )]
+    NoInertia { file: PathBuf, line: usize, element: Element, child: String },
+    /// The bodies do not form a mechanism.
+    #[error(transparent)]
+    Mechanism(#[from] MechanismError),
+    /// No such joint.
+    #[error("there is no joint {joint:?}; the joints that move are {}", listed(known))]
+    UnknownJoint { joint: String, known: Vec<String> },
+    /// The joint does not move.
+    #[error("joint {joint:?} does not move ({reason}); the joints that move are {}", listed(known))]
+    JointDoesNotMove { joint: String, reason: String, known: Vec<String> },
+    /// Not as many numbers as the joint has coordinates.
+    #[error("the {what} of {kind} joint {joint:?} needs {} ({wanted}), not {given}", numbers(wanted))]
+    WrongCount { what: &'static str, joint: String, kind: &'static str, wanted: &'static str, given: usize },
+    /// Infinite or not a number.
+    #[error("the {what} of joint {joint:?} is not finite")]
+    NotFinite { what: &'static str, joint: String },
+    /// A base velocity for a base that does not float.
+    #[error("a base velocity needs a floating base (--base floating)")]
+    BaseDoesNotFloat,
+    /// The base pose or velocity is infinite or not a number.
+    #[error("the {0} is not finite")]
+    OptionNotFinite(&'static str),
+}
+
+fn with_fused(fused: &[String]) -> String {
+    match fused {
+        [] => "the link".to_string(),
+        fused => format!("together with the links fixed to it ({}) it", crate::scene::quoted(fused)),
+    }
+}
+
+fn listed(known: &[String]) -> String {
+    if known.is_empty() { "none".to_string() } else { crate::scene::quoted(known) }
+}
+
+fn numbers(wanted: &str) -> String {
+    match wanted.split(',').count() {
+        1 => "one number".to_string(),
+        count => format!("{count} numbers"),
+    }
+}
