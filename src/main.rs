@@ -1,1 +1,7 @@
-fn main() {}
+//! The `catena` program: one file per verb in [`cli`].
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

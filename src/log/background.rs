@@ -36,7 +36,7 @@ impl BackgroundFile {
     pub(super) fn new(path: &Path, file: LogFile) -> Result<Self, LogError> {
         let (sender, receiver) = sync_channel(WAITING_PIECES);
         let thread = std::thread::Builder::new().name("log".to_string()).spawn(move || write(file, &receiver));
-        let thread = thread.map_err(|source| LogError::Write { path: path.to_path_buf(), source })?;
+        let thread = thread.map_err(|reason| LogError::Write { path: path.to_path_buf(), reason })?;
         Ok(BackgroundFile {
             path: path.to_path_buf(),
             piece: Batch::default(),
@@ -77,8 +77,8 @@ impl BackgroundFile {
         self.sender = None;
         let ended = self.thread.take().map(JoinHandle::join);
         ended.unwrap_or(Ok(Ok(()))).unwrap_or_else(|_| {
-            let source = std::io::Error::other("the thread that writes the log has ended");
-            Err(LogError::Write { path: self.path.clone(), source })
+            let reason = std::io::Error::other("the thread that writes the log has ended");
+            Err(LogError::Write { path: self.path.clone(), reason })
         })
     }
 

@@ -32,11 +32,11 @@ pub(super) const PROVISIONAL_INTERVAL: Duration = Duration::from_secs(1);
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
     /// The file could not be created; nothing was changed.
-    #[error("cannot create {}: {source}", path.display())]
-    Create { path: PathBuf, source: io::Error },
+    #[error("cannot create {}: {reason}", path.display())]
+    Create { path: PathBuf, reason: io::Error },
     /// Writing failed: a full disk, a closed pipe.
-    #[error("cannot write {}: {source}", path.display())]
-    Write { path: PathBuf, source: io::Error },
+    #[error("cannot write {}: {reason}", path.display())]
+    Write { path: PathBuf, reason: io::Error },
 }
 
 /// A channel of the log, in the order of creation: topic, schema (name, encoding, data), message encoding.
@@ -70,7 +70,7 @@ impl LogFile {
             let is_regular = file.metadata()?.is_file();
             Ok((file, is_regular))
         };
-        let (file, is_regular) = create().map_err(|source| LogError::Create { path: path.to_path_buf(), source })?;
+        let (file, is_regular) = create().map_err(|reason| LogError::Create { path: path.to_path_buf(), reason })?;
         let file = Arc::new(file);
         let sink = BufWriter::new(Sink { file: file.clone(), position: 0 });
         let writer = write_options().create(sink).map_err(|error| write_error(path, error))?;
@@ -189,7 +189,7 @@ impl LogFile {
                 false => Ok(()),
             }
         });
-        ended.map_err(|source| LogError::Write { path, source })
+        ended.map_err(|reason| LogError::Write { path, reason })
     }
 }
 
@@ -210,11 +210,11 @@ fn write_options() -> WriteOptions {
 }
 
 fn write_error(path: &Path, error: McapError) -> LogError {
-    let source = match error {
-        McapError::Io(source) => source,
+    let reason = match error {
+        McapError::Io(reason) => reason,
         other => io::Error::other(other),
     };
-    LogError::Write { path: path.to_path_buf(), source }
+    LogError::Write { path: path.to_path_buf(), reason }
 }
 
 /// Where the bytes go, in order; it knows its position without asking, because pipes have none.
