@@ -96,7 +96,7 @@ fn usage(error: &clap::Error) -> ExitCode {
             let rendered = error.render().to_string();
             let told = rendered.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
             let paragraphs: Vec<&str> = told.map(str::trim).filter(|line| !line.is_empty()).collect();
-            complain(paragraphs.join(" ").trim_start_matches("error: ").replace(" tip:", ";").as_str());
+            complain(&paragraphs.join(" ").trim_start_matches("error: ").replace(" tip:", ";"));
             ExitCode::from(2)
         }
     }

@@ -117,7 +117,11 @@ mod tests {
                 assert!((found / scale - wanted).abs() < 1e-14, "{found} at scale {scale}");
             }
             let back = axes * Matrix3::from_diagonal(&moments) * axes.transpose();
-            assert!((back - inertia).amax() < 4e-15 * scale * 4.0, "scale {scale}: {}", (back - inertia).amax() / scale);
+            assert!(
+                (back - inertia).amax() < 4e-15 * scale * 4.0,
+                "scale {scale}: {}",
+                (back - inertia).amax() / scale
+            );
             assert!((axes.determinant() - 1.0).abs() < 1e-15 * 4.0);
         }
     }

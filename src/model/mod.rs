@@ -13,7 +13,7 @@ mod robot_model;
 
 pub use composite::Composite;
 pub use coordinates::{position_names, velocity_names};
-pub use joint::{FreeRotation, Joint, JointKind, Pose};
+pub use joint::{FreeRotation, Joint, JointKind, Pose, wxyz_from_rotation};
 pub use mechanism::{Body, Mechanism, MechanismError};
 pub use model_error::ModelError;
 pub use reduce::{Base, ModelOptions};

@@ -23,6 +23,7 @@ pub(crate) use error::quoted;
 pub use error::{Element, Problem, SceneError, Warning};
 pub use package_path::PackagePath;
 pub use robot::{
-    Dynamics, Geometry, Inertial, Limit, Link, MeshFile, Mimic, Pose, Robot, Shape, UrdfJoint, UrdfJointKind, WORLD_LINK,
+    Dynamics, Geometry, Inertial, Limit, Link, MeshFile, Mimic, Pose, Robot, Shape, UrdfJoint, UrdfJointKind,
+    WORLD_LINK,
 };
 pub use urdf::{read_urdf, robot_from_text};

@@ -1,0 +1,230 @@
+//! `catena model`: what was read, what was left out and why, and what will be simulated.
+
+use super::input::InputArgs;
+use catena::model::{Model, ReductionRule, position_names, wxyz_from_rotation};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+/// Show what was read, what was left out and why, and what will be simulated
+#[derive(Clone, Debug, clap::Args)]
+pub struct ModelArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Bad input (exit code 2), or standard output that cannot be written.
+pub fn run(args: &ModelArgs) -> anyhow::Result<()> {
+    let model = args.input.load()?;
+    let report = if args.json { serde_json::to_string_pretty(&as_json(&model))? + "\n" } else { as_text(&model) };
+    match std::io::stdout().write_all(report.as_bytes()) {
+        // The reader of a pipe may have seen enough.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        written => Ok(written?),
+    }
+}
+
+/// The counts that reports share.
+pub fn counts(model: &Model) -> Value {
+    json!({
+        "links": model.links.len(),
+        "bodies": model.mechanism.bodies.len(),
+        "joints": model.mechanism.bodies.len(),
+        "degrees_of_freedom": model.mechanism.velocity_count,
+        "loops": 0,
+        "redundant_constraints": 0,
+    })
+}
+
+fn as_json(model: &Model) -> Value {
+    let mechanism = &model.mechanism;
+    let body_name = |body: Option<usize>| body.map(|body| mechanism.bodies[body].name.as_str());
+    let bodies: Vec<Value> = mechanism
+        .bodies
+        .iter()
+        .enumerate()
+        .map(|(index, body)| {
+            let links: Vec<&str> =
+                model.links.iter().filter(|link| link.body == Some(index)).map(|link| link.name.as_str()).collect();
+            // The principal frame as people see it: in the link that heads the body.
+            let frame = model.link(&body.name).map(|link| model.links[link].in_body.inverse());
+            json!({
+                "name": body.name,
+                "parent": body_name(body.parent).unwrap_or("world"),
+                "joint": body.joint.name,
+                "mass": body.mass,
+                "principal_inertia": body.inertia.as_slice(),
+                "center_of_mass": frame.map(|frame| frame.translation.vector.as_slice().to_vec()),
+                "principal_axes": frame.map(|frame| wxyz_from_rotation(frame.rotation.matrix())),
+                "links": links,
+            })
+        })
+        .collect();
+    let joints: Vec<Value> = model
+        .joints
+        .iter()
+        .map(|joint| {
+            json!({
+                "name": joint.name,
+                "type": joint.kind.name(),
+                "parent": joint.parent_link,
+                "child": joint.child_link,
+                "body": body_name(joint.body),
+                "degrees_of_freedom": joint.body.map_or(0, |body| mechanism.bodies[body].joint.kind.velocity_count()),
+                "position": joint.body.map(|_| position_names(joint.kind)),
+            })
+        })
+        .collect();
+    let links: Vec<Value> = model
+        .links
+        .iter()
+        .map(|link| {
+            json!({
+                "name": link.name,
+                "body": body_name(link.body).unwrap_or("world"),
+                "mass": link.mass,
+                "parent_joint": link.parent_joint,
+            })
+        })
+        .collect();
+    let reductions: Vec<Value> = model
+        .reductions
+        .iter()
+        .map(|reduction| {
+            json!({
+                "rule": reduction.rule.name(),
+                "link": reduction.link,
+                "joint": reduction.joint,
+                "into": reduction.into,
+                "reason": reduction.rule.reason(),
+            })
+        })
+        .collect();
+    json!({
+        "catena": env!("CARGO_PKG_VERSION"),
+        "input": model.robot.path.display().to_string(),
+        "robot": model.robot.name,
+        "gravity": mechanism.gravity.as_slice(),
+        "model": counts(model),
+        "moving_mass": mechanism.total_mass(),
+        "bodies": bodies,
+        "joints": joints,
+        "links": links,
+        "reductions": reductions,
+        "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+    })
+}
+
+fn as_text(model: &Model) -> String {
+    let mechanism = &model.mechanism;
+    let mut text = String::new();
+    // Writing into a String cannot fail.
+    let _ = writeln!(
+        text,
+        "{}: {} → {}, {}, {}",
+        model.robot.name,
+        counted(model.links.len(), "link", "links"),
+        counted(mechanism.bodies.len(), "body", "bodies"),
+        counted(mechanism.bodies.len(), "joint", "joints"),
+        counted(mechanism.velocity_count, "degree of freedom", "degrees of freedom"),
+    );
+    let g = mechanism.gravity;
+    let _ = writeln!(text, "{} kg move under gravity {}, {}, {} m/s²", number(mechanism.total_mass()), g.x, g.y, g.z);
+
+    let mut bodies = Table::new(&["body", "parent", "joint", "type", "given by", "mass [kg]", "inertia [kg m²]"]);
+    for body in &mechanism.bodies {
+        let record = model.joints.iter().find(|record| record.name == body.joint.name);
+        bodies.row(vec![
+            body.name.clone(),
+            body.parent.map_or("world", |parent| mechanism.bodies[parent].name.as_str()).to_string(),
+            body.joint.name.clone(),
+            record.map_or(body.joint.kind.name(), |record| record.kind.name()).to_string(),
+            record.map_or("", |record| position_names(record.kind)).to_string(),
+            number(body.mass),
+            triple(&body.inertia),
+        ]);
+    }
+    bodies.write(&mut text);
+
+    if !model.reductions.is_empty() {
+        let _ = writeln!(text, "\nno bodies of their own:");
+        let mut table = Table::new(&["link", "joint", "moves with", "because"]);
+        for reduction in &model.reductions {
+            let because = match reduction.rule {
+                ReductionRule::MasslessLeaf => "it has no mass, nor has anything beyond it",
+                rule => rule.reason(),
+            };
+            table.row(vec![
+                reduction.link.clone(),
+                reduction.joint.clone().unwrap_or_default(),
+                reduction.into.clone(),
+                because.to_string(),
+            ]);
+        }
+        table.write(&mut text);
+    }
+    if !model.warnings.is_empty() {
+        let _ = writeln!(text, "\n{}:", counted(model.warnings.len(), "warning", "warnings"));
+        for warning in &model.warnings {
+            let _ = writeln!(text, "  {warning}");
+        }
+    }
+    text
+}
+
+/// A table whose columns are as wide as their widest cell.
+struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn new(head: &[&str]) -> Self {
+        Table { rows: vec![head.iter().map(ToString::to_string).collect()] }
+    }
+
+    fn row(&mut self, cells: Vec<String>) {
+        self.rows.push(cells);
+    }
+
+    /// Writes the table, unless it has no rows.
+    fn write(&self, out: &mut String) {
+        if self.rows.len() < 2 {
+            return;
+        }
+        let width = |column: usize| self.rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..self.rows[0].len()).map(width).collect();
+        out.push('\n');
+        for (index, row) in self.rows.iter().enumerate() {
+            let cells = row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}"));
+            let _ = writeln!(out, "  {}", cells.collect::<Vec<_>>().join("  ").trim_end());
+            if index == 0 {
+                let rules: Vec<String> = widths.iter().map(|&width| "─".repeat(width)).collect();
+                let _ = writeln!(out, "  {}", rules.join("  "));
+            }
+        }
+    }
+}
+
+fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
+}
+
+/// Four significant digits.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    let digits = (3 - value.abs().log10().floor() as i32).max(0) as usize;
+    if value.abs() < 1e-3 || value.abs() >= 1e6 { format!("{value:.3e}") } else { format!("{value:.digits$}") }
+}
+
+fn triple(values: &nalgebra::Vector3<f64>) -> String {
+    format!("{}, {}, {}", number(values.x), number(values.y), number(values.z))
+}
