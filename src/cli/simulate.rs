@@ -172,7 +172,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn integrator(mechanism: &Mechanism, choice: StepChoice) -> Box<dyn Integrator> {
     match choice {
         StepChoice::Tolerance(tolerance) => Box::new(Dop853::new(mechanism, tolerance)),
-        StepChoice::Fixed { stages: _, step } => Box::new(Rk4::new(mechanism, step)),
+        StepChoice::Fixed { stages, step } if stages <= 3 => Box::new(Rk4::new(mechanism, step)),
+        StepChoice::Fixed { step, .. } => Box::new(Dop853::with_fixed_step(mechanism, step)),
     }
 }
 
