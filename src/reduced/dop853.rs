@@ -289,7 +289,8 @@ impl Work {
         self.polynomial_is_current = true;
     }
 
-    /// Names the joint of the last entry that is not finite; velocities come after positions and fail first.
+    /// Names the joint of the last entry that is not finite; velocities come after positions and fail first,
+    /// and what fails in a leaf spoils everything that carries it.
     fn check_finite(&self, mechanism: &Mechanism, y: &[f64], time: f64, step: f64) -> Result<(), StepError> {
         match y.iter().rposition(|value| !value.is_finite()) {
             Some(bad) => Err(StepError::NotFinite { time, step, joint: joint_of_entry(mechanism, bad) }),
