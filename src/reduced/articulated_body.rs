@@ -220,7 +220,10 @@ impl ArticulatedBody {
             }
             let applied = |offset: usize| joint_force.map_or(0.0, |force| force[link.velocity_index + offset]);
             if link.kind == JointKind::Revolute {
-                self.screws[link.velocity_index] = subtree.eliminate_rotation(&column(&motion.frame, 2), applied(0));
+                let mut screw = subtree.eliminate_rotation(&column(&motion.frame, 2), applied(0));
+                // Referred to the parent's anchor already here, which shortens the chain of the third pass.
+                screw.angular += cross(&motion.arm, &screw.linear);
+                self.screws[link.velocity_index] = screw;
             } else {
                 let translations = link.kind.translation_axes();
                 let count = link.kind.velocity_count();
@@ -251,7 +254,7 @@ impl ArticulatedBody {
             let mut linear = parent.linear + cross(&parent.angular, &self.motion[index + 1].arm);
             if link.kind == JointKind::Revolute {
                 let screw = &self.screws[link.velocity_index];
-                let rate = screw.rate(&angular, &linear);
+                let rate = screw.rate(&parent.angular, &parent.linear);
                 acceleration[link.velocity_index] = rate;
                 angular += screw.axis * rate;
             } else {
