@@ -100,7 +100,8 @@ struct Articulated {
     force: Vector3<f64>,
 }
 
-/// One free direction after its elimination: `q̈ = free − (angular, linear) · δ`.
+/// One free direction after its elimination: `q̈ = free − (angular, linear) · δ`, with δ at the body's anchor before
+/// the joint moves it, or for a revolute joint at the parent's anchor.
 #[derive(Clone, Copy, Debug, Default)]
 struct Screw {
     axis: Vector3<f64>,
