@@ -163,7 +163,7 @@ impl ArticulatedBody {
     }
 
     /// First pass, root to leaf: poses, velocities, and the accelerations at zero joint acceleration.
-    #[inline(never)] // Each pass keeps its own registers: 5 % faster than in one body.
+    #[inline(never)] // In one body with the other passes the registers do not suffice.
     fn find_motion(&mut self, position: &[f64], velocity: &[f64]) {
         for (index, link) in self.links.iter().enumerate() {
             let (known, rest) = self.motion.split_at_mut(index + 1);
@@ -206,7 +206,7 @@ impl ArticulatedBody {
     }
 
     /// Second pass, leaf to root: articulated inertias, and the elimination of every free direction.
-    #[inline(never)] // Each pass keeps its own registers: 5 % faster than in one body.
+    #[inline(never)] // In one body with the other passes the registers do not suffice.
     fn eliminate_joints(&mut self, joint_force: Option<&[f64]>) {
         // A first child follows its parent in the numbering, so its share is carried over and never stored.
         let mut carried = Articulated::default();
@@ -249,7 +249,7 @@ impl ArticulatedBody {
     }
 
     /// Third pass, root to leaf: the joint accelerations, and what they add to each body's acceleration.
-    #[inline(never)] // Each pass keeps its own registers: 5 % faster than in one body.
+    #[inline(never)] // In one body with the other passes the registers do not suffice.
     fn resolve_accelerations(&mut self, acceleration: &mut [f64]) {
         for (index, link) in self.links.iter().enumerate() {
             let parent = &self.rest[link.parent];
