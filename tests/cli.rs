@@ -245,6 +245,8 @@ fn the_report_is_of_the_end_of_the_run_that_was_asked_for() {
     near(&report["joints"]["hinge"]["velocity"], -2.0);
     near(&report["joints"]["hinge"]["reaction_force"][2], 2.0);
     near(&report["links"]["tip"]["position"][2], -1.0);
+    near(&report["links"]["rod"]["position"][2], 0.0);
+    near(&report["links"]["rod"]["center_of_mass"][2], -0.5);
     near(&report["links"]["rod"]["linear_velocity"][0], 1.0);
     near(&report["links"]["tip"]["angular_velocity"][1], -2.0);
 }
