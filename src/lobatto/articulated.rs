@@ -199,7 +199,8 @@ impl<V: Lanes> Stages<V> {
             let turning = first_axis + translations;
             for freedom in first_axis..turning + rotations {
                 let joint = self.eliminated[freedom];
-                let alpha = joint.torque_ratio.dot_from(twist.1, joint.force_ratio.dot_from(twist.0, joint.bias));
+                // Two chains of three, because each body waits for its parent's.
+                let alpha = joint.force_ratio.dot_from(twist.0, joint.bias) - joint.torque_ratio.dot(twist.1);
                 if freedom < turning {
                     twist.0 = joint.axis.times_plus(alpha, twist.0);
                 } else {
