@@ -3,8 +3,10 @@
 pub mod invariants;
 pub mod kinematics;
 pub mod lobatto;
+pub mod log;
 pub mod model;
 pub mod reduced;
+pub mod report;
 pub mod scene;
 pub mod simulation;
 pub mod state;

@@ -1,30 +1,7 @@
-//! The command line; the work is done by the library.
+//! The `catena` program: one file per verb in [`cli`].
 
 mod cli;
 
-use clap::Parser;
-use std::process::ExitCode;
-
-/// Rigid multibody simulator
-#[derive(Parser)]
-#[command(version)]
-struct Cli {
-    #[command(subcommand)]
-    verb: Verb,
-}
-
-#[derive(clap::Subcommand)]
-enum Verb {
-    Model(cli::model::ModelArgs),
-}
-
-fn main() -> ExitCode {
-    let Verb::Model(args) = Cli::parse().verb;
-    match cli::model::run(&args) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("catena: {error:#}");
-            ExitCode::from(2)
-        }
-    }
+fn main() -> std::process::ExitCode {
+    cli::main()
 }

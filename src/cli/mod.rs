@@ -1,4 +1,124 @@
-//! The command line: one file per verb.
+//! The command line: which verb, what it prints, and the exit code.
+//!
+//! | exit code | meaning                                                                  |
+//! |-----------|--------------------------------------------------------------------------|
+//! | 0         | done                                                                     |
+//! | 1         | failed part-way; what was written up to there is complete and readable   |
+//! | 2         | bad usage or bad input; nothing was written                              |
+//! | 130       | interrupted; what was written is complete                                |
+//!
+//! Errors are one line on standard error, `catena: error: …`, so that scripts can show them as they are.
 
-pub mod input;
-pub mod model;
+mod input;
+mod model;
+mod numbers;
+mod progress;
+mod simulate;
+
+use clap::error::ErrorKind;
+use clap::{Parser, Subcommand};
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+/// Simulates mechanisms of rigid bodies, given as URDF, without drift and at any order of accuracy.
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true)]
+struct CommandLine {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Run a robot and write what happens as an MCAP log
+    Simulate(Box<simulate::Arguments>),
+    /// Show what was read, what was left out and why, and what will be simulated
+    Model(Box<model::ModelArgs>),
+}
+
+/// Why a verb did not do what it was asked for.
+#[derive(Debug)]
+pub struct Failure {
+    exit_code: u8,
+    error: anyhow::Error,
+}
+
+impl Failure {
+    /// Bad usage or bad input: nothing was written.
+    pub fn input(error: impl Into<anyhow::Error>) -> Self {
+        Failure { exit_code: 2, error: error.into() }
+    }
+
+    /// Failed part-way.
+    pub fn run(error: impl Into<anyhow::Error>) -> Self {
+        Failure { exit_code: 1, error: error.into() }
+    }
+
+    /// Interrupted by the user.
+    pub fn interrupted(error: impl Into<anyhow::Error>) -> Self {
+        Failure { exit_code: 130, error: error.into() }
+    }
+}
+
+/// Does what the command line says.
+pub fn main() -> ExitCode {
+    let command_line = match CommandLine::try_parse() {
+        Ok(command_line) => command_line,
+        Err(error) => return usage(&error),
+    };
+    let ended = match command_line.verb {
+        Verb::Simulate(arguments) => simulate::run(&arguments),
+        Verb::Model(arguments) => model::run(&arguments).map_err(Failure::input),
+    };
+    match ended {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            complain(&format!("{:#}", failure.error));
+            ExitCode::from(failure.exit_code)
+        }
+    }
+}
+
+/// Help and version go to standard output; everything else is an error of one line.
+fn usage(error: &clap::Error) -> ExitCode {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            // A reader that has gone away has seen what it wanted.
+            let _ = error.print();
+            ExitCode::SUCCESS
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            let _ = error.print();
+            ExitCode::from(2)
+        }
+        _ => {
+            let rendered = error.render().to_string();
+            let told = rendered.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
+            let paragraphs: Vec<&str> = told.map(str::trim).filter(|line| !line.is_empty()).collect();
+            complain(&paragraphs.join(" ").trim_start_matches("error: ").replace(" tip:", ";"));
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints an error on one line.
+fn complain(message: &str) {
+    let line = message.split_whitespace().collect::<Vec<_>>().join(" ");
+    // If standard error is closed there is nobody left to tell.
+    let _ = writeln!(io::stderr(), "catena: error: {line}");
+}
+
+/// Writes to standard output; a reader that has gone away is no error.
+///
+/// # Errors
+/// Whatever else keeps standard output from being written.
+pub fn print(text: impl Display) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match write!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::run(anyhow::Error::new(error).context("cannot write to standard output")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,275 @@
+//! `catena simulate`: read, reduce, run, log, report.
+//!
+//! The output is opened last, when nothing in the input can be wrong any more: a bad input leaves an existing log as
+//! it was. Every way out of the run completes the log.
+
+use super::input::{InputArgs, numbers};
+use super::numbers::{Assignment, positive, rate};
+use super::progress::Progress;
+use super::{Failure, print};
+use anyhow::{Context, anyhow};
+use catena::log::{Recorder, Severity};
+use catena::model::{Mechanism, Model, ModelError};
+use catena::reduced::{Dop853, Rk4};
+use catena::report::{ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports};
+use catena::simulation::{Integrator, Observer, RunError, RunOptions, run as run_simulation};
+use catena::state::State;
+use clap::{Args, value_parser};
+use cpu_time::ProcessTime;
+use std::collections::BTreeMap;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+const DEFAULT_DURATION: f64 = 10.0;
+const DEFAULT_TOLERANCE: f64 = 1e-6;
+const DEFAULT_RATE: f64 = 60.0;
+
+/// Set by the first Ctrl-C; the run ends after the step it is in.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// The options of `catena simulate`.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    #[command(flatten)]
+    input: InputArgs,
+
+    /// Velocity of the origin of a floating root link, in the world [m/s, rad/s]
+    #[arg(long, value_name = "VX,VY,VZ,WX,WY,WZ", value_parser = numbers::<6>, allow_hyphen_values = true)]
+    base_velocity: Option<[f64; 6]>,
+
+    /// Initial position of a joint [rad, m]; as many numbers as the joint has degrees of freedom (repeatable)
+    #[arg(long, value_name = "JOINT=VALUE")]
+    position: Vec<Assignment>,
+
+    /// Initial velocity of a joint [rad/s, m/s]; as many numbers as the joint has degrees of freedom (repeatable)
+    #[arg(long, value_name = "JOINT=VALUE")]
+    velocity: Vec<Assignment>,
+
+    /// The log [default: the name of the input with .mcap, in the current folder]
+    #[arg(short, long, value_name = "FILE.mcap")]
+    output: Option<PathBuf>,
+
+    /// Write no log
+    #[arg(long, conflicts_with = "output")]
+    no_log: bool,
+
+    /// Simulated time [s] [default: 10]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
+    duration: Option<f64>,
+
+    /// Wanted accuracy of positions [m, rad]; stages and step are chosen from it [default: 1e-6]
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = positive)]
+    tolerance: Option<f64>,
+
+    /// Stages of the scheme, of order 2S-2, with a fixed --step
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = value_parser!(u8).range(2..=16),
+          requires = "step", conflicts_with = "tolerance")]
+    stages: Option<u8>,
+
+    /// Fixed step [s], with --stages
+    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = positive, requires = "stages", conflicts_with = "tolerance")]
+    step: Option<f64>,
+
+    /// Samples in the log per simulated second [default: 60]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = rate)]
+    rate: Option<f64>,
+
+    /// Print the report as one JSON object
+    #[arg(long)]
+    json: bool,
+
+    /// Print errors only
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// How steps are chosen.
+#[derive(Clone, Copy, Debug)]
+pub enum StepChoice {
+    /// Stages and step from the wanted accuracy.
+    Tolerance(f64),
+    /// As the user said.
+    Fixed { stages: usize, step: f64 },
+}
+
+/// Does what the arguments say.
+///
+/// # Errors
+/// [`Failure`] with the exit code the interface promises.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let output = output(arguments).map_err(Failure::input)?;
+    let model = arguments.input.load().map_err(Failure::input)?;
+    let mechanism = &model.mechanism;
+    let mut state = initial_state(&model, arguments).map_err(Failure::input)?;
+    let choice = match (arguments.stages, arguments.step) {
+        (Some(stages), Some(step)) => StepChoice::Fixed { stages: stages.into(), step },
+        _ => StepChoice::Tolerance(arguments.tolerance.unwrap_or(DEFAULT_TOLERANCE)),
+    };
+    let mut integrator = integrator(mechanism, choice);
+    let duration = arguments.duration.unwrap_or(DEFAULT_DURATION);
+    let rate = arguments.rate.unwrap_or(DEFAULT_RATE);
+
+    let mut recorder = match &output {
+        Some(path) => {
+            let simulation = description(&model, duration, rate, choice, integrator.as_ref());
+            Some(Recorder::create(path, &model, simulation).map_err(log_failure)?)
+        }
+        None => None,
+    };
+    let mut progress = (!arguments.quiet && std::io::stderr().is_terminal()).then(|| Progress::new(duration));
+    // Without a log and without a bar nobody looks at samples.
+    let options = RunOptions {
+        duration,
+        rate: (recorder.is_some() || progress.is_some()).then_some(rate),
+        interrupt: Some(&INTERRUPTED),
+    };
+    watch_for_interrupts().map_err(Failure::run)?;
+
+    let mut observers: Vec<&mut dyn Observer> = Vec::new();
+    observers.extend(recorder.iter_mut().map(|recorder| recorder as &mut dyn Observer));
+    observers.extend(progress.iter_mut().map(|progress| progress as &mut dyn Observer));
+    let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
+    let (summary, ended) = run_simulation(mechanism, &mut state, integrator.as_mut(), &options, &mut observers);
+    if let Some(progress) = &progress {
+        progress.clear();
+    }
+    let ended = finish(recorder, ended);
+    let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
+
+    let report = Report {
+        catena: env!("CARGO_PKG_VERSION"),
+        input: arguments.input.input.display().to_string(),
+        scene: model.robot.name.clone(),
+        // The time that was reached, which is less than what was asked for if the run ended early.
+        duration: state.time,
+        method: MethodReport::new(&integrator.description()),
+        model: ModelReport::new(&model),
+        steps: summary.steps,
+        iterations: summary.iterations,
+        rejected_steps: summary.rejected_steps,
+        wall_seconds,
+        cpu_seconds,
+        solve_cpu_seconds: summary.solve_cpu_seconds,
+        energy: EnergyReport::new(&summary),
+        constraint: ConstraintReport::new(&summary),
+        links: link_reports(&model, &state),
+        joints: joint_reports(&model, &state),
+        warnings: model.warnings.iter().map(ToString::to_string).collect(),
+        log: output,
+    };
+    if arguments.json {
+        let json = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
+        print(format_args!("{json}\n"))?;
+    } else if !arguments.quiet {
+        print(&report)?;
+    }
+    ended
+}
+
+/// The one place where the integrator is chosen.
+fn integrator(mechanism: &Mechanism, choice: StepChoice) -> Box<dyn Integrator> {
+    match choice {
+        StepChoice::Tolerance(tolerance) => Box::new(Dop853::new(mechanism, tolerance)),
+        StepChoice::Fixed { stages: _, step } => Box::new(Rk4::new(mechanism, step)),
+    }
+}
+
+fn initial_state(model: &Model, arguments: &Arguments) -> Result<State, ModelError> {
+    let pairs = |assignments: &[Assignment]| -> Vec<(String, Vec<f64>)> {
+        assignments.iter().map(|assignment| (assignment.name.clone(), assignment.values.clone())).collect()
+    };
+    model.initial_state(&pairs(&arguments.position), &pairs(&arguments.velocity), arguments.base_velocity)
+}
+
+/// Where the log goes, refused early if it cannot go there.
+fn output(arguments: &Arguments) -> anyhow::Result<Option<PathBuf>> {
+    if arguments.no_log {
+        return Ok(None);
+    }
+    let input = &arguments.input.input;
+    let output = match &arguments.output {
+        Some(output) => output.clone(),
+        None => {
+            let stem = input.file_stem().with_context(|| format!("{} is not a file", input.display()))?;
+            Path::new(stem).with_extension("mcap")
+        }
+    };
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(anyhow!("cannot write {}: there is no folder {}", output.display(), folder.display()));
+    }
+    if output.is_dir() {
+        return Err(anyhow!("cannot write {}: it is a folder", output.display()));
+    }
+    // The log must not replace what it is made from.
+    if let (Ok(input), Ok(same)) = (input.canonicalize(), output.canonicalize())
+        && input == same
+    {
+        return Err(anyhow!("the output {} is the input itself", output.display()));
+    }
+    Ok(Some(output))
+}
+
+/// What the log says about how the run was made.
+fn description(
+    model: &Model,
+    duration: f64,
+    rate: f64,
+    choice: StepChoice,
+    integrator: &dyn Integrator,
+) -> BTreeMap<String, String> {
+    let method = integrator.description();
+    let (step, tolerance) = match choice {
+        StepChoice::Fixed { step, .. } => (step.to_string(), String::new()),
+        StepChoice::Tolerance(tolerance) => (String::new(), tolerance.to_string()),
+    };
+    let command_line: Vec<String> =
+        std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
+    let entries = [
+        ("robot", model.robot.name.clone()),
+        ("version", env!("CARGO_PKG_VERSION").to_string()),
+        ("method", method.name),
+        ("stages", method.stages.to_string()),
+        ("order", method.order.to_string()),
+        ("step", step),
+        ("tolerance", tolerance),
+        ("duration", duration.to_string()),
+        ("rate", rate.to_string()),
+        ("command_line", command_line.join(" ")),
+    ];
+    entries.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// The first Ctrl-C asks the run to end, the second ends the process.
+fn watch_for_interrupts() -> anyhow::Result<()> {
+    ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    })
+    .context("cannot watch for Ctrl-C")
+}
+
+/// Completes the log, whatever ended the run, and says how the run ended.
+fn finish(recorder: Option<Recorder>, ended: Result<(), RunError>) -> Result<(), Failure> {
+    let ended = ended.map_err(|error| match error {
+        RunError::Interrupted { .. } => Failure::interrupted(error),
+        RunError::Step(_) => Failure::run(error),
+        RunError::Observer(source) => Failure::run(anyhow!(source)),
+    });
+    let Some(mut recorder) = recorder else { return ended };
+    if let Err(failure) = &ended {
+        recorder.say(Severity::Error, &format!("{:#}", failure.error));
+    }
+    // Of two errors the first is the cause.
+    ended.and(recorder.finish().map_err(log_failure))
+}
+
+fn log_failure(error: catena::log::LogError) -> Failure {
+    match error {
+        catena::log::LogError::Create { .. } => Failure::input(error),
+        catena::log::LogError::Write { .. } => Failure::run(error),
+    }
+}

@@ -1,0 +1,36 @@
+//! The log: a run written as MCAP, so that viewers show it without configuration.
+//!
+//! | topic                | schema                                       | when                                     |
+//! |----------------------|----------------------------------------------|------------------------------------------|
+//! | `/robot_description` | `std_msgs/msg/String` (ros2msg, cdr)         | once, at t = 0                           |
+//! | `/scene`             | `foxglove.SceneUpdate` (protobuf)            | once, at t = 0                           |
+//! | `/log`               | `foxglove.Log` (protobuf)                    | warnings at t = 0, what ended a run early |
+//! | `/tf`                | `foxglove.FrameTransforms` (protobuf)        | every sample: every link, in `world`     |
+//! | `/joint_states`      | `sensor_msgs/msg/JointState` (ros2msg, cdr)  | every sample: joints of one number       |
+//! | `/energy`            | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: kinetic, potential, total [J] |
+//! | `/constraint`        | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: position, velocity violation |
+//!
+//! Rerun draws the robot from `/robot_description` and `/tf` and plots the ROS messages by itself; Foxglove and
+//! Lichtblick draw `/scene`; every channel has a schema because PlotJuggler skips those without. A metadata record
+//! `simulation` says how the run was made, and the URDF as it was read is an attachment. Log time and publish time are
+//! both the simulated time in nanoseconds and nothing in the file depends on the clock of the wall, so that the same
+//! run gives the same bytes.
+//!
+//! [`Recorder`] is the [`crate::simulation::Observer`].
+
+mod background;
+mod batch;
+mod cdr;
+mod file;
+mod recorder;
+mod ros;
+mod visual;
+
+pub use file::LogError;
+pub use recorder::{Recorder, Severity};
+
+/// Simulated seconds as the nanoseconds of a log: rounded, never negative.
+pub fn nanoseconds(time: f64) -> u64 {
+    // The cast saturates, so that no time can wrap around.
+    (time * 1e9).round() as u64
+}

@@ -1,0 +1,344 @@
+//! The report of a run: one structure, shown as JSON to scripts and as a few aligned lines to people.
+//!
+//! The JSON is a promise to other people's scripts; its keys and their order are tested (`tests/cli.rs`). Links and
+//! joints are given in the world and in the joint's frame on the parent as [`LinkReport`] and [`JointReport`] say.
+
+use crate::kinematics::body_states;
+use crate::model::joint::wxyz_from_rotation;
+use crate::model::{JointRecord, LinkFrame, Model};
+use crate::reduced::{ReducedOde, joint_reactions};
+use crate::simulation::{MethodDescription, Summary};
+use crate::state::State;
+use serde::{Serialize, Serializer};
+use std::fmt;
+use std::path::PathBuf;
+
+/// Everything `catena simulate` has to say about a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Version of catena.
+    pub catena: &'static str,
+    /// The input as it was given.
+    pub input: String,
+    /// Name of the robot or scene.
+    pub scene: String,
+    /// Simulated time [s].
+    pub duration: f64,
+    /// The scheme and its step.
+    pub method: MethodReport,
+    /// Size of the model.
+    pub model: ModelReport,
+    /// Accepted steps.
+    pub steps: usize,
+    /// Iterations of all steps.
+    pub iterations: usize,
+    /// Steps that were thrown away.
+    pub rejected_steps: usize,
+    /// Time the run took [s].
+    pub wall_seconds: f64,
+    /// Processor time the run took [s].
+    pub cpu_seconds: f64,
+    /// Processor time in the integration loop without logging [s].
+    pub solve_cpu_seconds: f64,
+    /// Energy over the run.
+    pub energy: EnergyReport,
+    /// Constraint violation over the run.
+    pub constraint: ConstraintReport,
+    /// Every link at the end of the run.
+    #[serde(serialize_with = "as_object")]
+    pub links: Vec<(String, LinkReport)>,
+    /// Every moving joint at the end of the run.
+    #[serde(serialize_with = "as_object")]
+    pub joints: Vec<(String, JointReport)>,
+    /// What the user should know about the model and the run.
+    pub warnings: Vec<String>,
+    /// Where the log is; part of the lines for people alone.
+    #[serde(skip)]
+    pub log: Option<PathBuf>,
+}
+
+/// The scheme of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct MethodReport {
+    /// Name of the scheme; part of the lines for people alone.
+    #[serde(skip)]
+    pub name: String,
+    /// Number of stages.
+    pub stages: usize,
+    /// Order of convergence.
+    pub order: usize,
+    /// The step, or the mean step of an adaptive run [s].
+    pub step: f64,
+    /// Whether the step is chosen from a tolerance.
+    pub adaptive: bool,
+    /// The tolerance it is chosen from.
+    pub tolerance: Option<f64>,
+}
+
+/// The size of a model.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct ModelReport {
+    /// Links of the input.
+    pub links: usize,
+    /// Moving bodies they form.
+    pub bodies: usize,
+    /// Joints that move.
+    pub joints: usize,
+    /// Degrees of freedom.
+    pub degrees_of_freedom: usize,
+    /// Joints that close loops.
+    pub loops: usize,
+    /// Constraints that say what others say already.
+    pub redundant_constraints: usize,
+}
+
+/// Energy [J] at both ends and its error in between.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct EnergyReport {
+    /// Total energy at the start.
+    pub initial: f64,
+    /// Total energy at the end.
+    pub r#final: f64,
+    /// Largest deviation from the start, relative to the largest kinetic energy seen.
+    pub max_relative_error: f64,
+}
+
+/// Largest constraint violations of the run.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ConstraintReport {
+    /// Of positions [m, rad].
+    pub max_position: f64,
+    /// Of velocities [m/s, rad/s].
+    pub max_velocity: f64,
+}
+
+/// A link in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LinkReport {
+    /// Origin of the link's frame [m].
+    pub position: [f64; 3],
+    /// Orientation of the link's frame, as w, x, y, z.
+    pub orientation: [f64; 4],
+    /// Centre of mass of the link itself [m].
+    pub center_of_mass: [f64; 3],
+    /// Velocity of the centre of mass [m/s].
+    pub linear_velocity: [f64; 3],
+    /// Angular velocity [rad/s].
+    pub angular_velocity: [f64; 3],
+}
+
+/// A joint: positions and velocities in its frame on the parent, and what it transmits.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JointReport {
+    /// Position; turns are given as the quaternion w, x, y, z, after the translation.
+    pub position: Numbers,
+    /// Velocity; that of the child frame's origin before the angular velocity.
+    pub velocity: Numbers,
+    /// Force of the parent on the child at the joint, in the world [N].
+    pub reaction_force: [f64; 3],
+    /// Torque of the parent on the child about the joint, in the world [N m].
+    pub reaction_torque: [f64; 3],
+}
+
+/// One number for joints of one degree of freedom, an array for all others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Numbers {
+    /// The only number.
+    One(f64),
+    /// All numbers.
+    Many(Vec<f64>),
+}
+
+impl From<Vec<f64>> for Numbers {
+    fn from(numbers: Vec<f64>) -> Self {
+        match numbers[..] {
+            [number] => Numbers::One(number),
+            _ => Numbers::Many(numbers),
+        }
+    }
+}
+
+impl MethodReport {
+    /// The method as an integrator describes itself.
+    pub fn new(description: &MethodDescription) -> Self {
+        MethodReport {
+            name: description.name.clone(),
+            stages: description.stages,
+            order: description.order,
+            step: description.step,
+            adaptive: description.adaptive,
+            tolerance: description.tolerance,
+        }
+    }
+}
+
+impl EnergyReport {
+    /// The energies of a run.
+    pub fn new(summary: &Summary) -> Self {
+        EnergyReport {
+            initial: summary.initial_energy.total(),
+            r#final: summary.final_energy.total(),
+            max_relative_error: summary.max_relative_energy_error,
+        }
+    }
+}
+
+impl ConstraintReport {
+    /// The constraint violations of a run.
+    pub fn new(summary: &Summary) -> Self {
+        ConstraintReport { max_position: summary.max_violation.position, max_velocity: summary.max_violation.velocity }
+    }
+}
+
+impl ModelReport {
+    /// The size of a model.
+    pub fn new(model: &Model) -> Self {
+        ModelReport {
+            links: model.links.len(),
+            bodies: model.mechanism.bodies.len(),
+            joints: model.mechanism.bodies.len(),
+            degrees_of_freedom: model.mechanism.velocity_count,
+            loops: 0,
+            redundant_constraints: 0,
+        }
+    }
+}
+
+/// Every link of a model in a state, in the order of the URDF.
+pub fn link_reports(model: &Model, state: &State) -> Vec<(String, LinkReport)> {
+    let bodies = body_states(&model.mechanism, state);
+    let report = |(index, link): (usize, &LinkFrame)| {
+        let link_state = model.link_state(&bodies, index);
+        let report = LinkReport {
+            position: link_state.position.into(),
+            orientation: wxyz_from_rotation(&link_state.rotation),
+            center_of_mass: link_state.center_of_mass.into(),
+            linear_velocity: link_state.linear_velocity.into(),
+            angular_velocity: link_state.angular_velocity.into(),
+        };
+        (link.name.clone(), report)
+    };
+    model.links.iter().enumerate().map(report).collect()
+}
+
+/// Every joint of a model that moves, in the order of the URDF; a floating base comes first.
+pub fn joint_reports(model: &Model, state: &State) -> Vec<(String, JointReport)> {
+    let mechanism = &model.mechanism;
+    let mut accelerations = vec![0.0; mechanism.velocity_count];
+    ReducedOde::new(mechanism).accelerations(&state.position, &state.velocity, &mut accelerations);
+    let reactions = joint_reactions(mechanism, &state.position, &state.velocity, &accelerations);
+    let report = |(index, record): (usize, &JointRecord)| {
+        let reaction = reactions[record.body?];
+        let (position, velocity) = model.joint_user_coordinates(index, &state.position, &state.velocity);
+        let report = JointReport {
+            position: position.into(),
+            velocity: velocity.into(),
+            reaction_force: reaction.force.into(),
+            reaction_torque: reaction.torque.into(),
+        };
+        Some((record.name.clone(), report))
+    };
+    model.joints.iter().enumerate().filter_map(report).collect()
+}
+
+/// Serializes pairs as the entries of an object, in their order.
+fn as_object<T: Serialize, S: Serializer>(pairs: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(pairs.iter().map(|(name, value)| (name, value)))
+}
+
+/// More warnings than this are only counted in the lines for people.
+const SHOWN_WARNINGS: usize = 10;
+
+impl fmt::Display for Report {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let speed = if self.wall_seconds > 0.0 { self.duration / self.wall_seconds } else { f64::INFINITY };
+        writeln!(
+            out,
+            "{}: {} s simulated in {:.3} s, {} times real time",
+            self.scene,
+            self.duration,
+            self.wall_seconds,
+            rounded(speed)
+        )?;
+        let model = &self.model;
+        write!(
+            out,
+            "  model       {}, {}, {}",
+            counted(model.links, "link"),
+            counted(model.bodies, "moving body"),
+            counted(model.degrees_of_freedom, "degree of freedom")
+        )?;
+        match (model.loops, model.redundant_constraints) {
+            (0, _) => writeln!(out)?,
+            (loops, redundant) => {
+                writeln!(out, ", {}, {}", counted(loops, "loop"), counted(redundant, "redundant constraint"))?;
+            }
+        }
+        let method = &self.method;
+        write!(out, "  method      {}, {}, order {}, ", method.name, counted(method.stages, "stage"), method.order)?;
+        match method.tolerance {
+            Some(tolerance) => writeln!(out, "tolerance {tolerance:e}, mean step {} ms", rounded(1e3 * method.step))?,
+            None => writeln!(out, "step {} ms", rounded(1e3 * method.step))?,
+        }
+        write!(out, "  steps       {}, {}", self.steps, counted(self.iterations, "iteration"))?;
+        if self.steps > 0 {
+            write!(out, " ({:.1} a step)", self.iterations as f64 / self.steps as f64)?;
+        }
+        writeln!(out, ", {} rejected", self.rejected_steps)?;
+        writeln!(
+            out,
+            "  energy      {:.6} J at the start, largest relative error {:.1e}",
+            self.energy.initial, self.energy.max_relative_error
+        )?;
+        writeln!(
+            out,
+            "  constraint  largest violation {:.1e} m, {:.1e} m/s",
+            self.constraint.max_position, self.constraint.max_velocity
+        )?;
+        if let Some(log) = &self.log {
+            writeln!(out, "  log         {}", log.display())?;
+        }
+        for warning in self.warnings.iter().take(SHOWN_WARNINGS) {
+            writeln!(out, "  warning     {warning}")?;
+        }
+        if self.warnings.len() > SHOWN_WARNINGS {
+            writeln!(out, "  warning     and {} more", self.warnings.len() - SHOWN_WARNINGS)?;
+        }
+        Ok(())
+    }
+}
+
+/// Three significant digits.
+fn rounded(value: f64) -> String {
+    if !value.is_finite() || value == 0.0 {
+        return value.to_string();
+    }
+    let digits_before_point = value.abs().log10().floor() as i32;
+    match digits_before_point {
+        -4..=5 => format!("{value:.*}", (2 - digits_before_point).max(0) as usize),
+        _ => format!("{value:.2e}"),
+    }
+}
+
+/// A number and its noun, in the plural where that is due.
+fn counted(count: usize, noun: &str) -> String {
+    match (count, noun) {
+        (1, _) => format!("1 {noun}"),
+        (_, "moving body") => format!("{count} moving bodies"),
+        (_, "degree of freedom") => format!("{count} degrees of freedom"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{counted, rounded};
+
+    #[test]
+    fn numbers_for_people_have_three_digits_and_nouns_agree() {
+        assert_eq!([833.33, 0.012345, 1e9].map(rounded), ["833", "0.0123", "1.00e9"]);
+        assert_eq!(counted(1, "stage"), "1 stage");
+        assert_eq!(counted(2, "moving body"), "2 moving bodies");
+    }
+}

@@ -1,0 +1,364 @@
+//! The log, read back by the mcap crate and decoded by hand: what it says is what was simulated.
+
+use catena::kinematics::{WORLD, forward_kinematics};
+use catena::log::{Recorder, Severity};
+use catena::model::{Base, Mechanism, Model, ModelOptions, joint::rotation_from_wxyz};
+use catena::scene::{PackagePath, robot_from_text};
+use catena::simulation::{
+    Integrator, MethodDescription, Observer, ObserverError, RunOptions, Sample, StepError, StepOutcome, run,
+};
+use catena::state::State;
+use foxglove::Decode;
+use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+
+/// A turning and a sliding joint in general position, a fixed link, and links with and without mass and shape.
+const URDF: &str = r#"<robot name="arm">
+  <link name="base"><visual><geometry><box size="1 2 3"/></geometry></visual></link>
+  <joint name="turn" type="continuous">
+    <parent link="base"/><child link="upper"/><origin xyz="0.1 0.2 0.3" rpy="0.3 0.7 -0.2"/><axis xyz="0.6 0 0.8"/>
+  </joint>
+  <link name="upper">
+    <inertial><origin xyz="0.1 0 0.3"/><mass value="2"/><inertia ixx="0.1" iyy="0.2" izz="0.25" ixy="0.01" ixz="0" iyz="0"/></inertial>
+    <visual><origin xyz="0 0 1"/><geometry><sphere radius="0.5"/></geometry></visual>
+  </link>
+  <joint name="weld" type="fixed"><parent link="upper"/><child link="fused"/><origin xyz="0.4 0 0.1" rpy="1 0 0"/></joint>
+  <link name="fused"/>
+  <joint name="slide" type="prismatic">
+    <parent link="fused"/><child link="slider"/><origin xyz="-0.3 0.1 0.2" rpy="0.1 0.2 0.3"/><axis xyz="0 0.6 -0.8"/>
+    <limit lower="-9" upper="9" effort="1" velocity="1"/>
+  </joint>
+  <link name="slider">
+    <inertial><origin xyz="0 0.2 0"/><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <joint name="lost" type="continuous"><parent link="slider"/><child link="massless"/></joint>
+  <link name="massless"/>
+</robot>"#;
+
+/// Every joint keeps its velocity: motion enough for a log, and exact.
+struct Coasting {
+    step: f64,
+}
+
+impl Integrator for Coasting {
+    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+        let end = (state.time + self.step).min(until);
+        let increment: Vec<f64> = state.velocity.iter().map(|rate| rate * (end - state.time)).collect();
+        state.displace(mechanism, &increment);
+        let step = end - state.time;
+        state.time = end;
+        Ok(StepOutcome { step, iterations: 1, rejected: 0 })
+    }
+
+    fn dense(&self, _: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        velocity.copy_from_slice(&VELOCITY);
+        position[0] = VELOCITY[0] * time;
+        position[1] = VELOCITY[1] * time;
+    }
+
+    fn description(&self) -> MethodDescription {
+        MethodDescription {
+            name: "coasting".into(),
+            stages: 1,
+            order: 1,
+            step: self.step,
+            adaptive: false,
+            tolerance: None,
+        }
+    }
+}
+
+const VELOCITY: [f64; 2] = [1.25, -0.5];
+
+fn model_of(urdf: &str, base: Base) -> Model {
+    let robot = robot_from_text(urdf, Path::new("folder/arm.urdf"), &PackagePath::default()).expect("a robot");
+    Model::new(robot, &ModelOptions { base, ..ModelOptions::default() }).expect("a model")
+}
+
+fn arm() -> Model {
+    model_of(URDF, Base::Fixed)
+}
+
+fn simulation() -> BTreeMap<String, String> {
+    BTreeMap::from([("robot".to_string(), "arm".to_string())])
+}
+
+fn temporary(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+/// The bytes of a log of `duration` seconds, with steps of 0.05 s that do not fit the samples.
+fn log(name: &str, duration: f64) -> Vec<u8> {
+    log_seen_by(name, duration, &mut Onlooker { path: PathBuf::new(), seen: usize::MAX })
+}
+
+fn log_seen_by(name: &str, duration: f64, onlooker: &mut Onlooker) -> Vec<u8> {
+    let path = temporary(name);
+    let model = arm();
+    let mut state = model.zero_state();
+    state.velocity.copy_from_slice(&VELOCITY);
+    let mut recorder = Recorder::create(&path, &model, simulation()).expect("the log is created");
+    let options = RunOptions { duration, rate: Some(60.0), interrupt: None };
+    let (_, ended) =
+        run(&model.mechanism, &mut state, &mut Coasting { step: 0.05 }, &options, &mut [&mut recorder, onlooker]);
+    ended.expect("nothing can fail");
+    recorder.finish().expect("the log is completed");
+    std::fs::read(&path).expect("the log is readable")
+}
+
+fn messages(bytes: &[u8]) -> Vec<mcap::Message<'_>> {
+    mcap::MessageStream::new(bytes).expect("a log").collect::<Result<_, _>>().expect("every message is readable")
+}
+
+fn of_topic<'m>(messages: &'m [mcap::Message<'m>], topic: &str) -> Vec<&'m mcap::Message<'m>> {
+    messages.iter().filter(|message| message.channel.topic == topic).collect()
+}
+
+/// Reads CDR independently of the writer.
+struct Cdr<'d> {
+    data: &'d [u8],
+    at: usize,
+}
+
+impl<'d> Cdr<'d> {
+    fn new(message: &'d mcap::Message) -> Self {
+        assert_eq!(message.data[..4], [0, 1, 0, 0], "little-endian CDR");
+        Cdr { data: &message.data[4..], at: 0 }
+    }
+
+    fn take<const N: usize>(&mut self) -> [u8; N] {
+        self.at = self.at.next_multiple_of(N);
+        self.at += N;
+        self.data[self.at - N..self.at].try_into().expect("N bytes")
+    }
+
+    fn unsigned(&mut self) -> u32 {
+        u32::from_le_bytes(self.take())
+    }
+
+    fn string(&mut self) -> String {
+        let length = self.unsigned() as usize;
+        let bytes = &self.data[self.at..self.at + length];
+        self.at += length;
+        assert_eq!(bytes[length - 1], 0, "strings end with NUL");
+        String::from_utf8(bytes[..length - 1].to_vec()).expect("UTF-8")
+    }
+
+    fn doubles(&mut self) -> Vec<f64> {
+        (0..self.unsigned()).map(|_| f64::from_le_bytes(self.take())).collect()
+    }
+
+    fn strings(&mut self) -> Vec<String> {
+        (0..self.unsigned()).map(|_| self.string()).collect()
+    }
+
+    fn assert_ended(&self) {
+        assert_eq!(self.at, self.data.len(), "nothing is left over");
+    }
+}
+
+#[test]
+fn every_channel_has_a_schema_and_the_run_is_described() {
+    let bytes = log("schemas.mcap", 1.0);
+    let summary = mcap::Summary::read(&bytes).expect("a complete log").expect("with a summary");
+    let schemas: HashMap<&str, (&str, &str)> = summary
+        .channels
+        .values()
+        .map(|channel| {
+            let schema = channel.schema.as_ref().expect("PlotJuggler skips channels without a schema");
+            assert!(!schema.data.is_empty());
+            (channel.topic.as_str(), (schema.name.as_str(), channel.message_encoding.as_str()))
+        })
+        .collect();
+    let expected = [
+        ("/robot_description", ("std_msgs/msg/String", "cdr")),
+        ("/scene", ("foxglove.SceneUpdate", "protobuf")),
+        ("/log", ("foxglove.Log", "protobuf")),
+        ("/tf", ("foxglove.FrameTransforms", "protobuf")),
+        ("/joint_states", ("sensor_msgs/msg/JointState", "cdr")),
+        ("/energy", ("std_msgs/msg/Float64MultiArray", "cdr")),
+        ("/constraint", ("std_msgs/msg/Float64MultiArray", "cdr")),
+    ];
+    assert_eq!(schemas, HashMap::from(expected));
+    let metadata = mcap::read::metadata(&bytes, &summary.metadata_indexes[0]).expect("metadata");
+    assert_eq!((metadata.name.as_str(), metadata.metadata["robot"].as_str()), ("simulation", "arm"));
+    let attachment = mcap::read::attachment(&bytes, &summary.attachment_indexes[0]).expect("an attachment");
+    assert_eq!((attachment.name.as_str(), &*attachment.data), ("arm.urdf", URDF.as_bytes()));
+}
+
+#[test]
+fn what_is_known_at_the_start_is_in_the_log() {
+    let bytes = log("start.mcap", 1.0);
+    let messages = messages(&bytes);
+    let mut description = Cdr::new(of_topic(&messages, "/robot_description")[0]);
+    assert_eq!(description.string(), arm().robot.description);
+    description.assert_ended();
+    let warning = Log::decode(&*of_topic(&messages, "/log")[0].data).expect("a log line");
+    assert_eq!(warning.message, arm().warnings[0].to_string());
+    let scene = SceneUpdate::decode(&*of_topic(&messages, "/scene")[0].data).expect("a scene");
+    let names: Vec<&str> = scene.entities.iter().map(|entity| entity.frame_id.as_str()).collect();
+    assert_eq!(names, ["base", "upper"]);
+    assert_eq!(scene.entities[1].spheres[0].size.expect("a size").x, 1.0);
+    assert_eq!(scene.entities[1].spheres[0].pose.expect("a pose").position.expect("a position").z, 1.0);
+}
+
+#[test]
+fn times_never_go_back_and_samples_are_at_the_rate() {
+    let bytes = log("times.mcap", 2.0);
+    let messages = messages(&bytes);
+    let times: Vec<u64> = messages.iter().map(|message| message.log_time).collect();
+    assert!(times.is_sorted(), "{times:?}");
+    assert!(messages.iter().all(|message| message.publish_time == message.log_time));
+    for topic in ["/tf", "/joint_states"] {
+        let times: Vec<u64> = of_topic(&messages, topic).iter().map(|message| message.log_time).collect();
+        let expected: Vec<u64> = (0..=120_u64).map(|k| (k as f64 / 60.0 * 1e9).round() as u64).collect();
+        assert_eq!(times, expected, "{topic}");
+    }
+}
+
+/// Steps are 0.05 s and samples 1/60 s apart, so every step is seen, once, at its own end.
+#[test]
+fn energy_is_logged_once_a_step_at_the_end_of_the_step() {
+    let bytes = log("energy.mcap", 1.0);
+    let messages = messages(&bytes);
+    let mechanism = arm().mechanism;
+    for (index, message) in of_topic(&messages, "/energy").into_iter().enumerate() {
+        let time = message.log_time as f64 * 1e-9;
+        assert!((time - 0.05 * index as f64).abs() < 1e-9, "{index}: {time}");
+        let mut cdr = Cdr::new(message);
+        assert_eq!((cdr.unsigned(), cdr.string().as_str()), (1, "kinetic, potential, total [J]"));
+        assert_eq!([cdr.unsigned(), cdr.unsigned(), cdr.unsigned()], [3, 3, 0]);
+        let figures = cdr.doubles();
+        cdr.assert_ended();
+        let mut bodies = [WORLD; 2];
+        forward_kinematics(&mechanism, &VELOCITY.map(|rate| rate * time), &VELOCITY, &mut bodies);
+        let energy = catena::invariants::energy(&mechanism, &bodies);
+        for (logged, expected) in figures.iter().zip([energy.kinetic, energy.potential, energy.total()]) {
+            assert!((logged - expected).abs() < 1e-7, "{index}: {logged} {expected}");
+        }
+    }
+    assert_eq!(of_topic(&messages, "/energy").len(), 21);
+    assert_eq!(of_topic(&messages, "/constraint").len(), 21);
+}
+
+#[test]
+fn poses_are_the_forward_kinematics_of_the_logged_joint_states() {
+    let bytes = log("poses.mcap", 2.0);
+    let messages = messages(&bytes);
+    let model = arm();
+    let states = of_topic(&messages, "/joint_states");
+    for (state, transforms) in states.into_iter().zip(of_topic(&messages, "/tf")) {
+        let mut cdr = Cdr::new(state);
+        let stamp = u64::from(cdr.unsigned()) * 1_000_000_000 + u64::from(cdr.unsigned());
+        assert_eq!(stamp, state.log_time);
+        assert_eq!(cdr.string(), "");
+        assert_eq!(cdr.strings(), ["turn", "slide"]);
+        let (position, velocity, effort) = (cdr.doubles(), cdr.doubles(), cdr.doubles());
+        cdr.assert_ended();
+        assert_eq!((velocity.as_slice(), effort.as_slice()), (&VELOCITY[..], &[][..]));
+        let mut bodies = [WORLD; 2];
+        forward_kinematics(&model.mechanism, &position, &velocity, &mut bodies);
+        let logged = FrameTransforms::decode(&*transforms.data).expect("transforms");
+        assert_eq!(logged.transforms.len(), 5, "every link of the URDF, also those that are no bodies");
+        for (index, transform) in logged.transforms.iter().enumerate() {
+            assert_eq!((&*transform.parent_frame_id, &transform.child_frame_id), ("world", &model.links[index].name));
+            assert_eq!(transform.timestamp.expect("a stamp").total_nanos(), state.log_time);
+            let (position, rotation) = model.link_pose(&bodies, index);
+            let translation = transform.translation.expect("a translation");
+            assert!((Vector3::new(translation.x, translation.y, translation.z) - position).amax() < 1e-14);
+            let q = transform.rotation.expect("a rotation");
+            let norm = (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z).sqrt();
+            assert!((norm - 1.0).abs() < 1e-12, "{norm}");
+            assert!((rotation_from_wxyz(&[q.w, q.x, q.y, q.z]) - rotation).amax() < 1e-14);
+        }
+    }
+}
+
+/// Viewers refuse a frame that is its own parent.
+#[test]
+fn a_link_that_is_the_world_frame_has_no_transform() {
+    let path = temporary("world.mcap");
+    let model = model_of(&URDF.replace("\"base\"", "\"world\""), Base::Fixed);
+    let mut recorder = Recorder::create(&path, &model, simulation()).expect("the log is created");
+    let options = RunOptions { duration: 0.1, rate: None, interrupt: None };
+    let mut state = model.zero_state();
+    let (_, ended) = run(&model.mechanism, &mut state, &mut Coasting { step: 0.1 }, &options, &mut [&mut recorder]);
+    ended.expect("nothing can fail");
+    recorder.finish().expect("the log is completed");
+    let bytes = std::fs::read(&path).expect("the log is readable");
+    let messages = messages(&bytes);
+    let transforms = FrameTransforms::decode(&*of_topic(&messages, "/tf")[0].data).expect("transforms").transforms;
+    let names: Vec<&str> = transforms.iter().map(|frame| frame.child_frame_id.as_str()).collect();
+    assert_eq!(names, ["upper", "fused", "slider", "massless"]);
+    assert!(transforms.iter().all(|frame| frame.parent_frame_id == "world"));
+}
+
+/// Long enough for several chunks.
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    let first = log("first.mcap", 60.0);
+    let chunks = mcap::Summary::read(&first).expect("complete").expect("with a summary").chunk_indexes;
+    assert!(chunks.len() >= 3, "{} chunks", chunks.len());
+    assert!(chunks.iter().all(|chunk| chunk.uncompressed_size <= 1 << 20), "{chunks:?}");
+    assert!(first == log("second.mcap", 60.0));
+}
+
+/// Looks at the log while it is written, after a pause in the middle of a chunk.
+struct Onlooker {
+    path: PathBuf,
+    seen: usize,
+}
+
+impl Observer for Onlooker {
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        if self.seen == usize::MAX {
+            return Ok(());
+        }
+        if sample.time == 0.5 {
+            std::thread::sleep(std::time::Duration::from_millis(1100));
+        } else if sample.time > 0.5 && self.seen == 0 {
+            // The log is written by another thread; it gets all the time it may need.
+            for _ in 0..100 {
+                self.seen = readable_transforms(&self.path)?;
+                if self.seen >= 31 {
+                    break;
+                }
+                std::thread::sleep(std::time::Duration::from_millis(100));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Samples in a log that need not be complete.
+fn readable_transforms(path: &Path) -> Result<usize, ObserverError> {
+    let bytes = std::fs::read(path)?;
+    let stream = mcap::MessageStream::new_with_options(&bytes, mcap::read::Options::IgnoreEndMagic.into())?;
+    let messages: Vec<mcap::Message> = stream.map_while(Result::ok).collect();
+    Ok(of_topic(&messages, "/tf").len())
+}
+
+/// What a killed run leaves behind is what is in the file at that time.
+#[test]
+fn all_but_the_last_second_is_readable_before_the_log_is_complete_and_leaves_no_trace() {
+    let path = temporary("onlooker.mcap");
+    let mut onlooker = Onlooker { path: path.clone(), seen: 0 };
+    let bytes = log_seen_by("onlooker.mcap", 60.0, &mut onlooker);
+    // 31 samples up to t = 0.5 s, and the one after the pause.
+    assert_eq!(onlooker.seen, 32);
+    assert!(bytes == log("undisturbed.mcap", 60.0));
+}
+
+#[test]
+fn what_ended_a_run_is_the_last_line_of_the_log() {
+    let path = temporary("ended.mcap");
+    let mut recorder = Recorder::create(&path, &arm(), simulation()).expect("the log is created");
+    recorder.say(Severity::Error, "it broke");
+    recorder.finish().expect("the log is completed");
+    let bytes = std::fs::read(&path).expect("the log is readable");
+    let messages = messages(&bytes);
+    let last = Log::decode(&*of_topic(&messages, "/log").last().expect("a line").data).expect("a log line");
+    assert_eq!((last.message.as_str(), last.level), ("it broke", 4));
+}
