@@ -1,5 +1,6 @@
 //! catena: rigid multibody dynamics by the constrained Lobatto IIIA–IIIB scheme in maximal coordinates.
 
+pub mod chart;
 pub mod invariants;
 pub mod kinematics;
 pub mod lobatto;

@@ -19,7 +19,7 @@ use cpu_time::ProcessTime;
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 const DEFAULT_DURATION: f64 = 10.0;
@@ -125,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         rate: (recorder.is_some() || progress.is_some()).then_some(rate),
         interrupt: Some(&INTERRUPTED),
     };
-    watch_for_interrupts().map_err(Failure::run)?;
+    super::watch_for_interrupts(&INTERRUPTED).map_err(Failure::run)?;
 
     let mut observers: Vec<&mut dyn Observer> = Vec::new();
     observers.extend(recorder.iter_mut().map(|recorder| recorder as &mut dyn Observer));
@@ -240,16 +240,6 @@ fn description(
         ("command_line", command_line.join(" ")),
     ];
     entries.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
-}
-
-/// The first Ctrl-C asks the run to end, the second ends the process.
-fn watch_for_interrupts() -> anyhow::Result<()> {
-    ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    })
-    .context("cannot watch for Ctrl-C")
 }
 
 /// Completes the log, whatever ended the run, and says how the run ended.

@@ -202,7 +202,8 @@ fn describe(file: &mut LogFile, beginning: &mut Batch, robot: &Robot) -> Result<
 
 /// The links that get a transform: all, save a link that is the world frame itself.
 fn drawn_links(links: &[LinkFrame]) -> Vec<LinkFrame> {
-    let is_world = |link: &LinkFrame| link.name == WORLD_FRAME && link.body.is_none() && link.in_body == Pose::identity();
+    let is_world =
+        |link: &LinkFrame| link.name == WORLD_FRAME && link.body.is_none() && link.in_body == Pose::identity();
     links.iter().filter(|link| !is_world(link)).cloned().collect()
 }
 
