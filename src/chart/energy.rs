@@ -110,7 +110,7 @@ pub fn energy_picture(
                 label: format!("{}{}", history.method.label().replace(", tolerance", ""), error_of(history)),
                 look: look(&history.method.id(), 0),
                 points: history.points.iter().map(|&(time, error)| (time, error.max(LEAST))).collect(),
-                markers_every: (INTERVALS / 8).max(1),
+                markers_every: (history.points.len() / 8).max(1),
             })
             .collect()
     };

@@ -13,19 +13,24 @@ pub fn whole_step(duration: f64, wanted: f64) -> f64 {
 /// The settings of a method, coarse first. `time_scale` [s] is the mean step of DOP853 at 1e-6.
 pub fn ladder(method: Method, duration: f64, time_scale: f64, quick: bool) -> Vec<Setting> {
     let root = std::f64::consts::SQRT_2;
-    match method {
-        Method::Lobatto(2) => steps(duration, 0.5 * time_scale, 2.0, if quick { 8 } else { 18 }),
-        Method::Lobatto(3) => steps(duration, time_scale, if quick { 2.0 } else { root }, if quick { 7 } else { 24 }),
-        Method::Lobatto(5) => steps(duration, 2.0 * time_scale, root, if quick { 8 } else { 16 }),
-        Method::Lobatto(_) => {
-            let factor = if quick { root } else { root.sqrt() };
-            steps(duration, 4.0 * time_scale, factor, if quick { 8 } else { 20 })
-        }
-        Method::Euler => steps(duration, 0.125 * time_scale, if quick { 4.0 } else { 2.0 }, if quick { 5 } else { 20 }),
-        Method::Rk4 => steps(duration, 0.25 * time_scale, if quick { 2.0 } else { root }, if quick { 8 } else { 26 }),
-        Method::LobattoTolerance => tolerances(12, quick),
-        Method::Dop853 => tolerances(14, quick),
-    }
+    // First step in units of the time scale, factor from rung to rung, number of rungs.
+    let (first, factor, count) = match (method, quick) {
+        (Method::LobattoTolerance, _) => return tolerances(12, quick),
+        (Method::Dop853, _) => return tolerances(14, quick),
+        (Method::Euler, false) => (0.5, 2.0, 22),
+        (Method::Euler, true) => (0.125, 4.0, 5),
+        (Method::Rk4, false) => (1.0, root, 30),
+        (Method::Rk4, true) => (0.5, 2.0, 9),
+        (Method::Lobatto(2), false) => (1.0, 2.0, 20),
+        (Method::Lobatto(2), true) => (0.5, 2.0, 8),
+        (Method::Lobatto(3), false) => (1.5, root, 26),
+        (Method::Lobatto(3), true) => (1.0, 2.0, 7),
+        (Method::Lobatto(5), false) => (4.0, root, 18),
+        (Method::Lobatto(5), true) => (2.0, root, 8),
+        (Method::Lobatto(_), false) => (8.0, root.sqrt(), 24),
+        (Method::Lobatto(_), true) => (4.0, root, 8),
+    };
+    steps(duration, first * time_scale, factor, count)
 }
 
 fn steps(duration: f64, first: f64, factor: f64, count: i32) -> Vec<Setting> {
@@ -35,9 +40,9 @@ fn steps(duration: f64, first: f64, factor: f64, count: i32) -> Vec<Setting> {
     steps.into_iter().map(Setting::Step).collect()
 }
 
-/// 1e-2 down to 1e-`last`, by decades, or by two of them.
+/// 1 down to 1e-`last`, by decades, or by two of them.
 fn tolerances(last: usize, quick: bool) -> Vec<Setting> {
-    (2..=last)
+    (0..=last)
         .step_by(if quick { 2 } else { 1 })
         // Parsed rather than computed, so that the file says 1e-3 and not 1.0000000000000002e-3.
         .filter_map(|exponent| format!("1e-{exponent}").parse().ok())

@@ -24,7 +24,8 @@ const BOTTOM: i32 = 716;
 const LEGEND: i32 = 976;
 
 const INK: RGBColor = RGBColor(30, 30, 30);
-const GRID: RGBColor = RGBColor(222, 222, 222);
+const GRID: RGBColor = RGBColor(210, 210, 210);
+const FINE_GRID: RGBColor = RGBColor(240, 240, 240);
 
 /// DejaVu Sans, under the licence beside it; without a font of our own a PNG would depend on what is installed.
 static FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
@@ -68,7 +69,8 @@ struct Axis {
     range: (f64, f64),
     /// Values of the ticks in the same numbers, and their labels.
     ticks: Vec<(f64, String)>,
-    grid: Vec<f64>,
+    /// Values of the grid lines, and whether they are strong.
+    grid: Vec<(f64, bool)>,
 }
 
 impl Axis {
@@ -76,7 +78,7 @@ impl Axis {
         match scale {
             Scale::Linear { label, range } => {
                 let ticks = round_ticks(*range);
-                let grid = ticks.iter().map(|tick| tick.0).collect();
+                let grid = ticks.iter().map(|tick| (tick.0, true)).collect();
                 Axis { label: label.clone(), log: false, range: *range, ticks, grid }
             }
             Scale::Log { label, least, most } => {
@@ -84,15 +86,18 @@ impl Axis {
                 let (low, high) =
                     inside.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
                 let (low, high) = if low.is_finite() { (low, high) } else { (-6.0, 0.0) };
-                // A twelfth of a decade of air, so that markers do not sit on the frame.
-                let low = (low - 0.08).floor();
-                let high = (high + 0.08).ceil().max(low + 1.0);
-                let decades = (high - low) as i32;
-                let stride = decades / 13 + 1;
-                let decade = |k: i32| low + f64::from(k);
-                let labelled = |k: &i32| (decade(*k) as i32).rem_euclid(stride) == 0;
-                let ticks = (0..=decades).filter(labelled).map(|k| (decade(k), power_of_ten(decade(k) as i32)));
-                let grid = (0..=decades).map(decade).collect();
+                // A sixth of a decade of air, so that markers do not sit on the frame.
+                let (low, high) = (low - 0.17, high + 0.17);
+                let (first, last) = (low.ceil() as i32, high.floor() as i32);
+                let stride = (last - first) / 13 + 1;
+                let labelled = |decade: &i32| decade.rem_euclid(stride) == 0;
+                let ticks = (first..=last).filter(labelled).map(|decade| (f64::from(decade), power_of_ten(decade)));
+                // Lines at 2, 3 … 9 help where there are few decades and clutter where there are many.
+                let fine = if last - first > 7 { 1..=1 } else { 1..=9 };
+                let lines = (first - 1..=last + 1).flat_map(|decade| {
+                    fine.clone().map(move |digit| (f64::from(decade) + f64::from(digit).log10(), digit == 1))
+                });
+                let grid = lines.filter(|line| (low..=high).contains(&line.0)).collect();
                 Axis { label: label.clone(), log: true, range: (low, high), ticks: ticks.collect(), grid }
             }
         }
@@ -140,13 +145,13 @@ fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, picture: &Picture) ->
 }
 
 fn draw_axes<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, x: &Axis, y: &Axis) -> Drawn<DB> {
-    for &line in &x.grid {
+    for &(line, strong) in &x.grid {
         let at = at_x(x.tick_fraction(line));
-        area.draw(&PathElement::new(vec![(at, TOP), (at, BOTTOM)], GRID))?;
+        area.draw(&PathElement::new(vec![(at, TOP), (at, BOTTOM)], grid_color(strong)))?;
     }
-    for &line in &y.grid {
+    for &(line, strong) in &y.grid {
         let at = at_y(y.tick_fraction(line));
-        area.draw(&PathElement::new(vec![(LEFT, at), (RIGHT, at)], GRID))?;
+        area.draw(&PathElement::new(vec![(LEFT, at), (RIGHT, at)], grid_color(strong)))?;
     }
     area.draw(&Rectangle::new([(LEFT, TOP), (RIGHT, BOTTOM)], INK.stroke_width(1)))?;
     for (tick, label) in &x.ticks {
@@ -269,6 +274,10 @@ fn text<DB: DrawingBackend>(
 ) -> Drawn<DB> {
     let style = ("sans-serif", size).into_font().color(&ink).pos(Pos::new(anchor, VPos::Top));
     area.draw(&Text::new(words.to_string(), place, style))
+}
+
+fn grid_color(strong: bool) -> RGBColor {
+    if strong { GRID } else { FINE_GRID }
 }
 
 fn color(look: &Look) -> RGBColor {

@@ -58,6 +58,11 @@ pub fn work_precision_picture(chart: &SceneChart, foreign: &[Measurement]) -> Pi
 fn series(measurements: &[Measurement], id: &str, label: String, foreign: usize) -> Option<Series> {
     let runs = measurements.iter().filter(|one| one.method == id).filter_map(Measurement::point);
     let points: Vec<(f64, f64)> = runs.map(|(error, cost)| (error.max(LEAST_ERROR), cost)).collect();
+    // The first rungs may be so coarse that a finer one beats them in both; they would only fold the curve back.
+    let beaten =
+        |place: usize| points[place + 1..].iter().any(|one| one.0 < points[place].0 && one.1 <= points[place].1);
+    let first = (0..points.len()).find(|&place| !beaten(place)).unwrap_or(0);
+    let points = points[first..].to_vec();
     (!points.is_empty()).then(|| Series { label, look: look(id, foreign), points, markers_every: 1 })
 }
 
@@ -79,7 +84,8 @@ fn bands(chart: &SceneChart) -> Vec<Band> {
 }
 
 fn notes(chart: &SceneChart) -> Vec<String> {
-    let mut notes = vec!["best of RK4 and DOP853".to_string(), "over best of catena, cost at".to_string()];
+    let mut notes = vec!["speed-up over the better of".to_string(), "RK4 and DOP853 at equal error".to_string()];
+    let mut doubtful = false;
     for level in LEVELS {
         let comparison = Comparison::at(&chart.measurements, level);
         let floor = |best: Option<super::ratio::Best>| match best.map(|best| best.reach) {
@@ -94,7 +100,11 @@ fn notes(chart: &SceneChart) -> Vec<String> {
             None => "nobody".to_string(),
         };
         let mark = if level < chart.reference.vouched() { " ?" } else { "" };
+        doubtful |= level < chart.reference.vouched();
         notes.push(format!("   {} m:  {words}{mark}", power_of_ten(level.log10().round() as i32)));
+    }
+    if doubtful {
+        notes.push("? the references differ by more".to_string());
     }
     notes
 }
