@@ -118,25 +118,31 @@ fn both_references_agree_on_a_pendulum() {
 }
 
 #[test]
-fn the_reference_equals_independent_long_double_answers() {
+fn the_reference_is_as_near_to_independent_answers_as_it_says() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference");
-    let Ok(text) = std::fs::read_to_string(folder.join("answers/pendulum3d_double_T3.json")) else {
-        eprintln!("skipped: no answers in {}", folder.display());
-        return;
-    };
-    let answer: serde_json::Value = serde_json::from_str(&text).unwrap();
-    let urdf = folder.join("scenes/pendulum3d_double_T3.urdf");
-    let robot = read_urdf(&urdf, &PackagePath::from_environment(Vec::new())).unwrap();
-    let model = Model::new(robot, &ModelOptions::default()).unwrap();
-    let positions = [("j_link1".to_string(), vec![1.2]), ("j_link2".to_string(), vec![-0.7])];
-    let start = model.initial_state(&positions, &[], None).unwrap();
-    let scene = Scene { name: "double".into(), mechanism: model.mechanism, start, duration: 3.0 };
-    let reference = reference(&scene, &AtomicBool::new(false), &mut |_| {}).unwrap();
-    let centres = answer["com"].as_array().unwrap().last().unwrap().as_array().unwrap();
-    for (body, centre) in centres.iter().enumerate() {
-        let expected = Vector3::from_fn(|axis, _| centre[axis].as_f64().unwrap());
-        let off = (reference.probes[distance::PROBES * body] - expected).norm();
-        assert!(off < 1e-12, "body {body} is {off:e} m off");
+    // Double pendulum and arm, both with fixed bases; answers in long doubles by other codes.
+    for name in ["pendulum3d_double_T3", "arm7_T1"] {
+        let Ok(text) = std::fs::read_to_string(folder.join(format!("answers/{name}.json"))) else {
+            eprintln!("skipped: no answers in {}", folder.display());
+            return;
+        };
+        let answer: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let urdf = folder.join(format!("scenes/{name}.urdf"));
+        let robot = read_urdf(&urdf, &PackagePath::from_environment(Vec::new())).unwrap();
+        let model = Model::new(robot, &ModelOptions::default()).unwrap();
+        let initial = answer["initial"].as_object().unwrap();
+        let positions: Vec<(String, Vec<f64>)> =
+            initial.iter().map(|(joint, one)| (joint.clone(), vec![one["position"].as_f64().unwrap()])).collect();
+        let start = model.initial_state(&positions, &[], None).unwrap();
+        let duration = answer["duration"].as_f64().unwrap();
+        let scene = Scene { name: name.into(), mechanism: model.mechanism, start, duration };
+        let reference = reference(&scene, &AtomicBool::new(false), &mut |_| {}).unwrap();
+        let centres = answer["com"].as_array().unwrap().last().unwrap().as_array().unwrap();
+        for (body, centre) in centres.iter().enumerate() {
+            let expected = Vector3::from_fn(|axis, _| centre[axis].as_f64().unwrap());
+            let off = (reference.probes[distance::PROBES * body] - expected).norm();
+            assert!(off < 3.0 * reference.vouched(), "{name}, body {body}: {off:e} m off; {:?}", reference.runs);
+        }
     }
 }
 
@@ -198,21 +204,20 @@ fn orders(runs: &[Measurement], method: Method, range: std::ops::Range<f64>) -> 
 #[test]
 fn the_command_writes_pictures_numbers_and_a_page_and_the_numbers_show_the_orders() {
     let folder = folder("command");
-    let (input, output) = (robot("double_pendulum.urdf"), folder.join("chart"));
+    let (input, output) = (robot("pendulum.urdf"), folder.join("chart"));
     // Another program's file, with a second scene that is not drawn.
     let foreign = folder.join("foreign.csv");
-    let lines =
-        "scene,method,error,cpu_seconds_per_simulated_second\ndouble_pendulum,Peer <1>,1e-4,1e-4\nother,x,1,1\n";
+    let lines = "scene,method,error,cpu_seconds_per_simulated_second\npendulum,Peer <1>,1e-4,1e-4\nother,x,1,1\n";
     std::fs::write(&foreign, lines).unwrap();
     let arguments = [input.to_str().unwrap(), "-o", output.to_str().unwrap(), "--csv", foreign.to_str().unwrap()];
-    let ended = catena(&[&arguments[..], &["--quick", "--duration", "1"]].concat());
+    let ended = catena(&[&arguments[..], &["--quick", "--duration", "2"]].concat());
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     let mut files: Vec<String> =
         std::fs::read_dir(&output).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
     files.sort();
-    let pictures = ["double_pendulum.png", "double_pendulum.svg", "double_pendulum_energy.png"];
-    let others = ["double_pendulum_energy.svg", "index.html", "measurements.csv"];
-    assert_eq!(files, [&pictures[..], &others[..]].concat());
+    let pictures = ["pendulum.png", "pendulum.svg", "pendulum_energy.png"];
+    let others = ["pendulum_energy.svg"];
+    assert_eq!(files, [&["index.html", "measurements.csv"][..], &pictures[..], &others[..]].concat());
 
     let png = std::fs::read(output.join(pictures[0])).unwrap();
     assert_eq!(&png[1..4], b"PNG");
@@ -228,8 +233,8 @@ fn the_command_writes_pictures_numbers_and_a_page_and_the_numbers_show_the_order
     let of_two = orders(&runs, Method::Lobatto(2), 1e-12..1e-3);
     assert!(of_two.len() >= 3 && of_two.iter().all(|order| (order - 2.0).abs() < 0.1), "{of_two:?}");
     // Order 16 shows over a few rungs only: above them the steps are coarse, below them is rounding.
-    let of_nine = orders(&runs, Method::Lobatto(9), 1e-13..1e-4);
-    assert!(!of_nine.is_empty() && of_nine.iter().all(|order| (13.0..21.0).contains(order)), "{of_nine:?}");
+    let of_nine = orders(&runs, Method::Lobatto(9), 1e-13..1e-5);
+    assert!(of_nine.len() >= 2 && of_nine.iter().all(|order| (14.0..18.0).contains(order)), "{of_nine:?}");
     std::fs::remove_dir_all(folder).unwrap();
 }
 
