@@ -277,6 +277,15 @@ fn a_file_in_the_place_of_the_folder_is_left_alone() {
 }
 
 #[test]
+fn nobody_reaches_a_level_below_the_noise_of_the_reference() {
+    let plan = Plan { quick: true, budget: 60.0 };
+    let mut chart = measure(&pendulum(1.0), &plan, &AtomicBool::new(false), &mut |_, _| {}).unwrap();
+    assert!(Comparison::of(&chart, 1e-6).ratio().is_some());
+    chart.reference.scatter = 1e-5;
+    assert_eq!(Comparison::of(&chart, 1e-6).ours.unwrap().reach, Reach::Floor(1e-5));
+}
+
+#[test]
 fn a_budget_that_runs_out_is_said() {
     let plan = Plan { quick: true, budget: 1e-9 };
     let chart: SceneChart = measure(&pendulum(1.0), &plan, &AtomicBool::new(false), &mut |_, _| {}).unwrap();

@@ -5,11 +5,14 @@ pub fn field(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
 }
 
+/// Fields of a record, and the number of the line it starts on.
+pub type Record = (usize, Vec<String>);
+
 /// The records of a text, each with the number of the line it starts on; empty lines are skipped.
 ///
 /// # Errors
 /// The line and what is wrong with it.
-pub fn records(text: &str) -> Result<Vec<(usize, Vec<String>)>, (usize, String)> {
+pub fn records(text: &str) -> Result<Vec<Record>, (usize, String)> {
     let (mut records, mut fields, mut current) = (Vec::new(), Vec::new(), String::new());
     let (mut line, mut first_line, mut quoted, mut was_quoted) = (1, 1, false, false);
     let mut letters = text.chars().peekable();

@@ -51,7 +51,7 @@ fn ratios(html: &mut String, report: &Report) {
               <th class=\"text\">best of catena</th><th>ratio</th><th>ratio from a tolerance</th></tr></thead>\n<tbody>\n";
     for chart in &report.scenes {
         for level in LEVELS {
-            let comparison = Comparison::at(&chart.measurements, level);
+            let comparison = Comparison::of(chart, level);
             let doubt = if level < chart.reference.vouched() { " ?" } else { "" };
             let ratio = |ratio: Option<f64>| ratio.map_or("–".to_string(), |ratio| format!("{ratio:.2}{doubt}"));
             let _ = writeln!(

@@ -10,6 +10,7 @@
 //! A level coarser than the whole front costs what the cheapest run costs; one finer than it is not reached, and nothing
 //! is extrapolated. The ratio at a level is the cost of the cheapest rival (RK4, DOP853) over that of our cheapest.
 
+use super::measure::SceneChart;
 use super::method::Method;
 use super::table::Measurement;
 
@@ -93,7 +94,17 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// The comparison at an error level, from the measurements of one scene.
+    /// The comparison at an error level in a scene. An error below the noise of the reference counts as that noise: it
+    /// is luck, and a level below the noise is reached by nobody.
+    pub fn of(chart: &SceneChart, level: f64) -> Self {
+        let noise = chart.reference.floor();
+        let seen = |one: &Measurement| Measurement { error: one.error.max(noise), ..one.clone() };
+        let measurements: Vec<Measurement> =
+            chart.measurements.iter().filter(|one| one.point().is_some()).map(seen).collect();
+        Comparison::at(&measurements, level)
+    }
+
+    /// The comparison at an error level, from measurements taken as they are.
     pub fn at(measurements: &[Measurement], level: f64) -> Self {
         let best = |wanted: fn(Method) -> bool| best(measurements, level, wanted);
         Comparison {

@@ -1,8 +1,8 @@
 //! The end of the run to many digits, by two formulations that share no code, and how far it can be trusted.
 //!
 //! The Lobatto scheme with 14 to 16 stages in maximal coordinates (large steps, because rounding grows with their
-//! number), and DOP853 in joint coordinates near the end of
-//! double precision, each at several settings so that rounding falls differently. From their end points:
+//! number), and DOP853 in joint coordinates near the end of double precision, each at several settings so that rounding
+//! falls differently. From their end points:
 //!
 //! - the *scatter* of a formulation: the largest distance of one of its runs from their mean;
 //! - the *agreement*: the distance between the two means.

@@ -60,7 +60,7 @@ impl Report {
         );
         for chart in &self.scenes {
             for level in LEVELS {
-                let comparison = Comparison::at(&chart.measurements, level);
+                let comparison = Comparison::of(chart, level);
                 let ratio = |ratio: Option<f64>| ratio.map_or("-".to_string(), |ratio| format!("{ratio:.2}"));
                 text += &format!(
                     "{:<24} {level:>7.0e}  {:>26}  {:>26}  {:>7}  {:>9}\n",

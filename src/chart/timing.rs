@@ -134,7 +134,7 @@ fn single_run(
             }
         }
         // Looking at the clock costs as much as a small step.
-        if run.steps % 32 == 0 {
+        if run.steps.is_multiple_of(32) {
             if interrupt.load(Ordering::Relaxed) {
                 run.ended = Ended::Interrupted;
                 break;

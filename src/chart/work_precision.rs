@@ -87,7 +87,7 @@ fn notes(chart: &SceneChart) -> Vec<String> {
     let mut notes = vec!["speed-up over the better of".to_string(), "RK4 and DOP853 at equal error".to_string()];
     let mut doubtful = false;
     for level in LEVELS {
-        let comparison = Comparison::at(&chart.measurements, level);
+        let comparison = Comparison::of(chart, level);
         let floor = |best: Option<super::ratio::Best>| match best.map(|best| best.reach) {
             Some(Reach::Floor(floor)) => format!("floor {floor:.0e}"),
             _ => "no run".to_string(),
