@@ -1,4 +1,22 @@
 //! catena: rigid multibody dynamics by the constrained Lobatto IIIA–IIIB scheme in maximal coordinates.
+//!
+//! Data flows one way, and nothing below imports anything to its right:
+//!
+//! ```text
+//!     URDF → scene → model (reduce) → mechanism → integrator → simulation → log | report
+//!                                         └→ reduced (joint coordinates: the comparator and a test oracle)
+//! ```
+//!
+//! In reading order:
+//!
+//! | what | where |
+//! |---|---|
+//! | what the user wrote, validated | [`scene`] |
+//! | what must be simulated, and what is left out | [`model`] |
+//! | what changes in time | [`state`], [`kinematics`], [`invariants`] |
+//! | the method | [`lobatto`] |
+//! | the rival | [`reduced`] |
+//! | the loop and its observers | [`simulation`], [`log`], [`report`] |
 
 pub mod chart;
 pub mod invariants;

@@ -48,6 +48,9 @@ pub enum StepError {
          a step of {step:.1e} s; choose a smaller --step, more --stages or a smaller --tolerance"
     )]
     NotConverged { time: f64, step: f64, joint: String, increment: f64 },
+    /// Every step changes the energy by more than the tolerance allows, however short.
+    #[error("at t = {time} s no step is accurate enough, not even {step:.1e} s; choose a larger --tolerance")]
+    NotAccurate { time: f64, step: f64 },
     /// The state is not finite any more.
     #[error(
         "at t = {time} s the velocity of joint {joint:?} is not finite; the motion is too violent for the step {step:.1e} s"

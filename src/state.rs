@@ -45,6 +45,14 @@ impl State {
         }
     }
 
+    /// Takes over another state of the same mechanism. Does not allocate.
+    pub fn copy_from(&mut self, other: &State) {
+        self.time = other.time;
+        self.position.copy_from_slice(&other.position);
+        self.compensation.copy_from_slice(&other.compensation);
+        self.velocity.copy_from_slice(&other.velocity);
+    }
+
     /// The positions of one body's joint.
     pub fn joint_position<'s>(&'s self, mechanism: &Mechanism, body: usize) -> &'s [f64] {
         &self.position[mechanism.bodies[body].joint.position_range()]

@@ -15,9 +15,10 @@ fn fast_step(model: &Model, stages: usize, step: f64, isa: Isa) -> Vec<catena::s
     let tableau = Tableau::new(stages).unwrap();
     let mut kernel = step_for(&model.mechanism, &tableau, isa);
     let mut state = model.state.clone();
-    let attempt = kernel.attempt(&model.mechanism, &state, step, &StopRule::ROUNDING, true);
+    kernel.begin(&model.mechanism, &state);
+    let attempt = kernel.attempt(step, &StopRule::ROUNDING, true);
     assert!(matches!(attempt, Attempt::Converged { .. }), "{} s={stages}: {attempt:?}", model.mechanism.name);
-    kernel.accept(&model.mechanism, &mut state);
+    kernel.finish(&model.mechanism, &mut state);
     body_states(&model.mechanism, &state)
 }
 

@@ -1,6 +1,8 @@
 //! What the comparator in joint coordinates claims: right accelerations, right reactions, right orders, and agreement
 //! with published and independently computed motions.
 
+#![allow(clippy::excessive_precision)] // Reference values stand as their sources print them.
+
 use catena::invariants::momentum;
 use catena::kinematics::{WORLD, body_states, forward_kinematics};
 use catena::model::joint::rotation_from_wxyz;

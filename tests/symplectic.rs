@@ -33,9 +33,10 @@ fn canonical_step(mechanism: &Mechanism, kernel: &mut dyn Step, step: f64, z: &D
     let momentum = z.rows(count, count).into_owned();
     let velocity = mass_matrix(mechanism, &state.position).cholesky().unwrap().solve(&momentum);
     state.velocity.copy_from_slice(velocity.as_slice());
-    let attempt = kernel.attempt(mechanism, &state, step, &StopRule::ROUNDING, true);
+    kernel.begin(mechanism, &state);
+    let attempt = kernel.attempt(step, &StopRule::ROUNDING, true);
     assert!(matches!(attempt, Attempt::Converged { .. }), "{attempt:?}");
-    kernel.accept(mechanism, &mut state);
+    kernel.finish(mechanism, &mut state);
     let momentum = mass_matrix(mechanism, &state.position) * DVector::from_row_slice(&state.velocity);
     DVector::from_iterator(2 * count, state.position.iter().copied().chain(momentum.iter().copied()))
 }
@@ -89,9 +90,10 @@ fn a_step_forth_and_a_step_back_return_to_the_start() {
             let mut kernel = step_for(mechanism, &Tableau::new(stages).unwrap(), Isa::detect());
             let mut state = model.state.clone();
             for step in [0.03, -0.03] {
-                let attempt = kernel.attempt(mechanism, &state, step, &StopRule::ROUNDING, true);
+                kernel.begin(mechanism, &state);
+                let attempt = kernel.attempt(step, &StopRule::ROUNDING, true);
                 assert!(matches!(attempt, Attempt::Converged { .. }), "{attempt:?}");
-                kernel.accept(mechanism, &mut state);
+                kernel.finish(mechanism, &mut state);
             }
             let error = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             // Rounding of two steps; the local error of s = 2 alone is 1e-4.

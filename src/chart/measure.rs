@@ -1,8 +1,9 @@
 //! One scene, all methods, all settings.
 //!
 //! The ladders are climbed down together, one rung of every method after the other, so that a budget that runs out cuts
-//! all curves at about the same rung. A method leaves its ladder when a run is cut for its cost, or when two rungs in a
-//! row bring nothing more: its rounding floor.
+//! all curves at about the same rung. A method leaves its ladder when a run is cut for its cost, or, with fixed steps,
+//! when two rungs in a row bring nothing more: its rounding floor. Tolerances are few, and their errors need not fall
+//! from one to the next; they are all tried.
 
 use super::distance::{distance, probes};
 use super::energy::{EnergyHistory, largest_kinetic, representative};
@@ -84,7 +85,7 @@ impl Climb {
         if measurement.error < 0.8 * self.best {
             self.best = measurement.error;
             self.without_progress = 0;
-        } else if self.best < Self::FLOOR_BELOW {
+        } else if self.best < Self::FLOOR_BELOW && matches!(self.settings.first(), Some(Setting::Step(_))) {
             self.without_progress += 1;
             self.finished |= self.without_progress == 2;
         }

@@ -1,7 +1,7 @@
 //! `catena model`: what was read, what was left out and why, and what will be simulated.
 
 use super::input::InputArgs;
-use catena::model::{Model, ReductionRule, position_names, wxyz_from_rotation};
+use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names, wxyz_from_rotation};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -46,15 +46,21 @@ pub fn counts(model: &Model) -> Value {
 fn as_json(model: &Model) -> Value {
     let mechanism = &model.mechanism;
     let body_name = |body: Option<usize>| body.map(|body| mechanism.bodies[body].name.as_str());
+    let mut links_of: Vec<Vec<&LinkFrame>> = vec![Vec::new(); mechanism.bodies.len()];
+    for link in &model.links {
+        if let Some(body) = link.body {
+            links_of[body].push(link);
+        }
+    }
     let bodies: Vec<Value> = mechanism
         .bodies
         .iter()
         .enumerate()
         .map(|(index, body)| {
-            let links: Vec<&str> =
-                model.links.iter().filter(|link| link.body == Some(index)).map(|link| link.name.as_str()).collect();
+            let links: Vec<&str> = links_of[index].iter().map(|link| link.name.as_str()).collect();
             // The principal frame as people see it: in the link that heads the body.
-            let frame = model.link(&body.name).map(|link| model.links[link].in_body.inverse());
+            let head = links_of[index].iter().find(|link| link.name == body.name);
+            let frame = head.map(|head| head.in_body.inverse());
             json!({
                 "name": body.name,
                 "parent": body_name(body.parent).unwrap_or("world"),
@@ -139,8 +145,13 @@ fn as_text(model: &Model) -> String {
     let _ = writeln!(text, "{} kg move under gravity {}, {}, {} m/s²", number(mechanism.total_mass()), g.x, g.y, g.z);
 
     let mut bodies = Table::new(&["body", "parent", "joint", "type", "given by", "mass [kg]", "inertia [kg m²]"]);
-    for body in &mechanism.bodies {
-        let record = model.joints.iter().find(|record| record.name == body.joint.name);
+    let mut record_of: Vec<Option<&JointRecord>> = vec![None; mechanism.bodies.len()];
+    for record in &model.joints {
+        if let Some(body) = record.body {
+            record_of[body] = Some(record);
+        }
+    }
+    for (body, record) in mechanism.bodies.iter().zip(record_of) {
         bodies.row(vec![
             body.name.clone(),
             body.parent.map_or("world", |parent| mechanism.bodies[parent].name.as_str()).to_string(),

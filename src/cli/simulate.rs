@@ -8,9 +8,9 @@ use super::numbers::{Assignment, positive, rate};
 use super::progress::Progress;
 use super::{Failure, print};
 use anyhow::{Context, anyhow};
+use catena::lobatto::Lobatto;
 use catena::log::{Recorder, Severity};
-use catena::model::{Mechanism, Model, ModelError};
-use catena::reduced::{Dop853, Rk4};
+use catena::model::{Mechanism, Model, ModelError, Pose};
 use catena::report::{ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports};
 use catena::simulation::{Integrator, Observer, RunError, RunOptions, run as run_simulation};
 use catena::state::State;
@@ -107,10 +107,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         (Some(stages), Some(step)) => StepChoice::Fixed { stages: stages.into(), step },
         _ => StepChoice::Tolerance(arguments.tolerance.unwrap_or(DEFAULT_TOLERANCE)),
     };
-    let mut integrator = integrator(mechanism, choice);
+    let mut integrator = integrator(mechanism, choice).map_err(Failure::input)?;
     let duration = arguments.duration.unwrap_or(DEFAULT_DURATION);
     let rate = arguments.rate.unwrap_or(DEFAULT_RATE);
 
+    super::watch_for_interrupts(&INTERRUPTED).map_err(Failure::run)?;
     let mut recorder = match &output {
         Some(path) => {
             let simulation = description(&model, duration, rate, choice, integrator.as_ref());
@@ -125,8 +126,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         rate: (recorder.is_some() || progress.is_some()).then_some(rate),
         interrupt: Some(&INTERRUPTED),
     };
-    super::watch_for_interrupts(&INTERRUPTED).map_err(Failure::run)?;
-
     let mut observers: Vec<&mut dyn Observer> = Vec::new();
     observers.extend(recorder.iter_mut().map(|recorder| recorder as &mut dyn Observer));
     observers.extend(progress.iter_mut().map(|progress| progress as &mut dyn Observer));
@@ -169,11 +168,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The one place where the integrator is chosen.
-fn integrator(mechanism: &Mechanism, choice: StepChoice) -> Box<dyn Integrator> {
-    match choice {
-        StepChoice::Tolerance(tolerance) => Box::new(Dop853::new(mechanism, tolerance)),
-        StepChoice::Fixed { stages: _, step } => Box::new(Rk4::new(mechanism, step)),
-    }
+fn integrator(mechanism: &Mechanism, choice: StepChoice) -> anyhow::Result<Box<dyn Integrator>> {
+    Ok(Box::new(match choice {
+        StepChoice::Tolerance(tolerance) => Lobatto::adaptive(mechanism, tolerance)?,
+        StepChoice::Fixed { stages, step } => Lobatto::fixed(mechanism, stages, step)?,
+    }))
 }
 
 fn initial_state(model: &Model, arguments: &Arguments) -> Result<State, ModelError> {
@@ -193,7 +192,7 @@ fn output(arguments: &Arguments) -> anyhow::Result<Option<PathBuf>> {
         Some(output) => output.clone(),
         None => {
             let stem = input.file_stem().with_context(|| format!("{} is not a file", input.display()))?;
-            Path::new(stem).with_extension("mcap")
+            PathBuf::from(format!("{}.mcap", stem.to_string_lossy()))
         }
     };
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -229,6 +228,9 @@ fn description(
         std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
     let entries = [
         ("robot", model.robot.name.clone()),
+        ("base", if model.joints.iter().any(|joint| model.is_base(joint)) { "floating" } else { "fixed" }.to_string()),
+        ("base_pose", listed(&pose_numbers(&model.base_pose))),
+        ("gravity", listed(model.mechanism.gravity.as_slice())),
         ("version", env!("CARGO_PKG_VERSION").to_string()),
         ("method", method.name),
         ("stages", method.stages.to_string()),
@@ -242,8 +244,20 @@ fn description(
     entries.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
 }
 
+/// A pose as `--base-pose` takes it.
+fn pose_numbers(pose: &Pose) -> [f64; 6] {
+    let (roll, pitch, yaw) = pose.rotation.euler_angles();
+    let [x, y, z] = pose.translation.vector.into();
+    [x, y, z, roll, pitch, yaw]
+}
+
+/// Numbers with commas between, in full precision.
+fn listed(numbers: &[f64]) -> String {
+    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
+}
+
 /// Completes the log, whatever ended the run, and says how the run ended.
-fn finish(recorder: Option<Recorder>, ended: Result<(), RunError>) -> Result<(), Failure> {
+fn finish(recorder: Option<Recorder<'_>>, ended: Result<(), RunError>) -> Result<(), Failure> {
     let ended = ended.map_err(|error| match error {
         RunError::Interrupted { .. } => Failure::interrupted(error),
         RunError::Step(_) => Failure::run(error),

@@ -88,8 +88,8 @@ impl<V: Lanes> Stages<V> {
             force: Vector::zero(),
             torque: Vector::zero(),
         };
-        for index in (0..self.start.plans.len()).rev() {
-            let plan = &self.start.plans[index];
+        for index in (0..self.plan.bodies.len()).rev() {
+            let plan = &self.plan.bodies[index];
             let known = &self.start.bodies[index];
             let pose = self.poses[index];
             let (own, turn) = body_residual::<V, MOMENTUM>(sweep, plan, known, &pose);
@@ -174,8 +174,8 @@ impl<V: Lanes> Stages<V> {
     #[inline(always)]
     fn forward(&mut self, mut take: impl FnMut(&mut Self, usize, V)) {
         let mut twist = (Vector::zero(), Vector::zero());
-        for index in 0..self.start.plans.len() {
-            let plan = &self.start.plans[index];
+        for index in 0..self.plan.bodies.len() {
+            let plan = &self.plan.bodies[index];
             let (first_axis, translations, children) = (plan.first_axis, plan.translations, plan.children);
             let rotations = match plan.rotation {
                 FreeRotation::None => 0,

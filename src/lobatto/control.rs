@@ -7,6 +7,9 @@
 //! ```text
 //!     h ← h · clip( min( (E_tol/E_n)^{.7/(s−1)} (E_{n−1}/E_n)^{.3/(s−1)},  ((N* + 1)/(N + 1))^{1/2} ), 0.3, 2 )
 //! ```
+//!
+//! A finished step that changes the energy by more than its share of the tolerance is thrown away: the energy sees what
+//! the joint displacements' polynomials do not, such as a passage near a singular position.
 
 use super::lanes::Isa;
 use super::step::{Attempt, Step, StopRule};
@@ -15,6 +18,10 @@ use crate::state::State;
 
 /// The number of iterations the controller steers for.
 const WANTED_ITERATIONS: f64 = 12.0;
+
+/// The share of the tolerance by which one step may change the energy, relative to the largest kinetic energy: the
+/// changes of some ten to a hundred steps, of either sign, then add up to the tolerance.
+const ENERGY_SHARE: f64 = 0.1;
 
 /// What to do with an attempt.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +35,17 @@ pub enum Verdict {
     },
 }
 
+/// Energies at the end of a finished step [J].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Energies {
+    /// Change of the total energy over the step.
+    pub change: f64,
+    /// Kinetic energy at the end.
+    pub kinetic: f64,
+    /// Total energy at the end.
+    pub total: f64,
+}
+
 /// The controller's memory.
 pub struct Control {
     tolerance: f64,
@@ -38,7 +56,8 @@ pub struct Control {
     wanted: f64,
     step: f64,
     previous: Option<f64>,
-    longest: f64,
+    /// Largest kinetic energy so far.
+    kinetic: f64,
 }
 
 impl Control {
@@ -48,15 +67,7 @@ impl Control {
         let stop = (1e-4 * tolerance).clamp(1e-16, 1e-4);
         let stages = if isa == Isa::Avx512 { 9 } else { 5 };
         let factor = if stages == 9 { 0.3 } else { 1.0 };
-        Control {
-            tolerance,
-            stages,
-            stop,
-            wanted: factor * stop.sqrt(),
-            step: 0.0,
-            previous: None,
-            longest: f64::INFINITY,
-        }
+        Control { tolerance, stages, stop, wanted: factor * stop.sqrt(), step: 0.0, previous: None, kinetic: 0.0 }
     }
 
     /// The number of stages the tolerance and the processor call for.
@@ -87,7 +98,8 @@ impl Control {
     /// Chooses the first step from the velocities and accelerations: `h = 0.1 / Ω`, `Ω⁴ = Σ (q̇⁴ + q̈²)`.
     pub fn start(&mut self, mechanism: &Mechanism, state: &State, kernel: &mut dyn Step) {
         let mut accelerations = vec![0.0; mechanism.velocity_count];
-        kernel.accelerations(mechanism, state, 1e-4, &mut accelerations);
+        self.kinetic = kernel.energy().kinetic;
+        kernel.accelerations(1e-4, &mut accelerations);
         let power: f64 = state
             .velocity
             .iter()
@@ -99,14 +111,13 @@ impl Control {
     }
 
     /// Judges an attempt of length `step` and sets the next one.
-    pub fn judge(&mut self, attempt: &Attempt, step: f64, plain: bool) -> Verdict {
+    pub fn judge(&mut self, attempt: &Attempt, energies: Option<Energies>, step: f64, plain: bool) -> Verdict {
         let order = (self.stages - 1) as f64;
         match *attempt {
             Attempt::Failed { .. } => {
                 if plain {
                     self.step = 0.5 * step;
                 }
-                self.longest = self.longest.min(step);
                 Verdict::Retry { without_past: !plain }
             }
             Attempt::Converged { iterations, legendre } => {
@@ -115,6 +126,16 @@ impl Control {
                 if error > limit {
                     self.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
                     return Verdict::Retry { without_past: false };
+                }
+                if let Some(energies) = energies {
+                    self.kinetic = self.kinetic.max(energies.kinetic);
+                    let allowed = ENERGY_SHARE * self.tolerance * self.kinetic + 1e-13 * energies.total.abs();
+                    // A step in which the energy is not finite fails this test too.
+                    if !(energies.change.abs() <= allowed) {
+                        let excess = (allowed / energies.change.abs()).powf(1.0 / (2.0 * order + 1.0));
+                        self.step = step * (0.9 * excess).clamp(0.2, 0.9);
+                        return Verdict::Retry { without_past: false };
+                    }
                 }
                 let previous = self.previous.unwrap_or(error);
                 let by_error = (self.wanted / error).powf(0.7 / order) * (previous / error).powf(0.3 / order);

@@ -3,7 +3,7 @@
 //! Fixed steps stay on the grid `t₀ + n h`: a step that does not converge is tried again without the past, then
 //! halved, and the grid is met again afterwards. Chosen steps follow [`super::control`].
 
-use super::control::{Control, Verdict};
+use super::control::{Control, Energies, Verdict};
 use super::dense::DenseRule;
 use super::dispatch::step_for;
 use super::lanes::Isa;
@@ -43,10 +43,10 @@ pub struct Lobatto {
     tableau: Tableau,
     dense: DenseRule,
     mode: Mode,
-    /// The state at the start of the last step, for dense output.
+    /// The states at both ends of the last step, for dense output; `end` is also where a step is finished before it is
+    /// accepted.
     origin: State,
-    /// Velocities at the end of the last step.
-    end_rates: Vec<f64>,
+    end: State,
     last_step: f64,
     steps: usize,
     stepped_time: f64,
@@ -102,7 +102,7 @@ impl Lobatto {
             tableau,
             mode,
             origin: State::zero(mechanism),
-            end_rates: vec![0.0; mechanism.velocity_count],
+            end: State::zero(mechanism),
             last_step: 0.0,
             steps: 0,
             stepped_time: 0.0,
@@ -110,17 +110,24 @@ impl Lobatto {
         })
     }
 
-    /// Solves and accepts a step of length `step`; counts the failed attempts.
-    fn accept(&mut self, mechanism: &Mechanism, state: &mut State, step: f64) {
-        self.origin.position.copy_from_slice(&state.position);
-        self.origin.time = state.time;
-        self.kernel.accept(mechanism, state);
-        self.end_rates.copy_from_slice(&state.velocity);
-        state.time += step;
+    /// Finishes the solved step into `self.end`; returns the change of the total energy and the kinetic energy.
+    fn finish(&mut self, mechanism: &Mechanism, state: &State) -> Energies {
+        let before = self.kernel.energy();
+        self.end.copy_from(state);
+        let after = self.kernel.finish(mechanism, &mut self.end);
+        Energies { change: after.total() - before.total(), kinetic: after.kinetic, total: after.total() }
+    }
+
+    /// Accepts the finished step of length `step`: moves `state` to its end, at time `time`.
+    fn accept(&mut self, state: &mut State, step: f64, time: f64) {
+        self.kernel.accept();
+        self.origin.copy_from(state);
+        self.end.time = time;
+        state.copy_from(&self.end);
         self.last_step = step;
         self.steps += 1;
         self.stepped_time += step;
-        self.left_at = Some(state.time);
+        self.left_at = Some(time);
     }
 
     fn fixed_step(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
@@ -138,16 +145,14 @@ impl Lobatto {
         let mut length = target - state.time;
         for halving in 0..=HALVINGS {
             for plain in [false, true] {
-                match self.kernel.attempt(mechanism, state, length, &rule, plain) {
+                match self.kernel.attempt(length, &rule, plain) {
                     Attempt::Converged { iterations, .. } => {
                         outcome.iterations += iterations;
                         outcome.step = length;
-                        self.accept(mechanism, state, length);
-                        if halving == 0 {
-                            state.time = target;
-                        }
-                        self.left_at = Some(state.time);
-                        return finite(mechanism, state, length).map(|()| outcome);
+                        self.finish(mechanism, state);
+                        finite(mechanism, &self.end, length)?;
+                        self.accept(state, length, if halving == 0 { target } else { state.time + length });
+                        return Ok(outcome);
                     }
                     Attempt::Failed { iterations, freedom, increment } => {
                         outcome.iterations += iterations;
@@ -180,27 +185,32 @@ impl Lobatto {
             let remaining = until - state.time;
             let reaches = control.step() >= remaining * (1.0 - 1e-9);
             let length = if reaches { remaining } else { control.step() };
-            let attempt = self.kernel.attempt(mechanism, state, length, &control.rule(), plain);
+            let attempt = self.kernel.attempt(length, &control.rule(), plain);
             let (Attempt::Converged { iterations, .. } | Attempt::Failed { iterations, .. }) = attempt;
             outcome.iterations += iterations;
-            match control.judge(&attempt, length, plain) {
+            let energies = match attempt {
+                Attempt::Converged { .. } => Some(self.finish(mechanism, state)),
+                Attempt::Failed { .. } => None,
+            };
+            let Mode::Adaptive(control) = &mut self.mode else { return Ok(outcome) };
+            match control.judge(&attempt, energies, length, plain) {
                 Verdict::Accept => {
+                    finite(mechanism, &self.end, length)?;
                     outcome.step = length;
-                    self.accept(mechanism, state, length);
-                    if reaches {
-                        state.time = until;
-                        self.left_at = Some(until);
-                    }
-                    return finite(mechanism, state, length).map(|()| outcome);
+                    self.accept(state, length, if reaches { until } else { state.time + length });
+                    return Ok(outcome);
                 }
                 Verdict::Retry { without_past } => {
                     outcome.rejected += 1;
                     plain = without_past;
                     // Below this the step vanishes against the time itself.
-                    if control.step() < 1e-13 * state.time.abs().max(1e-3)
-                        && let Attempt::Failed { freedom, increment, .. } = attempt
-                    {
-                        return Err(not_converged(mechanism, state.time, length, freedom, increment));
+                    if control.step() < 1e-13 * state.time.abs().max(1e-3) {
+                        return Err(match attempt {
+                            Attempt::Failed { freedom, increment, .. } => {
+                                not_converged(mechanism, state.time, length, freedom, increment)
+                            }
+                            Attempt::Converged { .. } => StepError::NotAccurate { time: state.time, step: length },
+                        });
                     }
                 }
             }
@@ -210,8 +220,9 @@ impl Lobatto {
 
 impl Integrator for Lobatto {
     fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
-        if self.left_at != Some(state.time) {
-            self.kernel.forget();
+        // Anything but the end of the last step means that somebody moved the state.
+        if self.left_at != Some(state.time) || *state != self.end {
+            self.kernel.begin(mechanism, state);
             if let Mode::Fixed { grid, .. } = &mut self.mode {
                 *grid = f64::NEG_INFINITY;
             }
@@ -226,7 +237,7 @@ impl Integrator for Lobatto {
         let weights = self.dense.weights((time - self.origin.time) / self.last_step);
         let mut stages = [0.0; super::stage::MAX_LANES];
         let stages = &mut stages[..self.tableau.stages - 1];
-        let start_rates = self.kernel.start_rates();
+        let (start_rates, end_rates) = (&self.origin.velocity, &self.end.velocity);
         position.copy_from_slice(&self.origin.position);
         for body in &mechanism.bodies {
             let joint = &body.joint;
@@ -235,7 +246,7 @@ impl Integrator for Lobatto {
             for offset in 0..scalars {
                 let freedom = joint.velocity_index + offset;
                 self.kernel.displacement(freedom, stages);
-                let (start, end) = (self.last_step * start_rates[freedom], self.last_step * self.end_rates[freedom]);
+                let (start, end) = (self.last_step * start_rates[freedom], self.last_step * end_rates[freedom]);
                 let (displacement, slope) = weights.apply(stages, start, end);
                 position[joint.position_index + offset] += displacement;
                 velocity[freedom] = slope / self.last_step;
@@ -250,7 +261,7 @@ impl Integrator for Lobatto {
                     last[axis] = stages[stages.len() - 1];
                 }
                 // The slope of the rotation vector at the end belongs to the angular velocity there.
-                let end = inverse_tangent(&last, &[0, 1, 2].map(|axis| self.end_rates[first + axis]));
+                let end = inverse_tangent(&last, &[0, 1, 2].map(|axis| end_rates[first + axis]));
                 for axis in 0..3 {
                     self.kernel.displacement(first + axis, stages);
                     let ends = (self.last_step * start_rates[first + axis], self.last_step * end[axis]);

@@ -121,7 +121,7 @@ impl<V: Lanes> Predictor<V> {
         }
         let count = self.nodes.len();
         let last = stages.coefficients.active - 1;
-        for plan in &stages.start.plans {
+        for plan in &stages.plan.bodies {
             let scalars = plan.translations + usize::from(plan.rotation == FreeRotation::AboutZ);
             for freedom in plan.first_axis..plan.first_axis + scalars {
                 let lanes = stages.displacement[freedom].to_array();

@@ -13,7 +13,7 @@
 
 use super::algebra::{Matrix, Symmetric, Vector};
 use super::lanes::Lanes;
-use super::start::Start;
+use super::start::{Plan, Start};
 use super::tableau::Tableau;
 use crate::model::FreeRotation;
 
@@ -114,6 +114,8 @@ pub struct Eliminated<V> {
 
 /// The workspace of a step: everything that has lanes.
 pub struct Stages<V> {
+    /// Which bodies hang where.
+    pub plan: Plan,
     /// The known start of the step.
     pub start: Start,
     /// The scheme.
@@ -139,7 +141,7 @@ pub struct Stages<V> {
 impl<V: Lanes> Stages<V> {
     /// A workspace for a mechanism and a scheme.
     pub fn new(mechanism: &crate::model::Mechanism, tableau: &Tableau) -> Self {
-        let start = Start::new(mechanism);
+        let plan = Plan::new(mechanism);
         let bodies = mechanism.bodies.len();
         let freedoms = mechanism.velocity_count;
         let articulated = Articulated {
@@ -162,9 +164,10 @@ impl<V: Lanes> Stages<V> {
             poses: vec![StagePose { w: V::splat(1.0), u: Vector::zero(), anchor: Vector::zero() }; bodies],
             arms: vec![Vector::zero(); bodies],
             eliminated: vec![eliminated; freedoms],
-            slots: vec![articulated; start.slots],
-            twists: vec![(Vector::zero(), Vector::zero()); start.slots],
-            start,
+            slots: vec![articulated; plan.slots],
+            twists: vec![(Vector::zero(), Vector::zero()); plan.slots],
+            start: Start::new(mechanism),
+            plan,
             step: 0.0,
         }
     }
@@ -173,7 +176,7 @@ impl<V: Lanes> Stages<V> {
     #[inline(always)]
     pub fn sweep_poses(&mut self) {
         let start = &self.start;
-        for (index, (plan, known)) in start.plans.iter().zip(&start.bodies).enumerate() {
+        for (index, (plan, known)) in self.plan.bodies.iter().zip(&start.bodies).enumerate() {
             let (mut pose, turns) = match plan.parent {
                 Some(parent) => {
                     let parent = self.poses[parent];

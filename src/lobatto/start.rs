@@ -9,6 +9,7 @@
 //!     axes  = the free axes of the joint: translations turn with the parent, rotations with the body
 //! ```
 
+use crate::invariants::Energy;
 use crate::kinematics::{WORLD, forward_kinematics};
 use crate::model::{FreeRotation, Mechanism};
 use crate::state::{BodyState, State};
@@ -62,22 +63,28 @@ pub struct BodyStart {
     pub spin: [f64; 3],
 }
 
-/// The plan of a mechanism and the start of the current step.
-pub struct Start {
+/// The plan of the sweeps over a mechanism; constant.
+pub struct Plan {
     /// One entry a body.
-    pub plans: Vec<BodyPlan>,
+    pub bodies: Vec<BodyPlan>,
+    /// Number of slots where children of branching bodies meet.
+    pub slots: usize,
+}
+
+/// The start of a step.
+pub struct Start {
     /// One entry a body.
     pub bodies: Vec<BodyStart>,
     /// World direction of each degree of freedom.
     pub axes: Vec<[f64; 3]>,
     /// Velocity of each degree of freedom.
     pub rates: Vec<f64>,
-    /// Number of slots where children of branching bodies meet.
-    pub slots: usize,
+    /// Energy of the state.
+    pub energy: Energy,
     states: Vec<BodyState>,
 }
 
-impl Start {
+impl Plan {
     /// Plans the sweeps over a mechanism.
     pub fn new(mechanism: &Mechanism) -> Self {
         let count = mechanism.bodies.len();
@@ -118,13 +125,19 @@ impl Start {
             })
             .collect();
         plans.reverse();
+        Plan { bodies: plans, slots }
+    }
+}
+
+impl Start {
+    /// Room for the start of a step.
+    pub fn new(mechanism: &Mechanism) -> Self {
         Start {
-            plans,
-            bodies: vec![BodyStart::default(); count],
+            bodies: vec![BodyStart::default(); mechanism.bodies.len()],
             axes: vec![[0.0; 3]; mechanism.velocity_count],
             rates: vec![0.0; mechanism.velocity_count],
-            slots,
-            states: vec![WORLD; count],
+            energy: Energy::default(),
+            states: vec![WORLD; mechanism.bodies.len()],
         }
     }
 
@@ -132,6 +145,7 @@ impl Start {
     pub fn set(&mut self, mechanism: &Mechanism, state: &State) {
         forward_kinematics(mechanism, &state.position, &state.velocity, &mut self.states);
         self.rates.copy_from_slice(&state.velocity);
+        let mut energy = Energy::default();
         for (index, body) in mechanism.bodies.iter().enumerate() {
             let own = self.states[index];
             let joint = &body.joint;
@@ -155,10 +169,19 @@ impl Start {
                     + scaled[(row, 1)] * rotation[(column, 1)]
                     + scaled[(row, 2)] * rotation[(column, 2)]
             };
+            let sigma = [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)];
+            // ωᵀ J ω with J = ½ tr J − Σ.
+            let spin = own.angular_velocity;
+            let spread = (sigma[0] * spin.x + 2.0 * (sigma[1] * spin.y + sigma[2] * spin.z)) * spin.x
+                + (sigma[3] * spin.y + 2.0 * sigma[4] * spin.z) * spin.y
+                + sigma[5] * spin.z * spin.z;
+            energy.kinetic += 0.5 * (body.mass * own.velocity.norm_squared())
+                + 0.5 * (0.5 * moments.sum() * spin.norm_squared() - spread);
+            energy.potential -= body.mass * mechanism.gravity.dot(&own.position);
             self.bodies[index] = BodyStart {
                 arm: arm.into(),
                 com: com.into(),
-                sigma: [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)],
+                sigma,
                 velocity: own.velocity.into(),
                 spin: own.angular_velocity.into(),
             };
@@ -178,5 +201,6 @@ impl Start {
                 slot += 1;
             }
         }
+        self.energy = energy;
     }
 }

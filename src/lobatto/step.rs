@@ -14,9 +14,21 @@ use super::anderson::Anderson;
 use super::lanes::Lanes;
 use super::predictor::Predictor;
 use super::stage::{MAX_TURN, Stages};
+use super::start::Start;
 use super::tableau::Tableau;
-use crate::model::Mechanism;
+use crate::invariants::Energy;
+use crate::model::{FreeRotation, Mechanism};
 use crate::state::State;
+
+/// Runs an expression compiled for the vector type: everything in it is inlined there.
+macro_rules! in_lanes {
+    ($vector:ty, $work:expr) => {
+        <$vector>::run(
+            #[inline(always)]
+            || $work,
+        )
+    };
+}
 
 /// When to stop iterating and when to give up.
 #[derive(Clone, Copy, Debug)]
@@ -45,18 +57,20 @@ pub enum Attempt {
 
 /// A step of the scheme for one number of lanes; what the integrator sees of it.
 pub trait Step {
-    /// Solves the stage equations of a step from `state`; `plain` guesses without the past.
-    fn attempt(&mut self, mechanism: &Mechanism, state: &State, step: f64, rule: &StopRule, plain: bool) -> Attempt;
-    /// Moves `state` to the end of the step that the last attempt solved.
-    fn accept(&mut self, mechanism: &Mechanism, state: &mut State);
-    /// Forgets the past, after `state` was changed by somebody else.
-    fn forget(&mut self);
-    /// Displacement of a degree of freedom at the stages 2 … s of the last step.
+    /// Takes a state as the start of the next step, when it is not where the last step ended.
+    fn begin(&mut self, mechanism: &Mechanism, state: &State);
+    /// Energy at the start of the step.
+    fn energy(&self) -> Energy;
+    /// Solves the stage equations of a step of length `step` from the start; `plain` guesses without the past.
+    fn attempt(&mut self, step: f64, rule: &StopRule, plain: bool) -> Attempt;
+    /// Projects the momentum at the end of the solved step (2.5.11h): moves `state` there; returns its energy.
+    fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy;
+    /// Keeps the finished step: its end is the start of the next one.
+    fn accept(&mut self);
+    /// Displacement of a degree of freedom at the stages 2 … s of the last solved step.
     fn displacement(&self, freedom: usize, stages: &mut [f64]);
-    /// Velocities at the start of the last step.
-    fn start_rates(&self) -> &[f64];
-    /// Rough second derivatives of the displacements at the start of a step of this length, from one iteration.
-    fn accelerations(&mut self, mechanism: &Mechanism, state: &State, step: f64, out: &mut [f64]);
+    /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length.
+    fn accelerations(&mut self, step: f64, out: &mut [f64]);
 }
 
 /// [`Step`] with the lanes of `V`.
@@ -68,7 +82,9 @@ pub struct Kernel<V> {
     top_legendre: V,
     gravity: [f64; 3],
     velocity: Vec<f64>,
-    end: Vec<f64>,
+    displaced: Vec<f64>,
+    /// The end of the finished step.
+    end: Start,
 }
 
 impl<V: Lanes> Kernel<V> {
@@ -81,7 +97,8 @@ impl<V: Lanes> Kernel<V> {
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
             gravity: mechanism.gravity.into(),
             velocity: vec![0.0; mechanism.velocity_count],
-            end: vec![0.0; mechanism.velocity_count],
+            displaced: vec![0.0; mechanism.velocity_count],
+            end: Start::new(mechanism),
         }
     }
 
@@ -89,18 +106,9 @@ impl<V: Lanes> Kernel<V> {
     fn iterate(&mut self) -> f64 {
         let stages = &mut self.stages;
         let gravity = &self.gravity;
-        V::run(
-            #[inline(always)]
-            || stages.sweep_poses(),
-        );
-        V::run(
-            #[inline(always)]
-            || stages.sweep_residual(gravity),
-        );
-        V::run(
-            #[inline(always)]
-            || stages.sweep_increments().largest(),
-        )
+        in_lanes!(V, stages.sweep_poses());
+        in_lanes!(V, stages.sweep_residual(gravity));
+        in_lanes!(V, stages.sweep_increments().largest())
     }
 
     fn worst_freedom(&self) -> usize {
@@ -112,14 +120,19 @@ impl<V: Lanes> Kernel<V> {
 }
 
 impl<V: Lanes> Step for Kernel<V> {
-    fn attempt(&mut self, mechanism: &Mechanism, state: &State, step: f64, rule: &StopRule, plain: bool) -> Attempt {
+    fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.stages.start.set(mechanism, state);
+        self.predictor.forget();
+    }
+
+    fn energy(&self) -> Energy {
+        self.stages.start.energy
+    }
+
+    fn attempt(&mut self, step: f64, rule: &StopRule, plain: bool) -> Attempt {
         self.stages.step = step;
         let (stages, predictor) = (&mut self.stages, &mut self.predictor);
-        V::run(
-            #[inline(always)]
-            || predictor.guess(stages, plain),
-        );
+        in_lanes!(V, predictor.guess(stages, plain));
         self.anderson.restart();
         let mut recent = [f64::INFINITY; 5];
         let mut scale = 1.0_f64;
@@ -136,10 +149,7 @@ impl<V: Lanes> Step for Kernel<V> {
             if converged {
                 let (displacement, increments) = (&mut self.stages.displacement, &self.stages.increment);
                 let top = self.top_legendre;
-                let legendre = V::run(
-                    #[inline(always)]
-                    || add_and_measure(displacement, increments, top),
-                );
+                let legendre = in_lanes!(V, add_and_measure(displacement, increments, top));
                 return Attempt::Converged { iterations: iteration, legendre };
             }
             let hopeless = iteration >= 8 && increment > 0.3 * recent[iteration % 5] && increment > 1e-9 * scale;
@@ -148,10 +158,7 @@ impl<V: Lanes> Step for Kernel<V> {
             }
             recent[(iteration + 4) % 5] = increment;
             let (anderson, stages) = (&mut self.anderson, &mut self.stages);
-            let largest = V::run(
-                #[inline(always)]
-                || anderson.advance(&mut stages.displacement, &stages.increment).largest(),
-            );
+            let largest = in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest());
             scale = largest.max(1.0);
             if largest > MAX_TURN && self.turned_too_far() {
                 return failed(self, iteration, increment);
@@ -160,53 +167,35 @@ impl<V: Lanes> Step for Kernel<V> {
         failed(self, rule.iterations, recent[(rule.iterations + 4) % 5])
     }
 
-    fn accept(&mut self, mechanism: &Mechanism, state: &mut State) {
+    fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let (stages, gravity, velocity) = (&mut self.stages, &self.gravity, &mut self.velocity);
-        V::run(
-            #[inline(always)]
-            || stages.sweep_poses(),
-        );
-        V::run(
-            #[inline(always)]
-            || stages.sweep_momentum(gravity),
-        );
-        V::run(
-            #[inline(always)]
-            || stages.sweep_velocities(velocity),
-        );
-        let (stages, predictor) = (&self.stages, &mut self.predictor);
-        V::run(
-            #[inline(always)]
-            || predictor.learn(stages),
-        );
+        in_lanes!(V, stages.sweep_poses());
+        in_lanes!(V, stages.sweep_momentum(gravity));
+        in_lanes!(V, stages.sweep_velocities(velocity));
         let last = self.stages.coefficients.active - 1;
-        for (end, displacement) in self.end.iter_mut().zip(&self.stages.displacement) {
+        for (end, displacement) in self.displaced.iter_mut().zip(&self.stages.displacement) {
             *end = displacement.to_array().as_ref()[last];
         }
-        state.displace(mechanism, &self.end);
+        state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(&self.velocity);
+        self.end.set(mechanism, state);
+        self.end.energy
     }
 
-    fn forget(&mut self) {
-        self.predictor.forget();
+    fn accept(&mut self) {
+        let (stages, predictor) = (&self.stages, &mut self.predictor);
+        in_lanes!(V, predictor.learn(stages));
+        std::mem::swap(&mut self.stages.start, &mut self.end);
     }
 
     fn displacement(&self, freedom: usize, stages: &mut [f64]) {
         stages.copy_from_slice(&self.stages.displacement[freedom].to_array().as_ref()[..stages.len()]);
     }
 
-    fn start_rates(&self) -> &[f64] {
-        &self.stages.start.rates
-    }
-
-    fn accelerations(&mut self, mechanism: &Mechanism, state: &State, step: f64, out: &mut [f64]) {
-        self.stages.start.set(mechanism, state);
+    fn accelerations(&mut self, step: f64, out: &mut [f64]) {
         self.stages.step = step;
         let (stages, predictor) = (&mut self.stages, &mut self.predictor);
-        V::run(
-            #[inline(always)]
-            || predictor.guess(stages, true),
-        );
+        in_lanes!(V, predictor.guess(stages, true));
         self.iterate();
         let last = self.stages.coefficients.active - 1;
         for (out, increment) in out.iter_mut().zip(&self.stages.increment) {
@@ -219,7 +208,7 @@ impl<V: Lanes> Kernel<V> {
     /// Whether a rotation of any joint has left what the series of the stage poses represent.
     fn turned_too_far(&self) -> bool {
         let stages = &self.stages;
-        stages.start.plans.iter().any(|plan| {
+        stages.plan.bodies.iter().any(|plan| {
             let first = plan.first_axis + plan.translations;
             match plan.rotation {
                 FreeRotation::None => false,
@@ -232,8 +221,6 @@ impl<V: Lanes> Kernel<V> {
         })
     }
 }
-
-use crate::model::FreeRotation;
 
 /// Adds the last increments and returns the largest top Legendre coefficient.
 #[inline(always)]

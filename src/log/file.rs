@@ -205,6 +205,7 @@ fn write_options() -> WriteOptions {
         // Chunks end where batches end; no threads, because their number must not change the bytes.
         .chunk_size(None)
         .compression_threads(0)
+        .compression_level(1)
         // A chunk is then written in one piece, with its final header.
         .disable_seeking(true)
 }

@@ -16,6 +16,9 @@ pub enum ModelError {
          they must not be negative", file.display(), with_fused(fused), moments[0], moments[1], moments[2]
     )]
     NegativeInertia { file: PathBuf, line: usize, link: String, fused: Vec<String>, mass: f64, moments: [f64; 3] },
+    /// Numbers so large that their sums or products are infinite.
+    #[error("{}:{line}: link {link:?}: the numbers up to here are so large that its place or mass is infinite", file.display())]
+    Overflow { file: PathBuf, line: usize, link: String },
     /// A joint that can move without moving any mass.
     #[error(
         "{}:{line}: {element}: can move without moving any mass or inertia, so its motion is not determined; give \

@@ -61,6 +61,7 @@ impl Model {
         let mut moving = Moving::all(&robot, options.base == Base::Floating);
         let dropped = drop_massless_leaves(&robot, &tree, &mut moving);
         let groups = Groups::new(&robot, &tree, &moving, &options.base_pose);
+        refuse_overflow(&robot, &groups)?;
         let base_name = base_joint_name(&robot);
         let build = Build { robot: &robot, tree: &tree, groups: &groups, options, base_name: &base_name };
 
@@ -91,6 +92,27 @@ fn refuse_bad_options(robot: &Robot, options: &ModelOptions) -> Result<(), Model
     }
     if options.gravity.iter().any(|number| !number.is_finite()) {
         return Err(ModelError::OptionNotFinite("gravity"));
+    }
+    Ok(())
+}
+
+/// Sums and products of finite numbers may be infinite; what is derived below must not start from that.
+fn refuse_overflow(robot: &Robot, groups: &Groups) -> Result<(), ModelError> {
+    let refuse = |link: usize| {
+        let (line, name) = (robot.links[link].line, robot.links[link].name.clone());
+        Err(ModelError::Overflow { file: robot.path.clone(), line, link: name })
+    };
+    for (link, pose) in groups.in_carrier.iter().enumerate() {
+        if !pose.translation.vector.iter().all(|number| number.is_finite()) {
+            return refuse(link);
+        }
+    }
+    for (index, group) in groups.groups.iter().enumerate() {
+        let composite = groups.composite(robot, index);
+        let mut numbers = composite.inertia.iter().chain(composite.center.iter()).chain([&composite.mass]);
+        if !numbers.all(|number| number.is_finite()) {
+            return refuse(group.head);
+        }
     }
     Ok(())
 }

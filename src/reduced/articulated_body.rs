@@ -100,7 +100,8 @@ struct Articulated {
     force: Vector3<f64>,
 }
 
-/// One free direction after its elimination: `q̈ = free − (angular, linear) · δ`.
+/// One free direction after its elimination: `q̈ = free − (angular, linear) · δ`, with δ at the body's anchor before
+/// the joint moves it, or for a revolute joint at the parent's anchor.
 #[derive(Clone, Copy, Debug, Default)]
 struct Screw {
     axis: Vector3<f64>,
@@ -162,9 +163,11 @@ impl ArticulatedBody {
     }
 
     /// First pass, root to leaf: poses, velocities, and the accelerations at zero joint acceleration.
+    #[inline(never)] // In one body with the other passes the registers do not suffice.
     fn find_motion(&mut self, position: &[f64], velocity: &[f64]) {
         for (index, link) in self.links.iter().enumerate() {
-            let parent = &self.motion[link.parent];
+            let (known, rest) = self.motion.split_at_mut(index + 1);
+            let (parent, motion) = (&known[link.parent], &mut rest[0]);
             let mounted = product(&parent.frame, &link.mount);
             let mut arm = times(&parent.frame, &link.arm);
             let mut sliding = Vector3::zeros();
@@ -189,22 +192,21 @@ impl ArticulatedBody {
                 + cross(&angular_velocity, &inertia.times(&angular_velocity))
                 + cross(&moment, &acceleration);
             let force = acceleration * link.mass + times(&field, &moment);
-            self.motion[index + 1] = Motion {
-                frame,
-                arm,
-                angular_velocity,
-                angular_acceleration,
-                acceleration,
-                field,
-                inertia,
-                moment,
-                torque,
-                force,
-            };
+            motion.frame = frame;
+            motion.arm = arm;
+            motion.angular_velocity = angular_velocity;
+            motion.angular_acceleration = angular_acceleration;
+            motion.acceleration = acceleration;
+            motion.field = field;
+            motion.inertia = inertia;
+            motion.moment = moment;
+            motion.torque = torque;
+            motion.force = force;
         }
     }
 
     /// Second pass, leaf to root: articulated inertias, and the elimination of every free direction.
+    #[inline(never)] // In one body with the other passes the registers do not suffice.
     fn eliminate_joints(&mut self, joint_force: Option<&[f64]>) {
         // A first child follows its parent in the numbering, so its share is carried over and never stored.
         let mut carried = Articulated::default();
@@ -220,7 +222,10 @@ impl ArticulatedBody {
             }
             let applied = |offset: usize| joint_force.map_or(0.0, |force| force[link.velocity_index + offset]);
             if link.kind == JointKind::Revolute {
-                self.screws[link.velocity_index] = subtree.eliminate_rotation(&column(&motion.frame, 2), applied(0));
+                let mut screw = subtree.eliminate_rotation(&column(&motion.frame, 2), applied(0));
+                // Referred to the parent's anchor already here, which shortens the chain of the third pass.
+                screw.angular += cross(&motion.arm, &screw.linear);
+                self.screws[link.velocity_index] = screw;
             } else {
                 let translations = link.kind.translation_axes();
                 let count = link.kind.velocity_count();
@@ -244,6 +249,7 @@ impl ArticulatedBody {
     }
 
     /// Third pass, root to leaf: the joint accelerations, and what they add to each body's acceleration.
+    #[inline(never)] // In one body with the other passes the registers do not suffice.
     fn resolve_accelerations(&mut self, acceleration: &mut [f64]) {
         for (index, link) in self.links.iter().enumerate() {
             let parent = &self.rest[link.parent];
@@ -251,7 +257,7 @@ impl ArticulatedBody {
             let mut linear = parent.linear + cross(&parent.angular, &self.motion[index + 1].arm);
             if link.kind == JointKind::Revolute {
                 let screw = &self.screws[link.velocity_index];
-                let rate = screw.rate(&angular, &linear);
+                let rate = screw.rate(&parent.angular, &parent.linear);
                 acceleration[link.velocity_index] = rate;
                 angular += screw.axis * rate;
             } else {

@@ -3,33 +3,13 @@
 //! Where the intent is plain the file is repaired and a warning says so; where it is not, the first error ends the
 //! reading. The result is written out again as XML for `urdf-rs`, whose own errors name neither line nor link.
 
+use super::element::{CleanAttribute, CleanElement};
 use super::error::{Element, Problem, SceneError, Warning};
+use super::numbers::{numbers, shown};
 use super::schema::{Attribute, Content, Count, GEOMETRY, Presence, Schema};
 use super::text::XmlText;
 use roxmltree::Node;
 use std::path::Path;
-
-/// A URDF element after repair.
-pub(super) struct CleanElement {
-    pub name: &'static str,
-    pub line: usize,
-    attributes: Vec<CleanAttribute>,
-    pub children: Vec<CleanElement>,
-}
-
-pub(super) struct CleanAttribute {
-    name: &'static str,
-    text: String,
-    /// Whether the file has it; otherwise it was assumed.
-    given: bool,
-}
-
-impl CleanAttribute {
-    /// Its value.
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-}
 
 /// Elements and attributes that are not read, each kind once, in order of appearance.
 pub(super) struct Ignored {
@@ -140,8 +120,8 @@ impl Cleaner<'_> {
             }
             child => child?,
         };
-        let first = parent.children.iter().find(|first| first.name == schema.name);
-        match first.filter(|_| count != Count::Any) {
+        let first = if count == Count::Any { None } else { parent.child(schema.name) };
+        match first {
             Some(first) if first.same_as(&child) || schema.name == "material" => {
                 let message =
                     format!("<{}> is given twice (first on line {}); the first is used", child.name, first.line);
@@ -279,138 +259,6 @@ fn unusable_geometry(shape: Node) -> Option<String> {
     };
     let no_file = form.attribute("filename").is_none_or(|name| name.trim().is_empty());
     (form.tag_name().name() == "mesh" && no_file).then(|| "its mesh has no filename".to_string())
-}
-
-/// The numbers of an attribute as separate texts, and whether commas stood between them; or what is wrong.
-fn numbers(value: &str, count: usize, infinite_allowed: bool) -> Result<(Vec<String>, bool), String> {
-    if value.contains("${") || value.contains("$(") {
-        return Err("is unexpanded xacro; run xacro on its source first".to_string());
-    }
-    let wanted =
-        || if count == 1 { "one number was expected".to_string() } else { format!("{count} numbers were expected") };
-    let commas = value.contains(',');
-    let words: Vec<&str> = if commas {
-        // A comma between numbers is plain; `0,5 1` could be a decimal comma.
-        let words: Vec<&str> = value.split(',').map(str::trim).collect();
-        if words.len() != count {
-            return Err(format!("{}, separated by spaces", wanted()));
-        }
-        words
-    } else {
-        value.split_whitespace().collect()
-    };
-    for word in &words {
-        match word.parse::<f64>() {
-            Err(_) => return Err(format!("{:?} is not a number", shown(word))),
-            Ok(number) if number.is_nan() || (number.is_infinite() && !infinite_allowed) => {
-                return Err(format!("{:?} is not a finite number", shown(word)));
-            }
-            Ok(_) => {}
-        }
-    }
-    if words.len() != count {
-        return Err(format!("{}, not {}", wanted(), words.len()));
-    }
-    Ok((words.iter().map(|word| word.to_string()).collect(), commas))
-}
-
-/// A piece of the file as messages show it: on one line and not endless.
-pub(super) fn shown(text: &str) -> String {
-    const LONGEST: usize = 60;
-    let mut shown: String = text.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().nth(LONGEST).is_some() {
-        shown.push('…');
-    }
-    shown
-}
-
-impl CleanElement {
-    /// The text of an attribute, given or assumed.
-    pub fn attribute(&self, name: &str) -> Option<&str> {
-        self.attributes.iter().find(|attribute| attribute.name == name).map(|attribute| attribute.text.as_str())
-    }
-
-    /// Whether the file itself has this attribute.
-    pub fn gives(&self, name: &str) -> bool {
-        self.attributes.iter().any(|attribute| attribute.name == name && attribute.given)
-    }
-
-    /// The numbers of an attribute; the schema has checked them.
-    pub fn numbers(&self, name: &str) -> Option<Vec<f64>> {
-        self.attribute(name)?.split_whitespace().map(|word| word.parse().ok()).collect()
-    }
-
-    /// Replaces the text of an attribute.
-    pub fn set(&mut self, name: &str, text: String) {
-        if let Some(attribute) = self.attributes.iter_mut().find(|attribute| attribute.name == name) {
-            attribute.text = text;
-        }
-    }
-
-    /// Takes an attribute out.
-    pub fn take(&mut self, name: &str) -> Option<CleanAttribute> {
-        let index = self.attributes.iter().position(|attribute| attribute.name == name)?;
-        Some(self.attributes.remove(index))
-    }
-
-    /// Puts back what [`CleanElement::take`] took out.
-    pub fn put(&mut self, attribute: Option<CleanAttribute>) {
-        self.attributes.extend(attribute);
-    }
-
-    /// The first child with this name.
-    pub fn child(&self, name: &str) -> Option<&CleanElement> {
-        self.children.iter().find(|child| child.name == name)
-    }
-
-    /// All children with this name.
-    pub fn children_named(&self, name: &str) -> impl Iterator<Item = &CleanElement> {
-        self.children.iter().filter(move |child| child.name == name)
-    }
-
-    fn same_as(&self, other: &CleanElement) -> bool {
-        let attributes = |element: &CleanElement| -> Vec<(&str, String)> {
-            element.attributes.iter().map(|attribute| (attribute.name, attribute.text.clone())).collect()
-        };
-        self.name == other.name
-            && attributes(self) == attributes(other)
-            && self.children.len() == other.children.len()
-            && self.children.iter().zip(&other.children).all(|(a, b)| a.same_as(b))
-    }
-
-    /// Writes the element as XML.
-    pub fn write(&self, indent: usize, out: &mut String) {
-        let margin = "  ".repeat(indent);
-        *out += &format!("{margin}<{}", self.name);
-        for attribute in &self.attributes {
-            *out += &format!(" {}=\"{}\"", attribute.name, escaped(&attribute.text));
-        }
-        if self.children.is_empty() {
-            *out += "/>\n";
-            return;
-        }
-        *out += ">\n";
-        for child in &self.children {
-            child.write(indent + 1, out);
-        }
-        *out += &format!("{margin}</{}>\n", self.name);
-    }
-}
-
-/// XML text for an attribute value.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => out += "&amp;",
-            '<' => out += "&lt;",
-            '>' => out += "&gt;",
-            '"' => out += "&quot;",
-            '\n' | '\r' | '\t' => out.push(' '),
-            other => out.push(other),
-        }
-    }
-    out
 }
 
 /// Where an error about this file, line and link or joint belongs.

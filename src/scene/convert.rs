@@ -1,6 +1,7 @@
 //! From what `urdf-rs` parsed, and the lines it came from, to a [`Robot`]'s links and joints.
 
-use super::clean::{CleanElement, error_at};
+use super::clean::error_at;
+use super::element::CleanElement;
 use super::error::{Element, Problem, SceneError, Warning};
 use super::mesh_files::MeshFiles;
 use super::robot::{Dynamics, Geometry, Inertial, Limit, Link, MeshFile, Mimic, Pose, Shape, UrdfJoint, UrdfJointKind};

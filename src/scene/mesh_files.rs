@@ -1,6 +1,6 @@
 //! Finds the mesh files of a robot; the ones that are missing are reported once for each package or folder.
 
-use super::clean::CleanElement;
+use super::element::CleanElement;
 use super::error::{Element, Warning};
 use super::package_path::{PackagePath, Resolved};
 use std::collections::{HashMap, HashSet};

@@ -9,8 +9,10 @@
 
 mod clean;
 mod convert;
+mod element;
 mod error;
 mod mesh_files;
+mod numbers;
 pub mod package_path;
 mod robot;
 mod schema;

@@ -1,7 +1,8 @@
 //! Reads a URDF into a [`Robot`].
 
-use super::clean::{CleanElement, Cleaned, clean, error_at};
+use super::clean::{Cleaned, clean, error_at};
 use super::convert::Converter;
+use super::element::CleanElement;
 use super::error::{Element, Problem, SceneError};
 use super::mesh_files::MeshFiles;
 use super::package_path::PackagePath;
@@ -32,7 +33,7 @@ pub fn robot_from_text(source: &str, path: &Path, packages: &PackagePath) -> Res
     check_joint_types(path, &robot)?;
     // What depends on the version (quaternions, limits) is read here, so that urdf-rs need not know of it.
     let version = robot.take("version");
-    let quaternions = version.as_ref().is_some_and(|version| knows_quaternions(version.text()));
+    let quaternions = version.as_ref().is_some_and(|version| knows_quaternions(&version.text));
     let parsed = parse(path, &robot)?;
     let (meshes, missing_meshes) = MeshFiles::find(path, &robot, packages);
 

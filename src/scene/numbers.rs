@@ -1,0 +1,44 @@
+//! The numbers in an attribute: so many, finite, separated by spaces.
+
+/// The numbers of an attribute as separate texts, and whether commas stood between them; or what is wrong.
+pub(super) fn numbers(value: &str, count: usize, infinite_allowed: bool) -> Result<(Vec<String>, bool), String> {
+    if value.contains("${") || value.contains("$(") {
+        return Err("is unexpanded xacro; run xacro on its source first".to_string());
+    }
+    let wanted =
+        || if count == 1 { "one number was expected".to_string() } else { format!("{count} numbers were expected") };
+    let commas = value.contains(',');
+    let words: Vec<&str> = if commas {
+        // A comma between numbers is plain; `0,5 1` could be a decimal comma.
+        let words: Vec<&str> = value.split(',').map(str::trim).collect();
+        if words.len() != count {
+            return Err(format!("{}, separated by spaces", wanted()));
+        }
+        words
+    } else {
+        value.split_whitespace().collect()
+    };
+    for word in &words {
+        match word.parse::<f64>() {
+            Err(_) => return Err(format!("{:?} is not a number", shown(word))),
+            Ok(number) if number.is_nan() || (number.is_infinite() && !infinite_allowed) => {
+                return Err(format!("{:?} is not a finite number", shown(word)));
+            }
+            Ok(_) => {}
+        }
+    }
+    if words.len() != count {
+        return Err(format!("{}, not {}", wanted(), words.len()));
+    }
+    Ok((words.iter().map(|word| word.to_string()).collect(), commas))
+}
+
+/// A piece of the file as messages show it: on one line and not endless.
+pub(super) fn shown(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let mut shown: String = text.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().nth(LONGEST).is_some() {
+        shown.push('…');
+    }
+    shown
+}

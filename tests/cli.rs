@@ -1,0 +1,384 @@
+//! The command line as scripts see it: exit codes, what is printed where, and what happens to files.
+
+use foxglove::Decode;
+use foxglove::messages::Log;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+
+const PENDULUM: &str = r#"<robot name="pendulum">
+  <link name="base">
+    <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint>
+  <link name="rod">
+    <inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
+      <inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><origin xyz="0 0 -0.5"/><geometry><box size="0.1 0.1 1"/></geometry></visual>
+  </link>
+  <joint name="weld" type="fixed"><parent link="rod"/><child link="tip"/><origin xyz="0 0 -1"/></joint>
+  <link name="tip"/>
+</robot>"#;
+
+/// Far more than any test waits for.
+const ENDLESS: [&str; 8] = ["--duration", "1e7", "--stages", "4", "--step", "0.01", "--rate", "1"];
+
+/// An empty folder with a pendulum in it.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli").join(name);
+    // It is not there the first time.
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder for the test");
+    std::fs::write(folder.join("pendulum.urdf"), PENDULUM).expect("the pendulum is written");
+    folder
+}
+
+fn catena(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_catena"));
+    command.current_dir(folder).args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    catena(folder, arguments).output().expect("catena runs")
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("UTF-8")
+}
+
+/// One line on standard error, in the form scripts expect, and nothing on standard output.
+fn assert_one_error(output: &Output, exit_code: i32, what: &str) {
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(exit_code), "{what}: {error}");
+    assert!(error.starts_with("catena: error: "), "{what}: {error}");
+    assert_eq!(error.lines().count(), 1, "{what}: {error}");
+    assert!(output.stdout.is_empty(), "{what}: {}", text(&output.stdout));
+}
+
+/// Waits until `condition` holds; panics after a minute.
+fn wait_for(child: &mut Child, what: &str, condition: impl Fn() -> bool) {
+    for _ in 0..600 {
+        if condition() {
+            return;
+        }
+        if let Some(status) = child.try_wait().expect("the child can be asked") {
+            panic!("{what}: catena has ended with {status}");
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    let _ = child.kill();
+    panic!("{what} did not happen");
+}
+
+/// The messages that can be read from a log that need not be complete.
+fn salvaged<'b>(bytes: &'b [u8], topic: &str) -> Vec<mcap::Message<'b>> {
+    let Ok(stream) = mcap::MessageStream::new_with_options(bytes, mcap::read::Options::IgnoreEndMagic.into()) else {
+        return Vec::new();
+    };
+    stream.map_while(Result::ok).filter(|message| message.channel.topic == topic).collect()
+}
+
+fn salvaged_samples(log: &Path) -> usize {
+    std::fs::read(log).map_or(0, |bytes| salvaged(&bytes, "/tf").len())
+}
+
+#[test]
+fn bad_input_and_bad_usage_exit_with_2_and_one_line_and_touch_no_file() {
+    let folder = folder("bad_input");
+    std::fs::write(folder.join("empty.urdf"), "").expect("written");
+    let junk: Vec<u8> = (0..4096_u32).map(|index| (index.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+    std::fs::write(folder.join("junk.urdf"), junk).expect("written");
+    let old_log = b"an old log, which is dear to its owner";
+    std::fs::write(folder.join("out.mcap"), old_log).expect("written");
+    let before = std::fs::read_dir(&folder).expect("readable").count();
+    let cases: &[&[&str]] = &[
+        &["missing.urdf"],
+        &["empty.urdf"],
+        &["junk.urdf"],
+        &["."],
+        &["pendulum.urdf", "--unknown"],
+        &["pendulum.urdf", "--durration", "3"],
+        &["pendulum.urdf", "--duration", "0"],
+        &["pendulum.urdf", "--duration", "-1"],
+        &["pendulum.urdf", "--duration", "inf"],
+        &["pendulum.urdf", "--duration", "ten"],
+        &["pendulum.urdf", "--rate", "0"],
+        &["pendulum.urdf", "--rate", "1e300"],
+        &["pendulum.urdf", "--tolerance", "NaN"],
+        &["pendulum.urdf", "--tolerance", "-1e-6"],
+        &["pendulum.urdf", "--stages", "1", "--step", "0.01"],
+        &["pendulum.urdf", "--stages", "17", "--step", "0.01"],
+        &["pendulum.urdf", "--stages", "3", "--step", "0"],
+        &["pendulum.urdf", "--stages", "3"],
+        &["pendulum.urdf", "--step", "0.01"],
+        &["pendulum.urdf", "--stages", "3", "--step", "0.01", "--tolerance", "1e-6"],
+        &["pendulum.urdf", "--base", "flying"],
+        &["pendulum.urdf", "--base-pose", "1,2,3"],
+        &["pendulum.urdf", "--base-velocity", "1,2,3,4,5,6"],
+        &["pendulum.urdf", "--gravity", "0,0"],
+        &["pendulum.urdf", "--gravity", "0,0,nan"],
+        &["pendulum.urdf", "--position", "hinge"],
+        &["pendulum.urdf", "--position", "hinge=1,2"],
+        &["pendulum.urdf", "--position", "knee=1"],
+        &["pendulum.urdf", "--velocity", "weld=1"],
+        &["pendulum.urdf", "--package", "name"],
+        &["pendulum.urdf", "pendulum.urdf"],
+        &[],
+    ];
+    for case in cases {
+        let arguments = [&["simulate", "-o", "out.mcap"], *case].concat();
+        assert_one_error(&run(&folder, &arguments), 2, &format!("{case:?}"));
+        assert_eq!(std::fs::read(folder.join("out.mcap")).expect("still there"), old_log, "{case:?}");
+    }
+    assert_eq!(std::fs::read_dir(&folder).expect("readable").count(), before, "no file was added");
+}
+
+#[test]
+fn an_output_that_cannot_be_is_refused_before_the_run() {
+    let folder = folder("bad_output");
+    for output in ["no/such/folder/out.mcap", ".", "pendulum.urdf"] {
+        let output = run(&folder, &["simulate", "pendulum.urdf", "-o", output, "--duration", "1e9"]);
+        assert_one_error(&output, 2, "output");
+    }
+    let both = run(&folder, &["simulate", "pendulum.urdf", "-o", "out.mcap", "--no-log"]);
+    assert_one_error(&both, 2, "-o and --no-log");
+    let input = std::fs::read_to_string(folder.join("pendulum.urdf")).expect("still there");
+    assert_eq!(input, PENDULUM, "the input is not replaced by its own log");
+}
+
+#[test]
+fn an_error_names_what_is_wrong() {
+    let folder = folder("naming");
+    for (arguments, names) in [
+        (["missing.urdf", "--rate", "1"], "missing.urdf"),
+        (["pendulum.urdf", "--position", "knee=1"], "\"hinge\""),
+        (["pendulum.urdf", "--durration", "1"], "'--duration'"),
+        (["pendulum.urdf", "--step", "1"], "--stages"),
+    ] {
+        let output = run(&folder, &[&["simulate"], &arguments[..]].concat());
+        assert!(text(&output.stderr).contains(names), "{arguments:?}: {}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn a_full_disk_is_an_error_that_names_the_file() {
+    if !Path::new("/dev/full").exists() {
+        println!("skipped: this system has no /dev/full");
+        return;
+    }
+    let folder = folder("full");
+    let output = run(&folder, &["simulate", "pendulum.urdf", "-o", "/dev/full", "--duration", "1"]);
+    assert_one_error(&output, 1, "full disk");
+    assert!(text(&output.stderr).contains("/dev/full"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
+    let folder = folder("json");
+    let output = run(&folder, &["simulate", "pendulum.urdf", "--json", "--duration", "0.5"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    let expected: Value = serde_json::from_str(
+        r#"{
+        "catena": "", "input": "", "scene": "", "duration": 0,
+        "method": {"stages": 0, "order": 0, "step": 0, "adaptive": true, "tolerance": 0},
+        "model": {"links": 0, "bodies": 0, "joints": 0, "degrees_of_freedom": 0, "loops": 0, "redundant_constraints": 0},
+        "steps": 0, "iterations": 0, "rejected_steps": 0,
+        "wall_seconds": 0, "cpu_seconds": 0, "solve_cpu_seconds": 0,
+        "energy": {"initial": 0, "final": 0, "max_relative_error": 0},
+        "constraint": {"max_position": 0, "max_velocity": 0},
+        "links": {
+            "base": {"position": [0,0,0], "orientation": [0,0,0,0], "center_of_mass": [0,0,0],
+                     "linear_velocity": [0,0,0], "angular_velocity": [0,0,0]},
+            "rod": {"position": [0,0,0], "orientation": [0,0,0,0], "center_of_mass": [0,0,0],
+                    "linear_velocity": [0,0,0], "angular_velocity": [0,0,0]},
+            "tip": {"position": [0,0,0], "orientation": [0,0,0,0], "center_of_mass": [0,0,0],
+                    "linear_velocity": [0,0,0], "angular_velocity": [0,0,0]}},
+        "joints": {
+            "hinge": {"position": 0, "velocity": 0, "reaction_force": [0,0,0], "reaction_torque": [0,0,0]}},
+        "warnings": []}"#,
+    )
+    .expect("JSON");
+    assert_same_shape(&expected, &report, "report");
+}
+
+/// Same keys, same kinds of values, arrays of the same length.
+fn assert_same_shape(expected: &Value, got: &Value, place: &str) {
+    match (expected, got) {
+        (Value::Object(expected), Value::Object(got)) => {
+            let keys = |object: &serde_json::Map<String, Value>| object.keys().cloned().collect::<Vec<_>>();
+            assert_eq!(keys(expected), keys(got), "{place}");
+            for (key, value) in expected {
+                assert_same_shape(value, &got[key], &format!("{place}.{key}"));
+            }
+        }
+        (Value::Array(expected), Value::Array(got)) => {
+            assert_eq!(expected.len(), got.len(), "{place}");
+            for (expected, got) in expected.iter().zip(got) {
+                assert_same_shape(expected, got, place);
+            }
+        }
+        _ => assert_eq!(std::mem::discriminant(expected), std::mem::discriminant(got), "{place}: {got}"),
+    }
+}
+
+/// A rod without gravity turns evenly: the fused tip goes with it, and the joint pulls it inwards.
+#[test]
+fn the_report_is_of_the_end_of_the_run_that_was_asked_for() {
+    let folder = folder("values");
+    let arguments = ["--no-log", "--json", "--duration", "0.25", "--stages", "4", "--step", "0.001"];
+    let start = ["--position", "hinge=0.5", "--velocity", "hinge=-2", "--gravity", "0,0,0"];
+    let output = run(&folder, &[&["simulate", "pendulum.urdf"], &arguments[..], &start[..]].concat());
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    assert_eq!(report["duration"], 0.25);
+    assert_eq!(report["steps"], 250);
+    assert!(!folder.join("pendulum.mcap").exists(), "--no-log writes no log");
+    let near = |value: &Value, expected: f64| {
+        let value = value.as_f64().expect("a number");
+        assert!((value - expected).abs() < 1e-9, "{value} is not {expected}");
+    };
+    // Without gravity the angle is 0.5 − 2 t, and the rod pulls inwards with m r ω².
+    near(&report["joints"]["hinge"]["position"], 0.0);
+    near(&report["joints"]["hinge"]["velocity"], -2.0);
+    near(&report["joints"]["hinge"]["reaction_force"][2], 2.0);
+    near(&report["links"]["tip"]["position"][2], -1.0);
+    near(&report["links"]["rod"]["position"][2], 0.0);
+    near(&report["links"]["rod"]["center_of_mass"][2], -0.5);
+    near(&report["links"]["rod"]["linear_velocity"][0], 1.0);
+    near(&report["links"]["tip"]["angular_velocity"][1], -2.0);
+}
+
+#[test]
+fn a_floating_base_reports_seven_positions_and_six_velocities() {
+    let folder = folder("floating");
+    let motion = ["--base", "floating", "--base-velocity", "1,0,0,0,0,0", "--gravity", "0,0,0"];
+    let arguments = ["simulate", "pendulum.urdf", "--no-log", "--json", "--duration", "1"];
+    let output = run(&folder, &[&arguments[..], &motion[..]].concat());
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    let joints = report["joints"].as_object().expect("an object");
+    let (_, base) = joints.iter().find(|(name, _)| *name != "hinge").expect("the base is a joint");
+    assert_eq!(base["position"].as_array().map(Vec::len), Some(7));
+    assert_eq!(base["velocity"].as_array().map(Vec::len), Some(6));
+    assert!((base["position"][0].as_f64().expect("a number") - 1.0).abs() < 1e-9, "{base}");
+}
+
+#[test]
+fn the_log_is_named_after_the_input_and_lies_in_the_current_folder() {
+    let folder = folder("name");
+    let input = folder.join("pendulum.urdf");
+    let elsewhere = folder.join("elsewhere");
+    std::fs::create_dir(&elsewhere).expect("created");
+    let output = run(&elsewhere, &["simulate", &input.to_string_lossy(), "--duration", "0.5", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(output.stdout.is_empty() && output.stderr.is_empty(), "--quiet says nothing");
+    let log = std::fs::read(elsewhere.join("pendulum.mcap")).expect("a log");
+    let summary = mcap::Summary::read(&log).expect("complete").expect("with a summary");
+    let metadata = mcap::read::metadata(&log, &summary.metadata_indexes[0]).expect("metadata").metadata;
+    for key in [
+        "robot",
+        "base",
+        "base_pose",
+        "gravity",
+        "version",
+        "method",
+        "stages",
+        "order",
+        "step",
+        "tolerance",
+        "duration",
+        "rate",
+    ] {
+        assert!(metadata.contains_key(key), "{key}");
+    }
+    assert!(metadata["command_line"].contains("--duration 0.5"));
+}
+
+#[test]
+fn the_same_command_gives_the_same_bytes() {
+    let folder = folder("same");
+    let log = || {
+        let output = run(&folder, &["simulate", "pendulum.urdf", "--duration", "20", "--velocity", "hinge=1"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        std::fs::read(folder.join("pendulum.mcap")).expect("a log")
+    };
+    assert!(log() == log());
+}
+
+#[test]
+fn a_reader_of_the_report_may_go_away() {
+    let folder = folder("pipe");
+    let mut child = catena(&folder, &["simulate", "pendulum.urdf", "--duration", "1", "--json"]).spawn().expect("runs");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+}
+
+#[test]
+fn help_and_version_go_to_standard_output() {
+    let folder = folder("help");
+    for arguments in [&["--help"][..], &["--version"], &["simulate", "--help"]] {
+        let output = run(&folder, arguments);
+        assert_eq!(output.status.code(), Some(0));
+        assert!(output.stderr.is_empty() && !output.stdout.is_empty(), "{arguments:?}");
+    }
+}
+
+/// A spin whose kinetic energy is beyond the range of doubles.
+#[test]
+fn a_run_that_fails_leaves_a_complete_log_that_says_why() {
+    let folder = folder("failing");
+    let output = run(&folder, &["simulate", "pendulum.urdf", "--velocity", "hinge=1e200", "--json"]);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    assert!(error.starts_with("catena: error: ") && error.lines().count() == 1, "{error}");
+    serde_json::from_slice::<Value>(&output.stdout).expect("the report up to there");
+    let log = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    mcap::Summary::read(&log).expect("complete").expect("with a summary");
+    let lines = salvaged(&log, "/log");
+    let last = Log::decode(&*lines.last().expect("a line").data).expect("a log line");
+    assert_eq!(error.trim_end(), format!("catena: error: {}", last.message));
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_the_run_with_130_and_a_complete_log() {
+    let folder = folder("interrupt");
+    let log = folder.join("pendulum.mcap");
+    let arguments = [&["simulate", "pendulum.urdf", "--velocity", "hinge=1"], &ENDLESS[..]].concat();
+    let mut child = catena(&folder, &arguments).spawn().expect("runs");
+    wait_for(&mut child, "a log with samples", || salvaged_samples(&log) > 10);
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    assert!(sent.success());
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("interrupted"), "{}", text(&output.stderr));
+    let bytes = std::fs::read(&log).expect("a log");
+    let summary = mcap::Summary::read(&bytes).expect("complete").expect("with a summary");
+    let messages = mcap::MessageStream::new(&bytes).expect("complete");
+    let messages: Vec<_> = messages.collect::<Result<_, _>>().expect("every message is readable");
+    assert_eq!(summary.stats.expect("statistics").message_count, messages.len() as u64);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_run_leaves_a_readable_log() {
+    let folder = folder("kill");
+    let log = folder.join("pendulum.mcap");
+    let arguments = [&["simulate", "pendulum.urdf", "--velocity", "hinge=1"], &ENDLESS[..]].concat();
+    let mut child = catena(&folder, &arguments).spawn().expect("runs");
+    wait_for(&mut child, "a log with samples", || salvaged_samples(&log) > 10);
+    let seen = salvaged_samples(&log);
+    child.kill().expect("killed");
+    child.wait().expect("ends");
+    let bytes = std::fs::read(&log).expect("a log");
+    let samples = salvaged(&bytes, "/tf");
+    assert!(samples.len() >= seen, "{} of {seen} samples are left", samples.len());
+    for (index, sample) in samples.iter().enumerate() {
+        assert_eq!(sample.log_time, index as u64 * 1_000_000_000, "no sample is missing before the last");
+    }
+    assert_eq!(salvaged(&bytes, "/robot_description").len(), 1);
+}

@@ -1,0 +1,80 @@
+//! What several tests share: reproducible numbers, and the URDF evaluated literally, link by link.
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use catena::scene::{Robot, UrdfJointKind};
+use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Unit, Vector3};
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+/// A small reproducible generator (xorshift64*): tests must not differ from run to run.
+pub struct Numbers(u64);
+
+impl Numbers {
+    pub fn new(seed: u64) -> Self {
+        Numbers(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    /// A number between the bounds.
+    pub fn next(&mut self, low: f64, high: f64) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        let unit = (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64;
+        low + (high - low) * unit
+    }
+}
+
+/// The frame of every link in the world, by the definition of URDF alone: parent frame, then joint origin, then joint
+/// displacement about or along the axis. `positions` are user coordinates; joints without any are at zero.
+pub fn literal_link_poses(
+    robot: &Robot,
+    root: &IsometryMatrix3<f64>,
+    positions: &[(String, Vec<f64>)],
+) -> Vec<IsometryMatrix3<f64>> {
+    let given: HashMap<&str, &[f64]> = positions.iter().map(|(name, p)| (name.as_str(), p.as_slice())).collect();
+    robot.links.iter().map(|link| literal_link_pose(robot, &link.name, root, &given)).collect()
+}
+
+fn literal_link_pose(
+    robot: &Robot,
+    link: &str,
+    root: &IsometryMatrix3<f64>,
+    given: &HashMap<&str, &[f64]>,
+) -> IsometryMatrix3<f64> {
+    let Some(joint) = robot.joints.iter().find(|joint| joint.child == link) else { return *root };
+    let parent = literal_link_pose(robot, &joint.parent, root, given);
+    let Some(p) = given.get(joint.name.as_str()) else { return parent * joint.origin };
+    let turn = |angle| Rotation3::from_axis_angle(&Unit::new_normalize(joint.axis), angle);
+    let at = |v: Vector3<f64>, rotation| IsometryMatrix3::from_parts(Translation3::from(v), rotation);
+    let displacement = match joint.kind {
+        UrdfJointKind::Revolute | UrdfJointKind::Continuous => at(Vector3::zeros(), turn(p[0])),
+        UrdfJointKind::Prismatic => at(joint.axis * p[0], Rotation3::identity()),
+        UrdfJointKind::Planar => {
+            // The plane's x is the coordinate axis after the axis' largest entry, made orthogonal to it.
+            let n = joint.axis;
+            let next = Vector3::ith((n.iamax() + 1) % 3, 1.0);
+            let x = (next - n * n.dot(&next)).normalize();
+            at(x * p[0] + n.cross(&x) * p[1], turn(p[2]))
+        }
+        UrdfJointKind::Spherical => at(Vector3::zeros(), Rotation3::from_euler_angles(p[0], p[1], p[2])),
+        UrdfJointKind::Floating => at(Vector3::new(p[0], p[1], p[2]), Rotation3::from_euler_angles(p[3], p[4], p[5])),
+        UrdfJointKind::Fixed => IsometryMatrix3::identity(),
+    };
+    parent * joint.origin * displacement
+}
+
+/// Angle between two rotations [rad], exact for small angles.
+pub fn rotation_angle(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
+    (a - b).norm() / std::f64::consts::SQRT_2
+}
+
+/// A folder of the shared test data; `None`, with the reason printed, where it is not there.
+pub fn shared(folder: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared").join(folder);
+    if path.is_dir() {
+        return Some(path);
+    }
+    println!("skipped: {} does not exist", path.display());
+    None
+}
