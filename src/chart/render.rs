@@ -187,7 +187,11 @@ fn draw_line<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, pixels: &[(i32, 
     }
     let style = color(look).stroke_width(look.width);
     let (size, gap) = match look.dash {
-        Dash::Solid => return area.draw(&PathElement::new(pixels.to_vec(), style)),
+        // Piece by piece: a path that folds back on itself is drawn with a long spike at the fold.
+        Dash::Solid => {
+            let mut pieces = pixels.windows(2);
+            return pieces.try_for_each(|piece| area.draw(&PathElement::new(piece.to_vec(), style)));
+        }
         Dash::Dashed => (9, 6),
         Dash::Dotted => (2, 5),
     };
