@@ -7,7 +7,7 @@
 //!     f_k = m ( Σ_i B_ki (Δx_i − h c_i v) − h² g )                    [kg m]      force part, h² included
 //!     W_k = Σ_i B_ki (N_i − h c_i ω̂),   C_k = Σ (1 + N_k)ᵀ
 //!     e_k = vee(W_k C_k − (W_k C_k)ᵀ)                                 [kg m²]     torque about the centre of mass
-//!     Σ_k = (1 + N_k) C_k,   J_k = ½ tr J − Σ_k                       [kg m²]     inertia at stage k
+//!     Σ_k = (1 + N_k) C_k,   J_k = tr Σ_k − Σ_k                        [kg m²]     inertia at stage k
 //! ```
 //!
 //! and the Newton step is the articulated-body recursion (Featherstone 2008, chapter 7), lane by lane, each row with
@@ -38,8 +38,11 @@ use crate::model::FreeRotation;
 struct Sweep<'s, V> {
     /// Mixing matrix of the sweep, by columns.
     columns: &'s [V; MAX_LANES],
-    /// `h c_i`.
+    /// What rounding has cut off it.
+    rest: &'s [V; MAX_LANES],
+    /// `h c_i`, and what rounding has cut off it.
     times: V,
+    times_rest: V,
     /// One where a row has its stage's geometry.
     moved: V,
     /// What gravity adds to the mixed displacement of a centre of mass.
@@ -47,40 +50,59 @@ struct Sweep<'s, V> {
 }
 
 impl<V: Lanes> Stages<V> {
-    /// Residual and articulated factorisation of all rows, leaf to root.
+    /// Residual and articulated factorisation of all rows, leaf to root; `REFINED` with twice the digits of the
+    /// coefficients, for the last iterations of a step that is iterated to rounding.
     #[inline(always)]
-    pub fn sweep_residual(&mut self, gravity: &[f64; 3]) {
+    pub fn sweep_residual<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
         let columns = self.coefficients.residual;
+        let rest = self.coefficients.residual_rest;
         let square = -self.step * self.step;
         let sweep = Sweep {
             columns: &columns,
+            rest: &rest,
             times: self.coefficients.nodes * V::splat(self.step),
+            times_rest: self.times_rest(),
             moved: self.coefficients.moved,
             gravity: [square * gravity[0], square * gravity[1], square * gravity[2]],
         };
-        self.backward::<false>(&sweep);
+        self.backward::<false, REFINED>(&sweep);
     }
 
     /// Momenta and articulated factorisation at the end of the step (in the last active lane), leaf to root.
     #[inline(always)]
-    pub fn sweep_momentum(&mut self, gravity: &[f64; 3]) {
+    pub fn sweep_momentum<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
         let mut columns = self.coefficients.momentum;
+        let mut rest = self.coefficients.momentum_rest;
         let inverse = V::splat(1.0 / self.step);
-        for column in &mut columns {
-            *column = *column * inverse;
+        for (column, rest) in columns.iter_mut().zip(&mut rest) {
+            // The product with 1/h must not be rounded either.
+            let rounded = *column * inverse;
+            let lost = column.mul_add(inverse, -rounded);
+            *rest = rest.mul_add(inverse, lost);
+            *column = rounded;
         }
         let factor = self.step * self.coefficients.last_weight;
         let sweep = Sweep {
             columns: &columns,
+            rest: &rest,
             times: self.coefficients.nodes * V::splat(self.step),
+            times_rest: self.times_rest(),
             moved: V::splat(1.0),
             gravity: [factor * gravity[0], factor * gravity[1], factor * gravity[2]],
         };
-        self.backward::<true>(&sweep);
+        self.backward::<true, REFINED>(&sweep);
+    }
+
+    /// What rounding has cut off `h c_i`.
+    #[inline(always)]
+    fn times_rest(&self) -> V {
+        let step = V::splat(self.step);
+        let rounded = self.coefficients.nodes * step;
+        self.coefficients.nodes_rest.mul_add(step, self.coefficients.nodes.mul_add(step, -rounded))
     }
 
     #[inline(always)]
-    fn backward<const MOMENTUM: bool>(&mut self, sweep: &Sweep<V>) {
+    fn backward<const MOMENTUM: bool, const REFINED: bool>(&mut self, sweep: &Sweep<V>) {
         let mut carried = Articulated {
             mass: Symmetric::zero(),
             coupling: Matrix::zero(),
@@ -92,7 +114,7 @@ impl<V: Lanes> Stages<V> {
             let plan = &self.plan.bodies[index];
             let known = &self.start.bodies[index];
             let pose = self.poses[index];
-            let (own, turn) = body_residual::<V, MOMENTUM>(sweep, plan, known, &pose);
+            let (own, turn) = body_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, &pose);
             let mut total = match plan.children {
                 Children::None => own,
                 Children::Next => own.plus(&carried),
@@ -220,7 +242,7 @@ impl<V: Lanes> Stages<V> {
 
 /// Inertia and residual of one body about its anchor, and `N` at the rows' stages.
 #[inline(always)]
-fn body_residual<V: Lanes, const MOMENTUM: bool>(
+fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,
     plan: &BodyPlan,
     known: &BodyStart,
@@ -240,18 +262,34 @@ fn body_residual<V: Lanes, const MOMENTUM: bool>(
     let columns = sweep.columns;
     let start_velocity = Vector::<V>::splat(&known.velocity);
     let start_spin = Vector::<V>::splat(&known.spin);
-    let ahead = start_velocity.times_minus(sweep.times, displaced);
-    let ahead_turn = start_spin.times_minus(sweep.times, Vector([wx, wy, wz]));
+    let mut ahead = start_velocity.times_minus(sweep.times, displaced);
+    let mut ahead_turn = start_spin.times_minus(sweep.times, Vector([wx, wy, wz]));
+    if REFINED {
+        ahead = start_velocity.times_minus(sweep.times_rest, ahead);
+        ahead_turn = start_spin.times_minus(sweep.times_rest, ahead_turn);
+    }
     let mut path = Vector([ahead.0[0].mix(columns), ahead.0[1].mix(columns), ahead.0[2].mix(columns)]);
     let mut spin = Vector([ahead_turn.0[0].mix(columns), ahead_turn.0[1].mix(columns), ahead_turn.0[2].mix(columns)]);
+    let mut products =
+        [xx.mix(columns), xy.mix(columns), xz.mix(columns), yy.mix(columns), yz.mix(columns), zz.mix(columns)];
+    if REFINED {
+        let rest = sweep.rest;
+        path = path.plus(Vector([ahead.0[0].mix(rest), ahead.0[1].mix(rest), ahead.0[2].mix(rest)]));
+        spin = spin.plus(Vector([ahead_turn.0[0].mix(rest), ahead_turn.0[1].mix(rest), ahead_turn.0[2].mix(rest)]));
+        products = [
+            products[0] + xx.mix(rest),
+            products[1] + xy.mix(rest),
+            products[2] + xz.mix(rest),
+            products[3] + yy.mix(rest),
+            products[4] + yz.mix(rest),
+            products[5] + zz.mix(rest),
+        ];
+    }
     if MOMENTUM {
         path = path.plus(start_velocity);
         spin = spin.plus(start_spin);
     }
-    let mixed = increment_matrix(
-        [xx.mix(columns), xy.mix(columns), xz.mix(columns), yy.mix(columns), yz.mix(columns), zz.mix(columns)],
-        spin.0,
-    );
+    let mixed = increment_matrix(products, spin.0);
 
     // From here on: the geometry of the rows.
     let turn = if MOMENTUM { turn } else { turn.times(sweep.moved) };
@@ -269,15 +307,10 @@ fn body_residual<V: Lanes, const MOMENTUM: bool>(
     let turn_rows = turn.rows();
     let mixed_rows = mixed.rows();
     let entry = |row: usize, column: usize| turn_rows[row].dot_plus(c_columns[column], c.0[row][column]);
-    let half_trace = V::splat(plan.half_trace);
-    let own = Symmetric([
-        half_trace - entry(0, 0),
-        -entry(0, 1),
-        -entry(0, 2),
-        half_trace - entry(1, 1),
-        -entry(1, 2),
-        half_trace - entry(2, 2),
-    ]);
+    // The trace as the sum of the entries themselves: half the trace of J, known exactly, would round differently from
+    // the momentum below, and always to the same side.
+    let (first, second, third) = (entry(0, 0), entry(1, 1), entry(2, 2));
+    let own = Symmetric([second + third, -entry(0, 1), -entry(0, 2), first + third, -entry(1, 2), first + second]);
     let torque = Vector([
         mixed_rows[1].dot_from(c_columns[2], mixed_rows[2].dot(c_columns[1])),
         mixed_rows[2].dot_from(c_columns[0], mixed_rows[0].dot(c_columns[2])),

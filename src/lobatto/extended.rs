@@ -49,6 +49,11 @@ impl Extended {
         self.high
     }
 
+    /// What rounding to a double cuts off, itself rounded.
+    pub(crate) fn remainder(self) -> f64 {
+        self.low
+    }
+
     /// The absolute value.
     #[cfg(test)]
     pub(crate) fn abs(self) -> Self {

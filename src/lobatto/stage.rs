@@ -42,6 +42,12 @@ pub struct Coefficients<V> {
     pub active: usize,
     /// B by columns.
     pub residual: [V; MAX_LANES],
+    /// What rounding has cut off B, by columns.
+    pub residual_rest: [V; MAX_LANES],
+    /// What rounding has cut off the momentum weights.
+    pub momentum_rest: [V; MAX_LANES],
+    /// What rounding has cut off the nodes.
+    pub nodes_rest: V,
     /// Â by columns.
     pub solve: [V; MAX_LANES],
     /// Momentum weights `Σ_k b_k B_ki`, by columns, in every lane.
@@ -60,12 +66,18 @@ impl<V: Lanes> Coefficients<V> {
         let active = tableau.stages - 1;
         let row_of_lane = |lane: usize| if lane + 1 == active { 0 } else { lane + 1 };
         let mut residual = [V::zero(); MAX_LANES];
+        let mut residual_rest = [V::zero(); MAX_LANES];
+        let mut momentum_rest = [V::zero(); MAX_LANES];
         let mut solve = [V::zero(); MAX_LANES];
         let mut momentum = [V::zero(); MAX_LANES];
         for column in 0..active {
             let rows: Vec<f64> =
                 (0..active).map(|lane| tableau.b_matrix[row_of_lane(lane) * active + column]).collect();
             residual[column] = V::from_slice(&rows);
+            let rest: Vec<f64> =
+                (0..active).map(|lane| tableau.remainders.b_matrix[row_of_lane(lane) * active + column]).collect();
+            residual_rest[column] = V::from_slice(&rest);
+            momentum_rest[column] = V::splat(tableau.remainders.momentum_weights[column]);
             let rows: Vec<f64> = (0..active).map(|lane| tableau.a_hat[lane * active + row_of_lane(column)]).collect();
             solve[column] = V::from_slice(&rows);
             momentum[column] = V::splat(tableau.momentum_weights[column]);
@@ -74,6 +86,9 @@ impl<V: Lanes> Coefficients<V> {
         Coefficients {
             active,
             residual,
+            residual_rest,
+            momentum_rest,
+            nodes_rest: V::from_slice(&tableau.remainders.nodes[1..]),
             solve,
             momentum,
             nodes: V::from_slice(&tableau.nodes[1..]),

@@ -46,8 +46,6 @@ pub struct BodyPlan {
     pub alone: bool,
     /// Mass [kg].
     pub mass: f64,
-    /// `½ tr J` [kg m²], the trace of Σ.
-    pub half_trace: f64,
 }
 
 /// The start-of-step part of a body.
@@ -127,7 +125,6 @@ impl Plan {
                     && body.joint.kind == JointKind::Floating
                     && body.joint.on_child.translation.vector == nalgebra::Vector3::zeros(),
                 mass: body.mass,
-                half_trace: 0.5 * body.inertia.sum(),
             })
             .collect();
         plans.reverse();

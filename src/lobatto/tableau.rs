@@ -59,12 +59,25 @@ pub struct Tableau {
     /// `w_i = Σ_{k<s} b_k B_ki`, i = 2..s (s−1): the end momentum without the last stage's force is
     /// `p₀ + M Σ_i w_i (Q_i − q₀ − h c_i v₀) / h`.
     pub momentum_weights: Vec<f64>,
+    /// What rounding has cut off `nodes`, `b_matrix` and `momentum_weights`: the coefficients to twice the digits.
+    pub remainders: Remainders,
     /// Row s of the inverse of the matrix `P_k(2c_i − 1)` (rows i, columns k = 0..s−1) (s): applied to values at the
     /// nodes it gives the highest Legendre coefficient of their interpolant, the step-size control's error measure.
     pub top_legendre: Vec<f64>,
     /// Barycentric weights of the nodes (s), scaled so that the last is 1: the interpolant of values `y_i` is
     /// `Σ_i u_i y_i / (x − c_i) ÷ Σ_i u_i / (x − c_i)`.
     pub barycentric: Vec<f64>,
+}
+
+/// The digits of the coefficients beyond those of a double; the same shapes as in [`Tableau`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Remainders {
+    /// Beyond `nodes` (s).
+    pub nodes: Vec<f64>,
+    /// Beyond `b_matrix` ((s−1) × (s−1)).
+    pub b_matrix: Vec<f64>,
+    /// Beyond `momentum_weights` (s−1).
+    pub momentum_weights: Vec<f64>,
 }
 
 /// Why there is no tableau.
@@ -89,8 +102,14 @@ impl Tableau {
         }
         let exact = Exact::new(stages);
         let round = |values: &[Extended]| values.iter().map(|value| value.rounded()).collect();
+        let rest = |values: &[Extended]| values.iter().map(|value| value.remainder()).collect();
         Ok(Tableau {
             stages,
+            remainders: Remainders {
+                nodes: rest(&exact.nodes),
+                b_matrix: rest(&exact.b_matrix),
+                momentum_weights: rest(&exact.momentum_weights),
+            },
             nodes: round(&exact.nodes),
             weights: round(&exact.weights),
             a: round(&exact.a),
