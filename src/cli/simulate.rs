@@ -19,7 +19,7 @@ use cpu_time::ProcessTime;
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 const DEFAULT_DURATION: f64 = 10.0;
@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let duration = arguments.duration.unwrap_or(DEFAULT_DURATION);
     let rate = arguments.rate.unwrap_or(DEFAULT_RATE);
 
-    watch_for_interrupts().map_err(Failure::run)?;
+    super::watch_for_interrupts(&INTERRUPTED).map_err(Failure::run)?;
     let mut recorder = match &output {
         Some(path) => {
             let simulation = description(&model, duration, rate, choice, integrator.as_ref());
@@ -254,16 +254,6 @@ fn pose_numbers(pose: &Pose) -> [f64; 6] {
 /// Numbers with commas between, in full precision.
 fn listed(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
-}
-
-/// The first Ctrl-C asks the run to end, the second ends the process.
-fn watch_for_interrupts() -> anyhow::Result<()> {
-    ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    })
-    .context("cannot watch for Ctrl-C")
 }
 
 /// Completes the log, whatever ended the run, and says how the run ended.
