@@ -22,7 +22,7 @@ pub struct Report {
     pub input: String,
     /// Name of the robot or scene.
     pub scene: String,
-    /// Simulated time [s].
+    /// Simulated time (s).
     pub duration: f64,
     /// The scheme and its step.
     pub method: MethodReport,
@@ -34,11 +34,11 @@ pub struct Report {
     pub iterations: usize,
     /// Steps that were thrown away.
     pub rejected_steps: usize,
-    /// Time the run took [s].
+    /// Time the run took (s).
     pub wall_seconds: f64,
-    /// Processor time the run took [s].
+    /// Processor time the run took (s).
     pub cpu_seconds: f64,
-    /// Processor time in the integration loop without logging [s].
+    /// Processor time in the integration loop without logging (s).
     pub solve_cpu_seconds: f64,
     /// Energy over the run.
     pub energy: EnergyReport,
@@ -67,7 +67,7 @@ pub struct MethodReport {
     pub stages: usize,
     /// Order of convergence.
     pub order: usize,
-    /// The step, or the mean step of an adaptive run [s].
+    /// The step, or the mean step of an adaptive run (s).
     pub step: f64,
     /// Whether the step is chosen from a tolerance.
     pub adaptive: bool,
@@ -92,7 +92,7 @@ pub struct ModelReport {
     pub redundant_constraints: usize,
 }
 
-/// Energy [J] at both ends and its error in between.
+/// Energy (J) at both ends and its error in between.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct EnergyReport {
     /// Total energy at the start.
@@ -115,11 +115,11 @@ pub struct ConstraintReport {
 /// A link in the world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LinkReport {
-    /// Origin of the link's frame [m].
+    /// Origin of the link's frame (m).
     pub position: [f64; 3],
     /// Orientation of the link's frame, as w, x, y, z.
     pub orientation: [f64; 4],
-    /// Centre of mass of the link itself [m].
+    /// Centre of mass of the link itself (m).
     pub center_of_mass: [f64; 3],
     /// Velocity of the centre of mass [m/s].
     pub linear_velocity: [f64; 3],
@@ -134,7 +134,7 @@ pub struct JointReport {
     pub position: Numbers,
     /// Velocity; that of the child frame's origin before the angular velocity.
     pub velocity: Numbers,
-    /// Force of the parent on the child at the joint, in the world [N].
+    /// Force of the parent on the child at the joint, in the world (N).
     pub reaction_force: [f64; 3],
     /// Torque of the parent on the child about the joint, in the world [N m].
     pub reaction_torque: [f64; 3],

@@ -35,7 +35,7 @@ pub enum Verdict {
     },
 }
 
-/// Energies at the end of a finished step [J].
+/// Energies at the end of a finished step (J).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Energies {
     /// Change of the total energy over the step.
@@ -80,7 +80,7 @@ impl Control {
         self.tolerance
     }
 
-    /// The length of the next step [s].
+    /// The length of the next step (s).
     pub fn step(&self) -> f64 {
         self.step
     }
@@ -130,8 +130,9 @@ impl Control {
                 if let Some(energies) = energies {
                     self.kinetic = self.kinetic.max(energies.kinetic);
                     let allowed = ENERGY_SHARE * self.tolerance * self.kinetic + 1e-13 * energies.total.abs();
-                    // A step in which the energy is not finite fails this test too.
-                    if !(energies.change.abs() <= allowed) {
+                    // An energy that is not finite is not kept either.
+                    let kept = energies.change.abs() <= allowed;
+                    if !kept {
                         let excess = (allowed / energies.change.abs()).powf(1.0 / (2.0 * order + 1.0));
                         self.step = step * (0.9 * excess).clamp(0.2, 0.9);
                         return Verdict::Retry { without_past: false };
