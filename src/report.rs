@@ -257,7 +257,8 @@ impl fmt::Display for Report {
             out,
             "{}: {} s simulated in {:.3} s, {} times real time",
             self.scene,
-            self.duration,
+            // Sums of steps carry roundings that nobody wants to read.
+            (self.duration * 1e6).round() / 1e6,
             self.wall_seconds,
             rounded(speed)
         )?;
