@@ -111,7 +111,7 @@ fn chosen_steps_give_the_reference_answers_as_well_as_fixed_ones() {
     }
 }
 
-/// Errors at the end per unit of tolerance. The tolerance is kept step by step; from there to the end each motion
+/// Errors at the end per unit of tolerance. The tolerance steers single steps; from there to the end each motion
 /// magnifies errors in its own way, these by up to a thousand times and the tumbling body by more: the numbers are a
 /// few times what is found at 1e-6, 1e-8 and 1e-10.
 const MAGNIFICATION: [(&str, f64, f64); 5] = [
