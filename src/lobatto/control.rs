@@ -35,7 +35,7 @@ pub enum Verdict {
     },
 }
 
-/// Energies at the end of a finished step (J).
+/// Energies at the end of a finished step [J].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Energies {
     /// Change of the total energy over the step.
@@ -80,14 +80,19 @@ impl Control {
         self.tolerance
     }
 
-    /// The length of the next step (s).
+    /// The length of the next step [s].
     pub fn step(&self) -> f64 {
         self.step
     }
 
     /// Where the iteration stops.
     pub fn rule(&self) -> StopRule {
-        StopRule { increment: self.stop, rounding: self.stop.max(1e-11), iterations: 40 }
+        StopRule { increment: self.stop, rounding: self.stop.max(1e-11), iterations: 40, legendre: self.limit() }
+    }
+
+    /// The largest E of a step that is kept.
+    fn limit(&self) -> f64 {
+        1.8_f64.powi(self.stages as i32 - 1) * self.wanted
     }
 
     /// Whether a first step has been chosen.
@@ -120,19 +125,25 @@ impl Control {
                 }
                 Verdict::Retry { without_past: !plain }
             }
+            Attempt::TurnedTooFar { .. } => {
+                self.step = 0.7 * step;
+                Verdict::Retry { without_past: false }
+            }
+            Attempt::Inaccurate { legendre, .. } => {
+                self.step = step * (self.wanted / legendre).powf(1.0 / order).clamp(0.2, 0.9);
+                Verdict::Retry { without_past: false }
+            }
             Attempt::Converged { iterations, legendre } => {
                 let error = legendre.max(1e-300);
-                let limit = 1.8_f64.powf(order) * self.wanted;
-                if error > limit {
+                if error > self.limit() {
                     self.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
                     return Verdict::Retry { without_past: false };
                 }
                 if let Some(energies) = energies {
                     self.kinetic = self.kinetic.max(energies.kinetic);
                     let allowed = ENERGY_SHARE * self.tolerance * self.kinetic + 1e-13 * energies.total.abs();
-                    // An energy that is not finite is not kept either.
-                    let kept = energies.change.abs() <= allowed;
-                    if !kept {
+                    // A step in which the energy is not finite fails this test too.
+                    if energies.change.is_nan() || energies.change.abs() > allowed {
                         let excess = (allowed / energies.change.abs()).powf(1.0 / (2.0 * order + 1.0));
                         self.step = step * (0.9 * excess).clamp(0.2, 0.9);
                         return Verdict::Retry { without_past: false };
