@@ -13,6 +13,7 @@
 
 use super::lanes::Isa;
 use super::step::{Attempt, Step, StopRule};
+use super::tableau::Tableau;
 use crate::model::Mechanism;
 use crate::state::State;
 
@@ -61,18 +62,17 @@ pub struct Control {
 }
 
 impl Control {
-    /// A controller for a wanted position accuracy.
-    pub fn new(_mechanism: &Mechanism, tolerance: f64, isa: Isa) -> Self {
-        // The end error is the stop times the scene's own amplification, 1e2 … 1e6 (step-control.md, section 4).
-        let stop = (1e-4 * tolerance).clamp(1e-16, 1e-4);
+    /// A controller for an iteration stop `ε`; `tolerance` bounds the change of the energy.
+    pub fn new(tolerance: f64, stop: f64, isa: Isa) -> Self {
+        let stop = stop.clamp(1e-16, 1e-3);
         let stages = if isa == Isa::Avx512 { 9 } else { 5 };
         let factor = if stages == 9 { 0.3 } else { 1.0 };
         Control { tolerance, stages, stop, wanted: factor * stop.sqrt(), step: 0.0, previous: None, kinetic: 0.0 }
     }
 
-    /// The number of stages the tolerance and the processor call for.
-    pub fn stages(&self) -> usize {
-        self.stages
+    /// The scheme: nine stages fill the eight lanes of AVX-512, five the four lanes of anything less.
+    pub fn tableau(&self) -> Tableau {
+        Tableau::new(self.stages).expect("five and nine stages are in range")
     }
 
     /// The tolerance asked for.

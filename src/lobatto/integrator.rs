@@ -83,20 +83,27 @@ impl Lobatto {
         Self::with_mode(mechanism, stages, mode, isa)
     }
 
-    /// Steps chosen from a wanted position accuracy [m or rad].
-    ///
-    /// # Errors
-    /// [`TableauError`] never for the stage numbers chosen here; it is part of the signature for symmetry.
-    pub fn adaptive(mechanism: &Mechanism, tolerance: f64) -> Result<Self, TableauError> {
+    /// Steps chosen for a wanted position accuracy [m or rad], with the iteration stop that suits motions of moderate
+    /// amplification; [`crate::calibration`] finds the one for the motion at hand.
+    pub fn adaptive(mechanism: &Mechanism, tolerance: f64) -> Self {
+        Self::adaptive_with_stop(mechanism, tolerance, 1e-4 * tolerance)
+    }
+
+    /// Steps chosen for an iteration stop, the local accuracy of joint displacements [m or rad]; `tolerance` bounds the
+    /// change of the energy relative to the kinetic energy.
+    pub fn adaptive_with_stop(mechanism: &Mechanism, tolerance: f64, stop: f64) -> Self {
         let isa = Isa::detect();
-        let control = Control::new(mechanism, tolerance, isa);
-        let stages = control.stages();
-        Self::with_mode(mechanism, stages, Mode::Adaptive(control), isa)
+        let control = Control::new(tolerance, stop, isa);
+        let tableau = control.tableau();
+        Self::with_tableau(mechanism, tableau, Mode::Adaptive(control), isa)
     }
 
     fn with_mode(mechanism: &Mechanism, stages: usize, mode: Mode, isa: Isa) -> Result<Self, TableauError> {
-        let tableau = Tableau::new(stages)?;
-        Ok(Lobatto {
+        Ok(Self::with_tableau(mechanism, Tableau::new(stages)?, mode, isa))
+    }
+
+    fn with_tableau(mechanism: &Mechanism, tableau: Tableau, mode: Mode, isa: Isa) -> Self {
+        Lobatto {
             kernel: step_for(mechanism, &tableau, isa),
             dense: DenseRule::new(&tableau),
             tableau,
@@ -107,7 +114,7 @@ impl Lobatto {
             steps: 0,
             stepped_time: 0.0,
             left_at: None,
-        })
+        }
     }
 
     /// Finishes the solved step into `self.end`; returns the change of the total energy and the kinetic energy.

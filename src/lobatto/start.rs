@@ -11,7 +11,7 @@
 
 use crate::invariants::Energy;
 use crate::kinematics::{WORLD, forward_kinematics};
-use crate::model::{FreeRotation, Mechanism};
+use crate::model::{FreeRotation, JointKind, Mechanism};
 use crate::state::{BodyState, State};
 
 /// What receives the articulated inertia of a body's children, and how.
@@ -42,7 +42,9 @@ pub struct BodyPlan {
     pub translations: usize,
     /// Which rotations are free.
     pub rotation: FreeRotation,
-    /// Mass (kg).
+    /// Whether the body floats alone about its centre of mass: its translation and rotation do not couple.
+    pub alone: bool,
+    /// Mass [kg].
     pub mass: f64,
     /// `½ tr J` [kg m²], the trace of Σ.
     pub half_trace: f64,
@@ -51,9 +53,9 @@ pub struct BodyPlan {
 /// The start-of-step part of a body.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BodyStart {
-    /// From the parent's anchor to this body's (m).
+    /// From the parent's anchor to this body's [m].
     pub arm: [f64; 3],
-    /// From the anchor to the centre of mass (m).
+    /// From the anchor to the centre of mass [m].
     pub com: [f64; 3],
     /// Σ: xx, xy, xz, yy, yz, zz [kg m²].
     pub sigma: [f64; 6],
@@ -120,6 +122,10 @@ impl Plan {
                 first_axis: body.joint.velocity_index,
                 translations: body.joint.kind.translation_axes().len(),
                 rotation: body.joint.kind.rotation(),
+                alone: body.parent.is_none()
+                    && children[index] == Children::None
+                    && body.joint.kind == JointKind::Floating
+                    && body.joint.on_child.translation.vector == nalgebra::Vector3::zeros(),
                 mass: body.mass,
                 half_trace: 0.5 * body.inertia.sum(),
             })
