@@ -81,11 +81,11 @@ pub struct MethodReport {
 /// The accuracy to expect of a run, from pilot runs.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct AccuracyReport {
-    /// The accuracy asked for [m].
+    /// The accuracy asked for (m).
     pub wanted: f64,
-    /// The largest error to expect at any instant of the run [m].
+    /// The largest error to expect at any instant of the run (m).
     pub estimated: f64,
-    /// The instant up to which the wanted accuracy is expected to hold [s].
+    /// The instant up to which the wanted accuracy is expected to hold (s).
     pub holds_until: f64,
     /// Whether that is the end of the run.
     pub reached: bool,

@@ -8,7 +8,7 @@ use catena::model::{Model, ModelOptions};
 use catena::scene::{PackagePath, read_urdf};
 use catena::simulation::Integrator;
 use catena::state::State;
-use common::{rotation_angle, run_until, shared};
+use common::{by_tolerance, rotation_angle, run_until, shared};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;
@@ -104,34 +104,28 @@ fn chosen_steps_give_the_reference_answers_as_well_as_fixed_ones() {
     let Some(folder) = shared("reference") else { return };
     for (name, _, metres, radians) in FIXED {
         let scene = Scene::read(&folder, name);
-        let (distance, angle) = scene.error(&mut Lobatto::adaptive(&scene.model.mechanism, 1e-12).unwrap());
+        let (distance, angle) = scene.error(&mut Lobatto::adaptive(&scene.model.mechanism, 1e-12));
         println!("{name}: {distance:.1e} m, {angle:.1e} rad");
         assert!(distance <= metres, "{name}: {distance:.1e} m");
         assert!(angle <= radians, "{name}: {angle:.1e} rad");
     }
 }
 
-/// Errors at the end per unit of tolerance. The tolerance steers single steps; from there to the end each motion
-/// magnifies errors in its own way, these by up to a thousand times and the tumbling body by more: the numbers are a
-/// few times what is found at 1e-6, 1e-8 and 1e-10.
-const MAGNIFICATION: [(&str, f64, f64); 5] = [
-    ("pendulum3d_double_T3", 1.0, 1.0),
-    ("arm7_T1", 100.0, 500.0),
-    ("chain_10_T05", 300.0, 5e4),
-    ("heavy_tip_T05", 2e3, 1e6),
-    ("dzhanibekov", 1e-4, 1e5),
-];
-
 #[test]
-fn chosen_steps_err_in_proportion_to_the_tolerance() {
+fn chosen_steps_keep_to_the_tolerance() {
     let Some(folder) = shared("reference") else { return };
-    for (name, metres, radians) in MAGNIFICATION {
+    let mut misses = Vec::new();
+    for (name, ..) in FIXED {
         let scene = Scene::read(&folder, name);
-        for tolerance in [1e-6, 1e-8, 1e-10] {
-            let (distance, angle) = scene.error(&mut Lobatto::adaptive(&scene.model.mechanism, tolerance).unwrap());
+        let duration = scene.answer["duration"].as_f64().unwrap();
+        for tolerance in [1e-4, 1e-6, 1e-8] {
+            let mut lobatto = by_tolerance(&scene.model.mechanism, &scene.start, duration, tolerance);
+            let (distance, angle) = scene.error(&mut lobatto);
             println!("{name} at {tolerance:.0e}: {distance:.1e} m, {angle:.1e} rad");
-            assert!(distance <= metres * tolerance, "{name} at {tolerance:.0e}: {distance:.1e} m");
-            assert!(angle <= radians * tolerance, "{name} at {tolerance:.0e}: {angle:.1e} rad");
+            if distance > tolerance {
+                misses.push(format!("{name} at {tolerance:.0e}: {distance:.1e} m"));
+            }
         }
     }
+    assert!(misses.is_empty(), "{misses:#?}");
 }

@@ -3,10 +3,9 @@
 
 mod common;
 
-use catena::lobatto::Lobatto;
 use catena::model::{Base, Model, ModelError, ModelOptions};
 use catena::scene::{PackagePath, read_urdf};
-use common::{run_until, shared, stem, urdf_files};
+use common::{by_tolerance, run_until, shared, stem, urdf_files};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -37,7 +36,7 @@ fn every_real_robot_runs_a_second_and_keeps_its_energy() {
                 let increment: Vec<f64> = (0..mechanism.velocity_count).map(wave(1.0)).collect();
                 state.displace(mechanism, &increment);
                 state.velocity = (0..mechanism.velocity_count).map(wave(2.5)).collect();
-                let mut lobatto = Lobatto::adaptive(mechanism, TOLERANCE).unwrap();
+                let mut lobatto = by_tolerance(mechanism, &state, 1.0, TOLERANCE);
                 let summary = run_until(mechanism, &mut state, &mut lobatto, 1.0);
                 runs += 1;
                 let error = summary.max_relative_energy_error;

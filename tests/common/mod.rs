@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+use catena::calibration::calibrate;
+use catena::lobatto::Lobatto;
 use catena::model::Mechanism;
 use catena::scene::{Robot, UrdfJointKind};
 use catena::simulation::{Integrator, RunOptions, Summary, run};
@@ -102,4 +104,11 @@ pub fn run_until(mechanism: &Mechanism, state: &mut State, integrator: &mut dyn 
     let (summary, ended) = run(mechanism, state, integrator, &options, &mut []);
     ended.unwrap_or_else(|error| panic!("{}: {error}", mechanism.name));
     summary
+}
+
+/// The integrator of `catena simulate --tolerance`: steps chosen with the iteration stop that pilot runs recommend.
+pub fn by_tolerance(mechanism: &Mechanism, start: &State, duration: f64, tolerance: f64) -> Lobatto {
+    let found = calibrate(mechanism, start, duration, tolerance, None)
+        .unwrap_or_else(|error| panic!("{}: {error}", mechanism.name));
+    Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop)
 }
