@@ -92,7 +92,7 @@ impl Control {
 
     /// The largest E of a step that is kept.
     fn limit(&self) -> f64 {
-        1.8_f64.powi(self.stages as i32 - 1) * self.wanted
+        1.3_f64.powi(self.stages as i32 - 1) * self.wanted
     }
 
     /// Whether a first step has been chosen.
