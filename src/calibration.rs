@@ -37,9 +37,9 @@ const REFINEMENT: f64 = 1e-3;
 pub struct Calibration {
     /// The iteration stop to run with.
     pub stop: f64,
-    /// The error to expect at the worst instant of the run [m].
+    /// The error to expect at the worst instant of the run (m).
     pub estimate: f64,
-    /// The last instant up to which the wanted accuracy is expected to hold [s]; the end of the run if it is reached.
+    /// The last instant up to which the wanted accuracy is expected to hold (s); the end of the run if it is reached.
     pub holds_until: f64,
     /// Number of pilot runs.
     pub pilots: usize,
@@ -56,7 +56,7 @@ pub enum CalibrationError {
     Interrupted,
 }
 
-/// Finds the iteration stop with which a run of `duration` from `state` is accurate to `tolerance` [m].
+/// Finds the iteration stop with which a run of `duration` from `state` is accurate to `tolerance` (m).
 ///
 /// # Errors
 /// [`CalibrationError`] if a pilot fails or the flag is set.

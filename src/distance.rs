@@ -7,7 +7,7 @@
 //!     x,   x + ρ R e₁,   x + ρ R e₂,   x + ρ R e₃          ρ = √( tr(J) / (2 m) ) = √( ∫ r² dm / m )       [m]
 //! ```
 //!
-//! and the distance is the largest over all probes of all bodies [m]. The centre of mass alone would not see a body
+//! and the distance is the largest over all probes of all bodies (m). The centre of mass alone would not see a body
 //! that only spins; a rotation error of δ rad counts as about ρ δ metres.
 
 use crate::kinematics::body_states;
@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 /// Probes of one body.
 pub const PROBES: usize = 4;
 
-/// The probes of all bodies, in the world [m], [`PROBES`] to a body.
+/// The probes of all bodies, in the world (m), [`PROBES`] to a body.
 pub fn probes(mechanism: &Mechanism, state: &State) -> Vec<Vector3<f64>> {
     let mut probes = Vec::with_capacity(PROBES * mechanism.bodies.len());
     for (body, pose) in mechanism.bodies.iter().zip(body_states(mechanism, state)) {
@@ -30,7 +30,7 @@ pub fn probes(mechanism: &Mechanism, state: &State) -> Vec<Vector3<f64>> {
     probes
 }
 
-/// The largest distance between corresponding probes [m]; NaN if any of them is not finite.
+/// The largest distance between corresponding probes (m); NaN if any of them is not finite.
 pub fn distance(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     let distances = a.iter().zip(b).map(|(a, b)| (a - b).norm());
     distances.fold(0.0, |worst: f64, distance| if distance.is_nan() { f64::NAN } else { worst.max(distance) })

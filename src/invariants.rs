@@ -10,7 +10,7 @@ use crate::model::{FreeRotation, Mechanism};
 use crate::state::BodyState;
 use nalgebra::Vector3;
 
-/// Kinetic and potential energy [J].
+/// Kinetic and potential energy (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
     /// Kinetic energy.

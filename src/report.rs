@@ -23,7 +23,7 @@ pub struct Report {
     pub input: String,
     /// Name of the robot or scene.
     pub scene: String,
-    /// Simulated time [s].
+    /// Simulated time (s).
     pub duration: f64,
     /// The scheme and its step.
     pub method: MethodReport,
@@ -35,11 +35,11 @@ pub struct Report {
     pub iterations: usize,
     /// Steps that were thrown away.
     pub rejected_steps: usize,
-    /// Time the run took [s].
+    /// Time the run took (s).
     pub wall_seconds: f64,
-    /// Processor time the run took [s].
+    /// Processor time the run took (s).
     pub cpu_seconds: f64,
-    /// Processor time in the integration loop without logging [s].
+    /// Processor time in the integration loop without logging (s).
     pub solve_cpu_seconds: f64,
     /// The accuracy to expect, when one was asked for.
     pub accuracy: Option<AccuracyReport>,
@@ -70,7 +70,7 @@ pub struct MethodReport {
     pub stages: usize,
     /// Order of convergence.
     pub order: usize,
-    /// The step, or the mean step of an adaptive run [s].
+    /// The step, or the mean step of an adaptive run (s).
     pub step: f64,
     /// Whether the step is chosen from a tolerance.
     pub adaptive: bool,
@@ -81,11 +81,11 @@ pub struct MethodReport {
 /// The accuracy to expect of a run, from pilot runs.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct AccuracyReport {
-    /// The accuracy asked for [m].
+    /// The accuracy asked for (m).
     pub wanted: f64,
-    /// The largest error to expect at any instant of the run [m].
+    /// The largest error to expect at any instant of the run (m).
     pub estimated: f64,
-    /// The instant up to which the wanted accuracy is expected to hold [s].
+    /// The instant up to which the wanted accuracy is expected to hold (s).
     pub holds_until: f64,
     /// Whether that is the end of the run.
     pub reached: bool,
@@ -135,7 +135,7 @@ pub struct ModelReport {
     pub redundant_constraints: usize,
 }
 
-/// Energy [J] at both ends and its error in between.
+/// Energy (J) at both ends and its error in between.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct EnergyReport {
     /// Total energy at the start.
@@ -158,11 +158,11 @@ pub struct ConstraintReport {
 /// A link in the world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LinkReport {
-    /// Origin of the link's frame [m].
+    /// Origin of the link's frame (m).
     pub position: [f64; 3],
     /// Orientation of the link's frame, as w, x, y, z.
     pub orientation: [f64; 4],
-    /// Centre of mass of the link itself [m].
+    /// Centre of mass of the link itself (m).
     pub center_of_mass: [f64; 3],
     /// Velocity of the centre of mass [m/s].
     pub linear_velocity: [f64; 3],
@@ -177,7 +177,7 @@ pub struct JointReport {
     pub position: Numbers,
     /// Velocity; that of the child frame's origin before the angular velocity.
     pub velocity: Numbers,
-    /// Force of the parent on the child at the joint, in the world [N].
+    /// Force of the parent on the child at the joint, in the world (N).
     pub reaction_force: [f64; 3],
     /// Torque of the parent on the child about the joint, in the world [N m].
     pub reaction_torque: [f64; 3],
@@ -300,7 +300,8 @@ impl fmt::Display for Report {
             out,
             "{}: {} s simulated in {:.3} s, {} times real time",
             self.scene,
-            self.duration,
+            // Sums of steps carry roundings that nobody wants to read.
+            (self.duration * 1e6).round() / 1e6,
             self.wall_seconds,
             rounded(speed)
         )?;

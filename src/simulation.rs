@@ -20,7 +20,7 @@ pub struct MethodDescription {
     pub stages: usize,
     /// Order of convergence.
     pub order: usize,
-    /// The fixed step, or the mean accepted step of an adaptive run [s].
+    /// The fixed step, or the mean accepted step of an adaptive run (s).
     pub step: f64,
     /// Whether the step is chosen from a tolerance.
     pub adaptive: bool,
@@ -31,7 +31,7 @@ pub struct MethodDescription {
 /// What one accepted step cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepOutcome {
-    /// Length of the step [s].
+    /// Length of the step (s).
     pub step: f64,
     /// Iterations of the nonlinear solve, or evaluations of the right-hand side.
     pub iterations: usize,
@@ -80,7 +80,7 @@ pub trait Integrator {
 
 /// The mechanism at one sampled instant.
 pub struct Sample<'s> {
-    /// The sampled time [s].
+    /// The sampled time (s).
     pub time: f64,
     /// Joint positions and velocities from dense output.
     pub position: &'s [f64],
@@ -95,7 +95,7 @@ pub struct Sample<'s> {
 /// The figures at the end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepEnd {
-    /// Time at the end of the step [s].
+    /// Time at the end of the step (s).
     pub time: f64,
     /// Energy there.
     pub energy: Energy,
@@ -119,7 +119,7 @@ pub trait Observer {
 
 /// What to run and how to watch it.
 pub struct RunOptions<'o> {
-    /// Simulated time to run [s].
+    /// Simulated time to run (s).
     pub duration: f64,
     /// Samples per simulated second, `None` for the first and the last instant only.
     pub rate: Option<f64>,
@@ -136,7 +136,7 @@ pub struct Summary {
     pub iterations: usize,
     /// Attempts thrown away.
     pub rejected_steps: usize,
-    /// CPU time in the integrator alone [s].
+    /// CPU time in the integrator alone (s).
     pub solve_cpu_seconds: f64,
     /// Energy at the start.
     pub initial_energy: Energy,

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Joint positions and velocities at a time; the layout is that of the [`Mechanism`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// Time [s].
+    /// Time (s).
     pub time: f64,
     /// Joint positions (`position_count` numbers; see the table of [`crate::model::joint`]).
     pub position: Vec<f64>,
@@ -23,7 +23,7 @@ pub struct State {
 /// The maximal-coordinate state of one body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyState {
-    /// Centre of mass in the world [m].
+    /// Centre of mass in the world (m).
     pub position: Vector3<f64>,
     /// Body axes in the world, as columns.
     pub rotation: Matrix3<f64>,
@@ -89,7 +89,7 @@ impl State {
     }
 }
 
-/// The unit quaternion (w, x, y, z) of a rotation vector [rad].
+/// The unit quaternion (w, x, y, z) of a rotation vector (rad).
 pub fn quaternion_exponential(theta: &[f64]) -> [f64; 4] {
     let angle = (theta[0] * theta[0] + theta[1] * theta[1] + theta[2] * theta[2]).sqrt();
     let half = 0.5 * angle;
@@ -98,7 +98,7 @@ pub fn quaternion_exponential(theta: &[f64]) -> [f64; 4] {
     [half.cos(), scale * theta[0], scale * theta[1], scale * theta[2]]
 }
 
-/// The rotation vector [rad] of a unit quaternion (w, x, y, z), of length at most π.
+/// The rotation vector (rad) of a unit quaternion (w, x, y, z), of length at most π.
 pub fn quaternion_logarithm(q: &[f64; 4]) -> [f64; 3] {
     let sign = if q[0] < 0.0 { -1.0 } else { 1.0 };
     let sine = (q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();

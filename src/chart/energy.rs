@@ -30,7 +30,7 @@ pub struct EnergyHistory {
     pub method: Method,
     /// Its setting.
     pub setting: Setting,
-    /// Time at the end of each interval [s] and the largest relative energy error in it.
+    /// Time at the end of each interval (s) and the largest relative energy error in it.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -63,7 +63,7 @@ impl EnergyHistory {
     }
 }
 
-/// The largest kinetic energy of the scene [J], from a run of moderate accuracy; the start's own if that fails.
+/// The largest kinetic energy of the scene (J), from a run of moderate accuracy; the start's own if that fails.
 pub fn largest_kinetic(scene: &Scene) -> f64 {
     let mut largest = energies(scene, &scene.start).0;
     walk(scene, Method::Dop853, Setting::Tolerance(1e-6), |state| largest = largest.max(energies(scene, state).0));

@@ -10,7 +10,7 @@ pub fn whole_step(duration: f64, wanted: f64) -> f64 {
     duration / (duration / wanted).ceil().max(1.0)
 }
 
-/// The settings of a method, coarse first. `time_scale` [s] is the mean step of DOP853 at 1e-6.
+/// The settings of a method, coarse first. `time_scale` (s) is the mean step of DOP853 at 1e-6.
 pub fn ladder(method: Method, duration: f64, time_scale: f64, quick: bool) -> Vec<Setting> {
     let root = std::f64::consts::SQRT_2;
     // First step in units of the time scale, factor from rung to rung, number of rungs.

@@ -29,7 +29,7 @@ pub struct Scene {
     pub mechanism: Mechanism,
     /// Where it starts.
     pub start: State,
-    /// How long it runs [s].
+    /// How long it runs (s).
     pub duration: f64,
 }
 
@@ -38,7 +38,7 @@ pub struct Scene {
 pub struct Plan {
     /// Shorter ladders and fewer repetitions.
     pub quick: bool,
-    /// CPU time for the measurements of the scene [s]; the reference is not counted.
+    /// CPU time for the measurements of the scene (s); the reference is not counted.
     pub budget: f64,
 }
 
@@ -47,7 +47,7 @@ pub struct Plan {
 pub struct SceneChart {
     /// Name of the scene.
     pub name: String,
-    /// Simulated time [s].
+    /// Simulated time (s).
     pub duration: f64,
     /// Degrees of freedom and bodies.
     pub size: (usize, usize),

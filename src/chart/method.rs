@@ -24,7 +24,7 @@ pub enum Method {
 /// What a method is told for one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Setting {
-    /// A fixed step [s].
+    /// A fixed step (s).
     Step(f64),
     /// A tolerance [m, rad].
     Tolerance(f64),

@@ -14,7 +14,7 @@ use super::measure::SceneChart;
 use super::method::Method;
 use super::table::Measurement;
 
-/// The levels of the table of ratios [m].
+/// The levels of the table of ratios (m).
 pub const LEVELS: [f64; 3] = [1e-3, 1e-6, 1e-9];
 
 /// Whether a method reaches an error level.
@@ -22,7 +22,7 @@ pub const LEVELS: [f64; 3] = [1e-3, 1e-6, 1e-9];
 pub enum Reach {
     /// At this cost [CPU seconds per simulated second].
     Cost(f64),
-    /// It does not; this is the smallest error it has [m].
+    /// It does not; this is the smallest error it has (m).
     Floor(f64),
     /// It has no run that came to an end.
     Nothing,
@@ -33,7 +33,7 @@ pub enum Reach {
 pub struct Front(Vec<(f64, f64)>);
 
 impl Front {
-    /// The front of (error [m], cost) pairs.
+    /// The front of (error (m), cost) pairs.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let mut points: Vec<(f64, f64)> = points.into_iter().collect();
         points.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.total_cmp(&b.0)));
@@ -51,7 +51,7 @@ impl Front {
         Front::new(measurements.iter().filter(|one| one.method == method).filter_map(Measurement::point))
     }
 
-    /// The cost of an error level [m].
+    /// The cost of an error level (m).
     pub fn at(&self, level: f64) -> Reach {
         let (Some(first), Some(last)) = (self.0.first(), self.0.last()) else { return Reach::Nothing };
         if level < last.0 {
@@ -83,7 +83,7 @@ pub struct Best {
 /// The comparison at one level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// The error level [m].
+    /// The error level (m).
     pub level: f64,
     /// The cheapest rival.
     pub rival: Option<Best>,

@@ -25,25 +25,25 @@ pub struct Reference {
     pub probes: Vec<Vector3<f64>>,
     /// Which formulation it is from.
     pub source: &'static str,
-    /// Distance between the two formulations [m]; `None` if only one of them could run the scene.
+    /// Distance between the two formulations (m); `None` if only one of them could run the scene.
     pub agreement: Option<f64>,
-    /// Scatter of the chosen formulation [m].
+    /// Scatter of the chosen formulation (m).
     pub scatter: f64,
-    /// Mean step of DOP853 at a tolerance of 1e-6 [s]: the scene's own scale of time.
+    /// Mean step of DOP853 at a tolerance of 1e-6 (s): the scene's own scale of time.
     pub time_scale: f64,
-    /// CPU time of the slowest reference run of DOP853 [s]: the scene's own scale of cost.
+    /// CPU time of the slowest reference run of DOP853 (s): the scene's own scale of cost.
     pub cost_scale: f64,
-    /// What every reference run was, and its distance from the reference [m].
+    /// What every reference run was, and its distance from the reference (m).
     pub runs: Vec<(String, f64)>,
 }
 
 impl Reference {
-    /// The level below which an error says nothing [m].
+    /// The level below which an error says nothing (m).
     pub fn floor(&self) -> f64 {
         self.scatter
     }
 
-    /// The level down to which both formulations vouch for an error [m]; infinite if there is only one.
+    /// The level down to which both formulations vouch for an error (m); infinite if there is only one.
     pub fn vouched(&self) -> f64 {
         self.agreement.unwrap_or(f64::INFINITY).max(self.scatter)
     }

@@ -4,8 +4,8 @@
 //! |------------------------------------|----------------------------------------------------------------|---------------|
 //! | `scene`                            | name of the scene: the input's file name without ending        | needed        |
 //! | `method`                           | any name; it is the label of the curve                         | needed        |
-//! | `setting`                          | `step=…` [s] or `tolerance=…`                                  |               |
-//! | `error`                            | distance of the end from the reference [m], [`crate::distance`] | needed        |
+//! | `setting`                          | `step=…` (s) or `tolerance=…`                                  |               |
+//! | `error`                            | distance of the end from the reference (m), [`crate::distance`] | needed        |
 //! | `cpu_seconds_per_simulated_second` | CPU time of the integration loop / simulated time              | needed        |
 //! | `steps`, `iterations`, `rejected_steps` | accepted steps; iterations or evaluations; attempts thrown away |          |
 //! | `energy_error`                     | energy error at the end / largest kinetic energy               |               |
@@ -27,7 +27,7 @@ pub struct Measurement {
     pub method: String,
     /// What the method was told.
     pub setting: String,
-    /// Distance of the end from the reference [m]; NaN if there is no end.
+    /// Distance of the end from the reference (m); NaN if there is no end.
     pub error: f64,
     /// CPU seconds of the integration loop per simulated second; NaN if the run did not end.
     pub cpu_seconds_per_simulated_second: f64,

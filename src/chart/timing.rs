@@ -18,9 +18,9 @@ pub enum Ended {
     Done,
     /// It failed; the words say how.
     Failed(String),
-    /// It cost more than the cap and was cut at this time [s].
+    /// It cost more than the cap and was cut at this time (s).
     Cut {
-        /// Simulated time reached [s].
+        /// Simulated time reached (s).
         time: f64,
     },
     /// The user asked to stop.
@@ -41,13 +41,13 @@ impl fmt::Display for Ended {
 /// How much work to put into a timing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
-    /// A single run is cut when it has used this much CPU time [s].
+    /// A single run is cut when it has used this much CPU time (s).
     pub cap: f64,
-    /// Runs are repeated until they have used this much CPU time together [s].
+    /// Runs are repeated until they have used this much CPU time together (s).
     pub total: f64,
     /// Runs are repeated at least so often, unless they are long.
     pub repeats: usize,
-    /// No repetition once the runs have used this much together [s].
+    /// No repetition once the runs have used this much together (s).
     pub enough: f64,
 }
 
@@ -56,7 +56,7 @@ pub struct Effort {
 pub struct TimedRun {
     /// The state at the end.
     pub end: State,
-    /// CPU time of the fastest repetition [s].
+    /// CPU time of the fastest repetition (s).
     pub cpu_seconds: f64,
     /// Accepted steps.
     pub steps: usize,
@@ -64,7 +64,7 @@ pub struct TimedRun {
     pub iterations: usize,
     /// Attempts thrown away.
     pub rejected: usize,
-    /// Mean length of the steps [s].
+    /// Mean length of the steps (s).
     pub mean_step: f64,
     /// How it ended.
     pub ended: Ended,

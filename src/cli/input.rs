@@ -22,12 +22,12 @@ pub struct WorldArgs {
     #[arg(long, value_enum, default_value_t = BaseChoice::Fixed)]
     pub base: BaseChoice,
 
-    /// Pose of the root link in the world (m, rad); where it starts if the base floats
+    /// Pose of the root link in the world [m, rad]; where it starts if the base floats
     #[arg(long, value_name = "X,Y,Z,ROLL,PITCH,YAW", value_parser = numbers::<6>, default_value = "0,0,0,0,0,0",
           allow_hyphen_values = true, hide_default_value = true)]
     pub base_pose: [f64; 6],
 
-    /// Acceleration of gravity in the world (m/s²)
+    /// Acceleration of gravity in the world [m/s²]
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, default_value = "0,0,-9.81",
           allow_hyphen_values = true)]
     pub gravity: [f64; 3],

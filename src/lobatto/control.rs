@@ -36,7 +36,7 @@ pub enum Verdict {
     },
 }
 
-/// Energies at the end of a finished step [J].
+/// Energies at the end of a finished step (J).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Energies {
     /// Change of the total energy over the step.
@@ -80,7 +80,7 @@ impl Control {
         self.tolerance
     }
 
-    /// The length of the next step [s].
+    /// The length of the next step (s).
     pub fn step(&self) -> f64 {
         self.step
     }

@@ -143,7 +143,7 @@ impl<'a> Literal<'a> {
         jacobian
     }
 
-    /// One step of length `step` [s], which may be negative, from a state that satisfies all constraints.
+    /// One step of length `step` (s), which may be negative, from a state that satisfies all constraints.
     ///
     /// `g(Q_i) = 0` is imposed as `g(Q_i) − g(q) = 0`, which is the same because (2.5.11) assumes `g(q) = 0`: the defect that
     /// rounding leaves in q, some 1e-16, would otherwise be pushed out within one step, at a speed of 1e-16/h, and spoil

@@ -20,7 +20,7 @@ use crate::model::FreeRotation;
 /// The largest number of lanes any vector type has.
 pub const MAX_LANES: usize = 16;
 
-/// The largest joint rotation within a step the kernel represents [rad].
+/// The largest joint rotation within a step the kernel represents (rad).
 pub const MAX_TURN: f64 = 3.1;
 
 /// Rotation and anchor displacement of a body at all stages, since the start of the step, in world axes.
@@ -30,7 +30,7 @@ pub struct StagePose<V> {
     pub w: V,
     /// Vector part of the quaternion.
     pub u: Vector<V>,
-    /// Displacement of the anchor [m].
+    /// Displacement of the anchor (m).
     pub anchor: Vector<V>,
 }
 
@@ -102,7 +102,7 @@ impl<V: Lanes> Coefficients<V> {
 /// `[force; torque] = [mass coupling; couplingᵀ inertia] [acceleration; angular acceleration] + [force; torque]`.
 #[derive(Clone, Copy)]
 pub struct Articulated<V> {
-    /// Force by acceleration [kg].
+    /// Force by acceleration (kg).
     pub mass: Symmetric<V>,
     /// Force by angular acceleration [kg m].
     pub coupling: Matrix<V>,
@@ -149,7 +149,7 @@ pub struct Stages<V> {
     pub slots: Vec<Articulated<V>>,
     /// Twist of the branching bodies on the way back.
     pub twists: Vec<(Vector<V>, Vector<V>)>,
-    /// Length of the step [s].
+    /// Length of the step (s).
     pub step: f64,
 }
 

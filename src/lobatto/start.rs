@@ -44,16 +44,16 @@ pub struct BodyPlan {
     pub rotation: FreeRotation,
     /// Whether the body floats alone about its centre of mass: its translation and rotation do not couple.
     pub alone: bool,
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: f64,
 }
 
 /// The start-of-step part of a body.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BodyStart {
-    /// From the parent's anchor to this body's [m].
+    /// From the parent's anchor to this body's (m).
     pub arm: [f64; 3],
-    /// From the anchor to the centre of mass [m].
+    /// From the anchor to the centre of mass (m).
     pub com: [f64; 3],
     /// Σ: xx, xy, xz, yy, yz, zz [kg m²].
     pub sigma: [f64; 6],

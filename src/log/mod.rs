@@ -8,7 +8,7 @@
 //! | `/tf`                | `foxglove.FrameTransforms` (protobuf)        | every sample: every link, in `world`     |
 //! | `/joint_states`      | `sensor_msgs/msg/JointState` (ros2msg, cdr)  | every sample: joints of one number       |
 //! | `/multi_dof_joint_states` | `sensor_msgs/msg/MultiDOFJointState` (ros2msg, cdr) | every sample: all other joints |
-//! | `/energy`            | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: kinetic, potential, total [J] |
+//! | `/energy`            | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: kinetic, potential, total (J) |
 //! | `/constraint`        | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: position, velocity violation |
 //!
 //! The joint messages hold the whole state in the coordinates of the URDF: `/multi_dof_joint_states`, which is there

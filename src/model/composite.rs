@@ -12,9 +12,9 @@ use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 /// A rigid mass: one link, or several composed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Composite {
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: f64,
-    /// Centre of mass in the common frame [m].
+    /// Centre of mass in the common frame (m).
     pub center: Vector3<f64>,
     /// Inertia about the centre of mass, in the axes of the common frame [kg m²].
     pub inertia: Matrix3<f64>,

@@ -22,7 +22,7 @@
 
 use nalgebra::{IsometryMatrix3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 
-/// A rigid placement: rotation matrix and translation [m].
+/// A rigid placement: rotation matrix and translation (m).
 pub type Pose = IsometryMatrix3<f64>;
 
 /// Which relative motions a joint leaves free; see the table of the module.
@@ -145,7 +145,7 @@ impl Joint {
         self.velocity_index..self.velocity_index + self.kind.velocity_count()
     }
 
-    /// Translation `t` [m] and rotation `Rj` of the joint for its own positions (`position_count` numbers).
+    /// Translation `t` (m) and rotation `Rj` of the joint for its own positions (`position_count` numbers).
     pub fn displacement(&self, position: &[f64]) -> (Vector3<f64>, Matrix3<f64>) {
         let axes = self.kind.translation_axes();
         let mut translation = Vector3::zeros();

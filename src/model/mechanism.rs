@@ -14,7 +14,7 @@ pub struct Body {
     pub name: String,
     /// Index of the parent body; `None` is the world.
     pub parent: Option<usize>,
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: f64,
     /// Principal moments of inertia about the centre of mass [kg m²].
     pub inertia: Vector3<f64>,
@@ -83,7 +83,7 @@ impl Mechanism {
         self.bodies.iter().position(|body| body.joint.name == joint)
     }
 
-    /// Total mass of the moving bodies [kg].
+    /// Total mass of the moving bodies (kg).
     pub fn total_mass(&self) -> f64 {
         self.bodies.iter().map(|body| body.mass).sum()
     }

@@ -43,9 +43,9 @@ pub struct LinkFrame {
     pub body: Option<usize>,
     /// The link frame in the body frame, or in the world.
     pub in_body: Pose,
-    /// The link's own centre of mass (without mass, its frame's origin) in the body frame, or in the world [m].
+    /// The link's own centre of mass (without mass, its frame's origin) in the body frame, or in the world (m).
     pub center_of_mass: Vector3<f64>,
-    /// The link's own mass [kg].
+    /// The link's own mass (kg).
     pub mass: f64,
     /// The joint above it.
     pub parent_joint: Option<String>,
@@ -123,11 +123,11 @@ impl ReductionRule {
 /// The motion of one link, in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkState {
-    /// Origin of the link frame [m].
+    /// Origin of the link frame (m).
     pub position: Vector3<f64>,
     /// Axes of the link frame, as columns.
     pub rotation: Matrix3<f64>,
-    /// The link's own centre of mass [m].
+    /// The link's own centre of mass (m).
     pub center_of_mass: Vector3<f64>,
     /// Velocity of the centre of mass [m/s].
     pub linear_velocity: Vector3<f64>,
@@ -146,7 +146,7 @@ impl Model {
         self.joints.iter().position(|joint| joint.name == name)
     }
 
-    /// Origin [m] and rotation of a link frame in the world.
+    /// Origin (m) and rotation of a link frame in the world.
     pub fn link_pose(&self, bodies: &[BodyState], link: usize) -> (Vector3<f64>, Matrix3<f64>) {
         let LinkState { position, rotation, .. } = self.link_state(bodies, link);
         (position, rotation)

@@ -2,7 +2,7 @@
 //!
 //! Every quantity has the axes of the world and is referred to the body's own joint anchor `a` (the origin of the
 //! joint frame on the child), so a wrench goes from a child to its parent by one lever arm and no 6×6 rotation.
-//! For each body, with the joint frame `Q = R F_c.R` [-] on the child and the arm `r = a − a_parent` [m]:
+//! For each body, with the joint frame `Q = R F_c.R` [-] on the child and the arm `r = a − a_parent` (m):
 //!
 //! ```text
 //! root to leaf: the motion if every joint acceleration were zero (gravity enters as an acceleration −g of the world)

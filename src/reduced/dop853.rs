@@ -85,7 +85,7 @@ impl Dop853 {
         Dop853::with_control(mechanism, Control::Tolerance(tolerance))
     }
 
-    /// For one mechanism, with a fixed step [s] and no error control.
+    /// For one mechanism, with a fixed step (s) and no error control.
     pub fn with_fixed_step(mechanism: &Mechanism, step: f64) -> Self {
         Dop853::with_control(mechanism, Control::Fixed(step))
     }

@@ -24,7 +24,7 @@ pub struct Euler {
 }
 
 impl Euler {
-    /// For one mechanism, with a fixed step [s].
+    /// For one mechanism, with a fixed step (s).
     pub fn new(mechanism: &Mechanism, step: f64) -> Self {
         Euler {
             ode: ReducedOde::new(mechanism),

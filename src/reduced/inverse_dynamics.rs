@@ -21,9 +21,9 @@ use nalgebra::Vector3;
 /// What a parent exerts on its child through their joint, in the axes of the world, at the joint's anchor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reaction {
-    /// The anchor: the origin of the joint frame on the child, in the world [m].
+    /// The anchor: the origin of the joint frame on the child, in the world (m).
     pub anchor: Vector3<f64>,
-    /// Force [N].
+    /// Force (N).
     pub force: Vector3<f64>,
     /// Torque about the anchor [N m].
     pub torque: Vector3<f64>,

@@ -28,7 +28,7 @@ pub struct Rk4 {
 }
 
 impl Rk4 {
-    /// For one mechanism, with a fixed step [s].
+    /// For one mechanism, with a fixed step (s).
     pub fn new(mechanism: &Mechanism, step: f64) -> Self {
         let ode = ReducedOde::new(mechanism);
         let zeros = vec![0.0; ode.dimension()];

@@ -6,7 +6,7 @@ use super::error::Warning;
 use nalgebra::{IsometryMatrix3, Matrix3, Vector3};
 use std::path::PathBuf;
 
-/// A rigid placement: rotation matrix and translation [m].
+/// A rigid placement: rotation matrix and translation (m).
 pub type Pose = IsometryMatrix3<f64>;
 
 /// The name of the link that stands for the fixed world when it is the root, declared or not.
@@ -65,7 +65,7 @@ pub struct Link {
 pub struct Inertial {
     /// The inertial frame in the link frame: its origin is the centre of mass.
     pub origin: Pose,
-    /// Mass [kg], not negative.
+    /// Mass (kg), not negative.
     pub mass: f64,
     /// Inertia about the centre of mass, in the axes of the inertial frame [kg m²].
     pub inertia: Matrix3<f64>,
@@ -91,13 +91,13 @@ pub struct Shape {
 /// The geometry of a shape; cylinders and capsules lie along z.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry {
-    /// A box with these edge lengths [m].
+    /// A box with these edge lengths (m).
     Box { size: Vector3<f64> },
-    /// A cylinder [m].
+    /// A cylinder (m).
     Cylinder { radius: f64, length: f64 },
-    /// A sphere [m].
+    /// A sphere (m).
     Sphere { radius: f64 },
-    /// A capsule whose cylindrical part has this length [m].
+    /// A capsule whose cylindrical part has this length (m).
     Capsule { radius: f64, length: f64 },
     /// A mesh from a file.
     Mesh(MeshFile),

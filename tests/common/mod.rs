@@ -2,10 +2,15 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+use catena::calibration::calibrate;
+use catena::lobatto::Lobatto;
+use catena::model::Mechanism;
 use catena::scene::{Robot, UrdfJointKind};
+use catena::simulation::{Integrator, RunOptions, Summary, run};
+use catena::state::State;
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Unit, Vector3};
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A small reproducible generator (xorshift64*): tests must not differ from run to run.
 pub struct Numbers(u64);
@@ -77,4 +82,33 @@ pub fn shared(folder: &str) -> Option<PathBuf> {
     }
     println!("skipped: {} does not exist", path.display());
     None
+}
+
+/// The URDF files of a folder, in order of name.
+pub fn urdf_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|extension| extension == "urdf"));
+    files.sort();
+    files
+}
+
+/// The name of a file without folder and ending.
+pub fn stem(file: &Path) -> &str {
+    file.file_stem().and_then(|name| name.to_str()).unwrap()
+}
+
+/// Runs to the time `until` and returns the figures of the run; the state is then the one at that time exactly.
+pub fn run_until(mechanism: &Mechanism, state: &mut State, integrator: &mut dyn Integrator, until: f64) -> Summary {
+    let options = RunOptions { duration: until - state.time, rate: None, interrupt: None };
+    let (summary, ended) = run(mechanism, state, integrator, &options, &mut []);
+    ended.unwrap_or_else(|error| panic!("{}: {error}", mechanism.name));
+    summary
+}
+
+/// The integrator of `catena simulate --tolerance`: steps chosen with the iteration stop that pilot runs recommend.
+pub fn by_tolerance(mechanism: &Mechanism, start: &State, duration: f64, tolerance: f64) -> Lobatto {
+    let found = calibrate(mechanism, start, duration, tolerance, None)
+        .unwrap_or_else(|error| panic!("{}: {error}", mechanism.name));
+    Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop)
 }
