@@ -18,6 +18,7 @@
 //! | the rival | [`reduced`] |
 //! | the loop and its observers | [`simulation`], [`log`], [`report`] |
 
+pub mod chart;
 pub mod invariants;
 pub mod kinematics;
 pub mod lobatto;

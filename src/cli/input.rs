@@ -3,7 +3,7 @@
 use catena::model::{Base, Model, ModelOptions, Pose};
 use catena::scene::{PackagePath, read_urdf};
 use nalgebra::{Rotation3, Translation3, Vector3};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The robot, and where it stands.
 #[derive(Clone, Debug, clap::Args)]
@@ -11,6 +11,13 @@ pub struct InputArgs {
     /// The robot: a .urdf file
     pub input: PathBuf,
 
+    #[command(flatten)]
+    pub world: WorldArgs,
+}
+
+/// Where a robot stands, and where its files are.
+#[derive(Clone, Debug, clap::Args)]
+pub struct WorldArgs {
     /// Whether the root link is fixed in the world or floats freely
     #[arg(long, value_enum, default_value_t = BaseChoice::Fixed)]
     pub base: BaseChoice,
@@ -41,6 +48,16 @@ pub enum BaseChoice {
 }
 
 impl InputArgs {
+    /// Reads and reduces the robot. Every error here is bad input (exit code 2).
+    ///
+    /// # Errors
+    /// What is wrong with the file, naming file, line, and link or joint.
+    pub fn load(&self) -> anyhow::Result<Model> {
+        self.world.load(&self.input)
+    }
+}
+
+impl WorldArgs {
     /// The options of the model.
     pub fn model_options(&self) -> ModelOptions {
         let [x, y, z, roll, pitch, yaw] = self.base_pose;
@@ -54,17 +71,17 @@ impl InputArgs {
         }
     }
 
-    /// Reads and reduces the robot. Every error here is bad input (exit code 2).
+    /// Reads and reduces a robot. Every error here is bad input (exit code 2).
     ///
     /// # Errors
     /// What is wrong with the file, naming file, line, and link or joint.
-    pub fn load(&self) -> anyhow::Result<Model> {
-        let is_scene = self.input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    pub fn load(&self, input: &Path) -> anyhow::Result<Model> {
+        let is_scene = input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
         if is_scene {
-            anyhow::bail!("{}: scene files are not read yet; give a .urdf", self.input.display());
+            anyhow::bail!("{}: scene files are not read yet; give a .urdf", input.display());
         }
         let packages = PackagePath::from_environment(self.package.clone());
-        let robot = read_urdf(&self.input, &packages)?;
+        let robot = read_urdf(input, &packages)?;
         Ok(Model::new(robot, &self.model_options())?)
     }
 }

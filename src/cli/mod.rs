@@ -9,17 +9,20 @@
 //!
 //! Errors are one line on standard error, `catena: error: …`, so that scripts can show them as they are.
 
+mod chart;
 mod input;
 mod model;
 mod numbers;
 mod progress;
 mod simulate;
 
+use anyhow::Context;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Simulates mechanisms of rigid bodies, given as URDF, without drift and at any order of accuracy.
 #[derive(Parser)]
@@ -35,6 +38,8 @@ enum Verb {
     Simulate(Box<simulate::Arguments>),
     /// Show what was read, what was left out and why, and what will be simulated
     Model(Box<model::ModelArgs>),
+    /// Draw what accuracy costs: speed against accuracy, with the reduced-coordinate comparators
+    Chart(Box<chart::ChartArgs>),
 }
 
 /// Why a verb did not do what it was asked for.
@@ -70,6 +75,7 @@ pub fn main() -> ExitCode {
     let ended = match command_line.verb {
         Verb::Simulate(arguments) => simulate::run(&arguments),
         Verb::Model(arguments) => model::run(&arguments).map_err(Failure::input),
+        Verb::Chart(arguments) => chart::run(&arguments),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,
@@ -121,4 +127,17 @@ pub fn print(text: impl Display) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// The first Ctrl-C sets the flag, the second ends the process.
+///
+/// # Errors
+/// If the system does not let us watch.
+pub fn watch_for_interrupts(flag: &'static AtomicBool) -> anyhow::Result<()> {
+    ctrlc::set_handler(|| {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    })
+    .context("cannot watch for Ctrl-C")
 }

@@ -10,7 +10,7 @@ use super::{Failure, print};
 use anyhow::{Context, anyhow};
 use catena::lobatto::Lobatto;
 use catena::log::{Recorder, Severity};
-use catena::model::{Mechanism, Model, ModelError};
+use catena::model::{Mechanism, Model, ModelError, Pose};
 use catena::report::{ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports};
 use catena::simulation::{Integrator, Observer, RunError, RunOptions, run as run_simulation};
 use catena::state::State;
@@ -19,7 +19,7 @@ use cpu_time::ProcessTime;
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 const DEFAULT_DURATION: f64 = 10.0;
@@ -111,6 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let duration = arguments.duration.unwrap_or(DEFAULT_DURATION);
     let rate = arguments.rate.unwrap_or(DEFAULT_RATE);
 
+    super::watch_for_interrupts(&INTERRUPTED).map_err(Failure::run)?;
     let mut recorder = match &output {
         Some(path) => {
             let simulation = description(&model, duration, rate, choice, integrator.as_ref());
@@ -125,8 +126,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         rate: (recorder.is_some() || progress.is_some()).then_some(rate),
         interrupt: Some(&INTERRUPTED),
     };
-    watch_for_interrupts().map_err(Failure::run)?;
-
     let mut observers: Vec<&mut dyn Observer> = Vec::new();
     observers.extend(recorder.iter_mut().map(|recorder| recorder as &mut dyn Observer));
     observers.extend(progress.iter_mut().map(|progress| progress as &mut dyn Observer));
@@ -229,6 +228,9 @@ fn description(
         std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
     let entries = [
         ("robot", model.robot.name.clone()),
+        ("base", if model.joints.iter().any(|joint| model.is_base(joint)) { "floating" } else { "fixed" }.to_string()),
+        ("base_pose", listed(&pose_numbers(&model.base_pose))),
+        ("gravity", listed(model.mechanism.gravity.as_slice())),
         ("version", env!("CARGO_PKG_VERSION").to_string()),
         ("method", method.name),
         ("stages", method.stages.to_string()),
@@ -242,18 +244,20 @@ fn description(
     entries.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
 }
 
-/// The first Ctrl-C asks the run to end, the second ends the process.
-fn watch_for_interrupts() -> anyhow::Result<()> {
-    ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    })
-    .context("cannot watch for Ctrl-C")
+/// A pose as `--base-pose` takes it.
+fn pose_numbers(pose: &Pose) -> [f64; 6] {
+    let (roll, pitch, yaw) = pose.rotation.euler_angles();
+    let [x, y, z] = pose.translation.vector.into();
+    [x, y, z, roll, pitch, yaw]
+}
+
+/// Numbers with commas between, in full precision.
+fn listed(numbers: &[f64]) -> String {
+    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
 }
 
 /// Completes the log, whatever ended the run, and says how the run ended.
-fn finish(recorder: Option<Recorder>, ended: Result<(), RunError>) -> Result<(), Failure> {
+fn finish(recorder: Option<Recorder<'_>>, ended: Result<(), RunError>) -> Result<(), Failure> {
     let ended = ended.map_err(|error| match error {
         RunError::Interrupted { .. } => Failure::interrupted(error),
         RunError::Step(_) => Failure::run(error),

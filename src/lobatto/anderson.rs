@@ -106,15 +106,17 @@ fn solve(gram: &[[f64; DEPTH]; DEPTH], right: [f64; DEPTH], newest: usize) -> [f
             matrix[row][column] = gram[order[row]][order[column]];
         }
     }
-    let mut kept = [false; DEPTH];
+    // One over each pivot, or zero where the difference is a combination of the newer ones to rounding: its
+    // coefficient would be noise.
+    let mut inverse = [0.0; DEPTH];
     for pivot in 0..DEPTH {
-        // Below this the difference is a combination of the newer ones, and its coefficient would be noise.
-        kept[pivot] = matrix[pivot][pivot] > 1e-13 * gram[order[pivot]][order[pivot]];
-        if !kept[pivot] {
+        let size = gram[order[pivot]][order[pivot]];
+        if matrix[pivot][pivot] <= 1e-13 * size || !size.is_normal() {
             continue;
         }
+        inverse[pivot] = 1.0 / matrix[pivot][pivot];
         for row in pivot + 1..DEPTH {
-            let factor = matrix[row][pivot] / matrix[pivot][pivot];
+            let factor = matrix[row][pivot] * inverse[pivot];
             for column in pivot..DEPTH {
                 matrix[row][column] -= factor * matrix[pivot][column];
             }
@@ -122,9 +124,9 @@ fn solve(gram: &[[f64; DEPTH]; DEPTH], right: [f64; DEPTH], newest: usize) -> [f
         }
     }
     let mut gamma = [0.0; DEPTH];
-    for pivot in (0..DEPTH).rev().filter(|&pivot| kept[pivot]) {
+    for pivot in (0..DEPTH).rev() {
         let known: f64 = (pivot + 1..DEPTH).map(|column| matrix[pivot][column] * gamma[order[column]]).sum();
-        gamma[order[pivot]] = (value[pivot] - known) / matrix[pivot][pivot];
+        gamma[order[pivot]] = (value[pivot] - known) * inverse[pivot];
     }
     gamma
 }

@@ -105,7 +105,13 @@ impl<V: Lanes> Stages<V> {
                 FreeRotation::None => {}
                 FreeRotation::AboutZ => {
                     let axis = Vector::splat(&self.start.axes[rotations]);
-                    self.eliminated[rotations] = total.eliminate_rotation(turn.apply_plus(axis, axis));
+                    let axis = turn.apply_plus(axis, axis);
+                    // Nobody asks for what is left of a root: its one axis needs no more than the solution.
+                    self.eliminated[rotations] = if plan.parent.is_none() && plan.translations == 0 {
+                        total.solve_rotation(axis)
+                    } else {
+                        total.eliminate_rotation(axis)
+                    };
                 }
                 FreeRotation::Ball => {
                     let vector = self.rotation_vector(rotations).times(sweep.moved);
@@ -193,7 +199,8 @@ impl<V: Lanes> Stages<V> {
             let turning = first_axis + translations;
             for freedom in first_axis..turning + rotations {
                 let joint = self.eliminated[freedom];
-                let alpha = joint.torque_ratio.dot_from(twist.1, joint.force_ratio.dot_from(twist.0, joint.bias));
+                // Two chains of three, because each body waits for its parent's.
+                let alpha = joint.force_ratio.dot_from(twist.0, joint.bias) - joint.torque_ratio.dot(twist.1);
                 if freedom < turning {
                     twist.0 = joint.axis.times_plus(alpha, twist.0);
                 } else {
@@ -246,8 +253,9 @@ fn body_residual<V: Lanes, const MOMENTUM: bool>(
     // From here on: the geometry of the rows.
     let turn = if MOMENTUM { turn } else { turn.times(sweep.moved) };
     let com = swing.times_plus(sweep.moved, com);
-    let [sxx, sxy, sxz, syy, syz, szz] = known.sigma.map(V::splat);
-    let sigma_rows = [Vector([sxx, sxy, sxz]), Vector([sxy, syy, syz]), Vector([sxz, syz, szz])];
+    let [sxx, sxy, sxz, syy, syz, szz] = known.sigma;
+    let sigma_rows =
+        [Vector::splat(&[sxx, sxy, sxz]), Vector::splat(&[sxy, syy, syz]), Vector::splat(&[sxz, syz, szz])];
     // C = Σ (1 + N)ᵀ: row i of C is Σ_i + N Σ_i.
     let c = Matrix([
         turn.apply_plus(sigma_rows[0], sigma_rows[0]).0,
@@ -347,6 +355,14 @@ impl<V: Lanes> Articulated<V> {
         self.eliminate(axis, force, torque, inverse, bias)
     }
 
+    /// The solution for a rotation about `axis` of a body that hangs on the world.
+    #[inline(always)]
+    fn solve_rotation(&self, axis: Vector<V>) -> Eliminated<V> {
+        let inverse = axis.dot(self.inertia.apply(axis)).reciprocal();
+        let bias = -(axis.dot(self.torque) * inverse);
+        Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias }
+    }
+
     /// Eliminates a translation along `axis`.
     #[inline(always)]
     fn eliminate_translation(&mut self, axis: Vector<V>) -> Eliminated<V> {
@@ -392,15 +408,14 @@ impl<V: Lanes> Articulated<V> {
         // (r̂ G)_0 = ry g2 − rz g1, (r̂ G)_1 = rz g0 − rx g2, (r̂ G)_2 = rx g1 − ry g0.
         let difference = |a: V, p: V, b: V, q: V, start: V| b.neg_mul_add(q, a.mul_add(p, start));
         // (k × r)_0 = ky rz − kz ry, and so on; subtracted.
-        let ([a0, b0, c0], [a1, b1, c1], [_, b2, c2]) = (k0.0, k1.0, k2.0);
-        let _ = c2;
+        let ([a0, b0, c0], [a1, b1, c1], [a2, b2, _]) = (k0.0, k1.0, k2.0);
         let inertia = Symmetric([
             difference(c0, ry, b0, rz, difference(ry, g2[0], rz, g1[0], ixx)),
             difference(a0, rz, c0, rx, difference(ry, g2[1], rz, g1[1], ixy)),
             difference(b0, rx, a0, ry, difference(ry, g2[2], rz, g1[2], ixz)),
             difference(a1, rz, c1, rx, difference(rz, g0[1], rx, g2[1], iyy)),
             difference(b1, rx, a1, ry, difference(rz, g0[2], rx, g2[2], iyz)),
-            difference(b2, rx, k2.0[0], ry, difference(rx, g1[2], ry, g0[2], izz)),
+            difference(b2, rx, a2, ry, difference(rx, g1[2], ry, g0[2], izz)),
         ]);
         Articulated {
             mass: self.mass,

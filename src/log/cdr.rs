@@ -55,6 +55,12 @@ impl<'b> CdrWriter<'b> {
         self.buffer.push(0);
     }
 
+    /// Doubles of a structure.
+    pub(super) fn numbers(&mut self, values: &[f64]) {
+        self.align(8);
+        values.iter().for_each(|value| self.buffer.extend_from_slice(&value.to_le_bytes()));
+    }
+
     /// A sequence of doubles.
     pub(super) fn doubles(&mut self, values: impl ExactSizeIterator<Item = f64>) {
         self.unsigned(values.len() as u32);

@@ -7,8 +7,12 @@
 //! | `/log`               | `foxglove.Log` (protobuf)                    | warnings at t = 0, what ended a run early |
 //! | `/tf`                | `foxglove.FrameTransforms` (protobuf)        | every sample: every link, in `world`     |
 //! | `/joint_states`      | `sensor_msgs/msg/JointState` (ros2msg, cdr)  | every sample: joints of one number       |
+//! | `/multi_dof_joint_states` | `sensor_msgs/msg/MultiDOFJointState` (ros2msg, cdr) | every sample: all other joints |
 //! | `/energy`            | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: kinetic, potential, total [J] |
 //! | `/constraint`        | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: position, velocity violation |
+//!
+//! The joint messages hold the whole state in the coordinates of the URDF: `/multi_dof_joint_states`, which is there
+//! only if there are such joints, has the child link's frame in the joint's frame on the parent.
 //!
 //! Rerun draws the robot from `/robot_description` and `/tf` and plots the ROS messages by itself; Foxglove and
 //! Lichtblick draw `/scene`; every channel has a schema because PlotJuggler skips those without. A metadata record
@@ -22,6 +26,7 @@ mod background;
 mod batch;
 mod cdr;
 mod file;
+mod joints;
 mod recorder;
 mod ros;
 mod visual;

@@ -7,8 +7,9 @@
 use super::background::BackgroundFile;
 use super::batch::Batch;
 use super::file::{LogError, LogFile};
+use super::joints::JointMessages;
 use super::nanoseconds;
-use super::ros::{self, JointStateEncoder};
+use super::ros::{self, ros_channel};
 use crate::model::joint::wxyz_from_rotation;
 use crate::model::{LinkFrame, Model, Pose};
 use crate::scene::Robot;
@@ -31,14 +32,12 @@ pub enum Severity {
 }
 
 /// Writes a run to an MCAP file.
-pub struct Recorder {
+pub struct Recorder<'m> {
     file: BackgroundFile,
     channels: Channels,
     links: Vec<LinkFrame>,
     transforms: FrameTransforms,
-    joint_states: JointStateEncoder,
-    /// Places of the joints of one number in the position and in the velocity vector.
-    scalar_joints: Vec<(usize, usize)>,
+    joints: JointMessages<'m>,
     waiting: Option<StepEnd>,
     last_figures: Option<f64>,
     last_time: u64,
@@ -48,18 +47,17 @@ pub struct Recorder {
 struct Channels {
     log: u16,
     transforms: u16,
-    joint_states: u16,
     energy: u16,
     constraint: u16,
 }
 
-impl Recorder {
+impl<'m> Recorder<'m> {
     /// Creates the file at `path`, or replaces what is in it, and writes what is known before the first sample;
     /// `simulation` says how the run is made.
     ///
     /// # Errors
     /// [`LogError`] when the file cannot be created or written.
-    pub fn create(path: &Path, model: &Model, simulation: BTreeMap<String, String>) -> Result<Self, LogError> {
+    pub fn create(path: &Path, model: &'m Model, simulation: BTreeMap<String, String>) -> Result<Self, LogError> {
         let mut file = LogFile::create(path)?;
         file.metadata("simulation", simulation)?;
         let mut beginning = Batch::default();
@@ -67,10 +65,10 @@ impl Recorder {
         let channels = Channels {
             log: foxglove_channel::<messages::Log>(&mut file, "/log")?,
             transforms: foxglove_channel::<FrameTransforms>(&mut file, "/tf")?,
-            joint_states: ros_channel(&mut file, "/joint_states", ros::JOINT_STATE)?,
             energy: ros_channel(&mut file, "/energy", ros::FLOAT64_MULTI_ARRAY)?,
             constraint: ros_channel(&mut file, "/constraint", ros::FLOAT64_MULTI_ARRAY)?,
         };
+        let joints = JointMessages::new(&mut file, model)?;
         for warning in &model.warnings {
             beginning.push(channels.log, 0, &log_line(0, Severity::Warning, &warning.to_string()));
         }
@@ -78,13 +76,9 @@ impl Recorder {
         file.append(&beginning)?;
         file.close_batch()?;
         let links = drawn_links(&model.links);
-        let joints = model.mechanism.bodies.iter().map(|body| &body.joint);
-        let scalar = joints.filter(|joint| joint.kind.position_count() == 1);
-        let names: Vec<&str> = scalar.clone().map(|joint| joint.name.as_str()).collect();
         Ok(Recorder {
             transforms: transforms_of(&links),
-            joint_states: JointStateEncoder::new(names.into_iter()),
-            scalar_joints: scalar.map(|joint| (joint.position_index, joint.velocity_index)).collect(),
+            joints,
             file: BackgroundFile::new(path, file)?,
             channels,
             links,
@@ -128,13 +122,6 @@ impl Recorder {
         self.file.piece().push(self.channels.transforms, stamp, &self.buffer);
     }
 
-    fn write_joint_states(&mut self, sample: &Sample, stamp: u64) {
-        let positions = self.scalar_joints.iter().map(|&(position, _)| sample.position[position]);
-        let velocities = self.scalar_joints.iter().map(|&(_, velocity)| sample.velocity[velocity]);
-        self.joint_states.encode(stamp, positions, velocities, &mut self.buffer);
-        self.file.piece().push(self.channels.joint_states, stamp, &self.buffer);
-    }
-
     /// Writes the figures of the step that is waiting, if it ended at or before `time`.
     fn write_figures(&mut self, time: f64) {
         let Some(end) = self.waiting.take_if(|end| end.time <= time) else { return };
@@ -150,13 +137,13 @@ impl Recorder {
     }
 }
 
-impl Observer for Recorder {
+impl Observer for Recorder<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
         let stamp = nanoseconds(sample.time);
         self.write_figures(sample.time);
         self.last_time = stamp;
         self.write_transforms(sample, stamp);
-        self.write_joint_states(sample, stamp);
+        self.joints.write(sample, stamp, &mut self.buffer, self.file.piece());
         if self.last_figures != Some(sample.step.time) {
             self.waiting = Some(*sample.step);
             self.write_figures(sample.time);
@@ -217,10 +204,6 @@ fn transforms_of(links: &[LinkFrame]) -> FrameTransforms {
         ..FrameTransform::default()
     });
     FrameTransforms { transforms: transforms.collect() }
-}
-
-fn ros_channel(file: &mut LogFile, topic: &str, (name, definition): (&str, &str)) -> Result<u16, LogError> {
-    file.channel(topic, (name, "ros2msg", definition.as_bytes()), "cdr")
 }
 
 fn foxglove_channel<M: Encode>(file: &mut LogFile, topic: &str) -> Result<u16, LogError> {

@@ -4,6 +4,12 @@
 //! of 80 equals signs and a line that names it.
 
 use super::cdr::CdrWriter;
+use super::file::{LogError, LogFile};
+
+/// Adds a channel for messages of one of the definitions below.
+pub(super) fn ros_channel(file: &mut LogFile, topic: &str, (name, definition): (&str, &str)) -> Result<u16, LogError> {
+    file.channel(topic, (name, "ros2msg", definition.as_bytes()), "cdr")
+}
 
 /// `std_msgs/msg/String`.
 pub(super) const STRING: (&str, &str) = ("std_msgs/msg/String", "string data\n");
@@ -25,6 +31,49 @@ string frame_id
 MSG: builtin_interfaces/Time
 int32 sec
 uint32 nanosec
+",
+);
+
+/// `sensor_msgs/msg/MultiDOFJointState`.
+pub(super) const MULTI_DOF_JOINT_STATE: (&str, &str) = (
+    "sensor_msgs/msg/MultiDOFJointState",
+    "\
+std_msgs/Header header
+string[] joint_names
+geometry_msgs/Transform[] transforms
+geometry_msgs/Twist[] twist
+geometry_msgs/Wrench[] wrench
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+================================================================================
+MSG: geometry_msgs/Transform
+geometry_msgs/Vector3 translation
+geometry_msgs/Quaternion rotation
+================================================================================
+MSG: geometry_msgs/Twist
+geometry_msgs/Vector3 linear
+geometry_msgs/Vector3 angular
+================================================================================
+MSG: geometry_msgs/Wrench
+geometry_msgs/Vector3 force
+geometry_msgs/Vector3 torque
+================================================================================
+MSG: geometry_msgs/Vector3
+float64 x
+float64 y
+float64 z
+================================================================================
+MSG: geometry_msgs/Quaternion
+float64 x
+float64 y
+float64 z
+float64 w
 ",
 );
 
@@ -63,40 +112,63 @@ pub(super) fn encode_figures(label: &str, figures: &[f64], out: &mut Vec<u8>) {
     writer.doubles(figures.iter().copied());
 }
 
-/// Encodes `sensor_msgs/msg/JointState`s of a fixed list of joints; all but the numbers is encoded once.
-pub(super) struct JointStateEncoder {
-    /// The message up to and with the names, with a stamp of zero.
-    beginning: Vec<u8>,
+/// The beginning of a message about joints: a header and their names.
+pub(super) struct JointHeader {
+    /// The encoded beginning, with a stamp of zero.
+    encoded: Vec<u8>,
 }
 
 /// Where the stamp is in the encoded message.
 const STAMP: std::ops::Range<usize> = 4..12;
 
-impl JointStateEncoder {
-    /// An encoder for joints of these names.
+impl JointHeader {
+    /// The beginning for joints of these names.
     pub(super) fn new<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> Self {
-        let mut beginning = Vec::new();
-        let mut writer = CdrWriter::begin(&mut beginning);
+        let mut encoded = Vec::new();
+        let mut writer = CdrWriter::begin(&mut encoded);
         writer.time(0);
         writer.string("");
         writer.unsigned(names.len() as u32);
         names.for_each(|name| writer.string(name));
-        JointStateEncoder { beginning }
+        JointHeader { encoded }
     }
 
-    /// Encodes the message; efforts are left empty.
-    pub(super) fn encode(
+    fn begin<'b>(&self, nanoseconds: u64, out: &'b mut Vec<u8>) -> CdrWriter<'b> {
+        CdrWriter::begin(out).time(nanoseconds);
+        out.extend_from_slice(&self.encoded[STAMP.end..]);
+        CdrWriter::resume(out)
+    }
+
+    /// Encodes a `sensor_msgs/msg/JointState`; efforts are left empty.
+    pub(super) fn encode_joint_state(
         &self,
         nanoseconds: u64,
         positions: impl ExactSizeIterator<Item = f64>,
         velocities: impl ExactSizeIterator<Item = f64>,
         out: &mut Vec<u8>,
     ) {
-        CdrWriter::begin(out).time(nanoseconds);
-        out.extend_from_slice(&self.beginning[STAMP.end..]);
-        let mut writer = CdrWriter::resume(out);
+        let mut writer = self.begin(nanoseconds, out);
         writer.doubles(positions);
         writer.doubles(velocities);
         writer.doubles(std::iter::empty());
+    }
+
+    /// Encodes a `sensor_msgs/msg/MultiDOFJointState`; wrenches are left empty.
+    ///
+    /// Transforms are x, y, z and the quaternion w, x, y, z; twists the linear and the angular velocity.
+    pub(super) fn encode_multi_dof(
+        &self,
+        nanoseconds: u64,
+        joints: impl ExactSizeIterator<Item = ([f64; 7], [f64; 6])> + Clone,
+        out: &mut Vec<u8>,
+    ) {
+        let mut writer = self.begin(nanoseconds, out);
+        writer.unsigned(joints.len() as u32);
+        for ([x, y, z, qw, qx, qy, qz], _) in joints.clone() {
+            writer.numbers(&[x, y, z, qx, qy, qz, qw]);
+        }
+        writer.unsigned(joints.len() as u32);
+        joints.for_each(|(_, twist)| writer.numbers(&twist));
+        writer.unsigned(0);
     }
 }

@@ -1,0 +1,26 @@
+//! What can go wrong on the way to a chart.
+
+use std::path::PathBuf;
+
+/// Why there is no chart.
+#[derive(Debug, thiserror::Error)]
+pub enum ChartError {
+    /// A file could not be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write { path: PathBuf, source: std::io::Error },
+    /// A file could not be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read { path: PathBuf, source: std::io::Error },
+    /// A CSV file is not what it should be.
+    #[error("{}:{line}: {problem}", path.display())]
+    Csv { path: PathBuf, line: usize, problem: String },
+    /// The drawing library failed.
+    #[error("cannot draw {what}: {reason}")]
+    Draw { what: String, reason: String },
+    /// Neither formulation could run the scene accurately.
+    #[error("scene {scene:?}: no reference solution; {reason}")]
+    Reference { scene: String, reason: String },
+    /// The user asked to stop before there was anything to show.
+    #[error("interrupted while the reference solution of scene {scene:?} was computed")]
+    Interrupted { scene: String },
+}

@@ -1,0 +1,311 @@
+//! Drawing a [`Picture`] with plotters, the same for SVG and PNG.
+//!
+//! Axes are mapped to pixels here, logarithms included, so that every decade down to 1e-17 is where it belongs.
+
+use super::error::ChartError;
+use super::picture::{Picture, Scale, Series};
+use super::style::{Dash, Look, Marker};
+use plotters::coord::Shift;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontTransform, register_font};
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// Size of the picture in pixels.
+const SIZE: (u32, u32) = (1280, 800);
+/// Edges of the data area.
+const LEFT: i32 = 112;
+const RIGHT: i32 = 948;
+const TOP: i32 = 92;
+const BOTTOM: i32 = 716;
+/// Left edge of the legend.
+const LEGEND: i32 = 976;
+
+const INK: RGBColor = RGBColor(30, 30, 30);
+const GRID: RGBColor = RGBColor(210, 210, 210);
+const FINE_GRID: RGBColor = RGBColor(240, 240, 240);
+
+/// DejaVu Sans, under the licence beside it; without a font of our own a PNG would depend on what is installed.
+static FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
+
+type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
+
+/// The picture as SVG.
+pub fn svg(picture: &Picture) -> Result<String, ChartError> {
+    prepare(picture)?;
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+        draw(&area, picture).and_then(|()| area.present()).map_err(|error| failed(picture, &error))?;
+    }
+    Ok(text)
+}
+
+/// The picture as a PNG file.
+pub fn png(picture: &Picture, path: &Path) -> Result<(), ChartError> {
+    prepare(picture)?;
+    let area = BitMapBackend::new(path, SIZE).into_drawing_area();
+    draw(&area, picture).and_then(|()| area.present()).map_err(|error| failed(picture, &error))
+}
+
+fn failed(picture: &Picture, reason: &dyn std::fmt::Display) -> ChartError {
+    ChartError::Draw { what: picture.title.clone(), reason: reason.to_string() }
+}
+
+/// Makes the font known, once.
+fn prepare(picture: &Picture) -> Result<(), ChartError> {
+    static KNOWN: OnceLock<bool> = OnceLock::new();
+    let known = *KNOWN.get_or_init(|| register_font("sans-serif", FontStyle::Normal, FONT).is_ok());
+    if known { Ok(()) } else { Err(failed(picture, &"the built-in font cannot be read")) }
+}
+
+/// An axis with its range and ticks settled.
+struct Axis {
+    label: String,
+    log: bool,
+    /// In decades if logarithmic.
+    range: (f64, f64),
+    /// Values of the ticks in the same numbers, and their labels.
+    ticks: Vec<(f64, String)>,
+    /// Values of the grid lines, and whether they are strong.
+    grid: Vec<(f64, bool)>,
+}
+
+impl Axis {
+    fn new(scale: &Scale, values: impl Iterator<Item = f64>) -> Self {
+        match scale {
+            Scale::Linear { label, range } => {
+                let ticks = round_ticks(*range);
+                let grid = ticks.iter().map(|tick| (tick.0, true)).collect();
+                Axis { label: label.clone(), log: false, range: *range, ticks, grid }
+            }
+            Scale::Log { label, least, most } => {
+                let inside = values.filter(|value| (*least..=*most).contains(value)).map(f64::log10);
+                let (low, high) =
+                    inside.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+                let (low, high) = if low.is_finite() { (low, high) } else { (-6.0, 0.0) };
+                // A sixth of a decade of air, so that markers do not sit on the frame.
+                let (low, high) = (low - 0.17, high + 0.17);
+                let (first, last) = (low.ceil() as i32, high.floor() as i32);
+                let stride = (last - first) / 13 + 1;
+                let labelled = |decade: &i32| decade.rem_euclid(stride) == 0;
+                let ticks = (first..=last).filter(labelled).map(|decade| (f64::from(decade), power_of_ten(decade)));
+                // Lines at 2, 3 … 9 help where there are few decades and clutter where there are many.
+                let fine = if last - first > 7 { 1..=1 } else { 1..=9 };
+                let lines = (first - 1..=last + 1).flat_map(|decade| {
+                    fine.clone().map(move |digit| (f64::from(decade) + f64::from(digit).log10(), digit == 1))
+                });
+                let grid = lines.filter(|line| (low..=high).contains(&line.0)).collect();
+                Axis { label: label.clone(), log: true, range: (low, high), ticks: ticks.collect(), grid }
+            }
+        }
+    }
+
+    /// A value of the data as a fraction of the axis; `None` outside.
+    fn fraction(&self, value: f64) -> Option<f64> {
+        let value = if self.log { value.log10() } else { value };
+        let fraction = (value - self.range.0) / (self.range.1 - self.range.0);
+        (-1e-9..=1.0 + 1e-9).contains(&fraction).then_some(fraction)
+    }
+
+    fn tick_fraction(&self, tick: f64) -> f64 {
+        (tick - self.range.0) / (self.range.1 - self.range.0)
+    }
+}
+
+fn at_x(fraction: f64) -> i32 {
+    (f64::from(LEFT) + fraction * f64::from(RIGHT - LEFT)).round() as i32
+}
+
+fn at_y(fraction: f64) -> i32 {
+    (f64::from(BOTTOM) - fraction * f64::from(BOTTOM - TOP)).round() as i32
+}
+
+fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, picture: &Picture) -> Drawn<DB> {
+    area.fill(&WHITE)?;
+    let points = || picture.panels.iter().flat_map(|panel| &panel.series).flat_map(|series| &series.points);
+    let x = Axis::new(&picture.x, points().map(|point| point.0));
+    let y = Axis::new(&picture.y, points().map(|point| point.1));
+    for band in &picture.bands {
+        let edge = x.fraction(band.below).map_or(if band.below.log10() > x.range.1 { RIGHT } else { LEFT }, at_x);
+        if edge > LEFT {
+            area.draw(&Rectangle::new([(LEFT, TOP), (edge, BOTTOM)], BLACK.mix(band.strength).filled()))?;
+        }
+    }
+    draw_axes(area, &x, &y)?;
+    text(area, &picture.title, (LEFT, 20), 28, HPos::Left, INK)?;
+    text(area, &picture.subtitle, (LEFT, 58), 18, HPos::Left, RGBColor(90, 90, 90))?;
+    // Ours are drawn last, on top.
+    for series in picture.panels.iter().rev().flat_map(|panel| panel.series.iter()) {
+        draw_series(area, series, &x, &y)?;
+    }
+    draw_legend(area, picture)
+}
+
+fn draw_axes<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, x: &Axis, y: &Axis) -> Drawn<DB> {
+    for &(line, strong) in &x.grid {
+        let at = at_x(x.tick_fraction(line));
+        area.draw(&PathElement::new(vec![(at, TOP), (at, BOTTOM)], grid_color(strong)))?;
+    }
+    for &(line, strong) in &y.grid {
+        let at = at_y(y.tick_fraction(line));
+        area.draw(&PathElement::new(vec![(LEFT, at), (RIGHT, at)], grid_color(strong)))?;
+    }
+    area.draw(&Rectangle::new([(LEFT, TOP), (RIGHT, BOTTOM)], INK.stroke_width(1)))?;
+    for (tick, label) in &x.ticks {
+        let at = at_x(x.tick_fraction(*tick));
+        area.draw(&PathElement::new(vec![(at, BOTTOM), (at, BOTTOM + 6)], INK))?;
+        text(area, label, (at, BOTTOM + 11), 20, HPos::Center, INK)?;
+    }
+    for (tick, label) in &y.ticks {
+        let at = at_y(y.tick_fraction(*tick));
+        area.draw(&PathElement::new(vec![(LEFT - 6, at), (LEFT, at)], INK))?;
+        let style = ("sans-serif", 20).into_font().color(&INK).pos(Pos::new(HPos::Right, VPos::Center));
+        area.draw(&Text::new(label.clone(), (LEFT - 11, at), style))?;
+    }
+    text(area, &x.label, ((LEFT + RIGHT) / 2, BOTTOM + 44), 22, HPos::Center, INK)?;
+    let upright = ("sans-serif", 22).into_font().transform(FontTransform::Rotate270).color(&INK);
+    let upright = upright.pos(Pos::new(HPos::Center, VPos::Top));
+    area.draw(&Text::new(y.label.clone(), (16, (TOP + BOTTOM) / 2), upright))
+}
+
+fn draw_series<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, series: &Series, x: &Axis, y: &Axis) -> Drawn<DB> {
+    let place = |&(a, b): &(f64, f64)| Some((at_x(x.fraction(a)?), at_y(y.fraction(b)?)));
+    let pixels: Vec<(i32, i32)> = series.points.iter().filter_map(place).collect();
+    draw_line(area, &pixels, &series.look)?;
+    for &pixel in pixels.iter().step_by(series.markers_every.max(1)) {
+        draw_marker(area, pixel, &series.look)?;
+    }
+    Ok(())
+}
+
+fn draw_line<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, pixels: &[(i32, i32)], look: &Look) -> Drawn<DB> {
+    if pixels.len() < 2 {
+        return Ok(());
+    }
+    let style = color(look).stroke_width(look.width);
+    let (size, gap) = match look.dash {
+        // Piece by piece: a path that folds back on itself is drawn with a long spike at the fold.
+        Dash::Solid => {
+            let mut pieces = pixels.windows(2);
+            return pieces.try_for_each(|piece| area.draw(&PathElement::new(piece.to_vec(), style)));
+        }
+        Dash::Dashed => (9, 6),
+        Dash::Dotted => (2, 5),
+    };
+    area.draw(&DashedPathElement::new(pixels.to_vec(), size, gap, style))
+}
+
+fn draw_marker<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, (x, y): (i32, i32), look: &Look) -> Drawn<DB> {
+    const RADIUS: f64 = 6.5;
+    let corner = |turn: f64, radius: f64| {
+        let angle = turn * std::f64::consts::TAU;
+        (x + (radius * angle.sin()).round() as i32, y - (radius * angle.cos()).round() as i32)
+    };
+    let polygon = |corners: u32, first: f64| -> Vec<(i32, i32)> {
+        (0..corners).map(|k| corner(first + f64::from(k) / f64::from(corners), RADIUS * 1.25)).collect()
+    };
+    let outline = match look.marker {
+        Marker::Circle => {
+            let fill = if look.filled { color(look) } else { WHITE };
+            area.draw(&Circle::new((x, y), 6, fill.filled()))?;
+            return area.draw(&Circle::new((x, y), 6, color(look).stroke_width(2)));
+        }
+        Marker::Cross | Marker::Plus => {
+            let first = if look.marker == Marker::Plus { 0.0 } else { 0.125 };
+            for turn in [first, first + 0.25] {
+                let line = vec![corner(turn, RADIUS), corner(turn + 0.5, RADIUS)];
+                area.draw(&PathElement::new(line, color(look).stroke_width(2)))?;
+            }
+            return Ok(());
+        }
+        Marker::Square => polygon(4, 0.125),
+        Marker::Diamond => polygon(4, 0.0),
+        Marker::Triangle => polygon(3, 0.0),
+        Marker::TriangleDown => polygon(3, 0.5),
+        Marker::Star => {
+            let radius = |k: u32| if k.is_multiple_of(2) { 1.5 * RADIUS } else { 0.6 * RADIUS };
+            (0..10).map(|k| corner(f64::from(k) / 10.0, radius(k))).collect()
+        }
+    };
+    let fill = if look.filled { color(look) } else { WHITE };
+    area.draw(&Polygon::new(outline.clone(), fill.filled()))?;
+    let closed: Vec<(i32, i32)> = outline.iter().chain(outline.first()).copied().collect();
+    area.draw(&PathElement::new(closed, color(look).stroke_width(2)))
+}
+
+fn draw_legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, picture: &Picture) -> Drawn<DB> {
+    let mut y = TOP;
+    for panel in picture.panels.iter().filter(|panel| !panel.series.is_empty()) {
+        text(area, &panel.heading, (LEGEND, y), 18, HPos::Left, RGBColor(90, 90, 90))?;
+        y += 34;
+        for series in &panel.series {
+            let middle = y + 2;
+            draw_line(area, &[(LEGEND, middle), (LEGEND + 44, middle)], &series.look)?;
+            draw_marker(area, (LEGEND + 22, middle), &series.look)?;
+            let style = ("sans-serif", 18).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
+            area.draw(&Text::new(series.label.clone(), (LEGEND + 54, middle), style))?;
+            y += 27;
+        }
+        y += 8;
+    }
+    for band in &picture.bands {
+        area.draw(&Rectangle::new([(LEGEND, y), (LEGEND + 44, y + 18)], BLACK.mix(band.strength).filled()))?;
+        area.draw(&Rectangle::new([(LEGEND, y), (LEGEND + 44, y + 18)], GRID.stroke_width(1)))?;
+        for line in band.label.lines() {
+            text(area, line, (LEGEND + 54, y), 16, HPos::Left, INK)?;
+            y += 21;
+        }
+        y += 8;
+    }
+    y += 8;
+    for note in &picture.notes {
+        text(area, note, (LEGEND, y), 18, HPos::Left, INK)?;
+        y += 25;
+    }
+    Ok(())
+}
+
+fn text<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    words: &str,
+    place: (i32, i32),
+    size: i32,
+    anchor: HPos,
+    ink: RGBColor,
+) -> Drawn<DB> {
+    let style = ("sans-serif", size).into_font().color(&ink).pos(Pos::new(anchor, VPos::Top));
+    area.draw(&Text::new(words.to_string(), place, style))
+}
+
+fn grid_color(strong: bool) -> RGBColor {
+    if strong { GRID } else { FINE_GRID }
+}
+
+fn color(look: &Look) -> RGBColor {
+    let (red, green, blue) = look.color;
+    RGBColor(red, green, blue)
+}
+
+/// `10⁻⁶`.
+pub fn power_of_ten(exponent: i32) -> String {
+    let raise = |letter: char| match letter {
+        '-' => '⁻',
+        digit => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit.to_digit(10).unwrap_or(0) as usize],
+    };
+    format!("10{}", exponent.to_string().chars().map(raise).collect::<String>())
+}
+
+/// Ticks at multiples of 1, 2 or 5 times a power of ten, five to ten of them.
+fn round_ticks((from, to): (f64, f64)) -> Vec<(f64, String)> {
+    let raw = (to - from) / 8.0;
+    let decade = 10_f64.powf(raw.log10().floor());
+    let Some(step) = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * decade).into_iter().find(|&step| step >= raw) else {
+        return Vec::new();
+    };
+    let digits = (-step.log10().floor()).max(0.0) as usize;
+    let (first, last) = ((from / step).ceil() as i64, (to / step + 1e-9).floor() as i64);
+    (first..=last).map(|k| k as f64 * step).map(|tick| (tick, format!("{tick:.digits$}"))).collect()
+}

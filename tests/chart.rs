@@ -1,0 +1,295 @@
+//! Claims about `catena chart`: the arithmetic of the ratios, the references, the files it writes.
+
+use catena::chart::measure::Plan;
+use catena::chart::ratio::{Comparison, Front, Reach};
+use catena::chart::reference::reference;
+use catena::chart::report::Report;
+use catena::chart::table::parse_csv;
+use catena::chart::{Ended, Measurement, Method, Scene, SceneChart, Setting, distance, measure, read_csv, write_csv};
+use catena::model::{Body, Joint, JointKind, Mechanism, Model, ModelOptions, Pose};
+use catena::scene::{PackagePath, read_urdf};
+use catena::state::State;
+use nalgebra::{Translation3, Vector3};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::atomic::AtomicBool;
+
+fn measurement(method: Method, error: f64, cost: f64) -> Measurement {
+    Measurement {
+        scene: "scene".to_string(),
+        method: method.id(),
+        setting: Setting::Step(0.5).to_string(),
+        error,
+        cpu_seconds_per_simulated_second: cost,
+        steps: Some(2),
+        iterations: Some(24),
+        rejected_steps: Some(0),
+        energy_error: 1e-9,
+        ended: Ended::Done,
+    }
+}
+
+/// A rod of 1 m and 1 kg on a horizontal hinge, released from the horizontal.
+fn pendulum(duration: f64) -> Scene {
+    let hinge = Joint::new("hinge", JointKind::Revolute, Pose::identity(), Translation3::new(-0.5, 0.0, 0.0).into());
+    let inertia = Vector3::new(0.0, 1.0 / 12.0, 1.0 / 12.0);
+    let rod = Body { name: "rod".into(), parent: None, mass: 1.0, inertia, joint: hinge };
+    let mechanism = Mechanism::new("pendulum", Vector3::new(0.0, -9.81, 0.0), vec![rod]).unwrap();
+    Scene { name: "pendulum".into(), start: State::zero(&mechanism), mechanism, duration }
+}
+
+fn robot(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(name)
+}
+
+/// A folder for one test, empty at its start.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("catena-chart-{}-{name}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn catena(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_catena")).arg("chart").args(arguments).output().unwrap()
+}
+
+#[test]
+fn costs_between_two_runs_are_interpolated_on_logarithmic_axes() {
+    // Two decades of error for one of cost: half way down the error, √10 up the cost.
+    let front = Front::new([(1e-2, 1.0), (1e-4, 10.0), (1e-8, 100.0)]);
+    let cost = |level: f64| match front.at(level) {
+        Reach::Cost(cost) => cost,
+        other => panic!("{other:?}"),
+    };
+    assert!((cost(1e-3) - 10_f64.sqrt()).abs() < 1e-12);
+    assert!((cost(1e-4) - 10.0).abs() < 1e-12);
+    assert!((cost(1e-7) - 10.0 * 10_f64.powf(0.75)).abs() < 1e-10);
+    // Nothing is extrapolated: coarser costs what the cheapest run costs, finer is not reached.
+    assert_eq!(front.at(1.0), Reach::Cost(1.0));
+    assert_eq!(front.at(1e-9), Reach::Floor(1e-8));
+    assert_eq!(Front::new([]).at(1e-3), Reach::Nothing);
+}
+
+#[test]
+fn runs_that_another_run_beats_do_not_count() {
+    // The second costs more for less; the last is at its rounding floor.
+    let front = Front::new([(1e-2, 1.0), (1e-1, 3.0), (1e-4, 10.0), (2e-4, 1000.0)]);
+    assert_eq!(front, Front::new([(1e-2, 1.0), (1e-4, 10.0)]));
+}
+
+#[test]
+fn the_ratio_is_the_best_rival_over_our_best() {
+    let runs = [
+        measurement(Method::Lobatto(9), 1e-2, 1.0),
+        measurement(Method::Lobatto(9), 1e-10, 3.0),
+        measurement(Method::LobattoTolerance, 1e-5, 2.0),
+        measurement(Method::Rk4, 1e-3, 4.0),
+        measurement(Method::Rk4, 1e-6, 400.0),
+        measurement(Method::Dop853, 1e-3, 5.0),
+        measurement(Method::Dop853, 1e-7, 20.0),
+        // Not among the rivals, however cheap.
+        measurement(Method::Euler, 1e-12, 1e-3),
+    ];
+    let at = |level: f64| Comparison::at(&runs, level);
+    let ours = 3_f64.powf(1.0 / 8.0);
+    assert!((at(1e-3).ratio().unwrap() - 4.0 / ours).abs() < 1e-12);
+    assert!((at(1e-3).tolerance_ratio().unwrap() - 2.0).abs() < 1e-12);
+    assert_eq!(at(1e-6).rival.unwrap().method, Method::Dop853);
+    assert!((at(1e-6).ratio().unwrap() - 5.0 * 4_f64.powf(0.75) / 3_f64.powf(0.5)).abs() < 1e-12);
+    assert_eq!(at(1e-6).tolerance_ratio(), None);
+    assert_eq!(at(1e-9).ratio(), None);
+    assert_eq!(at(1e-9).rival.unwrap().reach, Reach::Floor(1e-7));
+}
+
+#[test]
+fn runs_that_failed_have_no_place_in_the_ratio() {
+    let failed = Measurement { ended: Ended::Failed("NaN".into()), ..measurement(Method::Rk4, 1e-9, 1e-9) };
+    assert_eq!(Comparison::at(&[failed], 1e-3).rival, None);
+}
+
+#[test]
+fn both_references_agree_on_a_pendulum() {
+    let scene = pendulum(2.0);
+    let reference = reference(&scene, &AtomicBool::new(false), &mut |_| {}).unwrap();
+    assert_eq!(reference.runs.len(), 6);
+    assert!(reference.agreement.unwrap() < 1e-10, "{reference:?}");
+    assert!(reference.scatter < 1e-12 && reference.scatter <= reference.vouched());
+}
+
+#[test]
+fn the_reference_is_as_near_to_independent_answers_as_it_says() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference");
+    // Double pendulum and arm, both with fixed bases; answers in long doubles by other codes.
+    for name in ["pendulum3d_double_T3", "arm7_T1"] {
+        let Ok(text) = std::fs::read_to_string(folder.join(format!("answers/{name}.json"))) else {
+            eprintln!("skipped: no answers in {}", folder.display());
+            return;
+        };
+        let answer: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let urdf = folder.join(format!("scenes/{name}.urdf"));
+        let robot = read_urdf(&urdf, &PackagePath::from_environment(Vec::new())).unwrap();
+        let model = Model::new(robot, &ModelOptions::default()).unwrap();
+        let initial = answer["initial"].as_object().unwrap();
+        let positions: Vec<(String, Vec<f64>)> =
+            initial.iter().map(|(joint, one)| (joint.clone(), vec![one["position"].as_f64().unwrap()])).collect();
+        let start = model.initial_state(&positions, &[], None).unwrap();
+        let duration = answer["duration"].as_f64().unwrap();
+        let scene = Scene { name: name.into(), mechanism: model.mechanism, start, duration };
+        let reference = reference(&scene, &AtomicBool::new(false), &mut |_| {}).unwrap();
+        let centres = answer["com"].as_array().unwrap().last().unwrap().as_array().unwrap();
+        for (body, centre) in centres.iter().enumerate() {
+            let expected = Vector3::from_fn(|axis, _| centre[axis].as_f64().unwrap());
+            let off = (reference.probes[distance::PROBES * body] - expected).norm();
+            assert!(off < 3.0 * reference.vouched(), "{name}, body {body}: {off:e} m off; {:?}", reference.runs);
+        }
+    }
+}
+
+#[test]
+fn an_interrupted_reference_is_an_error_and_nothing_else() {
+    let ended = measure(&pendulum(1.0), &Plan { quick: true, budget: 1.0 }, &AtomicBool::new(true), &mut |_, _| {});
+    assert!(ended.is_err_and(|error| error.to_string().contains("interrupted")));
+}
+
+#[test]
+fn the_distance_sees_a_rotation_about_the_centre_of_mass() {
+    let mechanism = pendulum(1.0).mechanism;
+    let mut turned = State::zero(&mechanism);
+    turned.position[0] = 1e-6;
+    let probes = |state: &State| distance::probes(&mechanism, state);
+    // The centre of mass is 0.5 m from the hinge, the outer probe ρ = √(1/12) m further.
+    let outer = 0.5 + (1.0_f64 / 12.0).sqrt();
+    let seen = distance::distance(&probes(&State::zero(&mechanism)), &probes(&turned));
+    assert!((seen - 1e-6 * outer).abs() < 1e-12, "{seen:e}");
+}
+
+#[test]
+fn measurements_survive_the_way_through_a_csv_file() {
+    let runs = vec![
+        measurement(Method::Lobatto(9), 1.234_567_890_123_456_7e-13, 4.56e-6),
+        Measurement { scene: "a, \"b\"\nc".into(), ..measurement(Method::Rk4, 0.1 + 0.2, 1.0 / 3.0) },
+        Measurement { ended: Ended::Cut { time: 0.125 }, ..measurement(Method::Euler, 1.0, 1.0) },
+        Measurement {
+            ended: Ended::Failed("at t = 1 s, it blew up".into()),
+            steps: None,
+            ..measurement(Method::Dop853, 1.0, 1.0)
+        },
+    ];
+    let file = folder("round-trip").join("measurements.csv");
+    std::fs::write(&file, write_csv(&runs)).unwrap();
+    assert_eq!(read_csv(&file).unwrap(), runs);
+}
+
+#[test]
+fn foreign_columns_may_come_in_any_order_and_wrong_ones_are_named() {
+    let text = "\u{feff}error,cpu_seconds_per_simulated_second,note,scene,method\r\n1e-3,2e-5,x,dp,MuJoCo\r\n";
+    let runs = parse_csv(text).unwrap();
+    assert_eq!((runs[0].method.as_str(), runs[0].point()), ("MuJoCo", Some((1e-3, 2e-5))));
+    let problem = |text: &str| parse_csv(text).unwrap_err();
+    assert!(problem("scene,method,error\n").1.contains("cpu_seconds_per_simulated_second"));
+    assert_eq!(problem("scene,method,error,cpu_seconds_per_simulated_second\na,b,c,1\n").0, 2);
+    assert!(problem("scene,method,error,cpu_seconds_per_simulated_second\na,b,1\n").1.contains("3 fields"));
+    assert!(problem("").1.contains("empty"));
+}
+
+/// Orders between neighbouring rungs of a method, where the error is neither coarse nor rounding.
+fn orders(runs: &[Measurement], method: Method, range: std::ops::Range<f64>) -> Vec<f64> {
+    let step = |run: &Measurement| run.setting.strip_prefix("step=").unwrap().parse::<f64>().unwrap();
+    let inside: Vec<&Measurement> =
+        runs.iter().filter(|run| run.method == method.id() && range.contains(&run.error)).collect();
+    inside.windows(2).map(|pair| (pair[0].error / pair[1].error).ln() / (step(pair[0]) / step(pair[1])).ln()).collect()
+}
+
+#[test]
+fn the_command_writes_pictures_numbers_and_a_page_and_the_numbers_show_the_orders() {
+    let folder = folder("command");
+    let (input, output) = (robot("pendulum.urdf"), folder.join("chart"));
+    // Another program's file, with a second scene that is not drawn.
+    let foreign = folder.join("foreign.csv");
+    let lines = "scene,method,error,cpu_seconds_per_simulated_second\npendulum,Peer <1>,1e-4,1e-4\nother,x,1,1\n";
+    std::fs::write(&foreign, lines).unwrap();
+    let arguments = [input.to_str().unwrap(), "-o", output.to_str().unwrap(), "--csv", foreign.to_str().unwrap()];
+    let ended = catena(&[&arguments[..], &["--quick", "--duration", "2"]].concat());
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    let mut files: Vec<String> =
+        std::fs::read_dir(&output).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+    files.sort();
+    let pictures = ["pendulum.png", "pendulum.svg", "pendulum_energy.png"];
+    let others = ["pendulum_energy.svg"];
+    assert_eq!(files, [&["index.html", "measurements.csv"][..], &pictures[..], &others[..]].concat());
+
+    let png = std::fs::read(output.join(pictures[0])).unwrap();
+    assert_eq!(&png[1..4], b"PNG");
+    let svg = std::fs::read_to_string(output.join(pictures[1])).unwrap();
+    roxmltree::Document::parse(&svg).unwrap();
+    assert!(svg.contains("CPU seconds per simulated second") && svg.contains("Peer &lt;1&gt;"));
+    let html = std::fs::read_to_string(output.join("index.html")).unwrap();
+    assert_eq!(html.matches("<svg").count(), 2);
+    assert!(html.contains("Peer &lt;1&gt;") && !html.contains("src=") && !html.contains("href="));
+
+    let runs = read_csv(&output.join("measurements.csv")).unwrap();
+    assert!(Method::ALL.iter().all(|method| runs.iter().any(|run| run.method == method.id())));
+    let of_two = orders(&runs, Method::Lobatto(2), 1e-12..1e-3);
+    assert!(of_two.len() >= 3 && of_two.iter().all(|order| (order - 2.0).abs() < 0.1), "{of_two:?}");
+    // Order 16 shows over a few rungs only: above them the steps are coarse, below them is rounding.
+    let of_nine = orders(&runs, Method::Lobatto(9), 1e-13..1e-5);
+    assert!(of_nine.len() >= 2 && of_nine.iter().all(|order| (13.0..18.0).contains(order)), "{of_nine:?}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn wrong_input_is_one_line_and_no_files() {
+    let folder = folder("wrong");
+    let output = folder.join("chart");
+    let good = robot("pendulum.urdf").to_str().unwrap().to_string();
+    let bad_csv = folder.join("bad.csv");
+    std::fs::write(&bad_csv, "scene,method\n").unwrap();
+    let cases: [(&[&str], &str); 8] = [
+        (&["no_such_file.urdf"], "no_such_file.urdf"),
+        (&[&good, "no_such_file.urdf"], "no_such_file.urdf"),
+        (&[&good, "--position", "elbow=1"], "elbow"),
+        (&[&good, &good, "--position", "elbow=1"], "elbow"),
+        (&[&good, "--duration", "0"], "--duration"),
+        (&[&good, "--budget", "-1"], "--budget"),
+        (&[&good, "--csv", bad_csv.to_str().unwrap()], "bad.csv:1"),
+        (&[], "INPUT"),
+    ];
+    for (arguments, told) in cases {
+        let ended = catena(&[arguments, &["-o", output.to_str().unwrap()]].concat());
+        let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+        assert_eq!(ended.status.code(), Some(2), "{arguments:?}: {said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+        assert!(said.contains(told) && !output.exists() && ended.stdout.is_empty(), "{arguments:?}: {said}");
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_file_in_the_place_of_the_folder_is_left_alone() {
+    let folder = folder("occupied");
+    let occupied = folder.join("chart");
+    std::fs::write(&occupied, "mine").unwrap();
+    let ended = catena(&[robot("pendulum.urdf").to_str().unwrap(), "-o", occupied.to_str().unwrap()]);
+    assert_eq!(ended.status.code(), Some(2));
+    assert_eq!(std::fs::read_to_string(&occupied).unwrap(), "mine");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn nobody_reaches_a_level_below_the_noise_of_the_reference() {
+    let plan = Plan { quick: true, budget: 60.0 };
+    let mut chart = measure(&pendulum(1.0), &plan, &AtomicBool::new(false), &mut |_, _| {}).unwrap();
+    assert!(Comparison::of(&chart, 1e-6).ratio().is_some());
+    chart.reference.scatter = 1e-5;
+    assert_eq!(Comparison::of(&chart, 1e-6).ours.unwrap().reach, Reach::Floor(1e-5));
+}
+
+#[test]
+fn a_budget_that_runs_out_is_said() {
+    let plan = Plan { quick: true, budget: 1e-9 };
+    let chart: SceneChart = measure(&pendulum(1.0), &plan, &AtomicBool::new(false), &mut |_, _| {}).unwrap();
+    assert!(chart.out_of_budget && chart.measurements.len() < Method::ALL.len());
+    let report = Report { scenes: vec![chart], ..Report::default() };
+    assert!(report.summary().contains("the budget ran out"), "{}", report.summary());
+}
