@@ -21,7 +21,7 @@ class CatenaError(Exception):
 def find(given: str | None) -> str:
     """The program: as given, from this repository's build, or from the path."""
     built = _REPOSITORY / "target" / "release" / "catena"
-    program = given or (str(built) if built.is_file() else shutil.which("catena"))
+    program = shutil.which(given or (str(built) if built.is_file() else "catena"))
     if program is None:
         raise CatenaError("no catena: cargo build --release, or give --catena PATH")
     return program

@@ -74,7 +74,7 @@ class Peer:
             if body.kind == "floating":
                 rigid = plant.GetBodyByName(body.name)
                 plant.SetFreeBodyPose(context, rigid, RigidTransform(RotationMatrix(rotation), origin))
-                plant.SetFreeBodySpatialVelocity(rigid, SpatialVelocity(angular, linear), context)
+                plant.SetFreeBodySpatialVelocity(context, rigid, SpatialVelocity(angular, linear))
                 continue
             joint = plant.GetJointByName(f"joint_{index}")
             if body.kind == "revolute":

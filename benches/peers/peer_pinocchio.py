@@ -106,9 +106,9 @@ class Peer:
 
     def run(self, method: str, setting: Setting) -> Run:
         """Integrates from the start to the end."""
-        self.evaluations = 0
         if self.evaluation_seconds is None:
             self.evaluation_seconds = self._evaluation_seconds()
+        self.evaluations = 0
         result: dict[str, np.ndarray | int] = {}
         loop = self._rk4 if method == "pinocchio-rk4" else self._dop853
         cpu = clocked(lambda: result.update(zip(("state", "steps"), loop(setting), strict=True)))

@@ -149,8 +149,16 @@ def read_rows(*files: Path) -> dict[str, list[tuple[float, float]]]:
 
 
 def cost_at(curve: list[tuple[float, float]], level: float) -> float:
-    """The cheapest run with at most this error."""
-    return min((cost for error, cost in curve if error <= level), default=math.inf)
+    """The lowest cost at this error: of a run that is good enough, or between two neighbouring runs on both sides of it.
+
+    Between neighbours the cost follows a power of the error; otherwise a ladder of steps by two would be read too high.
+    """
+    best = min((cost for error, cost in curve if error <= level), default=math.inf)
+    for (coarse, cheap), (fine, dear) in zip(curve, curve[1:], strict=False):
+        if coarse > level >= fine > 0:
+            share = math.log(coarse / level) / math.log(coarse / fine)
+            best = min(best, cheap * (dear / cheap) ** share)
+    return best
 
 
 def table(curves: dict[str, list[tuple[float, float]]]) -> str:
@@ -199,6 +207,7 @@ def main() -> int:
         folder = chosen.output / scene.name
         drawn = draws and catena.chart(program, scene, start, rows, folder, chosen.quick)
         failed |= draws and not drawn
+        print(flush=True)
         print(table(read_rows(rows, *([folder / "measurements.csv"] if drawn else []))))
     return 1 if failed else 0
 

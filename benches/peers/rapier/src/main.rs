@@ -129,6 +129,9 @@ impl World {
             multibody.damping_mut().fill(0.0);
             multibody.forward_kinematics(&self.bodies, true);
             if body.kind == "floating" {
+                // The root moves in the world by the velocity of its origin.
+                let twist = body.linear_velocity.iter().chain(&body.angular_velocity);
+                multibody.generalized_velocity_mut().iter_mut().zip(twist).for_each(|(rate, &given)| *rate = given);
                 continue;
             }
             // Degrees of freedom are numbered link by link.
