@@ -18,6 +18,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from itertools import pairwise
 from pathlib import Path
 
 os.environ["OMP_NUM_THREADS"] = "1"
@@ -154,7 +155,7 @@ def cost_at(curve: list[tuple[float, float]], level: float) -> float:
     Between neighbours the cost follows a power of the error; otherwise a ladder of steps by two would be read too high.
     """
     best = min((cost for error, cost in curve if error <= level), default=math.inf)
-    for (coarse, cheap), (fine, dear) in zip(curve, curve[1:], strict=False):
+    for (coarse, cheap), (fine, dear) in pairwise(curve):
         if coarse > level >= fine > 0:
             share = math.log(coarse / level) / math.log(coarse / fine)
             best = min(best, cheap * (dear / cheap) ** share)
