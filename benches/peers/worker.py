@@ -24,7 +24,7 @@ from scene import Scene, probes
 NOT_INSTALLED = 3
 NOT_FOR_THIS_SCENE = 4
 # Where every ladder of steps begins [s].
-LONGEST_STEP = 0.02
+LONGEST_STEP = 0.16
 # So many rungs in a row that are no better than the best before them: rounding has won.
 FUTILE = 3
 
@@ -75,7 +75,7 @@ def climb(peer, scene, reference, method, kind, budget, writer) -> None:
             best = min(best, error)
             last = run.cpu_seconds
         # A first rung that is too long is no reason to stop; afterwards the next one would cost about twice the last.
-        if last > budget / 2 or (futile >= FUTILE and best < 1e-3) or futile >= 10:
+        if last > budget / 2 or (futile >= FUTILE and best < 1e-3) or futile >= 14:
             return
 
 
