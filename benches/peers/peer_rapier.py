@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from measure import Run, Setting, steps_of
-from scene import Scene, quaternion, rotation_matrix
+from scene import Body, Scene, quaternion, rotation_matrix
 
 _RUNNER = Path(
     os.environ.get("RAPIER_RUNNER", Path(__file__).parent / "rapier" / "target" / "release" / "rapier-runner")
@@ -46,21 +46,32 @@ class Peer:
         answer = json.loads(ended.stdout)
         try:
             placements = [
-                (rotation_matrix(np.array(body["quaternion"], dtype=float)), np.array(body["origin"], dtype=float))
-                for body in answer["bodies"]
+                _placement(body, np.array(end["quaternion"], dtype=float), np.array(end["origin"], dtype=float))
+                for body, end in zip(self.scene.bodies, answer["bodies"], strict=True)
             ]
         except (TypeError, ValueError) as error:
             raise RuntimeError("the end state is not finite") from error
         return Run(answer["cpu_seconds"], placements, steps)
 
 
+def _placement(body: Body, turned: np.ndarray, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    rotation = rotation_matrix(turned)
+    return rotation, center - rotation @ np.array(body.center_of_mass)
+
+
 def _document(scene: Scene) -> dict:
+    """The scene with every frame moved to the centre of mass.
+
+    Rapier moves the origin of a floating root by the velocity of its centre of mass, so they had better be the same.
+    """
     bodies = []
     for body, (rotation, origin), (linear, angular) in zip(
         scene.bodies, scene.placements(), scene.twists(), strict=True
     ):
         if body.kind == "floating" and body.parent >= 0:
             raise NotImplementedError("floating joints inside the tree are not set up here")
+        center = np.array(body.center_of_mass)
+        parent_center = np.array(scene.bodies[body.parent].center_of_mass) if body.parent >= 0 else np.zeros(3)
         moments, axes = np.linalg.eigh(np.array(body.inertia))
         axes[:, 2] *= np.sign(np.linalg.det(axes))
         align = _align_with_x(np.array(body.axis)) if body.kind != "floating" else np.eye(3)
@@ -69,18 +80,17 @@ def _document(scene: Scene) -> dict:
                 "parent": body.parent,
                 "kind": body.kind,
                 "mass": body.mass,
-                "center_of_mass": body.center_of_mass,
                 "principal_moments": moments.tolist(),
                 "principal_frame": quaternion(axes).tolist(),
-                "origin": origin.tolist(),
+                "origin": (origin + rotation @ center).tolist(),
                 "quaternion": quaternion(rotation).tolist(),
-                "linear_velocity": linear.tolist(),
+                "linear_velocity": (linear + np.cross(angular, rotation @ center)).tolist(),
                 "angular_velocity": angular.tolist(),
                 "joint_on_parent": {
-                    "position": body.frame_position,
+                    "position": (np.array(body.frame_position) - parent_center).tolist(),
                     "quaternion": quaternion(np.array(body.frame_rotation) @ align).tolist(),
                 },
-                "joint_on_body": {"position": [0.0, 0.0, 0.0], "quaternion": quaternion(align).tolist()},
+                "joint_on_body": {"position": (-center).tolist(), "quaternion": quaternion(align).tolist()},
                 "position": body.position[0],
                 "velocity": body.velocity[0],
             }

@@ -73,7 +73,7 @@ def climb(peer, scene, reference, method, kind, budget, writer) -> None:
                 )
             futile = 0 if error < 0.9 * best else futile + 1
             best = min(best, error)
-            last = run.cpu_seconds
+            last = run.spent()
         # A first rung that is too long is no reason to stop; afterwards the next one would cost about twice the last.
         if last > budget / 2 or (futile >= FUTILE and best < 1e-3) or futile >= 14:
             return

@@ -9,7 +9,7 @@ use cpu_time::ThreadTime;
 use rapier3d_f64::prelude::*;
 use serde::Deserialize;
 
-/// The part of a scene this runner needs; all poses are of the start, in the world.
+/// The part of a scene this runner needs; all poses are of the start, in the world, and of the centre of mass.
 #[derive(Deserialize)]
 struct Scene {
     duration: f64,
@@ -23,7 +23,6 @@ struct Body {
     parent: i64,
     kind: String,
     mass: f64,
-    center_of_mass: [f64; 3],
     principal_moments: [f64; 3],
     principal_frame: [f64; 4],
     origin: [f64; 3],
@@ -79,18 +78,15 @@ impl World {
         for body in &scene.bodies {
             // Moments and axes are given, because the eigenvalues of small inertias come out wrong in the library.
             let mass = MassProperties::with_principal_inertia_frame(
-                Vector::from_array(body.center_of_mass),
+                Vector::ZERO,
                 body.mass,
                 Vector::from_array(body.principal_moments),
                 rotation(body.principal_frame),
             );
-            let start = pose(body.origin, body.quaternion);
-            let arm = start.rotation * Vector::from_array(body.center_of_mass);
-            let spin = Vector::from_array(body.angular_velocity);
             let rigid = RigidBodyBuilder::dynamic()
-                .pose(start)
-                .linvel(Vector::from_array(body.linear_velocity) + spin.cross(arm))
-                .angvel(spin)
+                .pose(pose(body.origin, body.quaternion))
+                .linvel(Vector::from_array(body.linear_velocity))
+                .angvel(Vector::from_array(body.angular_velocity))
                 .additional_mass_properties(mass)
                 .gyroscopic_forces_enabled(true)
                 .can_sleep(false);
@@ -129,7 +125,7 @@ impl World {
             multibody.damping_mut().fill(0.0);
             multibody.forward_kinematics(&self.bodies, true);
             if body.kind == "floating" {
-                // The root moves in the world by the velocity of its origin.
+                // The six rates of a root that moves freely come first.
                 let twist = body.linear_velocity.iter().chain(&body.angular_velocity);
                 multibody.generalized_velocity_mut().iter_mut().zip(twist).for_each(|(rate, &given)| *rate = given);
                 continue;
