@@ -18,7 +18,9 @@
 //! | the rival | [`reduced`] |
 //! | the loop and its observers | [`simulation`], [`log`], [`report`] |
 
+pub mod calibration;
 pub mod chart;
+pub mod distance;
 pub mod invariants;
 pub mod kinematics;
 pub mod lobatto;

@@ -3,6 +3,7 @@
 //! The JSON is a promise to other people's scripts; its keys and their order are tested (`tests/cli.rs`). Links and
 //! joints are given in the world and in the joint's frame on the parent as [`LinkReport`] and [`JointReport`] say.
 
+use crate::calibration::Calibration;
 use crate::kinematics::body_states;
 use crate::model::joint::wxyz_from_rotation;
 use crate::model::{JointRecord, LinkFrame, Model};
@@ -40,6 +41,8 @@ pub struct Report {
     pub cpu_seconds: f64,
     /// Processor time in the integration loop without logging [s].
     pub solve_cpu_seconds: f64,
+    /// The accuracy to expect, when one was asked for.
+    pub accuracy: Option<AccuracyReport>,
     /// Energy over the run.
     pub energy: EnergyReport,
     /// Constraint violation over the run.
@@ -73,6 +76,46 @@ pub struct MethodReport {
     pub adaptive: bool,
     /// The tolerance it is chosen from.
     pub tolerance: Option<f64>,
+}
+
+/// The accuracy to expect of a run, from pilot runs.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct AccuracyReport {
+    /// The accuracy asked for [m].
+    pub wanted: f64,
+    /// The largest error to expect at any instant of the run [m].
+    pub estimated: f64,
+    /// The instant up to which the wanted accuracy is expected to hold [s].
+    pub holds_until: f64,
+    /// Whether that is the end of the run.
+    pub reached: bool,
+    /// Number of pilot runs.
+    pub pilots: usize,
+}
+
+impl AccuracyReport {
+    /// What a calibration found for a run that ends at `end`.
+    pub fn new(wanted: f64, end: f64, found: &Calibration) -> Self {
+        AccuracyReport {
+            wanted,
+            estimated: found.estimate,
+            holds_until: found.holds_until,
+            reached: found.holds_until >= end,
+            pilots: found.pilots,
+        }
+    }
+
+    /// What the user should know, if the accuracy does not hold to the end.
+    pub fn warning(&self) -> Option<String> {
+        (!self.reached).then(|| {
+            format!(
+                "the motion amplifies every error: the accuracy of {:e} m is expected to hold until t = {} s only; after \
+                 that the run is one of many possible motions, with the right energy and constraints",
+                self.wanted,
+                rounded(self.holds_until)
+            )
+        })
+    }
 }
 
 /// The size of a model.
@@ -280,6 +323,13 @@ impl fmt::Display for Report {
         match method.tolerance {
             Some(tolerance) => writeln!(out, "tolerance {tolerance:e}, mean step {} ms", rounded(1e3 * method.step))?,
             None => writeln!(out, "step {} ms", rounded(1e3 * method.step))?,
+        }
+        if let Some(accuracy) = &self.accuracy {
+            writeln!(
+                out,
+                "  accuracy    {:.1e} m expected at worst, from {} pilot runs",
+                accuracy.estimated, accuracy.pilots
+            )?;
         }
         write!(out, "  steps       {}, {}", self.steps, counted(self.iterations, "iteration"))?;
         if self.steps > 0 {

@@ -48,6 +48,11 @@ pub enum StepError {
          a step of {step:.1e} s; choose a smaller --step, more --stages or a smaller --tolerance"
     )]
     NotConverged { time: f64, step: f64, joint: String, increment: f64 },
+    /// A joint turns by more than half a revolution within the shortest step.
+    #[error(
+        "at t = {time} s joint {joint:?} turns by more than half a revolution within a step of {step:.1e} s; choose a smaller --step"
+    )]
+    TurnedTooFar { time: f64, step: f64, joint: String },
     /// Every step changes the energy by more than the tolerance allows, however short.
     #[error("at t = {time} s no step is accurate enough, not even {step:.1e} s; choose a larger --tolerance")]
     NotAccurate { time: f64, step: f64 },

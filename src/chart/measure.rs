@@ -5,7 +5,6 @@
 //! when two rungs in a row bring nothing more: its rounding floor. Tolerances are few, and their errors need not fall
 //! from one to the next; they are all tried.
 
-use super::distance::{distance, probes};
 use super::energy::{EnergyHistory, largest_kinetic, representative};
 use super::error::ChartError;
 use super::ladder::ladder;
@@ -13,6 +12,7 @@ use super::method::{Method, Setting};
 use super::reference::{Reference, reference};
 use super::table::Measurement;
 use super::timing::{Effort, Ended, TimedRun, timed_run};
+use crate::distance::{distance, probes};
 use crate::invariants::energy as energy_of;
 use crate::kinematics::body_states;
 use crate::model::Mechanism;

@@ -87,7 +87,7 @@ impl Method {
                 Lobatto::fixed(mechanism, stages, step).ok().map(|lobatto| Box::new(lobatto) as Box<dyn Integrator>)
             }
             (Method::LobattoTolerance, Setting::Tolerance(tolerance)) => {
-                Lobatto::adaptive(mechanism, tolerance).ok().map(|lobatto| Box::new(lobatto) as Box<dyn Integrator>)
+                Some(Box::new(Lobatto::adaptive(mechanism, tolerance)))
             }
             (Method::Euler, Setting::Step(step)) => Some(Box::new(Euler::new(mechanism, step))),
             (Method::Rk4, Setting::Step(step)) => Some(Box::new(Rk4::new(mechanism, step))),

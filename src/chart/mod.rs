@@ -2,7 +2,7 @@
 //!
 //! A [`Scene`] is run by every [`Method`] down a ladder of settings ([`ladder`]); each run gives a [`Measurement`] of
 //! CPU seconds per simulated second ([`timing`]) and of the distance of its end from a [`Reference`] that two
-//! formulations agree on ([`distance`], [`reference`]). Out of the measurements come the ratios at fixed accuracies
+//! formulations agree on ([`crate::distance`], [`reference`]). Out of the measurements come the ratios at fixed accuracies
 //! ([`ratio`]), the pictures ([`work_precision`], [`energy`]), the CSV ([`table`]) and the page ([`page`]).
 //!
 //! ```text
@@ -12,7 +12,6 @@
 //! ```
 
 mod comma_separated;
-pub mod distance;
 pub mod energy;
 mod error;
 pub mod files;

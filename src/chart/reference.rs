@@ -10,18 +10,18 @@
 //! The reference is the mean of the formulation with the smaller scatter. Down to the agreement an error is vouched
 //! for by both formulations; between agreement and scatter by one alone; below the scatter it is noise.
 
-use super::distance::{distance, mean, probes};
 use super::error::ChartError;
 use super::measure::Scene;
 use super::method::{Method, Setting};
 use super::timing::{Effort, Ended, timed_run};
+use crate::distance::{distance, mean, probes};
 use nalgebra::Vector3;
 use std::sync::atomic::AtomicBool;
 
 /// The end points an error is measured from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
-    /// Probes of all bodies at the end ([`super::distance`]).
+    /// Probes of all bodies at the end ([`crate::distance`]).
     pub probes: Vec<Vector3<f64>>,
     /// Which formulation it is from.
     pub source: &'static str,

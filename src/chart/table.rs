@@ -5,7 +5,7 @@
 //! | `scene`                            | name of the scene: the input's file name without ending        | needed        |
 //! | `method`                           | any name; it is the label of the curve                         | needed        |
 //! | `setting`                          | `step=…` [s] or `tolerance=…`                                  |               |
-//! | `error`                            | distance of the end from the reference [m], [`super::distance`] | needed        |
+//! | `error`                            | distance of the end from the reference [m], [`crate::distance`] | needed        |
 //! | `cpu_seconds_per_simulated_second` | CPU time of the integration loop / simulated time              | needed        |
 //! | `steps`, `iterations`, `rejected_steps` | accepted steps; iterations or evaluations; attempts thrown away |          |
 //! | `energy_error`                     | energy error at the end / largest kinetic energy               |               |

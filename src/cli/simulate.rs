@@ -8,10 +8,13 @@ use super::numbers::{Assignment, positive, rate};
 use super::progress::Progress;
 use super::{Failure, print};
 use anyhow::{Context, anyhow};
+use catena::calibration::{CalibrationError, calibrate};
 use catena::lobatto::Lobatto;
 use catena::log::{Recorder, Severity};
 use catena::model::{Mechanism, Model, ModelError, Pose};
-use catena::report::{ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports};
+use catena::report::{
+    AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports,
+};
 use catena::simulation::{Integrator, Observer, RunError, RunOptions, run as run_simulation};
 use catena::state::State;
 use clap::{Args, value_parser};
@@ -107,11 +110,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         (Some(stages), Some(step)) => StepChoice::Fixed { stages: stages.into(), step },
         _ => StepChoice::Tolerance(arguments.tolerance.unwrap_or(DEFAULT_TOLERANCE)),
     };
-    let mut integrator = integrator(mechanism, choice).map_err(Failure::input)?;
     let duration = arguments.duration.unwrap_or(DEFAULT_DURATION);
     let rate = arguments.rate.unwrap_or(DEFAULT_RATE);
 
     super::watch_for_interrupts(&INTERRUPTED).map_err(Failure::run)?;
+    let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
+    let (mut integrator, accuracy) = integrator(mechanism, &state, duration, choice)?;
     let mut recorder = match &output {
         Some(path) => {
             let simulation = description(&model, duration, rate, choice, integrator.as_ref());
@@ -129,7 +133,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut observers: Vec<&mut dyn Observer> = Vec::new();
     observers.extend(recorder.iter_mut().map(|recorder| recorder as &mut dyn Observer));
     observers.extend(progress.iter_mut().map(|progress| progress as &mut dyn Observer));
-    let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
     let (summary, ended) = run_simulation(mechanism, &mut state, integrator.as_mut(), &options, &mut observers);
     if let Some(progress) = &progress {
         progress.clear();
@@ -155,7 +158,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         constraint: ConstraintReport::new(&summary),
         links: link_reports(&model, &state),
         joints: joint_reports(&model, &state),
-        warnings: model.warnings.iter().map(ToString::to_string).collect(),
+        warnings: model
+            .warnings
+            .iter()
+            .map(ToString::to_string)
+            .chain(accuracy.as_ref().and_then(AccuracyReport::warning))
+            .collect(),
+        accuracy,
         log: output,
     };
     if arguments.json {
@@ -167,12 +176,29 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     ended
 }
 
-/// The one place where the integrator is chosen.
-fn integrator(mechanism: &Mechanism, choice: StepChoice) -> anyhow::Result<Box<dyn Integrator>> {
-    Ok(Box::new(match choice {
-        StepChoice::Tolerance(tolerance) => Lobatto::adaptive(mechanism, tolerance)?,
-        StepChoice::Fixed { stages, step } => Lobatto::fixed(mechanism, stages, step)?,
-    }))
+/// The one place where the integrator is chosen; a tolerance is calibrated for the motion at hand.
+fn integrator(
+    mechanism: &Mechanism,
+    state: &State,
+    duration: f64,
+    choice: StepChoice,
+) -> Result<(Box<dyn Integrator>, Option<AccuracyReport>), Failure> {
+    let tolerance = match choice {
+        StepChoice::Fixed { stages, step } => {
+            let lobatto = Lobatto::fixed(mechanism, stages, step).map_err(Failure::input)?;
+            return Ok((Box::new(lobatto), None));
+        }
+        StepChoice::Tolerance(tolerance) => tolerance,
+    };
+    match calibrate(mechanism, state, duration, tolerance, Some(&INTERRUPTED)) {
+        Ok(found) => {
+            let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop);
+            Ok((Box::new(lobatto), Some(AccuracyReport::new(tolerance, state.time + duration, &found))))
+        }
+        Err(CalibrationError::Interrupted) => Err(Failure::interrupted(CalibrationError::Interrupted)),
+        // The run will fail where the pilot did, and leave its log up to there.
+        Err(CalibrationError::Step(_)) => Ok((Box::new(Lobatto::adaptive(mechanism, tolerance)), None)),
+    }
 }
 
 fn initial_state(model: &Model, arguments: &Arguments) -> Result<State, ModelError> {

@@ -124,7 +124,9 @@ impl<V: Lanes> Stages<V> {
                             let once = vector.cross(axis);
                             vector.cross(once).times_plus(second, once.times_minus(first, axis))
                         };
-                        self.eliminated[freedom] = total.eliminate_rotation(turn.apply_plus(tilted, tilted));
+                        let axis = turn.apply_plus(tilted, tilted);
+                        self.eliminated[freedom] =
+                            if plan.alone { total.eliminate_spin(axis) } else { total.eliminate_rotation(axis) };
                     }
                 }
             }
@@ -138,7 +140,8 @@ impl<V: Lanes> Stages<V> {
                         }
                         None => axis,
                     };
-                    self.eliminated[freedom] = total.eliminate_translation(turned);
+                    self.eliminated[freedom] =
+                        if plan.alone { total.solve_translation(turned) } else { total.eliminate_translation(turned) };
                 }
             }
 
@@ -360,6 +363,25 @@ impl<V: Lanes> Articulated<V> {
     fn solve_rotation(&self, axis: Vector<V>) -> Eliminated<V> {
         let inverse = axis.dot(self.inertia.apply(axis)).reciprocal();
         let bias = -(axis.dot(self.torque) * inverse);
+        Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias }
+    }
+
+    /// Eliminates a rotation about `axis` where nothing couples it to translations.
+    #[inline(always)]
+    fn eliminate_spin(&mut self, axis: Vector<V>) -> Eliminated<V> {
+        let torque = self.inertia.apply(axis);
+        let inverse = axis.dot(torque).reciprocal();
+        let bias = -(axis.dot(self.torque) * inverse);
+        let torque_ratio = torque.times(inverse);
+        self.inertia = self.inertia.minus_outer(torque, torque_ratio);
+        self.torque = torque.times_plus(bias, self.torque);
+        Eliminated { axis, force_ratio: Vector::zero(), torque_ratio, bias }
+    }
+
+    /// The solution for a translation along `axis` of a body that floats alone: the axes do not couple either.
+    #[inline(always)]
+    fn solve_translation(&self, axis: Vector<V>) -> Eliminated<V> {
+        let bias = -(axis.dot(self.force) * axis.dot(self.mass.apply(axis)).reciprocal());
         Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias }
     }
 

@@ -13,6 +13,7 @@
 
 use super::lanes::Isa;
 use super::step::{Attempt, Step, StopRule};
+use super::tableau::Tableau;
 use crate::model::Mechanism;
 use crate::state::State;
 
@@ -61,18 +62,17 @@ pub struct Control {
 }
 
 impl Control {
-    /// A controller for a wanted position accuracy.
-    pub fn new(_mechanism: &Mechanism, tolerance: f64, isa: Isa) -> Self {
-        // The end error is the stop times the scene's own amplification, 1e2 … 1e6 (step-control.md, section 4).
-        let stop = (1e-4 * tolerance).clamp(1e-16, 1e-4);
+    /// A controller for an iteration stop `ε`; `tolerance` bounds the change of the energy.
+    pub fn new(tolerance: f64, stop: f64, isa: Isa) -> Self {
+        let stop = stop.clamp(1e-16, 1e-3);
         let stages = if isa == Isa::Avx512 { 9 } else { 5 };
         let factor = if stages == 9 { 0.3 } else { 1.0 };
         Control { tolerance, stages, stop, wanted: factor * stop.sqrt(), step: 0.0, previous: None, kinetic: 0.0 }
     }
 
-    /// The number of stages the tolerance and the processor call for.
-    pub fn stages(&self) -> usize {
-        self.stages
+    /// The scheme: nine stages fill the eight lanes of AVX-512, five the four lanes of anything less.
+    pub fn tableau(&self) -> Tableau {
+        Tableau::new(self.stages).expect("five and nine stages are in range")
     }
 
     /// The tolerance asked for.
@@ -87,7 +87,12 @@ impl Control {
 
     /// Where the iteration stops.
     pub fn rule(&self) -> StopRule {
-        StopRule { increment: self.stop, rounding: self.stop.max(1e-11), iterations: 40 }
+        StopRule { increment: self.stop, rounding: self.stop.max(1e-11), iterations: 40, legendre: self.limit() }
+    }
+
+    /// The largest E of a step that is kept.
+    fn limit(&self) -> f64 {
+        1.3_f64.powi(self.stages as i32 - 1) * self.wanted
     }
 
     /// Whether a first step has been chosen.
@@ -120,10 +125,17 @@ impl Control {
                 }
                 Verdict::Retry { without_past: !plain }
             }
+            Attempt::TurnedTooFar { .. } => {
+                self.step = 0.7 * step;
+                Verdict::Retry { without_past: false }
+            }
+            Attempt::Inaccurate { legendre, .. } => {
+                self.step = step * (self.wanted / legendre).powf(1.0 / order).clamp(0.2, 0.9);
+                Verdict::Retry { without_past: false }
+            }
             Attempt::Converged { iterations, legendre } => {
                 let error = legendre.max(1e-300);
-                let limit = 1.8_f64.powf(order) * self.wanted;
-                if error > limit {
+                if error > self.limit() {
                     self.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
                     return Verdict::Retry { without_past: false };
                 }
@@ -131,7 +143,7 @@ impl Control {
                     self.kinetic = self.kinetic.max(energies.kinetic);
                     let allowed = ENERGY_SHARE * self.tolerance * self.kinetic + 1e-13 * energies.total.abs();
                     // A step in which the energy is not finite fails this test too.
-                    if !(energies.change.abs() <= allowed) {
+                    if energies.change.is_nan() || energies.change.abs() > allowed {
                         let excess = (allowed / energies.change.abs()).powf(1.0 / (2.0 * order + 1.0));
                         self.step = step * (0.9 * excess).clamp(0.2, 0.9);
                         return Verdict::Retry { without_past: false };

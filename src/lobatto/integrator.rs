@@ -83,20 +83,27 @@ impl Lobatto {
         Self::with_mode(mechanism, stages, mode, isa)
     }
 
-    /// Steps chosen from a wanted position accuracy [m or rad].
-    ///
-    /// # Errors
-    /// [`TableauError`] never for the stage numbers chosen here; it is part of the signature for symmetry.
-    pub fn adaptive(mechanism: &Mechanism, tolerance: f64) -> Result<Self, TableauError> {
+    /// Steps chosen for a wanted position accuracy [m or rad], with the iteration stop that suits motions of moderate
+    /// amplification; [`crate::calibration`] finds the one for the motion at hand.
+    pub fn adaptive(mechanism: &Mechanism, tolerance: f64) -> Self {
+        Self::adaptive_with_stop(mechanism, tolerance, 1e-4 * tolerance)
+    }
+
+    /// Steps chosen for an iteration stop, the local accuracy of joint displacements [m or rad]; `tolerance` bounds the
+    /// change of the energy relative to the kinetic energy.
+    pub fn adaptive_with_stop(mechanism: &Mechanism, tolerance: f64, stop: f64) -> Self {
         let isa = Isa::detect();
-        let control = Control::new(mechanism, tolerance, isa);
-        let stages = control.stages();
-        Self::with_mode(mechanism, stages, Mode::Adaptive(control), isa)
+        let control = Control::new(tolerance, stop, isa);
+        let tableau = control.tableau();
+        Self::with_tableau(mechanism, tableau, Mode::Adaptive(control), isa)
     }
 
     fn with_mode(mechanism: &Mechanism, stages: usize, mode: Mode, isa: Isa) -> Result<Self, TableauError> {
-        let tableau = Tableau::new(stages)?;
-        Ok(Lobatto {
+        Ok(Self::with_tableau(mechanism, Tableau::new(stages)?, mode, isa))
+    }
+
+    fn with_tableau(mechanism: &Mechanism, tableau: Tableau, mode: Mode, isa: Isa) -> Self {
+        Lobatto {
             kernel: step_for(mechanism, &tableau, isa),
             dense: DenseRule::new(&tableau),
             tableau,
@@ -107,7 +114,7 @@ impl Lobatto {
             steps: 0,
             stepped_time: 0.0,
             left_at: None,
-        })
+        }
     }
 
     /// Finishes the solved step into `self.end`; returns the change of the total energy and the kinetic energy.
@@ -154,11 +161,11 @@ impl Lobatto {
                         self.accept(state, length, if halving == 0 { target } else { state.time + length });
                         return Ok(outcome);
                     }
-                    Attempt::Failed { iterations, freedom, increment } => {
-                        outcome.iterations += iterations;
+                    failure => {
+                        outcome.iterations += failure.iterations();
                         outcome.rejected += 1;
                         if halving == HALVINGS && plain {
-                            return Err(not_converged(mechanism, state.time, length, freedom, increment));
+                            return Err(failure_of(mechanism, state.time, length, &failure));
                         }
                     }
                 }
@@ -186,11 +193,10 @@ impl Lobatto {
             let reaches = control.step() >= remaining * (1.0 - 1e-9);
             let length = if reaches { remaining } else { control.step() };
             let attempt = self.kernel.attempt(length, &control.rule(), plain);
-            let (Attempt::Converged { iterations, .. } | Attempt::Failed { iterations, .. }) = attempt;
-            outcome.iterations += iterations;
+            outcome.iterations += attempt.iterations();
             let energies = match attempt {
                 Attempt::Converged { .. } => Some(self.finish(mechanism, state)),
-                Attempt::Failed { .. } => None,
+                _ => None,
             };
             let Mode::Adaptive(control) = &mut self.mode else { return Ok(outcome) };
             match control.judge(&attempt, energies, length, plain) {
@@ -205,12 +211,7 @@ impl Lobatto {
                     plain = without_past;
                     // Below this the step vanishes against the time itself.
                     if control.step() < 1e-13 * state.time.abs().max(1e-3) {
-                        return Err(match attempt {
-                            Attempt::Failed { freedom, increment, .. } => {
-                                not_converged(mechanism, state.time, length, freedom, increment)
-                            }
-                            Attempt::Converged { .. } => StepError::NotAccurate { time: state.time, step: length },
-                        });
+                        return Err(failure_of(mechanism, state.time, length, &attempt));
                     }
                 }
             }
@@ -329,8 +330,15 @@ fn joint_of_freedom(mechanism: &Mechanism, freedom: usize) -> String {
         .map_or_else(String::new, |body| body.joint.name.clone())
 }
 
-fn not_converged(mechanism: &Mechanism, time: f64, step: f64, freedom: usize, increment: f64) -> StepError {
-    StepError::NotConverged { time, step, joint: joint_of_freedom(mechanism, freedom), increment }
+fn failure_of(mechanism: &Mechanism, time: f64, step: f64, attempt: &Attempt) -> StepError {
+    let joint = |freedom| joint_of_freedom(mechanism, freedom);
+    match *attempt {
+        Attempt::Converged { .. } | Attempt::Inaccurate { .. } => StepError::NotAccurate { time, step },
+        Attempt::TurnedTooFar { freedom, .. } => StepError::TurnedTooFar { time, step, joint: joint(freedom) },
+        Attempt::Failed { freedom, increment, .. } => {
+            StepError::NotConverged { time, step, joint: joint(freedom), increment }
+        }
+    }
 }
 
 fn finite(mechanism: &Mechanism, state: &State, step: f64) -> Result<(), StepError> {

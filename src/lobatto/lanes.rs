@@ -67,19 +67,40 @@ pub trait Lanes:
         sum
     }
 
-    /// Sum of all lanes, always in the same order.
+    /// Sum of all lanes, the upper half folded onto the lower again and again: zeros above the lanes in use do not
+    /// change a bit of it, so that it is the same for every vector type.
     #[inline(always)]
     fn sum(self) -> f64 {
-        self.to_array().as_ref().iter().sum()
+        let mut array = self.to_array();
+        let lanes = array.as_mut();
+        let mut half = Self::COUNT / 2;
+        while half > 0 {
+            let mut lane = 0;
+            while lane < half {
+                lanes[lane] += lanes[lane + half];
+                lane += 1;
+            }
+            half /= 2;
+        }
+        lanes[0]
     }
 
     /// Largest lane; NaN if any lane is NaN.
     #[inline(always)]
     fn largest(self) -> f64 {
-        self.to_array()
-            .as_ref()
-            .iter()
-            .fold(f64::NEG_INFINITY, |worst, &value| if value > worst || value.is_nan() { value } else { worst })
+        let mut array = self.to_array();
+        let lanes = array.as_mut();
+        let mut half = Self::COUNT / 2;
+        while half > 0 {
+            let mut lane = 0;
+            while lane < half {
+                let (low, high) = (lanes[lane], lanes[lane + half]);
+                lanes[lane] = if high > low || high.is_nan() { high } else { low };
+                lane += 1;
+            }
+            half /= 2;
+        }
+        lanes[0]
     }
 }
 

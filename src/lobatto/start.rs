@@ -11,7 +11,7 @@
 
 use crate::invariants::Energy;
 use crate::kinematics::{WORLD, forward_kinematics};
-use crate::model::{FreeRotation, Mechanism};
+use crate::model::{FreeRotation, JointKind, Mechanism};
 use crate::state::{BodyState, State};
 
 /// What receives the articulated inertia of a body's children, and how.
@@ -42,6 +42,8 @@ pub struct BodyPlan {
     pub translations: usize,
     /// Which rotations are free.
     pub rotation: FreeRotation,
+    /// Whether the body floats alone about its centre of mass: its translation and rotation do not couple.
+    pub alone: bool,
     /// Mass [kg].
     pub mass: f64,
     /// `½ tr J` [kg m²], the trace of Σ.
@@ -120,6 +122,10 @@ impl Plan {
                 first_axis: body.joint.velocity_index,
                 translations: body.joint.kind.translation_axes().len(),
                 rotation: body.joint.kind.rotation(),
+                alone: body.parent.is_none()
+                    && children[index] == Children::None
+                    && body.joint.kind == JointKind::Floating
+                    && body.joint.on_child.translation.vector == nalgebra::Vector3::zeros(),
                 mass: body.mass,
                 half_trace: 0.5 * body.inertia.sum(),
             })

@@ -39,20 +39,40 @@ pub struct StopRule {
     pub rounding: f64,
     /// Largest number of iterations.
     pub iterations: usize,
+    /// An attempt whose top Legendre coefficient is well above this is not worth finishing.
+    pub legendre: f64,
 }
 
 impl StopRule {
     /// Iterate to rounding.
-    pub const ROUNDING: StopRule = StopRule { increment: 2e-16, rounding: 1e-11, iterations: 60 };
+    pub const ROUNDING: StopRule =
+        StopRule { increment: 2e-16, rounding: 1e-11, iterations: 60, legendre: f64::INFINITY };
 }
 
 /// How an attempt at a step ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attempt {
-    /// The stage equations are solved; `E` is the largest top Legendre coefficient of a joint's displacement.
+    /// The stage equations are solved; `legendre` is `E`, the largest top Legendre coefficient of any joint displacement
+    /// and of any body's rotation matrix over the step.
     Converged { iterations: usize, legendre: f64 },
-    /// They are not: the iterations spent, the degree of freedom that was worst, and its last increment.
+    /// The iteration was broken off, because the step is too long for the wanted accuracy.
+    Inaccurate { iterations: usize, legendre: f64 },
+    /// A rotation within the step is too large to be represented.
+    TurnedTooFar { iterations: usize, freedom: usize },
+    /// No convergence: the iterations spent, the degree of freedom that was worst, and its last increment.
     Failed { iterations: usize, freedom: usize, increment: f64 },
+}
+
+impl Attempt {
+    /// The iterations spent.
+    pub fn iterations(&self) -> usize {
+        match *self {
+            Attempt::Converged { iterations, .. }
+            | Attempt::Inaccurate { iterations, .. }
+            | Attempt::TurnedTooFar { iterations, .. }
+            | Attempt::Failed { iterations, .. } => iterations,
+        }
+    }
 }
 
 /// A step of the scheme for one number of lanes; what the integrator sees of it.
@@ -80,6 +100,8 @@ pub struct Kernel<V> {
     predictor: Predictor<V>,
     /// Row of the inverse Legendre matrix for the stages 2 … s.
     top_legendre: V,
+    /// Its entry for stage 1.
+    first_legendre: f64,
     gravity: [f64; 3],
     velocity: Vec<f64>,
     displaced: Vec<f64>,
@@ -95,6 +117,7 @@ impl<V: Lanes> Kernel<V> {
             anderson: Anderson::new(mechanism.velocity_count),
             predictor: Predictor::new(mechanism.velocity_count, tableau),
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
+            first_legendre: tableau.top_legendre[0],
             gravity: mechanism.gravity.into(),
             velocity: vec![0.0; mechanism.velocity_count],
             displaced: vec![0.0; mechanism.velocity_count],
@@ -147,10 +170,17 @@ impl<V: Lanes> Step for Kernel<V> {
             let converged = increment <= rule.increment * scale
                 || (increment <= rule.rounding * scale && increment > 0.5 * previous);
             if converged {
-                let (displacement, increments) = (&mut self.stages.displacement, &self.stages.increment);
-                let top = self.top_legendre;
-                let legendre = in_lanes!(V, add_and_measure(displacement, increments, top));
-                return Attempt::Converged { iterations: iteration, legendre };
+                for (displacement, &increment) in self.stages.displacement.iter_mut().zip(&self.stages.increment) {
+                    *displacement = *displacement + increment;
+                }
+                return Attempt::Converged { iterations: iteration, legendre: self.legendre() };
+            }
+            // By then the iterate shows the shape of the motion to a digit or two.
+            if iteration % 3 == 0 && increment < 0.1 && rule.legendre.is_finite() {
+                let legendre = self.legendre();
+                if legendre > 3.0 * rule.legendre {
+                    return Attempt::Inaccurate { iterations: iteration, legendre };
+                }
             }
             let hopeless = iteration >= 8 && increment > 0.3 * recent[iteration % 5] && increment > 1e-9 * scale;
             if !increment.is_finite() || hopeless {
@@ -160,8 +190,10 @@ impl<V: Lanes> Step for Kernel<V> {
             let (anderson, stages) = (&mut self.anderson, &mut self.stages);
             let largest = in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest());
             scale = largest.max(1.0);
-            if largest > MAX_TURN && self.turned_too_far() {
-                return failed(self, iteration, increment);
+            if largest > MAX_TURN
+                && let Some(freedom) = self.turned_too_far()
+            {
+                return Attempt::TurnedTooFar { iterations: iteration, freedom };
             }
         }
         failed(self, rule.iterations, recent[(rule.iterations + 4) % 5])
@@ -205,30 +237,47 @@ impl<V: Lanes> Step for Kernel<V> {
 }
 
 impl<V: Lanes> Kernel<V> {
-    /// Whether a rotation of any joint has left what the series of the stage poses represent.
-    fn turned_too_far(&self) -> bool {
+    /// The first degree of freedom whose rotation has left what the series of the stage poses represent.
+    fn turned_too_far(&self) -> Option<usize> {
         let stages = &self.stages;
-        stages.plan.bodies.iter().any(|plan| {
+        stages.plan.bodies.iter().find_map(|plan| {
             let first = plan.first_axis + plan.translations;
-            match plan.rotation {
-                FreeRotation::None => false,
-                FreeRotation::AboutZ => stages.displacement[first].max_abs(V::zero()).largest() > MAX_TURN,
+            let square = match plan.rotation {
+                FreeRotation::None => return None,
+                FreeRotation::AboutZ => (stages.displacement[first] * stages.displacement[first]).largest(),
                 FreeRotation::Ball => {
                     let vector = stages.rotation_vector(first);
-                    vector.dot(vector).largest() > MAX_TURN * MAX_TURN
+                    vector.dot(vector).largest()
                 }
-            }
+            };
+            (square > MAX_TURN * MAX_TURN).then_some(first)
         })
+    }
+
+    /// E of the latest iterate (step-control.md, section 1). The scheme represents a step by polynomials of the rotation
+    /// matrices' entries, so that these count as well as the joint displacements: a steady spin is a straight line in
+    /// joint coordinates and no polynomial at all in R⁹.
+    fn legendre(&self) -> f64 {
+        let (stages, top, start) = (&self.stages, self.top_legendre, self.first_legendre);
+        in_lanes!(V, largest_coefficient(stages, top, start))
     }
 }
 
-/// Adds the last increments and returns the largest top Legendre coefficient.
+/// The largest top Legendre coefficient of the displacements, and of `sin φ` and `cos φ` of the bodies' rotations.
 #[inline(always)]
-fn add_and_measure<V: Lanes>(displacement: &mut [V], increments: &[V], top: V) -> f64 {
+fn largest_coefficient<V: Lanes>(stages: &Stages<V>, top: V, start: f64) -> f64 {
     let mut largest = 0.0_f64;
-    for (displacement, &increment) in displacement.iter_mut().zip(increments) {
-        *displacement = *displacement + increment;
+    for displacement in &stages.displacement {
         largest = largest.max((*displacement * top).sum().abs());
+    }
+    for pose in &stages.poses {
+        let weighted = pose.w * top;
+        let twice = weighted + weighted;
+        let [x, y, z] = pose.u.0;
+        // w² − |u|² = 2w² − 1 for a unit quaternion, one at the start; the coefficient of a constant is zero.
+        let cosine = (twice * pose.w).sum() + 2.0 * start;
+        largest = largest.max((twice * x).sum().abs()).max((twice * y).sum().abs());
+        largest = largest.max((twice * z).sum().abs()).max(cosine.abs());
     }
     largest
 }
