@@ -1,0 +1,206 @@
+//! Runs a scene in Rapier and prints its cost and where the bodies are at the end, as one line of JSON.
+//!
+//! `rapier-runner SCENE.json multibody|impulse STEPS REPEATS`, called by `peer_rapier.py`, which writes the scene. The
+//! clock runs over the stepping loop alone and the fastest of the repeats counts. Damping, which Rapier gives to the
+//! joints of a multibody by itself, is switched off; no collider exists; nothing sleeps.
+
+use anyhow::{Context, Result, bail};
+use cpu_time::ThreadTime;
+use rapier3d_f64::prelude::*;
+use serde::Deserialize;
+
+/// The part of a scene this runner needs; all poses are of the start, in the world, and of the centre of mass.
+#[derive(Deserialize)]
+struct Scene {
+    duration: f64,
+    gravity: [f64; 3],
+    bodies: Vec<Body>,
+}
+
+#[derive(Deserialize)]
+struct Body {
+    /// −1 for the world.
+    parent: i64,
+    kind: String,
+    mass: f64,
+    principal_moments: [f64; 3],
+    principal_frame: [f64; 4],
+    origin: [f64; 3],
+    quaternion: [f64; 4],
+    linear_velocity: [f64; 3],
+    angular_velocity: [f64; 3],
+    /// The joint's frame on the parent, turned so that its x axis is the joint's axis.
+    joint_on_parent: Frame,
+    /// The same frame on the body at zero displacement.
+    joint_on_body: Frame,
+    /// Angle or displacement at the start, and its rate.
+    position: f64,
+    velocity: f64,
+}
+
+#[derive(Deserialize)]
+struct Frame {
+    position: [f64; 3],
+    quaternion: [f64; 4],
+}
+
+fn rotation([w, x, y, z]: [f64; 4]) -> Rotation {
+    Rotation::from_xyzw(x, y, z, w).normalize()
+}
+
+fn pose(position: [f64; 3], quaternion: [f64; 4]) -> Pose {
+    Pose::from_parts(Vector::from_array(position), rotation(quaternion))
+}
+
+/// Which of Rapier's two kinds of joint is used.
+#[derive(Clone, Copy, PartialEq)]
+enum Joints {
+    Multibody,
+    Impulse,
+}
+
+struct World {
+    bodies: RigidBodySet,
+    handles: Vec<RigidBodyHandle>,
+    impulse_joints: ImpulseJointSet,
+    multibody_joints: MultibodyJointSet,
+}
+
+impl World {
+    fn new(scene: &Scene, joints: Joints) -> Result<Self> {
+        let mut world = World {
+            bodies: RigidBodySet::new(),
+            handles: Vec::new(),
+            impulse_joints: ImpulseJointSet::new(),
+            multibody_joints: MultibodyJointSet::new(),
+        };
+        let ground = world.bodies.insert(RigidBodyBuilder::fixed());
+        for body in &scene.bodies {
+            // Moments and axes are given, because the eigenvalues of small inertias come out wrong in the library.
+            let mass = MassProperties::with_principal_inertia_frame(
+                Vector::ZERO,
+                body.mass,
+                Vector::from_array(body.principal_moments),
+                rotation(body.principal_frame),
+            );
+            let rigid = RigidBodyBuilder::dynamic()
+                .pose(pose(body.origin, body.quaternion))
+                .linvel(Vector::from_array(body.linear_velocity))
+                .angvel(Vector::from_array(body.angular_velocity))
+                .additional_mass_properties(mass)
+                .gyroscopic_forces_enabled(true)
+                .can_sleep(false);
+            let handle = world.bodies.insert(rigid);
+            world.handles.push(handle);
+            let free = match body.kind.as_str() {
+                "revolute" => JointAxesMask::ANG_X,
+                "prismatic" => JointAxesMask::LIN_X,
+                "floating" if body.parent < 0 => continue,
+                other => bail!("no {other} joint here"),
+            };
+            let parent = usize::try_from(body.parent).map_or(ground, |index| world.handles[index]);
+            let mut joint = GenericJoint::new(JointAxesMask::all() & !free);
+            joint.set_local_frame1(pose(body.joint_on_parent.position, body.joint_on_parent.quaternion));
+            joint.set_local_frame2(pose(body.joint_on_body.position, body.joint_on_body.quaternion));
+            match joints {
+                Joints::Impulse => {
+                    world.impulse_joints.insert(parent, handle, joint, true);
+                }
+                Joints::Multibody => {
+                    world.multibody_joints.insert(parent, handle, joint, true).context("a loop")?;
+                }
+            }
+        }
+        if joints == Joints::Multibody {
+            world.set_joint_coordinates(scene);
+        }
+        Ok(world)
+    }
+
+    /// Multibody joints start at zero whatever the poses of their bodies say.
+    fn set_joint_coordinates(&mut self, scene: &Scene) {
+        for (body, &handle) in scene.bodies.iter().zip(&self.handles) {
+            let Some(link) = self.multibody_joints.rigid_body_link(handle).copied() else { continue };
+            let Some(multibody) = self.multibody_joints.get_multibody_mut(link.multibody) else { continue };
+            multibody.damping_mut().fill(0.0);
+            multibody.forward_kinematics(&self.bodies, true);
+            if body.kind == "floating" {
+                // The six rates of a root that moves freely come first.
+                let twist = body.linear_velocity.iter().chain(&body.angular_velocity);
+                multibody.generalized_velocity_mut().iter_mut().zip(twist).for_each(|(rate, &given)| *rate = given);
+                continue;
+            }
+            // Degrees of freedom are numbered link by link.
+            let place: usize = multibody.links().take(link.id).map(|link| link.joint().ndofs()).sum();
+            let mut displacement = vec![0.0; multibody.ndofs()];
+            displacement[place] = body.position;
+            multibody.apply_displacements(&displacement);
+            multibody.generalized_velocity_mut()[place] = body.velocity;
+            multibody.forward_kinematics(&self.bodies, false);
+            multibody.update_rigid_bodies(&mut self.bodies, true);
+        }
+    }
+
+    /// Steps to the end; CPU time of the loop [s].
+    fn run(&mut self, scene: &Scene, steps: usize) -> f64 {
+        let parameters = IntegrationParameters { dt: scene.duration / steps as f64, ..Default::default() };
+        let gravity = Vector::from_array(scene.gravity);
+        let mut pipeline = PhysicsPipeline::new();
+        let mut islands = IslandManager::new();
+        let mut broad_phase = BroadPhaseBvh::new();
+        let mut narrow_phase = NarrowPhase::new();
+        let mut colliders = ColliderSet::new();
+        let mut soft_bodies = SoftBodySet::default();
+        let mut ccd_solver = CCDSolver::new();
+        let clock = ThreadTime::now();
+        for _ in 0..steps {
+            pipeline.step(
+                gravity,
+                &parameters,
+                &mut islands,
+                &mut broad_phase,
+                &mut narrow_phase,
+                &mut self.bodies,
+                &mut colliders,
+                &mut self.impulse_joints,
+                &mut self.multibody_joints,
+                &mut soft_bodies,
+                &mut ccd_solver,
+                &(),
+                &(),
+            );
+        }
+        clock.elapsed().as_secs_f64()
+    }
+}
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [file, kind, steps, repeats] = arguments.as_slice() else {
+        bail!("usage: rapier-runner SCENE.json multibody|impulse STEPS REPEATS")
+    };
+    let scene: Scene = serde_json::from_str(&std::fs::read_to_string(file)?)?;
+    let joints = match kind.as_str() {
+        "multibody" => Joints::Multibody,
+        "impulse" => Joints::Impulse,
+        other => bail!("{other} is neither multibody nor impulse"),
+    };
+    let (steps, repeats): (usize, usize) = (steps.parse()?, repeats.parse()?);
+    let mut fastest = f64::INFINITY;
+    let mut ends = Vec::new();
+    for _ in 0..repeats.max(1) {
+        let mut world = World::new(&scene, joints)?;
+        fastest = fastest.min(world.run(&scene, steps));
+        ends = world
+            .handles
+            .iter()
+            .map(|&handle| {
+                let end = *world.bodies[handle].position();
+                let q = end.rotation;
+                serde_json::json!({ "origin": end.translation.to_array(), "quaternion": [q.w, q.x, q.y, q.z] })
+            })
+            .collect();
+    }
+    println!("{}", serde_json::json!({ "cpu_seconds": fastest, "bodies": ends }));
+    Ok(())
+}
