@@ -9,8 +9,8 @@
 //!     ε_run = ε E / (3 max_t d(t))
 //! ```
 //!
-//! with the distance of [`crate::distance`], seen at 32 instants. Pilots that are apart by more than a hundredth of the mechanism's size have saturated and
-//! say nothing; the next pair is 10³ times finer. If the finest pair cannot hold the accuracy to the end, the
+//! with the distance of [`crate::distance`], seen at 32 instants. Pilots that are apart by more than a hundredth of the
+//! mechanism's size have parted and say nothing; the next pair is 10⁴ times finer. If the finest pair cannot hold the accuracy to the end, the
 //! calibration says until when it is held.
 
 use crate::distance::{distance, probes};
@@ -30,7 +30,9 @@ const FINEST: f64 = 1e-16;
 /// The coarsest stop worth running.
 const COARSEST: f64 = 1e-4;
 /// Ratio of the stops of successive pairs.
-const REFINEMENT: f64 = 1e-3;
+const REFINEMENT: f64 = 1e-4;
+/// Pilots that are apart by this share of the mechanism's size have parted and say nothing about smaller errors.
+const SATURATED: f64 = 1e-2;
 
 /// What the pilot runs found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,64 +69,67 @@ pub fn calibrate(
     tolerance: f64,
     interrupt: Option<&AtomicBool>,
 ) -> Result<Calibration, CalibrationError> {
-    let run = |stop: f64| pilot(mechanism, state, duration, tolerance, stop, interrupt);
     let size = size(mechanism, state);
-    let instant = |index: usize| state.time + duration * (index + 1) as f64 / INSTANTS as f64;
+    let end = state.time + duration;
+    let instant = |index: usize| state.time + duration * index as f64 / INSTANTS as f64;
     let mut stop = (1e-3 * tolerance).clamp(FINEST * RATIO, COARSEST);
     let mut pilots = 0;
     loop {
-        let (coarse, fine) = (run(stop)?, run(stop / RATIO)?);
+        let mut coarse = Pilot::new(mechanism, state, tolerance, stop);
+        let mut fine = Pilot::new(mechanism, state, tolerance, stop / RATIO);
         pilots += 2;
-        let apart: Vec<f64> = coarse.iter().zip(&fine).map(|(coarse, fine)| distance(coarse, fine)).collect();
         // The worst so far at every instant: an error that has been made does not heal.
-        let worst: Vec<f64> = apart
-            .iter()
-            .scan(0.0_f64, |worst, &apart| {
-                *worst = if apart.is_nan() { f64::INFINITY } else { worst.max(apart) };
-                Some(*worst)
-            })
-            .collect();
-        let last = worst[INSTANTS - 1];
-        let finest = stop <= FINEST * RATIO * (1.0 + 1e-9);
-        if last > 1e-2 * size && !finest {
+        let mut worst = Vec::with_capacity(INSTANTS);
+        let mut apart = 0.0_f64;
+        // Pilots that have parted need no following.
+        while worst.len() < INSTANTS && apart <= SATURATED * size {
+            let until = if worst.len() + 1 == INSTANTS { end } else { instant(worst.len() + 1) };
+            let seen = distance(&coarse.advance(until, interrupt)?, &fine.advance(until, interrupt)?);
+            apart = if seen.is_nan() { f64::INFINITY } else { apart.max(seen) };
+            worst.push(apart);
+        }
+        let saturated = apart > SATURATED * size;
+        if saturated && stop > FINEST * RATIO * (1.0 + 1e-9) {
             stop = (stop * REFINEMENT).max(FINEST * RATIO);
             continue;
         }
         // Errors below rounding cannot be seen and need not be.
-        let amplification = last.max(1e-16 * size) / stop;
-        let wanted = tolerance / (3.0 * amplification);
-        let run_stop = wanted.clamp(FINEST, COARSEST);
-        let estimate = amplification * run_stop;
+        let amplification = apart.max(1e-16 * size) / stop;
+        let run_stop = (tolerance / (3.0 * amplification)).clamp(FINEST, COARSEST);
         let held = worst.iter().take_while(|&&apart| apart * run_stop / stop <= tolerance).count();
-        let holds_until = if held == 0 { state.time } else { instant(held - 1) };
-        return Ok(Calibration { stop: run_stop, estimate, holds_until, pilots });
+        return Ok(Calibration {
+            stop: run_stop,
+            // What has parted ends as far apart as the mechanism is large.
+            estimate: if saturated { size } else { amplification * run_stop },
+            holds_until: if held == INSTANTS { end } else { instant(held) },
+            pilots,
+        });
     }
 }
 
-/// The probes of a pilot run at all instants.
-fn pilot(
-    mechanism: &Mechanism,
-    start: &State,
-    duration: f64,
-    tolerance: f64,
-    stop: f64,
-    interrupt: Option<&AtomicBool>,
-) -> Result<Vec<Vec<Vector3<f64>>>, CalibrationError> {
-    let mut state = start.clone();
-    let mut lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, stop);
-    let mut seen = Vec::with_capacity(INSTANTS);
-    for index in 1..=INSTANTS {
-        // Every pilot ends a step at each instant, so that no interpolation error is taken for an error of the run.
-        let until = start.time + duration * index as f64 / INSTANTS as f64;
-        while state.time < until {
+/// A run that is made only to be compared.
+struct Pilot<'m> {
+    mechanism: &'m Mechanism,
+    lobatto: Lobatto,
+    state: State,
+}
+
+impl<'m> Pilot<'m> {
+    fn new(mechanism: &'m Mechanism, start: &State, tolerance: f64, stop: f64) -> Self {
+        let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, stop);
+        Pilot { mechanism, lobatto, state: start.clone() }
+    }
+
+    /// The probes at `until`, where a step ends, so that no interpolation error is taken for an error of the run.
+    fn advance(&mut self, until: f64, interrupt: Option<&AtomicBool>) -> Result<Vec<Vector3<f64>>, CalibrationError> {
+        while self.state.time < until {
             if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
                 return Err(CalibrationError::Interrupted);
             }
-            lobatto.advance(mechanism, &mut state, until)?;
+            self.lobatto.advance(self.mechanism, &mut self.state, until)?;
         }
-        seen.push(probes(mechanism, &state));
+        Ok(probes(self.mechanism, &self.state))
     }
-    Ok(seen)
 }
 
 /// The largest distance between any body's probe and the mean of all probes at the start, at least 1 mm [m].

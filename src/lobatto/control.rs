@@ -21,8 +21,8 @@ use crate::state::State;
 const WANTED_ITERATIONS: f64 = 12.0;
 
 /// The share of the tolerance by which one step may change the energy, relative to the largest kinetic energy: the
-/// changes of some ten to a hundred steps, of either sign, then add up to the tolerance.
-const ENERGY_SHARE: f64 = 0.1;
+/// changes of some hundred steps, of either sign, then stay below the tolerance.
+const ENERGY_SHARE: f64 = 0.03;
 
 /// What to do with an attempt.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,8 +43,8 @@ pub struct Energies {
     pub change: f64,
     /// Kinetic energy at the end.
     pub kinetic: f64,
-    /// Total energy at the end.
-    pub total: f64,
+    /// Potential energy at the end.
+    pub potential: f64,
 }
 
 /// The controller's memory.
@@ -141,7 +141,9 @@ impl Control {
                 }
                 if let Some(energies) = energies {
                     self.kinetic = self.kinetic.max(energies.kinetic);
-                    let allowed = ENERGY_SHARE * self.tolerance * self.kinetic + 1e-13 * energies.total.abs();
+                    // Each of the two is rounded, also where they cancel.
+                    let rounding = 1e-13 * (energies.kinetic + energies.potential.abs());
+                    let allowed = ENERGY_SHARE * self.tolerance * self.kinetic + rounding;
                     // A step in which the energy is not finite fails this test too.
                     if energies.change.is_nan() || energies.change.abs() > allowed {
                         let excess = (allowed / energies.change.abs()).powf(1.0 / (2.0 * order + 1.0));

@@ -54,8 +54,14 @@ pub struct Lobatto {
     left_at: Option<f64>,
 }
 
+/// Where fixed steps end: `origin + points · step`, counted, so that no sum of steps can drift.
+struct Grid {
+    origin: f64,
+    points: u64,
+}
+
 enum Mode {
-    Fixed { step: f64, grid: f64, rule: StopRule },
+    Fixed { step: f64, grid: Grid, rule: StopRule },
     Adaptive(Control),
 }
 
@@ -79,7 +85,7 @@ impl Lobatto {
         rule: StopRule,
         isa: Isa,
     ) -> Result<Self, TableauError> {
-        let mode = Mode::Fixed { step, grid: f64::NEG_INFINITY, rule };
+        let mode = Mode::Fixed { step, grid: Grid { origin: 0.0, points: 0 }, rule };
         Self::with_mode(mechanism, stages, mode, isa)
     }
 
@@ -122,7 +128,7 @@ impl Lobatto {
         let before = self.kernel.energy();
         self.end.copy_from(state);
         let after = self.kernel.finish(mechanism, &mut self.end);
-        Energies { change: after.total() - before.total(), kinetic: after.kinetic, total: after.total() }
+        Energies { change: after.total() - before.total(), kinetic: after.kinetic, potential: after.potential }
     }
 
     /// Accepts the finished step of length `step`: moves `state` to its end, at time `time`.
@@ -141,13 +147,13 @@ impl Lobatto {
         let Mode::Fixed { step, grid, rule } = &mut self.mode else { return Ok(StepOutcome::default()) };
         let (nominal, rule) = (*step, *rule);
         // A grid point this close is where rounding left us, not a step to make.
-        if *grid <= state.time + 1e-9 * nominal || *grid > state.time + nominal {
-            *grid = state.time + nominal;
+        while grid.origin + grid.points as f64 * nominal <= state.time + 1e-7 * nominal {
+            grid.points += 1;
         }
-        if *grid > until || until - *grid < 1e-7 * nominal {
-            *grid = until;
+        let mut target = grid.origin + grid.points as f64 * nominal;
+        if target > until || until - target < 1e-7 * nominal {
+            target = until;
         }
-        let target = *grid;
         let mut outcome = StepOutcome::default();
         let mut length = target - state.time;
         for halving in 0..=HALVINGS {
@@ -225,7 +231,7 @@ impl Integrator for Lobatto {
         if self.left_at != Some(state.time) || *state != self.end {
             self.kernel.begin(mechanism, state);
             if let Mode::Fixed { grid, .. } = &mut self.mode {
-                *grid = f64::NEG_INFINITY;
+                *grid = Grid { origin: state.time, points: 0 };
             }
         }
         match self.mode {
