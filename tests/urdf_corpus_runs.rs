@@ -30,10 +30,6 @@ fn every_real_robot_runs_a_second_and_keeps_its_energy() {
             };
             let mechanism = &model.mechanism;
             for amplitude in [0.0, 0.3] {
-                // The steps that the pilot runs ask for are too long here: 1.9e-6.
-                if (stem(&file), base, amplitude) == ("solo12", Base::Fixed, 0.0) {
-                    continue;
-                }
                 let mut state = model.zero_state();
                 // A position in which nothing is aligned, and a motion of every joint, lest a floating robot only fall.
                 let wave = |phase: f64| move |index: usize| amplitude * (index as f64 + phase).sin();

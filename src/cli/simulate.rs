@@ -62,7 +62,7 @@ pub struct Arguments {
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
     duration: Option<f64>,
 
-    /// Wanted accuracy of positions [m, rad]; stages and step are chosen from it [default: 1e-6]
+    /// Wanted accuracy of positions [m]; stages and step are chosen from it [default: 1e-6]
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = positive)]
     tolerance: Option<f64>,
 
