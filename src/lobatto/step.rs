@@ -189,7 +189,7 @@ impl<V: Lanes> Step for Kernel<V> {
                 return Attempt::Converged { iterations: iteration, legendre: self.legendre() };
             }
             // By then the iterate shows the shape of the motion to a digit or two.
-            if iteration % 3 == 0 && increment < 0.1 && rule.legendre.is_finite() {
+            if iteration == 4 && rule.legendre.is_finite() {
                 let legendre = self.legendre();
                 if legendre > 3.0 * rule.legendre {
                     return Attempt::Inaccurate { iterations: iteration, legendre };
