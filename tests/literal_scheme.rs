@@ -7,9 +7,11 @@ mod models;
 
 use catena::invariants::{energy, violation};
 use catena::kinematics::{body_states, forward_kinematics};
+use catena::lobatto::Lobatto;
 use catena::lobatto::literal::{Literal, LiteralError, coordinates};
 use catena::lobatto::tableau::Tableau;
 use catena::model::Mechanism;
+use catena::simulation::Integrator;
 use catena::state::{BodyState, State};
 use models::{Model, pose_distance, velocity_distance};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -349,21 +351,46 @@ fn stages_make_the_discrete_action_stationary_and_multipliers_are_its_reactions(
     }
 }
 
+/// Joint angles at the start, after one and after two steps.
+type Solver = fn(&Model, &Tableau, f64) -> [DVector<f64>; 3];
+
+fn literal_angles(model: &Model, tableau: &Tableau, step: f64) -> [DVector<f64>; 3] {
+    let literal = Literal::new(&model.mechanism, tableau).unwrap();
+    let first = literal.step(&model.bodies(), step).unwrap();
+    let second = literal.step(&first.bodies, step).unwrap();
+    [&first.stage_coordinates[0], &second.stage_coordinates[0], &second.stage_coordinates[tableau.stages - 1]]
+        .map(|q| revolute_angles(&model.mechanism, q))
+}
+
+fn fast_angles(model: &Model, tableau: &Tableau, step: f64) -> [DVector<f64>; 3] {
+    let mut lobatto = Lobatto::fixed(&model.mechanism, tableau.stages, step).unwrap();
+    let mut state = model.state.clone();
+    let mut angles = vec![DVector::from_row_slice(&state.position)];
+    for _ in 0..2 {
+        lobatto.advance(&model.mechanism, &mut state, f64::INFINITY).unwrap();
+        angles.push(DVector::from_row_slice(&state.position));
+    }
+    [angles[0].clone(), angles[1].clone(), angles[2].clone()]
+}
+
 #[test]
 fn trajectories_satisfy_the_discrete_euler_lagrange_equations() {
     // (2.5.8) on N, without multipliers: d/dθ₁ [L_d(θ₀, θ₁) + L_d(θ₁, θ₂)] = 0 with L_d as a function of its two end
     // points only, its inner stages solved for anew at every evaluation, and differentiated by difference quotients.
     let model = moving_double_pendulum();
     let step = 0.05;
-    for stages in [2, 3, 4] {
+    for (stages, solver) in [
+        (2, literal_angles as Solver),
+        (3, literal_angles),
+        (4, literal_angles),
+        (2, fast_angles),
+        (3, fast_angles),
+        (4, fast_angles),
+        (5, fast_angles),
+    ] {
         let tableau = Tableau::new(stages).unwrap();
-        let literal = Literal::new(&model.mechanism, &tableau).unwrap();
         let discrete = DiscreteLagrangian::new(&model.mechanism, &tableau, step);
-        let first = literal.step(&model.bodies(), step).unwrap();
-        let second = literal.step(&first.bodies, step).unwrap();
-        let [start, middle, end] =
-            [&first.stage_coordinates[0], &second.stage_coordinates[0], &second.stage_coordinates[stages - 1]]
-                .map(|q| revolute_angles(&model.mechanism, q));
+        let [start, middle, end] = solver(&model, &tableau, step);
         for joint in 0..middle.len() {
             // A quotient of fourth order: error ε⁴ of the fifth derivative (1e-12 here) and 1e-16/ε of rounding.
             let width = 2e-3;

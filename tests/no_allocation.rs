@@ -1,0 +1,39 @@
+//! A step allocates nothing on the heap.
+
+mod models;
+
+use catena::lobatto::Lobatto;
+use catena::model::JointKind;
+use catena::simulation::Integrator;
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use std::alloc::System;
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+// One test in this file: another one on another thread would be counted too.
+#[test]
+fn a_step_allocates_nothing_with_fixed_or_chosen_steps_and_any_joint() {
+    let mut all =
+        vec![models::double_pendulum(), models::floating_tree(), models::slow_heavy_top(), models::free_body()];
+    all.extend([JointKind::Planar, JointKind::Prismatic].map(models::one_joint));
+    for model in all {
+        let mechanism = &model.mechanism;
+        let integrators = [2, 5, 9]
+            .map(|stages| Lobatto::fixed(mechanism, stages, 0.01).unwrap())
+            .into_iter()
+            .chain([Lobatto::adaptive(mechanism, 1e-6)]);
+        for mut lobatto in integrators {
+            let mut state = model.state.clone();
+            // The first step sets up the controller.
+            lobatto.advance(mechanism, &mut state, f64::INFINITY).unwrap();
+            let region = Region::new(ALLOCATOR);
+            for _ in 0..50 {
+                lobatto.advance(mechanism, &mut state, f64::INFINITY).unwrap();
+            }
+            let change = region.change();
+            let count = change.allocations + change.reallocations + change.deallocations;
+            assert_eq!(count, 0, "{}, {:?}: {change:?}", mechanism.name, lobatto.description());
+        }
+    }
+}
