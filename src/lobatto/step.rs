@@ -179,7 +179,7 @@ impl<V: Lanes> Step for Kernel<V> {
         for iteration in 1..=rule.iterations {
             let previous = recent[(iteration + 3) % 5];
             // The second half of the digits matters where the first is settled.
-            let increment = self.iterate(self.refined && previous < 1e-6);
+            let increment = self.iterate(self.refined && previous < 1e-13);
             let converged = increment <= rule.increment * scale
                 || (increment <= rule.rounding * scale && increment > 0.5 * previous);
             if converged {
