@@ -83,3 +83,33 @@ fn energy_error_is_bounded_without_trend() {
         assert!(largest < 0.1, "s={stages}: {largest:.1e} J");
     }
 }
+
+#[test]
+#[ignore = "half a minute: cargo test --release --test invariants -- --ignored"]
+fn energy_walks_at_random_over_ten_million_steps() {
+    let model = models::double_pendulum();
+    let initial = energy(&model.mechanism, &model.bodies()).total();
+    let (mut kinetic, mut early, mut late) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let steps = 10_000_000;
+    run(&model, 9, 0.1, steps, |index, bodies| {
+        if index % 16 == 0 {
+            let now = energy(&model.mechanism, bodies);
+            kinetic = kinetic.max(now.kinetic);
+            let deviation = (now.total() - initial).abs();
+            late = late.max(deviation);
+            if index < steps / 100 {
+                early = late;
+            }
+        }
+    });
+    println!(
+        "largest error over kinetic energy: {:.1e} after 1e5 steps, {:.1e} after 1e7",
+        early / kinetic,
+        late / kinetic
+    );
+    // A step rounds the velocity by some 4e-15 (weights up to 36 of displacements of size one); 1e7 of them walk to
+    // 1e-11, and a walk may stray to some times that. A drift of one rounding (1e-16) a step would make 1e-9.
+    assert!(late / kinetic < 2e-10, "{:.1e}", late / kinetic);
+    // A hundred times the steps: ten times the error for a walk, a hundred times for a drift.
+    assert!(late < 60.0 * early, "{early:.1e} J grew to {late:.1e} J");
+}
