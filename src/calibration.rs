@@ -2,8 +2,8 @@
 //!
 //! An error made at a step is amplified by the motion until the end of the run, by 10² for a pendulum over seconds,
 //! by 10⁶ for a falling arm, without bound for chaos. Two pilot runs, with iteration stops `ε` and `ε/30`, show it: where they
-//! are `d` apart, the coarser is wrong by about `d`, and because errors are proportional to the stop (step-control.md,
-//! section 4) the stop that keeps every error below a third of the wanted accuracy `E` is
+//! are `d` apart, the coarser is wrong by about `d`, and because errors are proportional to the stop,
+//! the stop that keeps every error below a third of the wanted accuracy `E` is
 //!
 //! ```text
 //!     ε_run = ε E / (3 max_t d(t))

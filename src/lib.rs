@@ -3,7 +3,7 @@
 //! Data flows one way, and nothing below imports anything to its right:
 //!
 //! ```text
-//!     URDF → scene → model (reduce) → mechanism → integrator → simulation → log | report
+//!     URDF → scene → model (reduce) → mechanism → integrator → simulation → log | report | chart
 //!                                         └→ reduced (joint coordinates: the comparator and a test oracle)
 //! ```
 //!
@@ -16,7 +16,9 @@
 //! | what changes in time | [`state`], [`kinematics`], [`invariants`] |
 //! | the method | [`lobatto`] |
 //! | the rival | [`reduced`] |
+//! | the accuracy that a tolerance means | [`mod@distance`], [`calibration`] |
 //! | the loop and its observers | [`simulation`], [`log`], [`report`] |
+//! | speed against accuracy, drawn | [`chart`] |
 
 pub mod calibration;
 pub mod chart;

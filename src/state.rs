@@ -2,7 +2,7 @@
 //!
 //! The joint displacements, accumulated with compensation, are the truth; the maximal-coordinate poses `(x, R)`
 //! and velocities `(v, ω)` of all bodies are rebuilt from them ([`crate::kinematics`]), so that every joint holds to
-//! rounding whatever the length of the run (method page, section 7).
+//! rounding whatever the length of the run.
 
 use crate::model::{FreeRotation, Mechanism};
 use nalgebra::{Matrix3, Vector3};

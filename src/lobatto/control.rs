@@ -1,15 +1,15 @@
-//! The choice of the step from a tolerance (step-control.md, controller "one").
+//! The choice of the step from a tolerance.
 //!
 //! One number, the stop of the iteration `ε`, sets everything: the top Legendre coefficient `E` of the joint
-//! displacements is kept near `c √ε`, because the local error behaves like `E²`, and the number of iterations near
-//! `N*`, where the cost per simulated second is smallest:
+//! displacements and of the bodies' rotations over the step is kept near `E_tol = c √ε`, because the local error behaves
+//! like `E²`, and the number of iterations `N` near `N*`, where the cost per simulated second is smallest:
 //!
 //! ```text
 //!     h ← h · clip( min( (E_tol/E_n)^{.7/(s−1)} (E_{n−1}/E_n)^{.3/(s−1)},  ((N* + 1)/(N + 1))^{1/2} ), 0.3, 2 )
 //! ```
 //!
-//! A finished step that changes the energy by more than its share of the tolerance is thrown away: the energy sees what
-//! the joint displacements' polynomials do not, such as a passage near a singular position.
+//! A step with `E > 1.3^{s−1} E_tol` is thrown away, and so is a finished one that changes the energy by more than its
+//! share of the tolerance: the energy sees what the polynomials do not, such as a passage near a singular position.
 
 use super::lanes::Isa;
 use super::step::{Attempt, Step, StopRule};

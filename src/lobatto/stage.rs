@@ -1,9 +1,9 @@
 //! The poses of all stages from the joint displacements: the forward sweep.
 //!
 //! All stages of a step are rebuilt from the joint displacements `θ_i` since its start, root to leaf, so that every
-//! joint holds to rounding at every iterate (method page, section 4). Rotations since the start are unit quaternions
+//! joint holds to rounding at every iterate. Rotations since the start are unit quaternions
 //! `(w, u)` in world axes, `R_i = (1 + N_i) R_0`, and positions are increments, so that no difference of poses is
-//! ever formed (section 7):
+//! ever formed:
 //!
 //! ```text
 //!     q_b   = q_p ∘ exp(Σ θ z_0)                        z_0: free rotation axes at the start
@@ -11,7 +11,8 @@
 //!     N     = 2 (w û + u uᵀ − |u|² 1)
 //! ```
 
-use super::algebra::{Matrix, Symmetric, Vector};
+use super::algebra::Vector;
+use super::articulated::{Articulated, Eliminated};
 use super::lanes::Lanes;
 use super::start::{Plan, Start};
 use super::tableau::Tableau;
@@ -98,35 +99,6 @@ impl<V: Lanes> Coefficients<V> {
     }
 }
 
-/// An articulated inertia and bias wrench about the anchor of a body, in world axes:
-/// `[force; torque] = [mass coupling; couplingᵀ inertia] [acceleration; angular acceleration] + [force; torque]`.
-#[derive(Clone, Copy)]
-pub struct Articulated<V> {
-    /// Force by acceleration (kg).
-    pub mass: Symmetric<V>,
-    /// Force by angular acceleration [kg m].
-    pub coupling: Matrix<V>,
-    /// Torque by angular acceleration [kg m²].
-    pub inertia: Symmetric<V>,
-    /// Bias force.
-    pub force: Vector<V>,
-    /// Bias torque.
-    pub torque: Vector<V>,
-}
-
-/// What the elimination of one degree of freedom leaves for the forward solve.
-#[derive(Clone, Copy)]
-pub struct Eliminated<V> {
-    /// The axis in the world at each row's stage.
-    pub axis: Vector<V>,
-    /// `A s / (sᵀ A s)`, force part.
-    pub force_ratio: Vector<V>,
-    /// `A s / (sᵀ A s)`, torque part.
-    pub torque_ratio: Vector<V>,
-    /// `−sᵀ(bias) / (sᵀ A s)`.
-    pub bias: V,
-}
-
 /// The workspace of a step: everything that has lanes.
 pub struct Stages<V> {
     /// Which bodies hang where.
@@ -159,27 +131,14 @@ impl<V: Lanes> Stages<V> {
         let plan = Plan::new(mechanism);
         let bodies = mechanism.bodies.len();
         let freedoms = mechanism.velocity_count;
-        let articulated = Articulated {
-            mass: Symmetric::zero(),
-            coupling: Matrix::zero(),
-            inertia: Symmetric::zero(),
-            force: Vector::zero(),
-            torque: Vector::zero(),
-        };
-        let eliminated = Eliminated {
-            axis: Vector::zero(),
-            force_ratio: Vector::zero(),
-            torque_ratio: Vector::zero(),
-            bias: V::zero(),
-        };
         Stages {
             coefficients: Coefficients::new(tableau),
             displacement: vec![V::zero(); freedoms],
             increment: vec![V::zero(); freedoms],
             poses: vec![StagePose { w: V::splat(1.0), u: Vector::zero(), anchor: Vector::zero() }; bodies],
             arms: vec![Vector::zero(); bodies],
-            eliminated: vec![eliminated; freedoms],
-            slots: vec![articulated; plan.slots],
+            eliminated: vec![Eliminated::zero(); freedoms],
+            slots: vec![Articulated::zero(); plan.slots],
             twists: vec![(Vector::zero(), Vector::zero()); plan.slots],
             start: Start::new(mechanism),
             plan,

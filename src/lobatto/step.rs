@@ -3,11 +3,11 @@
 //! ```text
 //!     guess θ                                             predictor.rs
 //!     repeat:  poses of all stages from θ                 stage.rs         g(Q_i) = 0 to rounding at every iterate
-//!              residual ρ_k, factors of H(q_k)            articulated.rs
-//!              δ_i = Σ_k Â_ik α_k,  H(q_k) α_k = −ρ_k     articulated.rs
+//!              residual ρ_k, factors of H(q_k)            residual.rs, articulated.rs
+//!              δ_i = Σ_k Â_ik α_k,  H(q_k) α_k = −ρ_k     sweeps.rs
 //!              θ ← Anderson(θ, δ)                         anderson.rs
 //!     until |δ| is small enough
-//!     velocity from H(q̄) v̄ = Sᵀ p̄                        articulated.rs   (2.5.11h)
+//!     velocity from H(q̄) v̄ = Sᵀ p̄                        sweeps.rs        (2.5.11h)
 //! ```
 
 use super::anderson::Anderson;
@@ -271,7 +271,7 @@ impl<V: Lanes> Kernel<V> {
         })
     }
 
-    /// E of the latest iterate (step-control.md, section 1). The scheme represents a step by polynomials of the rotation
+    /// E of the latest iterate. The scheme represents a step by polynomials of the rotation
     /// matrices' entries, so that these count as well as the joint displacements: a steady spin is a straight line in
     /// joint coordinates and no polynomial at all in R⁹.
     fn legendre(&self) -> f64 {

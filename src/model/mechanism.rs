@@ -2,7 +2,7 @@
 //!
 //! A tree of rigid bodies, numbered depth first: a parent comes before its children and a subtree is contiguous.
 //! Each body's frame sits at its centre of mass with its axes along the principal axes of inertia, so that the
-//! body inertia is `J = diag(J₁, J₂, J₃)` [kg m²] and `Σ = ½ tr(J) 1 − J` is diagonal too (method page, section 1).
+//! body inertia is `J = diag(J₁, J₂, J₃)` [kg m²] and `Σ = ½ tr(J) 1 − J` is diagonal too.
 
 use super::joint::Joint;
 use nalgebra::Vector3;

@@ -1,0 +1,150 @@
+//! The residual of the stage equations for one body: what `RᵀR = 1` leaves of (2.5.11), six numbers a row.
+//!
+//! With the displacements `Δx_i`, `N_i` of the body at stage i (world axes, since the start of the step), its velocity
+//! `v`, spin `ω`, second moments `Σ` and arm `com` from the anchor at the start, row k reads
+//!
+//! ```text
+//!     f_k = m ( Σ_i B_ki (Δx_i − h c_i v) − h² g )                    [kg m]      force part, h² included
+//!     W_k = Σ_i B_ki (N_i − h c_i ω̂),   C_k = Σ (1 + N_k)ᵀ
+//!     e_k = vee(W_k C_k − (W_k C_k)ᵀ)                                 [kg m²]     torque about the centre of mass
+//!     Σ_k = (1 + N_k) C_k,   J_k = tr Σ_k − Σ_k                       [kg m²]     inertia at stage k
+//! ```
+//!
+//! The multiplier of `RᵀR = 1` is symmetric and drops out of the skew part that `vee(A − Aᵀ)` takes. At the end of the
+//! step the same terms with the momentum weights `w_i = Σ_k b_k B_ki` make the end momentum `p̄ = p₀ + h Σ b_k F_k`:
+//!
+//! ```text
+//!     P = m ( v + h⁻¹ Σ_i w_i (Δx_i − h c_i v) + h b_s g )                                        [kg m/s]
+//!     π = vee(Z − Zᵀ),   Z = (ω̂ + h⁻¹ Σ_i w_i (N_i − h c_i ω̂)) C_s                              [kg m²/s]
+//! ```
+
+use super::algebra::{Matrix, Symmetric, Vector};
+use super::articulated::Articulated;
+use super::lanes::Lanes;
+use super::stage::{MAX_LANES, StagePose};
+use super::start::{BodyPlan, BodyStart};
+
+/// What is common to all bodies of a sweep.
+pub struct Sweep<'s, V> {
+    /// Mixing matrix of the sweep, by columns.
+    pub columns: &'s [V; MAX_LANES],
+    /// What rounding has cut off `columns`.
+    pub rest: &'s [V; MAX_LANES],
+    /// `h c_i`.
+    pub times: V,
+    /// What rounding has cut off `times`.
+    pub times_rest: V,
+    /// One where a row has its stage's geometry.
+    pub moved: V,
+    /// What gravity adds to the mixed displacement of a centre of mass.
+    pub gravity: [f64; 3],
+}
+
+/// Inertia and residual of one body about its anchor, and `N` at the rows' stages.
+#[inline(always)]
+pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
+    sweep: &Sweep<V>,
+    plan: &BodyPlan,
+    known: &BodyStart,
+    pose: &StagePose<V>,
+) -> (Articulated<V>, Matrix<V>) {
+    let [x, y, z] = pose.u.0;
+    let (x2, y2, z2) = (x + x, y + y, z + z);
+    // N = sym + hat(antisymmetric part): the products of the quaternion, which is what gets mixed.
+    let (xx, xy, xz) = (x2 * x, x2 * y, x2 * z);
+    let (yy, yz, zz) = (y2 * y, y2 * z, z2 * z);
+    let (wx, wy, wz) = (pose.w * x2, pose.w * y2, pose.w * z2);
+    let turn = increment_matrix([xx, xy, xz, yy, yz, zz], [wx, wy, wz]);
+
+    let com = Vector::splat(&known.com);
+    let swing = turn.apply(com);
+    let displaced = swing.plus(pose.anchor);
+    let columns = sweep.columns;
+    let start_velocity = Vector::<V>::splat(&known.velocity);
+    let start_spin = Vector::<V>::splat(&known.spin);
+    let mut ahead = start_velocity.times_minus(sweep.times, displaced);
+    let mut ahead_turn = start_spin.times_minus(sweep.times, Vector([wx, wy, wz]));
+    if REFINED {
+        ahead = start_velocity.times_minus(sweep.times_rest, ahead);
+        ahead_turn = start_spin.times_minus(sweep.times_rest, ahead_turn);
+    }
+    let mut path = Vector([ahead.0[0].mix(columns), ahead.0[1].mix(columns), ahead.0[2].mix(columns)]);
+    let mut spin = Vector([ahead_turn.0[0].mix(columns), ahead_turn.0[1].mix(columns), ahead_turn.0[2].mix(columns)]);
+    let mut products =
+        [xx.mix(columns), xy.mix(columns), xz.mix(columns), yy.mix(columns), yz.mix(columns), zz.mix(columns)];
+    if REFINED {
+        let rest = sweep.rest;
+        path = path.plus(Vector([ahead.0[0].mix(rest), ahead.0[1].mix(rest), ahead.0[2].mix(rest)]));
+        spin = spin.plus(Vector([ahead_turn.0[0].mix(rest), ahead_turn.0[1].mix(rest), ahead_turn.0[2].mix(rest)]));
+        products = [
+            products[0] + xx.mix(rest),
+            products[1] + xy.mix(rest),
+            products[2] + xz.mix(rest),
+            products[3] + yy.mix(rest),
+            products[4] + yz.mix(rest),
+            products[5] + zz.mix(rest),
+        ];
+    }
+    if MOMENTUM {
+        path = path.plus(start_velocity);
+        spin = spin.plus(start_spin);
+    }
+    let mixed = increment_matrix(products, spin.0);
+
+    // From here on: the geometry of the rows.
+    let turn = if MOMENTUM { turn } else { turn.times(sweep.moved) };
+    let com = swing.times_plus(sweep.moved, com);
+    let [sxx, sxy, sxz, syy, syz, szz] = known.sigma;
+    let sigma_rows =
+        [Vector::splat(&[sxx, sxy, sxz]), Vector::splat(&[sxy, syy, syz]), Vector::splat(&[sxz, syz, szz])];
+    // C = Σ (1 + N)ᵀ: row i of C is Σ_i + N Σ_i.
+    let c = Matrix([
+        turn.apply_plus(sigma_rows[0], sigma_rows[0]).0,
+        turn.apply_plus(sigma_rows[1], sigma_rows[1]).0,
+        turn.apply_plus(sigma_rows[2], sigma_rows[2]).0,
+    ]);
+    let c_columns = c.columns();
+    let turn_rows = turn.rows();
+    let mixed_rows = mixed.rows();
+    let entry = |row: usize, column: usize| turn_rows[row].dot_plus(c_columns[column], c.0[row][column]);
+    // The trace as the sum of the entries themselves: half the trace of J, known exactly, would round differently from
+    // the momentum below, and always to the same side.
+    let (first, second, third) = (entry(0, 0), entry(1, 1), entry(2, 2));
+    let own = Symmetric([second + third, -entry(0, 1), -entry(0, 2), first + third, -entry(1, 2), first + second]);
+    let torque = Vector([
+        mixed_rows[1].dot_from(c_columns[2], mixed_rows[2].dot(c_columns[1])),
+        mixed_rows[2].dot_from(c_columns[0], mixed_rows[0].dot(c_columns[2])),
+        mixed_rows[0].dot_from(c_columns[1], mixed_rows[1].dot(c_columns[0])),
+    ]);
+    let mass = V::splat(plan.mass);
+    let gravity = Vector::splat(&sweep.gravity);
+    let force = path.plus(gravity).times(mass);
+    let torque = com.cross_plus(force, torque);
+    let (force, torque) =
+        if MOMENTUM { (force.times(V::splat(-1.0)), torque.times(V::splat(-1.0))) } else { (force, torque) };
+
+    // Parallel axes: I + m (|c|² − c cᵀ), and the coupling −m ĉ.
+    let heavy = com.times(mass);
+    let ([cx, cy, cz], [mx, my, mz]) = (com.0, heavy.0);
+    let [ixx, ixy, ixz, iyy, iyz, izz] = own.0;
+    let (mxx, myy, mzz) = (mx * cx, my * cy, mz * cz);
+    let inertia = Symmetric([
+        ixx + (myy + mzz),
+        mx.neg_mul_add(cy, ixy),
+        mx.neg_mul_add(cz, ixz),
+        iyy + (mxx + mzz),
+        my.neg_mul_add(cz, iyz),
+        izz + (mxx + myy),
+    ]);
+    let zero = V::zero();
+    let coupling = Matrix([[zero, mz, -my], [-mz, zero, mx], [my, -mx, zero]]);
+    let articulated =
+        Articulated { mass: Symmetric([mass, zero, zero, mass, zero, mass]), coupling, inertia, force, torque };
+    (articulated, turn)
+}
+
+/// `N = 2 (w û + u uᵀ − |u|²)` from the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u`; linear in both.
+#[inline(always)]
+fn increment_matrix<V: Lanes>([xx, xy, xz, yy, yz, zz]: [V; 6], [wx, wy, wz]: [V; 3]) -> Matrix<V> {
+    Matrix([[-(yy + zz), xy - wz, xz + wy], [xy + wz, -(xx + zz), yz - wx], [xz - wy, yz + wx, -(xx + yy)]])
+}

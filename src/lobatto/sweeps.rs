@@ -1,0 +1,226 @@
+//! The Newton step of all stages at once: one sweep from the leaves to the root, one back.
+//!
+//! Row k is solved with the articulated inertia of its own stage, `H(q_k) α_k = −ρ_k`: the row geometry is what the
+//! convergence hangs on where mass ratios are large. Leaf to root, the residuals ([`super::residual`]) and inertias of
+//! a subtree gather at its joint, whose axes are eliminated ([`super::articulated`]), and move by the arm to the parent's
+//! anchor. Root to leaf, with the twist `η = (a, φ)`,
+//!
+//! ```text
+//!     α = α₀ − (A s)ᵀ η / d,    η ← η + s α,         δ_i = Σ_k Â_ik α_k
+//! ```
+//!
+//! The projection of the momentum at the end of the step (2.5.11h) is the same recursion at the last stage with the
+//! momenta in place of the residuals: `H(q̄) v̄ = Sᵀ p̄` gives the new joint velocities.
+
+use super::algebra::Vector;
+use super::articulated::Articulated;
+use super::lanes::Lanes;
+use super::residual::{Sweep, body_residual};
+use super::stage::{Stages, horner};
+use super::start::Children;
+use crate::model::FreeRotation;
+
+impl<V: Lanes> Stages<V> {
+    /// Residual and articulated factorisation of all rows, leaf to root; `REFINED` with twice the digits of the
+    /// coefficients, for the last iterations of a step that is iterated to rounding.
+    #[inline(always)]
+    pub fn sweep_residual<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
+        let columns = self.coefficients.residual;
+        let rest = self.coefficients.residual_rest;
+        let square = -self.step * self.step;
+        let sweep = Sweep {
+            columns: &columns,
+            rest: &rest,
+            times: self.coefficients.nodes * V::splat(self.step),
+            times_rest: self.times_rest(),
+            moved: self.coefficients.moved,
+            gravity: [square * gravity[0], square * gravity[1], square * gravity[2]],
+        };
+        self.backward::<false, REFINED>(&sweep);
+    }
+
+    /// Momenta and articulated factorisation at the end of the step (in the last active lane), leaf to root.
+    #[inline(always)]
+    pub fn sweep_momentum<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
+        let mut columns = self.coefficients.momentum;
+        let mut rest = self.coefficients.momentum_rest;
+        let inverse = V::splat(1.0 / self.step);
+        for (column, rest) in columns.iter_mut().zip(&mut rest) {
+            // The product with 1/h must not be rounded either.
+            let rounded = *column * inverse;
+            let lost = column.mul_add(inverse, -rounded);
+            *rest = rest.mul_add(inverse, lost);
+            *column = rounded;
+        }
+        let factor = self.step * self.coefficients.last_weight;
+        let sweep = Sweep {
+            columns: &columns,
+            rest: &rest,
+            times: self.coefficients.nodes * V::splat(self.step),
+            times_rest: self.times_rest(),
+            moved: V::splat(1.0),
+            gravity: [factor * gravity[0], factor * gravity[1], factor * gravity[2]],
+        };
+        self.backward::<true, REFINED>(&sweep);
+    }
+
+    /// What rounding has cut off `h c_i`.
+    #[inline(always)]
+    fn times_rest(&self) -> V {
+        let step = V::splat(self.step);
+        let rounded = self.coefficients.nodes * step;
+        self.coefficients.nodes_rest.mul_add(step, self.coefficients.nodes.mul_add(step, -rounded))
+    }
+
+    #[inline(always)]
+    fn backward<const MOMENTUM: bool, const REFINED: bool>(&mut self, sweep: &Sweep<V>) {
+        let mut carried = Articulated::zero();
+        for index in (0..self.plan.bodies.len()).rev() {
+            let plan = &self.plan.bodies[index];
+            let known = &self.start.bodies[index];
+            let pose = self.poses[index];
+            let (own, turn) = body_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, &pose);
+            let mut total = match plan.children {
+                Children::None => own,
+                Children::Next => own.plus(&carried),
+                Children::Slot(slot) => own.plus(&self.slots[slot]),
+            };
+
+            // Rotations first: they are the outermost axes of the joint.
+            let rotations = plan.first_axis + plan.translations;
+            match plan.rotation {
+                FreeRotation::None => {}
+                FreeRotation::AboutZ => {
+                    let axis = Vector::splat(&self.start.axes[rotations]);
+                    let axis = turn.apply_plus(axis, axis);
+                    // Nobody asks for what is left of a root: its one axis needs no more than the solution.
+                    self.eliminated[rotations] = if plan.parent.is_none() && plan.translations == 0 {
+                        total.solve_rotation(axis)
+                    } else {
+                        total.eliminate_rotation(axis)
+                    };
+                }
+                FreeRotation::Ball => {
+                    let vector = self.rotation_vector(rotations).times(sweep.moved);
+                    let (first, second) = tangent(vector.dot(vector));
+                    for freedom in (rotations..rotations + 3).rev() {
+                        let axis = Vector::splat(&self.start.axes[freedom]);
+                        let tilted = if MOMENTUM {
+                            axis
+                        } else {
+                            let once = vector.cross(axis);
+                            vector.cross(once).times_plus(second, once.times_minus(first, axis))
+                        };
+                        let axis = turn.apply_plus(tilted, tilted);
+                        self.eliminated[freedom] =
+                            if plan.alone { total.eliminate_spin(axis) } else { total.eliminate_rotation(axis) };
+                    }
+                }
+            }
+            if plan.translations > 0 {
+                for freedom in (plan.first_axis..rotations).rev() {
+                    let axis = Vector::splat(&self.start.axes[freedom]);
+                    let turned = match plan.parent {
+                        Some(parent) => {
+                            let parent = self.poses[parent];
+                            super::stage::rotate_increment(parent.w, parent.u, axis).times_plus(sweep.moved, axis)
+                        }
+                        None => axis,
+                    };
+                    self.eliminated[freedom] =
+                        if plan.alone { total.solve_translation(turned) } else { total.eliminate_translation(turned) };
+                }
+            }
+
+            if let Some(parent) = plan.parent {
+                let moved = pose.anchor.minus(self.poses[parent].anchor);
+                let arm = moved.times_plus(sweep.moved, Vector::splat(&known.arm));
+                self.arms[index] = arm;
+                let shifted = total.shifted(arm);
+                match plan.parent_collects {
+                    Children::Slot(slot) if !plan.first_collected => {
+                        self.slots[slot] = self.slots[slot].plus(&shifted);
+                    }
+                    Children::Slot(slot) => self.slots[slot] = shifted,
+                    _ => carried = shifted,
+                }
+            }
+        }
+    }
+
+    /// Root to leaf: `α` of every degree of freedom, mixed into the increments; the largest increment in each lane.
+    #[inline(always)]
+    pub fn sweep_increments(&mut self) -> V {
+        let mut largest = V::zero();
+        self.forward(|stages, freedom, alpha| {
+            let increment = alpha.mix(&stages.coefficients.solve);
+            stages.increment[freedom] = increment;
+            largest = increment.max_abs(largest);
+        });
+        largest
+    }
+
+    /// Root to leaf after [`Stages::sweep_momentum`]: the new velocities, from the last active lane.
+    #[inline(always)]
+    pub fn sweep_velocities(&mut self, velocity: &mut [f64]) {
+        let last = self.coefficients.active - 1;
+        self.forward(|_, freedom, rate| velocity[freedom] = rate.to_array().as_ref()[last]);
+    }
+
+    #[inline(always)]
+    fn forward(&mut self, mut take: impl FnMut(&mut Self, usize, V)) {
+        let mut twist = (Vector::zero(), Vector::zero());
+        for index in 0..self.plan.bodies.len() {
+            let plan = &self.plan.bodies[index];
+            let (first_axis, translations, children) = (plan.first_axis, plan.translations, plan.children);
+            let rotations = match plan.rotation {
+                FreeRotation::None => 0,
+                FreeRotation::AboutZ => 1,
+                FreeRotation::Ball => 3,
+            };
+            match plan.parent_collects {
+                Children::None => twist = (Vector::zero(), Vector::zero()),
+                Children::Next => twist.0 = twist.1.cross_plus(self.arms[index], twist.0),
+                Children::Slot(slot) => {
+                    twist = self.twists[slot];
+                    twist.0 = twist.1.cross_plus(self.arms[index], twist.0);
+                }
+            }
+            let turning = first_axis + translations;
+            for freedom in first_axis..turning + rotations {
+                let joint = self.eliminated[freedom];
+                // Two chains of three, because each body waits for its parent's.
+                let alpha = joint.force_ratio.dot_from(twist.0, joint.bias) - joint.torque_ratio.dot(twist.1);
+                if freedom < turning {
+                    twist.0 = joint.axis.times_plus(alpha, twist.0);
+                } else {
+                    twist.1 = joint.axis.times_plus(alpha, twist.1);
+                }
+                take(self, freedom, alpha);
+            }
+            if let Children::Slot(slot) = children {
+                self.twists[slot] = twist;
+            }
+        }
+    }
+}
+
+/// `(1 − cos φ)/φ²` and `(φ − sin φ)/φ³` from `φ²`: the coefficients of the tangent of the exponential map. They only
+/// span the projection and steer the Newton step, so their series may be shorter than the poses'.
+#[inline(always)]
+fn tangent<V: Lanes>(square: V) -> (V, V) {
+    const FIRST: [f64; 10] = tangent_series(2);
+    const SECOND: [f64; 10] = tangent_series(3);
+    (horner(&FIRST, square), horner(&SECOND, square))
+}
+
+/// `(−1)ⁿ / (2n + first)!`.
+const fn tangent_series(first: usize) -> [f64; 10] {
+    let mut terms = [if first == 2 { 0.5 } else { 1.0 / 6.0 }; 10];
+    let mut n = 1;
+    while n < 10 {
+        terms[n] = -terms[n - 1] / (((2 * n + first) * (2 * n + first - 1)) as f64);
+        n += 1;
+    }
+    terms
+}
