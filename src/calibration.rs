@@ -1,17 +1,17 @@
 //! From a wanted accuracy to the local accuracy that gives it: pilot runs.
 //!
 //! An error made at a step is amplified by the motion until the end of the run, by 10² for a pendulum over seconds,
-//! by 10⁶ for a falling arm, without bound for chaos. Two pilot runs, with iteration stops `ε` and `ε/30`, show it: where they
-//! are `d` apart, the coarser is wrong by about `d`, and because errors are proportional to the stop,
-//! the stop that keeps every error below a third of the wanted accuracy `E` is
+//! by 10⁶ for a falling arm, without bound for chaos. Two pilot runs, with iteration stops `ε` and `ε/30`, show it: where
+//! they are `d` apart, the coarser is wrong by about `d`, and because errors are proportional to the stop, the stop that
+//! keeps every error below a third of the wanted accuracy `E` is
 //!
 //! ```text
 //!     ε_run = ε E / (3 max_t d(t))
 //! ```
 //!
 //! with the distance of [`crate::distance`], seen at 32 instants. Pilots that are apart by more than a hundredth of the
-//! mechanism's size have parted and say nothing; the next pair is 10⁴ times finer. If the finest pair cannot hold the accuracy to the end, the
-//! calibration says until when it is held.
+//! mechanism's size have parted and say nothing; the next pair is 10⁴ times finer. If the finest pair cannot hold the
+//! accuracy to the end, the calibration says until when it is held.
 
 use crate::distance::{distance, probes};
 use crate::lobatto::Lobatto;
@@ -95,7 +95,8 @@ pub fn calibrate(
         }
         // Errors below rounding cannot be seen and need not be.
         let amplification = apart.max(1e-16 * size) / stop;
-        let run_stop = (tolerance / (3.0 * amplification)).clamp(FINEST, COARSEST);
+        // No coarser than a hundredth of the tolerance, however calm the motion: the energy has to be kept as well.
+        let run_stop = (tolerance / (3.0 * amplification)).min(0.01 * tolerance).clamp(FINEST, COARSEST);
         let held = worst.iter().take_while(|&&apart| apart * run_stop / stop <= tolerance).count();
         return Ok(Calibration {
             stop: run_stop,

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! A step with `E > 1.3^{s−1} E_tol` is thrown away, and so is a finished one that changes the energy by more than its
-//! share of the tolerance: the energy sees what the polynomials do not, such as a passage near a singular position.
+//! share of the tolerance; what is near that share does not grow. The energy sees what the polynomials do not, such as a
+//! passage near a singular position.
 
 use super::lanes::Isa;
 use super::step::{Attempt, Step, StopRule};
@@ -139,22 +140,24 @@ impl Control {
                     self.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
                     return Verdict::Retry { without_past: false };
                 }
+                let mut by_energy = f64::INFINITY;
                 if let Some(energies) = energies {
                     self.kinetic = self.kinetic.max(energies.kinetic);
                     // Each of the two is rounded, also where they cancel.
                     let rounding = 1e-13 * (energies.kinetic + energies.potential.abs());
                     let allowed = ENERGY_SHARE * self.tolerance * self.kinetic + rounding;
+                    let change = energies.change.abs().max(1e-300);
+                    by_energy = 0.9 * (allowed / change).powf(1.0 / (2.0 * order + 1.0));
                     // A step in which the energy is not finite fails this test too.
-                    if energies.change.is_nan() || energies.change.abs() > allowed {
-                        let excess = (allowed / energies.change.abs()).powf(1.0 / (2.0 * order + 1.0));
-                        self.step = step * (0.9 * excess).clamp(0.2, 0.9);
+                    if energies.change.is_nan() || change > allowed {
+                        self.step = step * by_energy.clamp(0.2, 0.9);
                         return Verdict::Retry { without_past: false };
                     }
                 }
                 let previous = self.previous.unwrap_or(error);
                 let by_error = (self.wanted / error).powf(0.7 / order) * (previous / error).powf(0.3 / order);
                 let by_iterations = ((WANTED_ITERATIONS + 1.0) / (iterations as f64 + 1.0)).sqrt();
-                let factor = by_error.min(by_iterations).clamp(0.3, 2.0);
+                let factor = by_error.min(by_iterations).min(by_energy).clamp(0.3, 2.0);
                 self.previous = Some(error);
                 // A truncated last step must not shorten what follows.
                 self.step = if step < 0.999 * self.step { self.step.max(step * factor) } else { step * factor };

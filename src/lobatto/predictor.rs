@@ -8,8 +8,8 @@
 //!     p(x) = x h v + x² Σ_{n<κ} d_n Π_{k<n} (x − x_k),     d_n: divided differences of (y_n − x_n h v) / x_n²
 //! ```
 //!
-//! Newton's form holds all orders at once: after the step has converged, the order
-//! that would have guessed best is read off and used next time. κ = 0 is the guess `q₀ + h c v₀`, which needs no past.
+//! Newton's form holds all orders at once: after the step has converged, the order that would have guessed best is read
+//! off and used next time. κ = 0 is the guess `q₀ + h c v₀`, which needs no past.
 
 use super::lanes::Lanes;
 use super::stage::{MAX_LANES, Stages};
