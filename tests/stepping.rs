@@ -105,6 +105,23 @@ fn a_velocity_that_is_no_number_ends_in_an_error_with_time_and_joint() {
 }
 
 #[test]
+fn what_rests_without_any_energy_stays_at_rest() {
+    // Neither kinetic nor potential energy: no change is allowed and none happens, which must not stop the steps.
+    let mut model = models::free_body();
+    model.mechanism.gravity = nalgebra::Vector3::zeros();
+    let mut state = catena::state::State::zero(&model.mechanism);
+    let at_rest = state.clone();
+    let mut lobatto = Lobatto::adaptive(&model.mechanism, 1e-6);
+    let mut steps = 0;
+    while state.time < 10.0 {
+        lobatto.advance(&model.mechanism, &mut state, 10.0).unwrap();
+        steps += 1;
+    }
+    assert_eq!(state.position, at_rest.position);
+    assert!(steps <= 10, "{steps} steps for nothing");
+}
+
+#[test]
 fn dense_output_meets_both_ends_and_is_as_smooth_as_the_motion_inside() {
     let model = models::floating_tree();
     let mechanism = &model.mechanism;

@@ -146,8 +146,11 @@ impl Control {
                     // Each of the two is rounded, also where they cancel.
                     let rounding = 1e-13 * (energies.kinetic + energies.potential.abs());
                     let allowed = ENERGY_SHARE * self.tolerance * self.kinetic + rounding;
-                    let change = energies.change.abs().max(1e-300);
-                    by_energy = 0.9 * (allowed / change).powf(1.0 / (2.0 * order + 1.0));
+                    let change = energies.change.abs();
+                    // At rest nothing is allowed and nothing changes.
+                    if change > 0.0 {
+                        by_energy = 0.9 * (allowed / change).powf(1.0 / (2.0 * order + 1.0));
+                    }
                     // A step in which the energy is not finite fails this test too.
                     if energies.change.is_nan() || change > allowed {
                         self.step = step * by_energy.clamp(0.2, 0.9);
