@@ -3,10 +3,10 @@
 //! An error made at a step is amplified by the motion until the end of the run, by 10² for a pendulum over seconds,
 //! by 10⁶ for a falling arm, without bound for chaos. Two pilot runs, with iteration stops `ε` and `ε/30`, show it: where
 //! they are `d` apart, the coarser is wrong by about `d`, and because errors are proportional to the stop, the stop that
-//! keeps every error below a third of the wanted accuracy `E` is
+//! keeps every error near a tenth of the wanted accuracy `E` is
 //!
 //! ```text
-//!     ε_run = ε E / (3 max_t d(t))
+//!     ε_run = ε E / (10 max_t d(t))
 //! ```
 //!
 //! with the distance of [`crate::distance`], seen at 32 instants. Pilots that are apart by more than a hundredth of the
@@ -29,6 +29,8 @@ const RATIO: f64 = 30.0;
 const FINEST: f64 = 1e-16;
 /// The coarsest stop worth running.
 const COARSEST: f64 = 1e-4;
+/// The run aims at this part of the tolerance: two runs of one motion, with other steps, differ by some such factor.
+const AIM: f64 = 10.0;
 /// Ratio of the stops of successive pairs.
 const REFINEMENT: f64 = 1e-4;
 /// Pilots that are apart by this share of the mechanism's size have parted and say nothing about smaller errors.
@@ -96,7 +98,7 @@ pub fn calibrate(
         // Errors below rounding cannot be seen and need not be.
         let amplification = apart.max(1e-16 * size) / stop;
         // No coarser than a hundredth of the tolerance, however calm the motion: the energy has to be kept as well.
-        let run_stop = (tolerance / (3.0 * amplification)).min(0.01 * tolerance).clamp(FINEST, COARSEST);
+        let run_stop = (tolerance / (AIM * amplification)).min(0.01 * tolerance).clamp(FINEST, COARSEST);
         let held = worst.iter().take_while(|&&apart| apart * run_stop / stop <= tolerance).count();
         return Ok(Calibration {
             stop: run_stop,

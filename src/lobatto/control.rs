@@ -101,7 +101,7 @@ impl Control {
         self.step > 0.0
     }
 
-    /// Chooses the first step from the velocities and accelerations: `h = 0.1 / Ω`, `Ω⁴ = Σ (q̇⁴ + q̈²)`.
+    /// Chooses the first step from the velocities and accelerations: `h = 0.4 / Ω`, `Ω⁴ = Σ (q̇⁴ + q̈²)`.
     pub fn start(&mut self, mechanism: &Mechanism, state: &State, kernel: &mut dyn Step) {
         let mut accelerations = vec![0.0; mechanism.velocity_count];
         self.kinetic = kernel.energy().kinetic;
@@ -113,7 +113,7 @@ impl Control {
             .map(|(rate, acceleration)| rate.powi(4) + acceleration.powi(2))
             .sum();
         let rate = power.sqrt().sqrt();
-        self.step = if rate.is_finite() { (0.1 / rate.max(1e-3)).min(1.0) } else { 1e-3 };
+        self.step = if rate.is_finite() { (0.4 / rate.max(1e-3)).min(1.0) } else { 1e-3 };
     }
 
     /// Judges an attempt of length `step` and sets the next one.
