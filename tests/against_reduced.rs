@@ -6,11 +6,10 @@ mod models;
 
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
-use catena::model::{Base, Mechanism, Model, ModelError, ModelOptions};
+use catena::model::Mechanism;
 use catena::reduced::Dop853;
-use catena::scene::{PackagePath, read_urdf};
 use catena::state::State;
-use common::{run_until, stem, urdf_files};
+use common::{models_of, run_until, stem, urdf_files};
 use models::{pose_distance, velocity_distance};
 use std::path::PathBuf;
 
@@ -74,16 +73,7 @@ fn nine_stages_agree_with_dop853_on_every_robot_of_this_repository() {
             "chain_10" => (0.0025, 0.5, 1e-9),
             _ => (0.0025, 0.5, 1e-11),
         };
-        for base in [Base::Fixed, Base::Floating] {
-            let robot = read_urdf(&file, &PackagePath::default()).unwrap();
-            let model = match Model::new(robot, &ModelOptions { base, ..Default::default() }) {
-                Ok(model) => model,
-                // A root link without inertia, or a root that is the world: made for a fixed base only.
-                Err(ModelError::BaseIsWorld { .. } | ModelError::NoInertia { .. }) if base == Base::Floating => {
-                    continue;
-                }
-                Err(error) => panic!("{error}"),
-            };
+        for (base, model) in models_of(&file) {
             let mechanism = &model.mechanism;
             let start = generic_state(mechanism, model.zero_state());
             let (poses, velocities) = distance(mechanism, &start, step, duration);

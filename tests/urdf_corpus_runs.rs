@@ -3,9 +3,7 @@
 
 mod common;
 
-use catena::model::{Base, Model, ModelError, ModelOptions};
-use catena::scene::{PackagePath, read_urdf};
-use common::{by_tolerance, run_until, shared, stem, urdf_files};
+use common::{by_tolerance, models_of, run_until, shared, stem, urdf_files};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -18,16 +16,7 @@ fn every_real_robot_runs_a_second_and_keeps_its_energy() {
     let Some(folder) = shared("urdf-corpus/loads") else { return };
     let (mut runs, mut losses) = (0, Vec::new());
     for file in urdf_files(&folder) {
-        for base in [Base::Fixed, Base::Floating] {
-            let robot = read_urdf(&file, &PackagePath::default()).unwrap();
-            let model = match Model::new(robot, &ModelOptions { base, ..Default::default() }) {
-                Ok(model) => model,
-                // Attached to the world by its URDF, or with a root link without mass: it cannot float.
-                Err(ModelError::BaseIsWorld { .. } | ModelError::NoInertia { .. }) if base == Base::Floating => {
-                    continue;
-                }
-                Err(error) => panic!("{error}"),
-            };
+        for (base, model) in models_of(&file) {
             let mechanism = &model.mechanism;
             for amplitude in [0.0, 0.3] {
                 let mut state = model.zero_state();

@@ -37,7 +37,7 @@ impl DenseRule {
     pub fn new(tableau: &Tableau) -> Self {
         let nodes = tableau.nodes.clone();
         let count = nodes.len();
-        let (derivative_at_start, _) = (lagrange(&nodes, 0.0).1, ());
+        let derivative_at_start = lagrange(&nodes, 0.0).1;
         let derivative_at_end = lagrange(&nodes, 1.0).1;
         let slope = |at: usize| (0..count).filter(|&k| k != at).map(|k| nodes[at] - nodes[k]).product();
         let (slope_at_start, slope_at_end) = (slope(0), slope(count - 1));

@@ -86,7 +86,7 @@ impl Lobatto {
         isa: Isa,
     ) -> Result<Self, TableauError> {
         let mode = Mode::Fixed { step, grid: Grid { origin: 0.0, points: 0 }, rule };
-        Self::with_mode(mechanism, stages, mode, isa)
+        Ok(Self::with_tableau(mechanism, Tableau::new(stages)?, mode, isa))
     }
 
     /// Steps chosen for a wanted position accuracy [m or rad], with the iteration stop that suits motions of moderate
@@ -102,10 +102,6 @@ impl Lobatto {
         let control = Control::new(tolerance, stop, isa);
         let tableau = control.tableau();
         Self::with_tableau(mechanism, tableau, Mode::Adaptive(control), isa)
-    }
-
-    fn with_mode(mechanism: &Mechanism, stages: usize, mode: Mode, isa: Isa) -> Result<Self, TableauError> {
-        Ok(Self::with_tableau(mechanism, Tableau::new(stages)?, mode, isa))
     }
 
     fn with_tableau(mechanism: &Mechanism, tableau: Tableau, mode: Mode, isa: Isa) -> Self {
@@ -303,7 +299,7 @@ impl Integrator for Lobatto {
 
 /// Body-frame angular velocity of `exp(θ)` for the rate of θ: `(1 − k₁ θ̂ + k₂ θ̂²) θ̇`.
 fn tangent(theta: &[f64; 3], rate: &[f64; 3]) -> [f64; 3] {
-    // The derivative of log(exp(−θ) exp(θ + ε θ̇)) without series for small angles: both factors are exact maps.
+    // Below 1e-4 rad the quotients lose their digits, and two terms of their series are exact to rounding.
     let (theta, rate) = (nalgebra::Vector3::from(*theta), nalgebra::Vector3::from(*rate));
     let angle = theta.norm();
     let (first, second) = if angle < 1e-4 {

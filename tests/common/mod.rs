@@ -4,8 +4,8 @@
 
 use catena::calibration::calibrate;
 use catena::lobatto::Lobatto;
-use catena::model::Mechanism;
-use catena::scene::{Robot, UrdfJointKind};
+use catena::model::{Base, Mechanism, Model, ModelError, ModelOptions};
+use catena::scene::{PackagePath, Robot, UrdfJointKind, read_urdf};
 use catena::simulation::{Integrator, RunOptions, Summary, run};
 use catena::state::State;
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Unit, Vector3};
@@ -111,4 +111,18 @@ pub fn by_tolerance(mechanism: &Mechanism, start: &State, duration: f64, toleran
     let found = calibrate(mechanism, start, duration, tolerance, None)
         .unwrap_or_else(|error| panic!("{}: {error}", mechanism.name));
     Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop)
+}
+
+/// The models of a robot with a fixed base and, where it can float, with a floating one.
+pub fn models_of(file: &Path) -> Vec<(Base, Model)> {
+    let model = |base| {
+        let robot = read_urdf(file, &PackagePath::default()).unwrap();
+        match Model::new(robot, &ModelOptions { base, ..Default::default() }) {
+            Ok(model) => Some((base, model)),
+            // Attached to the world by its URDF, or with a root link without mass or inertia: it cannot float.
+            Err(ModelError::BaseIsWorld { .. } | ModelError::NoInertia { .. }) if base == Base::Floating => None,
+            Err(error) => panic!("{error}"),
+        }
+    };
+    [Base::Fixed, Base::Floating].into_iter().filter_map(model).collect()
 }
