@@ -13,6 +13,7 @@
 //! |---|---|
 //! | what the user wrote, validated | [`scene`] |
 //! | what must be simulated, and what is left out | [`model`] |
+//! | what pushes and pulls besides gravity | [`forces`] |
 //! | what changes in time | [`state`], [`kinematics`], [`invariants`] |
 //! | the method | [`lobatto`] |
 //! | the rival | [`reduced`] |
@@ -23,6 +24,7 @@
 pub mod calibration;
 pub mod chart;
 pub mod distance;
+pub mod forces;
 pub mod invariants;
 pub mod kinematics;
 pub mod lobatto;

@@ -4,7 +4,9 @@
 //! Each body's frame sits at its centre of mass with its axes along the principal axes of inertia, so that the
 //! body inertia is `J = diag(J₁, J₂, J₃)` [kg m²] and `Σ = ½ tr(J) 1 − J` is diagonal too.
 
+use super::closure::{LoopJoint, Mimic};
 use super::joint::Joint;
+use crate::forces::Forces;
 use nalgebra::Vector3;
 
 /// A rigid body and the joint to its parent.
@@ -22,7 +24,7 @@ pub struct Body {
     pub joint: Joint,
 }
 
-/// The constant description of a tree of bodies under gravity.
+/// The constant description of bodies, their joints, and the forces on them.
 #[derive(Clone, Debug)]
 pub struct Mechanism {
     /// Name of the robot or scene.
@@ -31,6 +33,12 @@ pub struct Mechanism {
     pub gravity: Vector3<f64>,
     /// The bodies, depth first.
     pub bodies: Vec<Body>,
+    /// Joints that close loops of the tree.
+    pub loops: Vec<LoopJoint>,
+    /// Joint coordinates that follow others.
+    pub mimics: Vec<Mimic>,
+    /// Forces besides gravity.
+    pub forces: Forces,
     /// Length of the position vector.
     pub position_count: usize,
     /// Number of degrees of freedom: length of the velocity vector.
@@ -75,7 +83,21 @@ impl Mechanism {
             position_count += body.joint.kind.position_count();
             velocity_count += body.joint.kind.velocity_count();
         }
-        Ok(Mechanism { name: name.to_string(), gravity, bodies, position_count, velocity_count })
+        Ok(Mechanism {
+            name: name.to_string(),
+            gravity,
+            bodies,
+            loops: Vec::new(),
+            mimics: Vec::new(),
+            forces: Forces::default(),
+            position_count,
+            velocity_count,
+        })
+    }
+
+    /// Whether the tree of joints under gravity is all there is.
+    pub fn is_plain_tree(&self) -> bool {
+        self.loops.is_empty() && self.mimics.is_empty() && self.forces.is_empty()
     }
 
     /// The body whose joint has this name.

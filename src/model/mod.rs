@@ -1,5 +1,6 @@
 //! What must be simulated: joints, bodies, the mechanism they form, and where the robot of the URDF is in it.
 
+mod closure;
 mod composite;
 mod coordinates;
 mod definiteness;
@@ -11,6 +12,7 @@ mod reduce;
 mod rigid_groups;
 mod robot_model;
 
+pub use closure::{Attachment, Coordinate, LoopJoint, LoopKind, Mimic};
 pub use composite::Composite;
 pub use coordinates::{position_names, velocity_names};
 pub use joint::{FreeRotation, Joint, JointKind, Pose, wxyz_from_rotation};

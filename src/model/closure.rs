@@ -1,0 +1,113 @@
+//! What the tree of joints cannot say: joints that close loops, and joints that mimic others.
+//!
+//! Both stay equations `g(q) = 0` with multipliers. A loop joint holds two frames `a` and `b`, each fixed in a body or in the
+//! world, with origins `P_a`, `P_b` [m] and axes `x, y, z`; `z` is the axis of the joint, as for tree joints:
+//!
+//! | kind        | rows | g(q)                                                                |
+//! |-------------|------|---------------------------------------------------------------------|
+//! | revolute    | 5    | `P_b − P_a`, `z_b·x_a`, `z_b·y_a`                                   |
+//! | prismatic   | 5    | `(P_b − P_a)·x_a`, `(P_b − P_a)·y_a`, `z_b·x_a`, `z_b·y_a`, `x_b·y_a` |
+//! | cylindrical | 4    | `(P_b − P_a)·x_a`, `(P_b − P_a)·y_a`, `z_b·x_a`, `z_b·y_a`          |
+//! | universal   | 4    | `P_b − P_a`, `z_a·z_b`                                              |
+//! | spherical   | 3    | `P_b − P_a`                                                         |
+//! | planar      | 3    | `(P_b − P_a)·z_a`, `z_b·x_a`, `z_b·y_a`                             |
+//! | fixed       | 6    | `P_b − P_a`, `z_b·x_a`, `z_b·y_a`, `x_b·y_a`                        |
+//! | distance    | 1    | `(|P_b − P_a|² − L²) / 2L`                                          |
+
+use super::joint::Pose;
+
+/// A frame fixed in a body or in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attachment {
+    /// The body; `None` is the world.
+    pub body: Option<usize>,
+    /// The frame in the body frame, or in the world.
+    pub frame: Pose,
+}
+
+/// Which relative motions a loop joint leaves free; see the table of the module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LoopKind {
+    /// Rotation about z.
+    Revolute,
+    /// Translation along z.
+    Prismatic,
+    /// Rotation about z and translation along it.
+    Cylindrical,
+    /// Rotations about `z_a` and `z_b`, which stay perpendicular and meet.
+    Universal,
+    /// Every rotation.
+    Spherical,
+    /// Translations along x and y, and rotation about z.
+    Planar,
+    /// Nothing.
+    Fixed,
+    /// Everything but the distance of the origins (m), which is positive.
+    Distance(f64),
+}
+
+impl LoopKind {
+    /// Number of equations.
+    pub fn rows(self) -> usize {
+        match self {
+            LoopKind::Fixed => 6,
+            LoopKind::Revolute | LoopKind::Prismatic => 5,
+            LoopKind::Cylindrical | LoopKind::Universal => 4,
+            LoopKind::Spherical | LoopKind::Planar => 3,
+            LoopKind::Distance(_) => 1,
+        }
+    }
+
+    /// The name, as scene files write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            LoopKind::Revolute => "revolute",
+            LoopKind::Prismatic => "prismatic",
+            LoopKind::Cylindrical => "cylindrical",
+            LoopKind::Universal => "universal",
+            LoopKind::Spherical => "spherical",
+            LoopKind::Planar => "planar",
+            LoopKind::Fixed => "fixed",
+            LoopKind::Distance(_) => "distance",
+        }
+    }
+}
+
+/// A joint between two bodies that the tree already connects, or between a body and the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopJoint {
+    /// Its name.
+    pub name: String,
+    /// What it leaves free.
+    pub kind: LoopKind,
+    /// The frame on the first body.
+    pub a: Attachment,
+    /// The frame on the second body.
+    pub b: Attachment,
+}
+
+/// One scalar coordinate of a tree joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Coordinate {
+    /// The body whose joint it belongs to.
+    pub body: usize,
+    /// Its entry in the position vector.
+    pub position: usize,
+    /// Its entry in the velocity vector.
+    pub freedom: usize,
+}
+
+/// `g(q) = q_follower − multiplier · q_leader − offset = 0` between two scalar joint coordinates (rad or m, unwrapped).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mimic {
+    /// Name of the following joint.
+    pub name: String,
+    /// The coordinate that follows.
+    pub follower: Coordinate,
+    /// The coordinate that leads.
+    pub leader: Coordinate,
+    /// Ratio of the displacements.
+    pub multiplier: f64,
+    /// The follower's position where the leader is at zero.
+    pub offset: f64,
+}
