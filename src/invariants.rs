@@ -5,6 +5,7 @@
 //!     p = Σ m v  [kg m/s]                          L = Σ x × m v + R J Rᵀ ω  [kg m²/s], about the world origin
 //! ```
 
+use crate::closures::loop_gaps;
 use crate::kinematics::WORLD;
 use crate::model::{FreeRotation, Mechanism};
 use crate::state::BodyState;
@@ -97,6 +98,10 @@ pub fn violation(mechanism: &Mechanism, bodies: &[BodyState]) -> Violation {
         }
         let defect = state.rotation.transpose() * state.rotation - nalgebra::Matrix3::identity();
         see(defect.amax(), 0.0);
+    }
+    for joint in &mechanism.loops {
+        let (gap, rate) = loop_gaps(joint, bodies).largest();
+        see(gap, rate);
     }
     worst
 }

@@ -14,7 +14,7 @@
 //! | what the user wrote, validated | [`scene`] |
 //! | what must be simulated, and what is left out | [`model`] |
 //! | what pushes and pulls besides gravity | [`forces`] |
-//! | what changes in time | [`state`], [`kinematics`], [`invariants`] |
+//! | what changes in time | [`state`], [`kinematics`], [`invariants`], [`closures`] |
 //! | the method | [`lobatto`] |
 //! | the rival | [`reduced`] |
 //! | the accuracy that a tolerance means | [`mod@distance`], [`calibration`] |
@@ -23,6 +23,7 @@
 
 pub mod calibration;
 pub mod chart;
+pub mod closures;
 pub mod distance;
 pub mod forces;
 pub mod invariants;

@@ -146,6 +146,16 @@ impl<V: Lanes> Stages<V> {
         }
     }
 
+    /// Adds the increments to the displacements; returns the largest displacement.
+    pub fn advance(&mut self) -> f64 {
+        let mut largest = V::zero();
+        for (displacement, &increment) in self.displacement.iter_mut().zip(&self.increment) {
+            *displacement = *displacement + increment;
+            largest = displacement.max_abs(largest);
+        }
+        largest.largest()
+    }
+
     /// The forward sweep: poses of all bodies at all stages from `displacement`.
     #[inline(always)]
     pub fn sweep_poses(&mut self) {

@@ -48,6 +48,18 @@ pub struct BodyPlan {
     pub mass: f64,
 }
 
+impl BodyPlan {
+    /// The degrees of freedom of the joint.
+    pub fn freedoms(&self) -> std::ops::Range<usize> {
+        let rotations = match self.rotation {
+            FreeRotation::None => 0,
+            FreeRotation::AboutZ => 1,
+            FreeRotation::Ball => 3,
+        };
+        self.first_axis..self.first_axis + self.translations + rotations
+    }
+}
+
 /// The start-of-step part of a body.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BodyStart {
@@ -79,6 +91,8 @@ pub struct Start {
     pub axes: Vec<[f64; 3]>,
     /// Velocity of each degree of freedom.
     pub rates: Vec<f64>,
+    /// `q_follower − multiplier · q_leader − offset` of every mimic.
+    pub mimic_gaps: Vec<f64>,
     /// Energy of the state.
     pub energy: Energy,
     states: Vec<BodyState>,
@@ -139,9 +153,21 @@ impl Start {
             bodies: vec![BodyStart::default(); mechanism.bodies.len()],
             axes: vec![[0.0; 3]; mechanism.velocity_count],
             rates: vec![0.0; mechanism.velocity_count],
+            mimic_gaps: vec![0.0; mechanism.mimics.len()],
             energy: Energy::default(),
             states: vec![WORLD; mechanism.bodies.len()],
         }
+    }
+
+    /// Pose and velocity of a body.
+    pub fn body_state(&self, body: usize) -> &BodyState {
+        &self.states[body]
+    }
+
+    /// Where the anchor of a body is in the world (m).
+    pub fn anchor(&self, body: usize) -> [f64; 3] {
+        let (position, com) = (self.states[body].position, self.bodies[body].com);
+        [position.x - com[0], position.y - com[1], position.z - com[2]]
     }
 
     /// Takes the state at the start of a step. Does not allocate.
@@ -203,6 +229,11 @@ impl Start {
                 self.axes[slot] = child_frame.column(axis).into_owned().into();
                 slot += 1;
             }
+        }
+        for (gap, mimic) in self.mimic_gaps.iter_mut().zip(&mechanism.mimics) {
+            let [follows, leads] = [mimic.follower, mimic.leader].map(|of| of.position);
+            let rest = state.compensation[follows] - mimic.multiplier * state.compensation[leads];
+            *gap = state.position[follows] - mimic.multiplier * state.position[leads] - mimic.offset + rest;
         }
         self.energy = energy;
     }

@@ -12,7 +12,9 @@
 
 use super::anderson::Anderson;
 use super::lanes::Lanes;
+use super::newton::Newton;
 use super::predictor::Predictor;
+use super::projection::Projection;
 use super::stage::{MAX_TURN, Stages};
 use super::start::Start;
 use super::tableau::Tableau;
@@ -33,6 +35,9 @@ macro_rules! in_lanes {
 /// Steps iterated further than this use the coefficients' second half of digits: rounded to a double they are
 /// those of a scheme that is not quite symplectic, and the energy drifts by 2e-16 of itself a step.
 const REFINED_BELOW: f64 = 1e-14;
+
+/// Newton's method leaves about the square of the last increment: the gaps of loops are at rounding whatever the tolerance.
+const CLOSED: f64 = 1e-8;
 
 /// When to stop iterating and when to give up.
 #[derive(Clone, Copy, Debug)]
@@ -97,11 +102,19 @@ pub trait Step {
     fn accelerations(&mut self, step: f64, out: &mut [f64]);
 }
 
+/// The solver of mechanisms with loops and mimics.
+struct Closing<V: Lanes> {
+    newton: Newton<V>,
+    projection: Projection,
+}
+
 /// [`Step`] with the lanes of `V`.
-pub struct Kernel<V> {
+pub struct Kernel<V: Lanes> {
     stages: Stages<V>,
     anderson: Anderson<V>,
     predictor: Predictor<V>,
+    /// What mechanisms with closures need besides.
+    closing: Option<Closing<V>>,
     /// Row of the inverse Legendre matrix for the stages 2 … s.
     top_legendre: V,
     /// Its entry for stage 1.
@@ -124,6 +137,8 @@ impl<V: Lanes> Kernel<V> {
             predictor: Predictor::new(mechanism.velocity_count, tableau),
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
             first_legendre: tableau.top_legendre[0],
+            closing: (!mechanism.loops.is_empty() || !mechanism.mimics.is_empty())
+                .then(|| Closing { newton: Newton::new(mechanism, tableau), projection: Projection::new(mechanism) }),
             refined: false,
             gravity: mechanism.gravity.into(),
             velocity: vec![0.0; mechanism.velocity_count],
@@ -136,6 +151,14 @@ impl<V: Lanes> Kernel<V> {
     fn iterate(&mut self, refined: bool) -> f64 {
         let stages = &mut self.stages;
         let gravity = &self.gravity;
+        if let Some(Closing { newton, .. }) = &mut self.closing {
+            if refined {
+                in_lanes!(V, newton.residual::<true>(stages, gravity));
+            } else {
+                in_lanes!(V, newton.residual::<false>(stages, gravity));
+            }
+            return in_lanes!(V, newton.solve(stages));
+        }
         in_lanes!(V, stages.sweep_poses());
         if refined {
             in_lanes!(V, stages.sweep_residual::<true>(gravity));
@@ -168,6 +191,9 @@ impl<V: Lanes> Step for Kernel<V> {
         self.refined = rule.increment < REFINED_BELOW;
         let (stages, predictor) = (&mut self.stages, &mut self.predictor);
         in_lanes!(V, predictor.guess(stages, plain));
+        if let Some(closing) = &mut self.closing {
+            closing.newton.begin(&self.stages);
+        }
         self.anderson.restart();
         let mut recent = [f64::INFINITY; 5];
         let mut scale = 1.0_f64;
@@ -180,12 +206,11 @@ impl<V: Lanes> Step for Kernel<V> {
             let previous = recent[(iteration + 3) % 5];
             // The second half of the digits matters where the first is settled.
             let increment = self.iterate(self.refined && previous < 1e-13);
-            let converged = increment <= rule.increment * scale
-                || (increment <= rule.rounding * scale && increment > 0.5 * previous);
+            let wanted = if self.closing.is_some() { rule.increment.min(CLOSED) } else { rule.increment };
+            let converged =
+                increment <= wanted * scale || (increment <= rule.rounding * scale && increment > 0.5 * previous);
             if converged {
-                for (displacement, &increment) in self.stages.displacement.iter_mut().zip(&self.stages.increment) {
-                    *displacement = *displacement + increment;
-                }
+                self.stages.advance();
                 return Attempt::Converged { iterations: iteration, legendre: self.legendre() };
             }
             // By then the iterate shows the shape of the motion to a digit or two.
@@ -201,7 +226,10 @@ impl<V: Lanes> Step for Kernel<V> {
             }
             recent[(iteration + 4) % 5] = increment;
             let (anderson, stages) = (&mut self.anderson, &mut self.stages);
-            let largest = in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest());
+            let largest = match &self.closing {
+                Some(_) => stages.advance(),
+                None => in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest()),
+            };
             scale = largest.max(1.0);
             if largest > MAX_TURN
                 && let Some(freedom) = self.turned_too_far()
@@ -228,6 +256,10 @@ impl<V: Lanes> Step for Kernel<V> {
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(&self.velocity);
         self.end.set(mechanism, state);
+        if let Some(Closing { projection, .. }) = &mut self.closing {
+            projection.velocities(mechanism, &self.end, &mut state.velocity);
+            self.end.set(mechanism, state);
+        }
         self.end.energy
     }
 

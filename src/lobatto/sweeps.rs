@@ -16,26 +16,37 @@ use super::algebra::Vector;
 use super::articulated::Articulated;
 use super::lanes::Lanes;
 use super::residual::{Sweep, body_residual};
-use super::stage::{Stages, horner};
+use super::stage::{MAX_LANES, Stages, horner};
 use super::start::Children;
 use crate::model::FreeRotation;
 
 impl<V: Lanes> Stages<V> {
+    /// What the residual has in common over all bodies of this step.
+    #[inline(always)]
+    pub fn residual_sweep<'s>(
+        &self,
+        columns: &'s [V; MAX_LANES],
+        rest: &'s [V; MAX_LANES],
+        gravity: &[f64; 3],
+    ) -> Sweep<'s, V> {
+        let square = -self.step * self.step;
+        Sweep {
+            columns,
+            rest,
+            times: self.coefficients.nodes * V::splat(self.step),
+            times_rest: self.times_rest(),
+            moved: self.coefficients.moved,
+            gravity: [square * gravity[0], square * gravity[1], square * gravity[2]],
+        }
+    }
+
     /// Residual and articulated factorisation of all rows, leaf to root; `REFINED` with twice the digits of the
     /// coefficients, for the last iterations of a step that is iterated to rounding.
     #[inline(always)]
     pub fn sweep_residual<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
         let columns = self.coefficients.residual;
         let rest = self.coefficients.residual_rest;
-        let square = -self.step * self.step;
-        let sweep = Sweep {
-            columns: &columns,
-            rest: &rest,
-            times: self.coefficients.nodes * V::splat(self.step),
-            times_rest: self.times_rest(),
-            moved: self.coefficients.moved,
-            gravity: [square * gravity[0], square * gravity[1], square * gravity[2]],
-        };
+        let sweep = self.residual_sweep(&columns, &rest, gravity);
         self.backward::<false, REFINED>(&sweep);
     }
 
@@ -102,16 +113,11 @@ impl<V: Lanes> Stages<V> {
                 }
                 FreeRotation::Ball => {
                     let vector = self.rotation_vector(rotations).times(sweep.moved);
-                    let (first, second) = tangent(vector.dot(vector));
+                    let coefficients = tangent(vector.dot(vector));
                     for freedom in (rotations..rotations + 3).rev() {
                         let axis = Vector::splat(&self.start.axes[freedom]);
-                        let tilted = if MOMENTUM {
-                            axis
-                        } else {
-                            let once = vector.cross(axis);
-                            vector.cross(once).times_plus(second, once.times_minus(first, axis))
-                        };
-                        let axis = turn.apply_plus(tilted, tilted);
+                        let tilt = if MOMENTUM { axis } else { tilted(vector, axis, coefficients) };
+                        let axis = turn.apply_plus(tilt, tilt);
                         self.eliminated[freedom] =
                             if plan.alone { total.eliminate_spin(axis) } else { total.eliminate_rotation(axis) };
                     }
@@ -203,6 +209,19 @@ impl<V: Lanes> Stages<V> {
             }
         }
     }
+}
+
+/// A free axis of a ball joint turned by a rotation vector, in the axes of the start: `(1 − k₁ θ̂ + k₂ θ̂²) axis`.
+#[inline(always)]
+fn tilted<V: Lanes>(vector: Vector<V>, axis: Vector<V>, (first, second): (V, V)) -> Vector<V> {
+    let once = vector.cross(axis);
+    vector.cross(once).times_plus(second, once.times_minus(first, axis))
+}
+
+/// [`tilted`] for one axis alone.
+#[inline(always)]
+pub fn tilt<V: Lanes>(vector: Vector<V>, axis: Vector<V>) -> Vector<V> {
+    tilted(vector, axis, tangent(vector.dot(vector)))
 }
 
 /// `(1 − cos φ)/φ²` and `(φ − sin φ)/φ³` from `φ²`: the coefficients of the tangent of the exponential map. They only

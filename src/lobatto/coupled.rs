@@ -1,0 +1,567 @@
+//! The exact Newton step, with all stages coupled: for closed loops, and where nothing simpler converges.
+//!
+//! Newton's method on the stage equations with the multipliers of the closures, `λ_k = h² Λ_k`, all rows k and unknown stages
+//! i at once (newton.md §4c, loops.md §1 of the project's method pages). With η the twists about a common origin, for every
+//! body, joint axis and closure
+//!
+//! ```text
+//!     Σ_i D_ki η_i − J_kᵀ dλ_k = −(E_k − J_kᵀ λ_k)         rows: projected on the joint axes s_k at the rows' stages
+//!     J_i η_i + ε Σ_k Â_ik dλ_k = −g_i                     η_body = η_parent + s_i δ_i
+//!
+//!     D_ki = B_ki [ m          −m x̂_i                          ]      N = R_i Σ R_kᵀ  [kg m²]
+//!                 [ m x̂_k      tr N − N − m x̂_k x̂_i            ]
+//! ```
+//!
+//! ε acts on the increments only (proximal): converged gaps are zero whatever it is, and redundant equations need no decision
+//! about rank. The multipliers start from zero in every step, so that nothing that no equation determines is
+//! carried on. The curvature `d(Jᵀλ)` is left out.
+//!
+//! With one stage, `B = Â = 1`, the same system projects velocities and positions on the closures ([`super::projection`]).
+
+use super::algebra::{Matrix, Vector};
+use super::closure::{EndStart, Equation, EquationValue, Moved, equations, evaluate};
+use super::elimination::{Elimination, Operation, TWIST, Unknown};
+use super::front::{Fronts, Screws};
+use super::lanes::Lanes;
+use super::stage::{MAX_LANES, Stages, rotate_increment};
+use super::start::{Plan, Start};
+use super::tableau::Tableau;
+use crate::model::{Attachment, FreeRotation, Mechanism};
+
+/// The part of the mobility of an equation below which it counts as redundant.
+pub const REDUNDANT: f64 = 1e-8;
+
+/// The matrix entries of the scheme, as the system needs them.
+struct Mixing<V> {
+    /// Number of stages coupled.
+    active: usize,
+    /// Row k of B, lanes i.
+    mass: [V; MAX_LANES],
+    /// Row i of Â, lanes k.
+    solve: [V; MAX_LANES],
+    /// Zero where a row has the geometry of the start.
+    moved: V,
+}
+
+/// The linear system of a step, and what it is made of.
+pub struct Coupled<V: Lanes> {
+    elimination: Elimination,
+    fronts: Fronts<V>,
+    mixing: Mixing<V>,
+    unit: [V; MAX_LANES],
+    equations: Vec<Equation>,
+    rows_of_loop: Vec<std::ops::Range<usize>>,
+    attachments: Vec<[Attachment; 2]>,
+    ends: Vec<[EndStart; 2]>,
+    origin: [f64; 3],
+    /// Every body since the start of the step, at the columns' and at the rows' stages.
+    moved: Vec<[Moved<V>; 2]>,
+    /// What every body resists with, about the common origin: force, torque.
+    pub bias: Vec<(Vector<V>, Vector<V>)>,
+    /// One entry a row: at the columns' stages, and its gradient at the rows'.
+    values: Vec<[EquationValue<V>; 2]>,
+    /// The right-hand side of the closures.
+    pub gaps: Vec<V>,
+    /// `λ`, and its latest increment.
+    pub multipliers: Vec<V>,
+    multiplier_increments: Vec<V>,
+    twists: Vec<[V; TWIST]>,
+    screws: Vec<[V; TWIST]>,
+    kept: Vec<V>,
+    kept_at: Vec<usize>,
+    /// Mobility of every row in the direction of its own gradient, before the others of its closure.
+    scales: Vec<f64>,
+    /// The part of it that the other rows leave.
+    pub left_over: Vec<f64>,
+}
+
+impl<V: Lanes> Coupled<V> {
+    /// The system of a step of the scheme.
+    pub fn of_stages(mechanism: &Mechanism, tableau: &Tableau) -> Self {
+        let active = tableau.stages - 1;
+        let row_of_lane = |lane: usize| if lane + 1 == active { 0 } else { lane + 1 };
+        let mut mass = [V::zero(); MAX_LANES];
+        let mut solve = [V::zero(); MAX_LANES];
+        for lane in 0..active {
+            let row = row_of_lane(lane) * active;
+            mass[lane] = V::from_slice(&tableau.b_matrix[row..row + active]);
+            let columns: Vec<f64> = (0..active).map(|k| tableau.a_hat[lane * active + row_of_lane(k)]).collect();
+            solve[lane] = V::from_slice(&columns);
+        }
+        let moved: Vec<f64> = (0..active).map(|lane| if lane + 1 == active { 0.0 } else { 1.0 }).collect();
+        Self::new(mechanism, Mixing { active, mass, solve, moved: V::from_slice(&moved) })
+    }
+
+    /// The system of a projection at one configuration.
+    pub fn of_one(mechanism: &Mechanism) -> Self {
+        let one = [V::splat(1.0); MAX_LANES];
+        Self::new(mechanism, Mixing { active: 1, mass: one, solve: one, moved: V::zero() })
+    }
+
+    fn new(mechanism: &Mechanism, mixing: Mixing<V>) -> Self {
+        let elimination = Elimination::new(mechanism);
+        let mut unit = [V::zero(); MAX_LANES];
+        for (lane, unit) in unit[..mixing.active].iter_mut().enumerate() {
+            let mut array = V::zero_array();
+            array.as_mut()[lane] = 1.0;
+            *unit = V::from_array(array);
+        }
+        let mut kept_at = Vec::with_capacity(elimination.operations.len());
+        let mut kept = 0;
+        for operation in &elimination.operations {
+            kept_at.push(kept);
+            if let Operation::Freedom { columns, .. } | Operation::Multiplier { columns, .. } = operation {
+                kept += (columns.len() + 1) * mixing.active;
+            }
+        }
+        let mut rows_of_loop = Vec::new();
+        let mut all = Vec::new();
+        for joint in &mechanism.loops {
+            rows_of_loop.push(all.len()..all.len() + joint.kind.rows());
+            all.extend(equations(joint.kind));
+        }
+        all.extend(mechanism.mimics.iter().map(|_| Equation::Mimic));
+        let (bodies, rows) = (mechanism.bodies.len(), elimination.row_count());
+        let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
+        Coupled {
+            fronts: Fronts::new(mixing.active, elimination.slots, elimination.levels),
+            elimination,
+            mixing,
+            unit,
+            equations: all,
+            rows_of_loop,
+            attachments: mechanism.loops.iter().map(|joint| [joint.a, joint.b]).collect(),
+            ends: vec![[EndStart::default(); 2]; mechanism.loops.len()],
+            origin: [0.0; 3],
+            moved: vec![[still; 2]; bodies],
+            bias: vec![(Vector::zero(), Vector::zero()); bodies],
+            values: vec![[EquationValue::zero(); 2]; rows],
+            gaps: vec![V::zero(); rows],
+            multipliers: vec![V::zero(); rows],
+            multiplier_increments: vec![V::zero(); rows],
+            twists: vec![[V::zero(); TWIST]; bodies],
+            screws: vec![[V::zero(); TWIST]; mechanism.velocity_count],
+            kept: vec![V::zero(); kept],
+            kept_at,
+            scales: vec![0.0; rows],
+            left_over: vec![0.0; rows],
+        }
+    }
+
+    /// Takes the start of a step: frames, origin, and multipliers from zero.
+    pub fn begin(&mut self, start: &Start) {
+        self.origin = if start.bodies.is_empty() { [0.0; 3] } else { start.anchor(0) };
+        for (ends, attachments) in self.ends.iter_mut().zip(&self.attachments) {
+            *ends = [0, 1].map(|end: usize| EndStart::new(&attachments[end], start, &self.origin));
+        }
+        self.multipliers.fill(V::zero());
+    }
+
+    /// The bodies at all stages from the poses of a step.
+    #[inline(always)]
+    pub fn move_bodies(&mut self, stages: &Stages<V>) {
+        let axis = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for (moved, pose) in self.moved.iter_mut().zip(&stages.poses) {
+            let columns = axis.map(|axis| rotate_increment(pose.w, pose.u, Vector::splat(&axis)));
+            let turn = Matrix([0, 1, 2].map(|row| [0, 1, 2].map(|column: usize| columns[column].0[row])));
+            let mask = self.mixing.moved;
+            *moved = [
+                Moved { turn, anchor: pose.anchor },
+                Moved { turn: turn.times(mask), anchor: pose.anchor.times(mask) },
+            ];
+        }
+    }
+
+    /// Gaps and gradients of all loops.
+    #[inline(always)]
+    pub fn evaluate_closures(&mut self) {
+        for (ends, rows) in self.ends.iter().zip(&self.rows_of_loop) {
+            let mut out = [EquationValue::zero(); 6];
+            for side in 0..2 {
+                let moved = [0, 1].map(|end: usize| ends[end].body.map(|body| &self.moved[body][side]));
+                evaluate(&self.equations[rows.clone()], ends, moved, &mut out[..rows.len()]);
+                for (value, out) in self.values[rows.clone()].iter_mut().zip(&out) {
+                    value[side] = *out;
+                }
+            }
+            for (gap, value) in self.gaps[rows.clone()].iter_mut().zip(&self.values[rows.clone()]) {
+                *gap = value[0].gap;
+            }
+        }
+    }
+
+    /// The rows of the mimics.
+    pub fn mimic_rows(&self) -> std::ops::Range<usize> {
+        self.rows_of_loop.last().map_or(0, |rows| rows.end)..self.equations.len()
+    }
+
+    /// Where an anchor is at the rows' stages, from the common origin.
+    #[inline(always)]
+    pub fn row_anchor(&self, start: &Start, body: usize) -> Vector<V> {
+        self.anchor(start, body, 1)
+    }
+
+    #[inline(always)]
+    fn anchor(&self, start: &Start, body: usize, side: usize) -> Vector<V> {
+        let (anchor, origin) = (start.anchor(body), self.origin);
+        let from_origin = [anchor[0] - origin[0], anchor[1] - origin[1], anchor[2] - origin[2]];
+        Vector::splat(&from_origin).plus(self.moved[body][side].anchor)
+    }
+
+    /// Lets the multipliers push on the bodies: `bias ← bias − Jᵀ λ`.
+    #[inline(always)]
+    pub fn push(&mut self) {
+        for (ends, rows) in self.ends.iter().zip(&self.rows_of_loop) {
+            for row in rows.clone() {
+                let value = &self.values[row][1];
+                for (end, sign) in ends.iter().zip([1.0, -1.0]) {
+                    if let Some(body) = end.body {
+                        let factor = self.multipliers[row] * V::splat(sign);
+                        let (force, torque) = self.bias[body];
+                        self.bias[body] =
+                            (value.force.times_plus(factor, force), value.torque.times_plus(factor, torque));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The equations of all closures.
+    pub fn rows(&self) -> &[super::elimination::Row] {
+        &self.elimination.rows
+    }
+
+    /// The twists of all bodies for rates of the freedoms, where the step starts.
+    pub fn twists_of(&mut self, plan: &Plan, start: &Start, rates: &[f64]) {
+        for body in 0..plan.bodies.len() {
+            let parent = plan.bodies[body].parent;
+            let mut twist = parent.map_or([V::zero(); TWIST], |parent| self.twists[parent]);
+            for freedom in plan.bodies[body].freedoms() {
+                let screw = self.screws_of(plan, start, &[], body, freedom).columns;
+                for (twist, screw) in twist.iter_mut().zip(screw) {
+                    *twist = screw.mul_add(V::splat(rates[freedom]), *twist);
+                }
+            }
+            self.twists[body] = twist;
+        }
+    }
+
+    /// The rates of the gaps of all loops for the present twists, in place of the gaps.
+    pub fn rates(&mut self) {
+        for (ends, rows) in self.ends.iter().zip(&self.rows_of_loop) {
+            for row in rows.clone() {
+                let value = &self.values[row][0];
+                let mut rate = V::zero();
+                for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
+                    if let Some(body) = end.body {
+                        let directions = value.force.0.into_iter().chain(value.torque.0);
+                        for (direction, twist) in directions.zip(self.twists[body]) {
+                            rate = (direction * V::splat(sign)).mul_add(twist, rate);
+                        }
+                    }
+                }
+                self.gaps[row] = rate;
+            }
+        }
+    }
+
+    /// Factors the system and solves it: fills the increments of the freedoms; returns whether everything is finite.
+    #[inline(always)]
+    pub fn solve(&mut self, plan: &Plan, start: &Start, displacement: &[V], increment: &mut [V]) {
+        let operations = std::mem::take(&mut self.elimination.operations);
+        let mut level = 0;
+        let mut opened = false;
+        for (operation, &kept_at) in operations.iter().zip(&self.kept_at) {
+            match operation {
+                Operation::Open => {
+                    level += usize::from(opened);
+                    opened = true;
+                    self.fronts.open(level);
+                }
+                Operation::Enter { slots, present, gaps } => {
+                    self.fronts.enter(level, slots, present);
+                    let right = self.fronts.right_hand_side();
+                    for &(row, slot) in gaps {
+                        set_right(self.fronts.block(level, slot, right), self.gaps[row]);
+                    }
+                }
+                Operation::Own { body, ends } => {
+                    let anchors = [0, 1].map(|side| self.anchor(start, *body, side));
+                    own_inertia(
+                        &mut self.fronts,
+                        level,
+                        &self.mixing,
+                        OwnBody {
+                            anchors,
+                            moved: &self.moved[*body],
+                            mass: plan.bodies[*body].mass,
+                            com: start.bodies[*body].com,
+                            sigma: start.bodies[*body].sigma,
+                            bias: self.bias[*body],
+                        },
+                    );
+                    for &(row, slot, sign) in ends {
+                        couple(
+                            &mut self.fronts,
+                            level,
+                            &self.unit[..self.mixing.active],
+                            slot,
+                            sign,
+                            &self.values[row],
+                        );
+                    }
+                }
+                Operation::Freedom { body, freedom, columns, direct } => {
+                    let screws = self.screws_of(plan, start, displacement, *body, *freedom);
+                    self.screws[*freedom] = screws.columns;
+                    self.fronts.take_freedom(level, &screws, columns);
+                    for &(row, slot, coefficient) in direct {
+                        let pushed = self.multipliers[row] * V::splat(coefficient);
+                        let right = self.fronts.right_hand_side();
+                        for (entry, value) in self.fronts.right_block(right).iter_mut().zip(pushed.to_array().as_ref())
+                        {
+                            *entry = *entry + first_lane::<V>(*value);
+                        }
+                        for (k, unit) in self.unit[..self.mixing.active].iter().enumerate() {
+                            let entry = *unit * V::splat(coefficient);
+                            let left = self.fronts.left_block(slot);
+                            left[k] = left[k] + entry;
+                            let right = self.fronts.right_block(slot);
+                            right[k] = right[k] - entry;
+                        }
+                    }
+                    let kept = (columns.len() + 1) * self.mixing.active;
+                    self.fronts.eliminate(level, columns, &mut self.kept[kept_at..kept_at + kept]);
+                }
+                Operation::Multiplier { row, slot, columns, measure } => {
+                    let mut largest = 0.0_f64;
+                    for &(row, slot) in measure {
+                        self.scales[row] = mobility(&mut self.fronts, level, slot, &self.mixing);
+                        largest = largest.max(self.scales[row]);
+                    }
+                    for &(row, _) in measure {
+                        // Nothing moves along this equation: any scale will do, but not zero.
+                        if !(self.scales[row] > REDUNDANT * largest) {
+                            self.scales[row] = if largest > 0.0 { largest } else { 1.0 };
+                        }
+                    }
+                    self.left_over[*row] = mobility(&mut self.fronts, level, *slot, &self.mixing) / self.scales[*row];
+                    self.fronts.take_multiplier(level, *slot, columns);
+                    let proximal = V::splat(REDUNDANT * self.scales[*row]);
+                    for (entry, solve) in self.fronts.pivot().iter_mut().zip(&self.mixing.solve) {
+                        *entry = solve.mul_add(proximal, *entry);
+                    }
+                    let kept = (columns.len() + 1) * self.mixing.active;
+                    self.fronts.eliminate(level, columns, &mut self.kept[kept_at..kept_at + kept]);
+                }
+                Operation::Merge { slots, enter, present, twist } => {
+                    self.fronts.enter(level - 1, enter, present);
+                    self.fronts.merge(level, slots, *twist);
+                    level -= 1;
+                }
+            }
+        }
+        for (operation, &kept_at) in operations.iter().zip(&self.kept_at).rev() {
+            match operation {
+                Operation::Freedom { body, freedom, columns, .. } => {
+                    if *freedom == plan.bodies[*body].first_axis {
+                        let of_parent = plan.bodies[*body].parent.map(|parent| self.twists[parent]);
+                        self.twists[*body] = of_parent.unwrap_or([V::zero(); TWIST]);
+                    }
+                    let solution = self.substitute(kept_at, columns);
+                    increment[*freedom] = solution;
+                    for (component, twist) in self.twists[*body].iter_mut().enumerate() {
+                        *twist = self.screws[*freedom][component].mul_add(solution, *twist);
+                    }
+                }
+                Operation::Multiplier { row, columns, .. } => {
+                    self.multiplier_increments[*row] = self.substitute(kept_at, columns);
+                }
+                _ => {}
+            }
+        }
+        self.elimination.operations = operations;
+    }
+
+    /// Adds the latest increments to the multipliers.
+    #[inline(always)]
+    pub fn advance_multipliers(&mut self) {
+        for (multiplier, increment) in self.multipliers.iter_mut().zip(&self.multiplier_increments) {
+            *multiplier = *multiplier + *increment;
+        }
+    }
+
+    /// The value of an eliminated unknown from those that come after it.
+    #[inline(always)]
+    fn substitute(&self, kept_at: usize, columns: &[super::elimination::Column]) -> V {
+        let active = self.mixing.active;
+        let mut sums = [V::zero(); MAX_LANES];
+        for (number, column) in columns.iter().enumerate() {
+            let value = match column.unknown {
+                Unknown::Twist { body, component } => self.twists[body][component],
+                Unknown::Multiplier(row) => self.multiplier_increments[row],
+            };
+            let kept = &self.kept[kept_at + number * active..kept_at + (number + 1) * active];
+            for (sum, &entry) in sums.iter_mut().zip(kept) {
+                *sum = entry.mul_add(value, *sum);
+            }
+        }
+        let right = &self.kept[kept_at + columns.len() * active..kept_at + (columns.len() + 1) * active];
+        let mut solution = V::zero_array();
+        for k in 0..active {
+            solution.as_mut()[k] = right[k].to_array().as_ref()[0] - sums[k].sum();
+        }
+        V::from_array(solution)
+    }
+
+    /// The screw of a freedom at the rows' and the columns' stages; without displacements, at the start.
+    #[inline(always)]
+    fn screws_of(&self, plan: &Plan, start: &Start, displacement: &[V], body: usize, freedom: usize) -> Screws<V> {
+        let plan = &plan.bodies[body];
+        let rotations = plan.first_axis + plan.translations;
+        let axis = Vector::splat(&start.axes[freedom]);
+        let side = |side: usize| -> [V; TWIST] {
+            if freedom < rotations {
+                let along = match plan.parent {
+                    Some(parent) => self.moved[parent][side].turn.apply_plus(axis, axis),
+                    None => axis,
+                };
+                let [x, y, z] = along.0;
+                return [x, y, z, V::zero(), V::zero(), V::zero()];
+            }
+            let tilted = match plan.rotation {
+                FreeRotation::Ball => {
+                    let mask = if side == 0 { V::splat(1.0) } else { self.mixing.moved };
+                    let about = |offset: usize| match displacement.get(rotations + offset) {
+                        Some(&turned) => Vector::splat(&start.axes[rotations + offset]).times(turned * mask),
+                        None => Vector::zero(),
+                    };
+                    super::sweeps::tilt(about(0).plus(about(1)).plus(about(2)), axis)
+                }
+                _ => axis,
+            };
+            let along = self.moved[body][side].turn.apply_plus(tilted, tilted);
+            let linear = self.anchor(start, body, side).cross(along);
+            let ([a, b, c], [x, y, z]) = (linear.0, along.0);
+            [a, b, c, x, y, z]
+        };
+        Screws { columns: side(0), rows: side(1) }
+    }
+}
+
+/// A body at all stages, as its part of the system needs it.
+struct OwnBody<'b, V> {
+    /// Its anchor from the common origin, at the columns' and the rows' stages.
+    anchors: [Vector<V>; 2],
+    moved: &'b [Moved<V>; 2],
+    mass: f64,
+    com: [f64; 3],
+    sigma: [f64; 6],
+    bias: (Vector<V>, Vector<V>),
+}
+
+/// Adds `D_ki` and the right-hand side of a body to the twist part of a front.
+#[inline(always)]
+fn own_inertia<V: Lanes>(fronts: &mut Fronts<V>, level: usize, mixing: &Mixing<V>, body: OwnBody<V>) {
+    let com = Vector::splat(&body.com);
+    let center = |side: usize| body.moved[side].turn.apply_plus(com, com).plus(body.anchors[side]);
+    let (column, row) = (center(0), center(1));
+    let turn = &body.moved[0].turn;
+    let [xx, xy, xz, yy, yz, zz] = body.sigma;
+    let sigma = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(|row| Vector::<V>::splat(&row));
+    // Σ R_kᵀ by columns: column c is Σ times row c of R_k.
+    let row_turn = body.moved[1].turn;
+    let spread = sigma.map(|second| row_turn.apply_plus(second, second));
+    let spread: [[V::Array; 3]; 3] = spread.map(|entries| entries.0.map(V::to_array));
+    let row_center = row.0.map(V::to_array);
+    let right = fronts.right_hand_side();
+    let (force, torque) = body.bias;
+    for (component, bias) in force.0.into_iter().chain(torque.0).enumerate() {
+        for (entry, value) in fronts.block(level, component, right).iter_mut().zip(bias.to_array().as_ref()) {
+            *entry = *entry + first_lane::<V>(-value);
+        }
+    }
+    for k in 0..mixing.active {
+        let weight = mixing.mass[k];
+        let heavy = weight * V::splat(body.mass);
+        let at = row_center.map(|lanes| lanes.as_ref()[k]);
+        // Column c of N = (1 + turn) Σ R_kᵀ.
+        let second = [0, 1, 2].map(|c: usize| {
+            let entry = Vector([0, 1, 2].map(|r: usize| V::splat(spread[r][c].as_ref()[k])));
+            turn.apply_plus(entry, entry).0
+        });
+        let trace = second[0][0] + second[1][1] + second[2][2];
+        let across = column.0[0] * V::splat(at[0]) + column.0[1] * V::splat(at[1]) + column.0[2] * V::splat(at[2]);
+        let mut add = |r: usize, c: usize, value: V| {
+            let entry = &mut fronts.block(level, r, c)[k];
+            *entry = *entry + value;
+        };
+        for axis in 0..3 {
+            add(axis, axis, heavy);
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            // −m x̂_i above, m x̂_k below.
+            add(axis, 3 + next, heavy * column.0[last]);
+            add(axis, 3 + last, -(heavy * column.0[next]));
+            add(3 + axis, next, -(heavy * V::splat(at[last])));
+            add(3 + axis, last, heavy * V::splat(at[next]));
+        }
+        for r in 0..3 {
+            for c in 0..3 {
+                let mut value = -(weight * second[c][r]) - heavy * column.0[r] * V::splat(at[c]);
+                if r == c {
+                    value = value + weight * trace + heavy * across;
+                }
+                add(3 + r, 3 + c, value);
+            }
+        }
+    }
+}
+
+/// Couples the multiplier in a slot to the twist of a body at one end of its loop.
+#[inline(always)]
+fn couple<V: Lanes>(
+    fronts: &mut Fronts<V>,
+    level: usize,
+    unit: &[V],
+    slot: usize,
+    sign: f64,
+    value: &[EquationValue<V>; 2],
+) {
+    let sign = V::splat(sign);
+    let at_columns = value[0].force.0.into_iter().chain(value[0].torque.0);
+    let at_rows = value[1].force.0.into_iter().chain(value[1].torque.0);
+    for (component, (column, row)) in at_columns.zip(at_rows).enumerate() {
+        for (entry, unit) in fronts.block(level, slot, component).iter_mut().zip(unit) {
+            *entry = (column * sign).mul_add(*unit, *entry);
+        }
+        for (entry, unit) in fronts.block(level, component, slot).iter_mut().zip(unit) {
+            *entry = (row * sign).neg_mul_add(*unit, *entry);
+        }
+    }
+}
+
+/// Sets the right-hand side of a closure's equation to minus its gap.
+#[inline(always)]
+fn set_right<V: Lanes>(block: &mut [V], gap: V) {
+    for (entry, gap) in block.iter_mut().zip(gap.to_array().as_ref()) {
+        *entry = first_lane::<V>(-gap);
+    }
+}
+
+/// How easily the multiplier in a slot moves its own equation: the size of its block, by that of Â.
+#[inline(always)]
+fn mobility<V: Lanes>(fronts: &mut Fronts<V>, level: usize, slot: usize, mixing: &Mixing<V>) -> f64 {
+    let mut size = (V::zero(), V::zero());
+    for (entry, solve) in fronts.block(level, slot, slot).iter().zip(&mixing.solve) {
+        size = (size.0 + entry.max_abs(V::zero()), size.1 + solve.max_abs(V::zero()));
+    }
+    size.0.sum() / size.1.sum()
+}
+
+/// A number in lane 0.
+#[inline(always)]
+fn first_lane<V: Lanes>(value: f64) -> V {
+    let mut array = V::zero_array();
+    array.as_mut()[0] = value;
+    V::from_array(array)
+}

@@ -1,0 +1,356 @@
+//! The order in which a mechanism with loops is eliminated: planned once, on the graph alone.
+//!
+//! The unknowns are the freedoms of the tree's joints and the multipliers of the equations that the tree cannot say. A
+//! *front* is a dense block over the twist of one body and the multipliers that are still open below it (multifrontal
+//! elimination: I. Duff, J. Reid, ACM TOMS 9 (1983) 302). Bodies come leaf first, so that on a tree this is the articulated
+//! recursion; a loop is eliminated where its two branches meet, or, if it ends in the world, once as many freedoms lie
+//! behind it as it has rows: before that its block has no full rank.
+//!
+//! The number of multipliers in a front, and with it the cost, stays bounded on ladders whose rungs are numbered
+//! along them; it grows with the number of loops that pass over one body.
+
+use crate::model::Mechanism;
+
+/// One equation of the closure: which loop or mimic it belongs to, and its place there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// Index of the closure: the loops first, then the mimics.
+    pub closure: usize,
+    /// Number of the equation within it.
+    pub equation: usize,
+}
+
+/// One operation on the front on top of the stack.
+#[derive(Clone, Debug)]
+pub enum Operation {
+    /// Put an empty front on the stack.
+    Open,
+    /// Clear these slots for multipliers that come in; the right-hand sides of `gaps` (row, slot) come in with them.
+    Enter { slots: Vec<usize>, present: Vec<usize>, gaps: Vec<(usize, usize)> },
+    /// Add a body's inertia and residual, and its ends of loops: (row, slot, sign).
+    Own { body: usize, ends: Vec<(usize, usize, f64)> },
+    /// Eliminate a freedom: the twist of the body becomes the twist of its parent. `direct`: (row, slot, coefficient).
+    Freedom { body: usize, freedom: usize, columns: Vec<Column>, direct: Vec<(usize, usize, f64)> },
+    /// Eliminate a multiplier in `slot`; `scales` are the slots of its closure whose blocks it must be measured before.
+    Multiplier { row: usize, slot: usize, columns: Vec<Column>, measure: Vec<(usize, usize)> },
+    /// Add the top front to the one below and take it off: slots from and to, after clearing those that `enter` there;
+    /// without the twist if it is that of the world.
+    Merge { slots: Vec<(usize, usize)>, enter: Vec<usize>, present: Vec<usize>, twist: bool },
+}
+
+/// A column of a front that is left after an elimination, and the unknown it stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Its slot in the front.
+    pub slot: usize,
+    /// What it multiplies.
+    pub unknown: Unknown,
+}
+
+/// An unknown of the linear system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unknown {
+    /// A component (0…5) of the twist of a body about the common origin; for a freedom of its own joint, without that and
+    /// the later ones.
+    Twist { body: usize, component: usize },
+    /// The multiplier of a row.
+    Multiplier(usize),
+}
+
+/// Number of slots that the twist takes in every front.
+pub const TWIST: usize = 6;
+
+/// The elimination of a mechanism: constant.
+#[derive(Clone, Debug)]
+pub struct Elimination {
+    /// In this order, with a stack of fronts.
+    pub operations: Vec<Operation>,
+    /// All equations of all closures.
+    pub rows: Vec<Row>,
+    /// Largest number of slots of any front.
+    pub slots: usize,
+    /// Largest number of fronts on the stack.
+    pub levels: usize,
+}
+
+/// A closure as the plan sees it.
+struct Closure {
+    first_row: usize,
+    rows: usize,
+    /// Bodies with an end of it; fewer than two if it ends in the world.
+    ends: Vec<usize>,
+    /// The bodies whose joints move it: those between its ends.
+    path: Vec<usize>,
+    /// Where its branches meet; `None` is the world.
+    meets: Option<usize>,
+    /// Freedoms eliminated on its path so far.
+    behind: usize,
+    done: bool,
+}
+
+impl Elimination {
+    /// Plans the elimination.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let mut planner = Planner::new(mechanism);
+        let mut first_child_done = vec![false; mechanism.bodies.len()];
+        let mut root_done = false;
+        let mut leaf = vec![true; mechanism.bodies.len()];
+        for body in &mechanism.bodies {
+            if let Some(parent) = body.parent {
+                leaf[parent] = false;
+            }
+        }
+        for index in (0..mechanism.bodies.len()).rev() {
+            if leaf[index] {
+                planner.open();
+            }
+            planner.own(index);
+            planner.close_complete(Some(index), false);
+            planner.freedoms(index);
+            let parent = mechanism.bodies[index].parent;
+            planner.close_complete(parent, true);
+            let first = match parent {
+                Some(parent) => !std::mem::replace(&mut first_child_done[parent], true),
+                None => !std::mem::replace(&mut root_done, true),
+            };
+            if !first {
+                planner.merge(parent.is_some());
+            }
+            planner.close_complete(parent, false);
+        }
+        planner.plan
+    }
+
+    /// Number of equations of all closures.
+    pub fn row_count(&self) -> usize {
+        self.rows.len()
+    }
+}
+
+struct Planner<'m> {
+    mechanism: &'m Mechanism,
+    closures: Vec<Closure>,
+    /// For every front on the stack: which row sits in a slot.
+    stack: Vec<Vec<Option<usize>>>,
+    processed: Vec<bool>,
+    /// Whether a row's right-hand side is in a front already.
+    gap_taken: Vec<bool>,
+    plan: Elimination,
+}
+
+impl<'m> Planner<'m> {
+    fn new(mechanism: &'m Mechanism) -> Self {
+        let ancestors = |body: Option<usize>| -> Vec<usize> {
+            std::iter::successors(body, |&body| mechanism.bodies[body].parent).collect()
+        };
+        let pairs = mechanism
+            .loops
+            .iter()
+            .map(|closure| (closure.kind.rows(), closure.a.body, closure.b.body))
+            .chain(mechanism.mimics.iter().map(|mimic| (1, Some(mimic.follower.body), Some(mimic.leader.body))));
+        let mut rows = Vec::new();
+        let mut closures = Vec::new();
+        for (index, (count, a, b)) in pairs.enumerate() {
+            let (up_a, up_b) = (ancestors(a), ancestors(b));
+            let meets = up_a.iter().find(|body| up_b.contains(body)).copied();
+            let mut path: Vec<usize> = up_a.into_iter().take_while(|&body| Some(body) != meets).collect();
+            path.extend(up_b.into_iter().take_while(|&body| Some(body) != meets));
+            closures.push(Closure {
+                first_row: rows.len(),
+                rows: count,
+                ends: [a, b].into_iter().flatten().collect(),
+                path,
+                meets,
+                behind: 0,
+                done: false,
+            });
+            rows.extend((0..count).map(|equation| Row { closure: index, equation }));
+        }
+        // A mimic acts on the freedoms of its joints themselves, below the bodies in the tree of eliminations.
+        for closure in &mut closures[mechanism.loops.len()..] {
+            let above = closure.ends.iter().filter_map(|&body| mechanism.bodies[body].parent);
+            let above: Vec<Vec<usize>> = above.map(|body| ancestors(Some(body))).collect();
+            closure.meets = match &above[..] {
+                [one, other] => one.iter().find(|body| other.contains(body)).copied(),
+                _ => None,
+            };
+            let ends = closure.ends.clone();
+            closure.path.extend(ends.iter().filter(|end| !closure.path.contains(end)).collect::<Vec<_>>());
+        }
+        Planner {
+            mechanism,
+            closures,
+            stack: Vec::new(),
+            processed: vec![false; mechanism.bodies.len()],
+            gap_taken: vec![false; rows.len()],
+            plan: Elimination { operations: Vec::new(), rows, slots: TWIST, levels: 0 },
+        }
+    }
+
+    fn open(&mut self) {
+        self.stack.push(Vec::new());
+        self.plan.levels = self.plan.levels.max(self.stack.len());
+        self.plan.operations.push(Operation::Open);
+    }
+
+    /// The slot of a row in the top front, if it is there.
+    fn slot_of(front: &[Option<usize>], row: usize) -> Option<usize> {
+        front.iter().position(|&held| held == Some(row)).map(|index| TWIST + index)
+    }
+
+    fn held(front: &[Option<usize>]) -> Vec<usize> {
+        front.iter().enumerate().filter_map(|(index, held)| held.map(|_| TWIST + index)).collect()
+    }
+
+    /// Gives rows a slot in a front; returns the new slots.
+    fn enter(&mut self, level: usize, rows: &[usize]) -> Vec<usize> {
+        let front = &mut self.stack[level];
+        let mut entered = Vec::new();
+        for &row in rows {
+            if Self::slot_of(front, row).is_some() {
+                continue;
+            }
+            let index = front.iter().position(Option::is_none).unwrap_or_else(|| {
+                front.push(None);
+                front.len() - 1
+            });
+            front[index] = Some(row);
+            entered.push(TWIST + index);
+        }
+        self.plan.slots = self.plan.slots.max(TWIST + front.len());
+        entered
+    }
+
+    fn top(&self) -> usize {
+        self.stack.len() - 1
+    }
+
+    /// Brings rows into the top front, with the operation that clears their slots.
+    fn bring_in(&mut self, rows: &[usize]) {
+        let present = Self::held(&self.stack[self.top()]);
+        let slots = self.enter(self.top(), rows);
+        if slots.is_empty() {
+            return;
+        }
+        // A row may come in on two branches; its right-hand side comes with the first.
+        let front = &self.stack[self.top()];
+        let fresh = rows.iter().filter(|&&row| !self.gap_taken[row]);
+        let gaps: Vec<(usize, usize)> =
+            fresh.filter_map(|&row| Self::slot_of(front, row).map(|slot| (row, slot))).collect();
+        for &(row, _) in &gaps {
+            self.gap_taken[row] = true;
+        }
+        self.plan.operations.push(Operation::Enter { slots, present, gaps });
+    }
+
+    fn own(&mut self, body: usize) {
+        let loops = self.mechanism.loops.len();
+        let touching = |closure: &Closure| closure.ends.contains(&body);
+        let rows_of = |closure: &Closure| closure.first_row..closure.first_row + closure.rows;
+        let rows: Vec<usize> = self.closures.iter().filter(|closure| touching(closure)).flat_map(rows_of).collect();
+        self.bring_in(&rows);
+        let front = &self.stack[self.top()];
+        let mut ends = Vec::new();
+        for (index, closure) in self.closures[..loops].iter().enumerate() {
+            let joint = &self.mechanism.loops[index];
+            for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
+                if end == Some(body) {
+                    let of = |row| Self::slot_of(front, row).map(|slot| (row, slot, sign));
+                    ends.extend(rows_of(closure).filter_map(of));
+                }
+            }
+        }
+        self.processed[body] = true;
+        self.plan.operations.push(Operation::Own { body, ends });
+    }
+
+    /// The columns of the top front but for `without`; the twist is that of `body`.
+    fn columns(&self, body: Option<usize>, without: Option<usize>) -> Vec<Column> {
+        let twist = (0..TWIST).filter_map(|component| {
+            body.map(|body| Column { slot: component, unknown: Unknown::Twist { body, component } })
+        });
+        let held = self.stack[self.top()].iter().enumerate().filter_map(|(index, held)| {
+            held.map(|row| Column { slot: TWIST + index, unknown: Unknown::Multiplier(row) })
+        });
+        twist.chain(held).filter(|column| Some(column.slot) != without).collect()
+    }
+
+    fn freedoms(&mut self, body: usize) {
+        let joint = &self.mechanism.bodies[body].joint;
+        let front = &self.stack[self.top()];
+        for freedom in joint.velocity_range().rev() {
+            // The world does not move: what is left of the twist is known once the first freedom is the last to go.
+            let moves = self.mechanism.bodies[body].parent.is_some() || freedom != joint.velocity_index;
+            let columns = self.columns(moves.then_some(body), None);
+            let mut direct = Vec::new();
+            for (mimic, closure) in self.mechanism.mimics.iter().zip(&self.closures[self.mechanism.loops.len()..]) {
+                for (coordinate, coefficient) in [(mimic.follower, 1.0), (mimic.leader, -mimic.multiplier)] {
+                    if coordinate.freedom == freedom
+                        && let Some(slot) = Self::slot_of(front, closure.first_row)
+                    {
+                        direct.push((closure.first_row, slot, coefficient));
+                    }
+                }
+            }
+            self.plan.operations.push(Operation::Freedom { body, freedom, columns, direct });
+        }
+        for closure in &mut self.closures {
+            if closure.path.contains(&body) {
+                closure.behind += joint.kind.velocity_count();
+            }
+        }
+    }
+
+    /// Eliminates the closures that are complete in the top front, whose twist is that of `twist`. `early`: those that end in
+    /// the world and have enough freedoms behind them.
+    fn close_complete(&mut self, twist: Option<usize>, early: bool) {
+        for index in 0..self.closures.len() {
+            let closure = &self.closures[index];
+            let is_mimic = index >= self.mechanism.loops.len();
+            let both = closure.ends.iter().all(|&end| self.processed[end]);
+            let here = if early {
+                closure.meets.is_none() && closure.ends.len() == 1 && closure.behind >= closure.rows
+            } else {
+                // A mimic is complete only when the freedoms of both joints are gone.
+                let gone = |&end: &usize| !self.is_open(end, twist);
+                closure.meets == twist && (!is_mimic || closure.ends.iter().all(gone))
+            };
+            if closure.done || !both || !here {
+                continue;
+            }
+            let rows: Vec<usize> = (closure.first_row..closure.first_row + closure.rows).collect();
+            let front = &self.stack[self.top()];
+            let slots: Vec<(usize, usize)> =
+                rows.iter().filter_map(|&row| Self::slot_of(front, row).map(|slot| (row, slot))).collect();
+            if slots.len() < rows.len() {
+                continue;
+            }
+            self.closures[index].done = true;
+            for (number, &(row, slot)) in slots.iter().enumerate() {
+                let columns = self.columns(twist, Some(slot));
+                let measure = if number == 0 { slots.clone() } else { Vec::new() };
+                self.plan.operations.push(Operation::Multiplier { row, slot, columns, measure });
+                let top = self.top();
+                self.stack[top][slot - TWIST] = None;
+            }
+        }
+    }
+
+    /// Whether the freedoms of a body's joint are not eliminated yet while the front's twist is that of `twist`.
+    fn is_open(&self, body: usize, twist: Option<usize>) -> bool {
+        !self.processed[body] || twist == Some(body)
+    }
+
+    /// Adds the top front to the one below; both have the same twist.
+    fn merge(&mut self, twist: bool) {
+        let Some(top) = self.stack.pop() else { return };
+        let rows: Vec<usize> = top.iter().flatten().copied().collect();
+        let below = self.top();
+        let present = Self::held(&self.stack[below]);
+        let enter = self.enter(below, &rows);
+        let front = &self.stack[below];
+        let slots = rows.iter().filter_map(|&row| Some((Self::slot_of(&top, row)?, Self::slot_of(front, row)?)));
+        let slots = slots.collect();
+        self.plan.operations.push(Operation::Merge { slots, enter, present, twist });
+    }
+}

@@ -1,0 +1,172 @@
+//! Projection on the closures at one configuration, with the least motion in the metric of the mass matrix.
+//!
+//! ```text
+//!     velocities:  H dv = Jᵀ μ,  J (v + dv) = 0                     (2.5.11h) for what the tree's joints do not say
+//!     positions:   H dq = Jᵀ μ,  g(q) + J dq = 0, repeated          Newton's method
+//! ```
+//!
+//! The proximal term of the solve leaves a part ε of every gap, so that it is repeated until nothing is left.
+
+use super::coupled::{Coupled, REDUNDANT};
+use super::elimination::Row;
+use super::lanes::{Lanes, Portable};
+use super::start::{Plan, Start};
+use crate::model::{FreeRotation, Mechanism};
+use crate::state::State;
+
+type One = Portable<1>;
+
+/// Largest number of repetitions.
+const ROUNDS: usize = 40;
+
+/// The workspace of projections.
+pub struct Projection {
+    coupled: Coupled<One>,
+    plan: Plan,
+    increment: Vec<One>,
+    displacement: Vec<One>,
+    correction: Vec<f64>,
+    /// Largest gap of every closure at the last evaluation.
+    gaps: Vec<f64>,
+    rows: Vec<Row>,
+}
+
+/// How far a projection got.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Projected {
+    /// Largest gap left (m, rad, or their rates).
+    pub gap: f64,
+    /// The closure that has it: the loops first, then the mimics.
+    pub worst: usize,
+    /// Largest correction of any freedom.
+    pub correction: f64,
+}
+
+impl Projection {
+    /// The workspace for a mechanism.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let coupled = Coupled::of_one(mechanism);
+        let rows = coupled.rows().to_vec();
+        Projection {
+            coupled,
+            plan: Plan::new(mechanism),
+            increment: vec![One::zero(); mechanism.velocity_count],
+            displacement: vec![One::zero(); mechanism.velocity_count],
+            correction: vec![0.0; mechanism.velocity_count],
+            gaps: vec![0.0; rows.len()],
+            rows,
+        }
+    }
+
+    /// The gaps and gradients at the start of a step.
+    fn evaluate(&mut self, start: &Start) {
+        self.coupled.begin(start);
+        self.coupled.evaluate_closures();
+        for (row, &gap) in self.coupled.mimic_rows().zip(&start.mimic_gaps) {
+            self.coupled.gaps[row] = One::splat(gap);
+        }
+    }
+
+    /// The rates of the gaps for the velocities of the freedoms.
+    fn evaluate_rates(&mut self, mechanism: &Mechanism, start: &Start, velocity: &[f64]) {
+        self.coupled.twists_of(&self.plan, start, velocity);
+        self.coupled.rates();
+        for (row, mimic) in self.coupled.mimic_rows().zip(&mechanism.mimics) {
+            let rate = velocity[mimic.follower.freedom] - mimic.multiplier * velocity[mimic.leader.freedom];
+            self.coupled.gaps[row] = One::splat(rate);
+        }
+    }
+
+    fn largest_gap(&mut self) -> (f64, usize) {
+        for (gap, value) in self.gaps.iter_mut().zip(&self.coupled.gaps) {
+            *gap = value.to_array().as_ref()[0].abs();
+        }
+        let mut worst = (0.0, 0);
+        for (gap, row) in self.gaps.iter().zip(&self.rows) {
+            if *gap > worst.0 || gap.is_nan() {
+                worst = (*gap, row.closure);
+            }
+        }
+        worst
+    }
+
+    fn solve(&mut self, start: &Start) {
+        self.coupled.solve(&self.plan, start, &self.displacement, &mut self.increment);
+        for (correction, increment) in self.correction.iter_mut().zip(&self.increment) {
+            *correction = increment.to_array().as_ref()[0];
+        }
+    }
+
+    /// Projects velocities at the configuration of `start`. Does not allocate.
+    pub fn velocities(&mut self, mechanism: &Mechanism, start: &Start, velocity: &mut [f64]) -> Projected {
+        self.evaluate(start);
+        let mut done = Projected::default();
+        let mut last = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            self.evaluate_rates(mechanism, start, velocity);
+            (done.gap, done.worst) = self.largest_gap();
+            // Rounding: what is left does not fall any more.
+            if done.gap == 0.0 || !(done.gap < 0.5 * last) {
+                break;
+            }
+            last = done.gap;
+            self.solve(start);
+            for (rate, correction) in velocity.iter_mut().zip(&self.correction) {
+                *rate += correction;
+                done.correction = done.correction.max(correction.abs());
+            }
+        }
+        done
+    }
+
+    /// Projects the positions of a state, and takes it as a start. Does not allocate.
+    pub fn positions(&mut self, mechanism: &Mechanism, start: &mut Start, state: &mut State) -> Projected {
+        let mut done = Projected::default();
+        let mut best = f64::INFINITY;
+        let mut stalled = 0;
+        for _ in 0..ROUNDS {
+            start.set(mechanism, state);
+            self.evaluate(start);
+            (done.gap, done.worst) = self.largest_gap();
+            // Newton's first rounds may overshoot; rounding stalls.
+            stalled = if done.gap < 0.5 * best { 0 } else { stalled + 1 };
+            best = best.min(done.gap);
+            if done.gap == 0.0 || (stalled > 0 && done.gap < 1e-14) || stalled > 8 || !done.gap.is_finite() {
+                break;
+            }
+            self.solve(start);
+            self.shorten();
+            state.displace(mechanism, &self.correction);
+            for correction in &self.correction {
+                done.correction = done.correction.max(correction.abs());
+            }
+        }
+        done
+    }
+
+    /// Keeps a correction within half a radian, where the equations still mean something.
+    fn shorten(&mut self) {
+        let turns = |plan: &super::start::BodyPlan| {
+            let first = plan.first_axis + plan.translations;
+            match plan.rotation {
+                FreeRotation::None => first..first,
+                FreeRotation::AboutZ => first..first + 1,
+                FreeRotation::Ball => first..first + 3,
+            }
+        };
+        let rotations = self.plan.bodies.iter().flat_map(turns);
+        let largest = rotations.map(|freedom| self.correction[freedom].abs()).fold(0.0, f64::max);
+        if largest > 0.5 {
+            for correction in &mut self.correction {
+                *correction *= 0.5 / largest;
+            }
+        }
+    }
+
+    /// For every equation at the configuration of the last projection, whether the others of its mechanism imply it.
+    pub fn redundant(&mut self, start: &Start) -> Vec<bool> {
+        self.evaluate(start);
+        self.solve(start);
+        self.coupled.left_over.iter().map(|left| !(left.abs() > REDUNDANT)).collect()
+    }
+}

@@ -1,0 +1,88 @@
+//! Mechanisms with loops, built by hand.
+
+use catena::model::{Attachment, Body, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Pose};
+use catena::state::State;
+use nalgebra::{Rotation3, Translation3, Vector3};
+
+/// Turns z into −y, so that a positive angle lifts x towards z.
+fn upward() -> Rotation3<f64> {
+    Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2)
+}
+
+fn frame(x: f64) -> Pose {
+    Pose::from_parts(Translation3::new(x, 0.0, 0.0), upward())
+}
+
+/// A rod of 1 kg and 1 m along x, on a hinge at its end.
+fn rod(name: &str, parent: Option<usize>, hinge_at: f64) -> Body {
+    Body {
+        name: name.into(),
+        parent,
+        mass: 1.0,
+        inertia: Vector3::new(0.0, 1.0 / 12.0, 1.0 / 12.0),
+        joint: Joint::new(name, JointKind::Revolute, frame(hinge_at), frame(-0.5)),
+    }
+}
+
+/// Benchmark A02, N four-bars in a row; closed with revolute joints (5 rows each, 3 of them redundant) or with `rows` = 2
+/// by two planar contacts of points.
+pub fn four_bars(count: usize, rows: usize) -> (Mechanism, State) {
+    let mut bodies = Vec::new();
+    for index in 0..=count {
+        bodies.push(rod(&format!("crank{index}"), None, index as f64));
+        if index < count {
+            bodies.push(rod(&format!("coupler{index}"), Some(bodies.len() - 1), 0.5));
+        }
+    }
+    let mut mechanism = Mechanism::new("four_bars", Vector3::new(0.0, 0.0, -9.81), bodies).unwrap();
+    for index in 0..count {
+        let tip = |body| Attachment { body: Some(body), frame: frame(0.5) };
+        let kind = if rows == 5 { LoopKind::Revolute } else { LoopKind::Spherical };
+        let (a, b) = (tip(2 * index + 1), tip(2 * index + 2));
+        mechanism.loops.push(LoopJoint { name: format!("closure{index}"), kind, a, b });
+    }
+    let mut state = State::zero(&mechanism);
+    for index in 0..=count {
+        (state.position[2 * index], state.velocity[2 * index]) = (std::f64::consts::FRAC_PI_2, -1.0);
+        if index < count {
+            (state.position[2 * index + 1], state.velocity[2 * index + 1]) = (-std::f64::consts::FRAC_PI_2, 1.0);
+        }
+    }
+    (mechanism, state)
+}
+
+/// Benchmark A04, Bricard's mechanism: five rods, six hinges, one redundant equation everywhere.
+pub fn bricard() -> (Mechanism, State) {
+    let points =
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0], [1.0, -1.0, 1.0], [0.0, -1.0, 1.0], [0.0, 0.0, 1.0]];
+    let points = points.map(Vector3::from);
+    let axes = [Vector3::y(), Vector3::z(), Vector3::x(), Vector3::y(), Vector3::z(), Vector3::x()];
+    let at = |place: Vector3<f64>, axis: Vector3<f64>| {
+        let turn = Rotation3::rotation_between(&Vector3::z(), &axis).unwrap();
+        Pose::from_parts(Translation3::from(place), turn)
+    };
+    let center = |rod: usize| (points[rod] + points[rod + 1]) / 2.0;
+    let mut bodies = Vec::new();
+    for rod in 0..5 {
+        let along = (points[rod + 1] - points[rod]).abs();
+        let inertia = Vector3::repeat(1.01 / 12.0) - along * (1.01 / 12.0 - 0.01 / 6.0);
+        let parent = rod.checked_sub(1);
+        let origin = parent.map_or(Vector3::zeros(), center);
+        let joint = Joint::new(
+            &format!("hinge{rod}"),
+            JointKind::Revolute,
+            at(points[rod] - origin, axes[rod]),
+            at(points[rod] - center(rod), axes[rod]),
+        );
+        bodies.push(Body { name: format!("rod{rod}"), parent, mass: 1.0, inertia, joint });
+    }
+    let mut mechanism = Mechanism::new("bricard", Vector3::new(0.0, -9.81, 0.0), bodies).unwrap();
+    mechanism.loops.push(LoopJoint {
+        name: "closure".into(),
+        kind: LoopKind::Revolute,
+        a: Attachment { body: Some(4), frame: at(points[5] - center(4), axes[5]) },
+        b: Attachment { body: None, frame: at(points[5], axes[5]) },
+    });
+    let state = State::zero(&mechanism);
+    (mechanism, state)
+}
