@@ -72,7 +72,7 @@ pub trait Integrator {
     fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError>;
 
     /// Positions and velocities at a `time` inside the last step, from its dense output.
-    fn dense(&self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]);
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]);
 
     /// What this integrator is.
     fn description(&self) -> MethodDescription;

@@ -52,7 +52,7 @@ impl Integrator for Coasting {
         Ok(StepOutcome { step, iterations: 1, rejected: 0 })
     }
 
-    fn dense(&self, _: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+    fn dense(&mut self, _: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         velocity.copy_from_slice(&VELOCITY);
         position[0] = VELOCITY[0] * time;
         position[1] = VELOCITY[1] * time;

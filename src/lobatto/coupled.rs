@@ -28,8 +28,8 @@ use super::start::{Plan, Start};
 use super::tableau::Tableau;
 use crate::model::{Attachment, FreeRotation, Mechanism};
 
-/// The part of the mobility of an equation below which it counts as redundant.
-pub const REDUNDANT: f64 = 1e-8;
+/// ε, as a part of the mobility of an equation.
+const PROXIMAL: f64 = 1e-8;
 
 /// The matrix entries of the scheme, as the system needs them.
 struct Mixing<V> {
@@ -341,13 +341,13 @@ impl<V: Lanes> Coupled<V> {
                     }
                     for &(row, _) in measure {
                         // Nothing moves along this equation: any scale will do, but not zero.
-                        if !(self.scales[row] > REDUNDANT * largest) {
+                        if !(self.scales[row] > PROXIMAL * largest) {
                             self.scales[row] = if largest > 0.0 { largest } else { 1.0 };
                         }
                     }
                     self.left_over[*row] = mobility(&mut self.fronts, level, *slot, &self.mixing) / self.scales[*row];
                     self.fronts.take_multiplier(level, *slot, columns);
-                    let proximal = V::splat(REDUNDANT * self.scales[*row]);
+                    let proximal = V::splat(PROXIMAL * self.scales[*row]);
                     for (entry, solve) in self.fronts.pivot().iter_mut().zip(&self.mixing.solve) {
                         *entry = solve.mul_add(proximal, *entry);
                     }

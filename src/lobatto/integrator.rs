@@ -7,6 +7,8 @@ use super::control::{Control, Energies, Verdict};
 use super::dense::DenseRule;
 use super::dispatch::step_for;
 use super::lanes::Isa;
+use super::projection::Projection;
+use super::start::Start;
 use super::step::{Attempt, Step, StopRule};
 use super::tableau::{Tableau, TableauError};
 use crate::model::{FreeRotation, Mechanism};
@@ -47,11 +49,20 @@ pub struct Lobatto {
     /// accepted.
     origin: State,
     end: State,
+    /// Brings interpolated positions and velocities back on the closures.
+    closing: Option<Closing>,
     last_step: f64,
     steps: usize,
     stepped_time: f64,
     /// What the last call left behind; anything else means that somebody moved the state.
     left_at: Option<f64>,
+}
+
+/// A projection, and the state it works on.
+struct Closing {
+    projection: Projection,
+    start: Start,
+    state: State,
 }
 
 /// Where fixed steps end: `origin + points · step`, counted, so that no sum of steps can drift.
@@ -109,6 +120,11 @@ impl Lobatto {
             kernel: step_for(mechanism, &tableau, isa),
             dense: DenseRule::new(&tableau),
             tableau,
+            closing: (!mechanism.loops.is_empty() || !mechanism.mimics.is_empty()).then(|| Closing {
+                projection: Projection::new(mechanism),
+                start: Start::new(mechanism),
+                state: State::zero(mechanism),
+            }),
             mode,
             origin: State::zero(mechanism),
             end: State::zero(mechanism),
@@ -236,7 +252,7 @@ impl Integrator for Lobatto {
         }
     }
 
-    fn dense(&self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         let weights = self.dense.weights((time - self.origin.time) / self.last_step);
         let mut stages = [0.0; super::stage::MAX_LANES];
         let stages = &mut stages[..self.tableau.stages - 1];
@@ -278,6 +294,16 @@ impl Integrator for Lobatto {
                     velocity[first + axis] = spin[axis] / self.last_step;
                 }
             }
+        }
+        if let Some(Closing { projection, start, state }) = &mut self.closing {
+            state.position.copy_from_slice(position);
+            state.velocity.copy_from_slice(velocity);
+            state.compensation.fill(0.0);
+            projection.positions(mechanism, start, state);
+            start.set(mechanism, state);
+            projection.velocities(mechanism, start, &mut state.velocity);
+            position.copy_from_slice(&state.position);
+            velocity.copy_from_slice(&state.velocity);
         }
     }
 

@@ -8,6 +8,7 @@
 pub mod algebra;
 pub mod anderson;
 pub mod articulated;
+pub mod assembly;
 pub mod closure;
 pub mod control;
 pub mod coupled;

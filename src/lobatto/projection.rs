@@ -7,7 +7,7 @@
 //!
 //! The proximal term of the solve leaves a part ε of every gap, so that it is repeated until nothing is left.
 
-use super::coupled::{Coupled, REDUNDANT};
+use super::coupled::Coupled;
 use super::elimination::Row;
 use super::lanes::{Lanes, Portable};
 use super::start::{Plan, Start};
@@ -15,6 +15,10 @@ use crate::model::{FreeRotation, Mechanism};
 use crate::state::State;
 
 type One = Portable<1>;
+
+/// An equation whose mobility the others of its mechanism reduce to this part says nothing new. The proximal term leaves some
+/// 1e-8 of it.
+const IMPLIED: f64 = 1e-6;
 
 /// Largest number of repetitions.
 const ROUNDS: usize = 40;
@@ -163,10 +167,11 @@ impl Projection {
         }
     }
 
-    /// For every equation at the configuration of the last projection, whether the others of its mechanism imply it.
-    pub fn redundant(&mut self, start: &Start) -> Vec<bool> {
+    /// For every equation its closure, and whether the equations before it imply it at this configuration.
+    pub fn redundant(&mut self, start: &Start) -> Vec<(usize, bool)> {
         self.evaluate(start);
         self.solve(start);
-        self.coupled.left_over.iter().map(|left| !(left.abs() > REDUNDANT)).collect()
+        let left = self.coupled.left_over.iter();
+        self.rows.iter().zip(left).map(|(row, left)| (row.closure, !(left.abs() > IMPLIED))).collect()
     }
 }

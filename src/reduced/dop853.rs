@@ -189,7 +189,7 @@ impl Integrator for Dop853 {
         }
     }
 
-    fn dense(&self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         let step = self.end_time - self.start_time;
         let work = &mut *self.work.borrow_mut();
         if !work.polynomial_is_current {

@@ -61,7 +61,7 @@ impl Integrator for Euler {
     }
 
     /// Linear in between, which is as accurate as the method.
-    fn dense(&self, _mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+    fn dense(&mut self, _mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         let fraction = (time - self.start.time) / (self.end.time - self.start.time);
         let blend = |from: &[f64], to: &[f64], out: &mut [f64]| {
             for ((entry, &a), &b) in out.iter_mut().zip(from).zip(to) {

@@ -73,7 +73,7 @@ impl Integrator for Rk4 {
     }
 
     /// Cubic Hermite interpolation, as accurate as the method.
-    fn dense(&self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         let step = self.end_time - self.start_time;
         let s = (time - self.start_time) / step;
         let mut end_slope = vec![0.0; self.end.len()];

@@ -24,8 +24,8 @@ fn rod(name: &str, parent: Option<usize>, hinge_at: f64) -> Body {
     }
 }
 
-/// Benchmark A02, N four-bars in a row; closed with revolute joints (5 rows each, 3 of them redundant) or with `rows` = 2
-/// by two planar contacts of points.
+/// Benchmark A02, N four-bars in a row, closed with revolute joints (5 equations each, 3 of them redundant) or, with 3
+/// `rows`, with spherical ones (1 redundant).
 pub fn four_bars(count: usize, rows: usize) -> (Mechanism, State) {
     let mut bodies = Vec::new();
     for index in 0..=count {

@@ -1,0 +1,118 @@
+//! The start of a run: positions and velocities that satisfy every closure, and how many equations say the same.
+//!
+//! Initial conditions need only be near. They are projected on the closures with the least motion in the metric of the mass
+//! matrix ([`super::projection`]) before t = 0: a defect left in them would stay in the multipliers for the whole run
+//! as defect/h.
+
+use super::projection::{Projected, Projection};
+use super::start::Start;
+use crate::model::Mechanism;
+use crate::state::State;
+
+/// A gap that the projection leaves larger than this [m, rad] is a mechanism that does not close.
+const OPEN: f64 = 1e-9;
+/// Rates that the projection leaves larger than this, of the largest rate, contradict each other.
+const CONTRADICTION: f64 = 1e-7;
+
+/// What the projection of the start changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Correction {
+    /// Largest change of a joint position in one round [m or rad].
+    pub position: f64,
+    /// Largest change of a joint velocity [m/s or rad/s].
+    pub velocity: f64,
+}
+
+/// Which equations of the closures say nothing new at a configuration.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Redundancy {
+    /// Number of equations of all closures.
+    pub equations: usize,
+    /// Closures with equations that the others imply, and how many.
+    pub redundant: Vec<(String, usize)>,
+}
+
+impl Redundancy {
+    /// Number of redundant equations.
+    pub fn count(&self) -> usize {
+        self.redundant.iter().map(|(_, count)| count).sum()
+    }
+
+    /// Degrees of freedom that the closures leave of those of the tree.
+    pub fn degrees_of_freedom(&self, mechanism: &Mechanism) -> usize {
+        (mechanism.velocity_count + self.count()).saturating_sub(self.equations)
+    }
+}
+
+/// Why a mechanism cannot start.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AssemblyError {
+    /// The loops do not close anywhere near.
+    #[error(
+        "the closure {closure:?} cannot be closed: {gap:.3e} (m or rad) is left open between its ends; move the initial joint positions \
+         nearer to where it closes, or check its frames"
+    )]
+    Open { closure: String, gap: f64 },
+    /// The closures allow no velocity at all like the initial one.
+    #[error(
+        "the initial velocities contradict the closure {closure:?}: its ends would part with {rate:.3e} (m/s or rad/s); give \
+         velocities that the loops allow"
+    )]
+    Contradiction { closure: String, rate: f64 },
+}
+
+/// The name of a closure: the loops first, then the mimics.
+pub fn closure_name(mechanism: &Mechanism, closure: usize) -> &str {
+    match mechanism.loops.get(closure) {
+        Some(joint) => &joint.name,
+        None => mechanism.mimics.get(closure - mechanism.loops.len()).map_or("", |mimic| &mimic.name),
+    }
+}
+
+/// Projects a state on all closures, positions first.
+///
+/// # Errors
+/// [`AssemblyError`] with the closure that stays open; the state is then where the projection gave up.
+pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, AssemblyError> {
+    let mut correction = Correction::default();
+    if mechanism.loops.is_empty() && mechanism.mimics.is_empty() {
+        return Ok(correction);
+    }
+    let mut projection = Projection::new(mechanism);
+    let mut start = Start::new(mechanism);
+    let Projected { gap, worst, correction: moved } = projection.positions(mechanism, &mut start, state);
+    // A NaN is open too.
+    if !(gap <= OPEN) {
+        return Err(AssemblyError::Open { closure: closure_name(mechanism, worst).to_string(), gap });
+    }
+    correction.position = moved;
+    start.set(mechanism, state);
+    let fastest = state.velocity.iter().fold(1.0_f64, |most, rate| most.max(rate.abs()));
+    let Projected { gap: rate, worst, correction: changed } =
+        projection.velocities(mechanism, &start, &mut state.velocity);
+    if !(rate <= CONTRADICTION * fastest) {
+        return Err(AssemblyError::Contradiction { closure: closure_name(mechanism, worst).to_string(), rate });
+    }
+    correction.velocity = changed;
+    Ok(correction)
+}
+
+/// Which equations are redundant at the configuration of a state.
+pub fn redundancy(mechanism: &Mechanism, state: &State) -> Redundancy {
+    if mechanism.loops.is_empty() && mechanism.mimics.is_empty() {
+        return Redundancy::default();
+    }
+    let mut projection = Projection::new(mechanism);
+    let mut start = Start::new(mechanism);
+    start.set(mechanism, state);
+    let closures = projection.redundant(&start);
+    let mut redundant: Vec<(String, usize)> = Vec::new();
+    for closure in closures.iter().filter(|(_, implied)| *implied).map(|(closure, _)| *closure) {
+        let name = closure_name(mechanism, closure);
+        match redundant.last_mut() {
+            Some((last, count)) if last == name => *count += 1,
+            _ => redundant.push((name.to_string(), 1)),
+        }
+    }
+    Redundancy { equations: closures.len(), redundant }
+}
