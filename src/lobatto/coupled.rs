@@ -23,7 +23,7 @@ use super::closure::{EndStart, Equation, EquationValue, Moved, equations, evalua
 use super::elimination::{Elimination, Operation, TWIST, Unknown};
 use super::front::{Fronts, Screws};
 use super::lanes::Lanes;
-use super::stage::{MAX_LANES, Stages, rotate_increment};
+use super::stage::{MAX_LANES, Stages};
 use super::start::{Plan, Start};
 use super::tableau::Tableau;
 use crate::model::{Attachment, FreeRotation, Mechanism};
@@ -111,7 +111,7 @@ impl<V: Lanes> Coupled<V> {
         for operation in &elimination.operations {
             kept_at.push(kept);
             if let Operation::Freedom { columns, .. } | Operation::Multiplier { columns, .. } = operation {
-                kept += (columns.len() + 1) * mixing.active;
+                kept += (columns.len() + 1) * V::COUNT;
             }
         }
         let mut rows_of_loop = Vec::new();
@@ -160,11 +160,9 @@ impl<V: Lanes> Coupled<V> {
     /// The bodies at all stages from the poses of a step.
     #[inline(always)]
     pub fn move_bodies(&mut self, stages: &Stages<V>) {
-        let axis = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mask = self.mixing.moved;
         for (moved, pose) in self.moved.iter_mut().zip(&stages.poses) {
-            let columns = axis.map(|axis| rotate_increment(pose.w, pose.u, Vector::splat(&axis)));
-            let turn = Matrix([0, 1, 2].map(|row| [0, 1, 2].map(|column: usize| columns[column].0[row])));
-            let mask = self.mixing.moved;
+            let turn = pose.increment();
             *moved = [
                 Moved { turn, anchor: pose.anchor },
                 Moved { turn: turn.times(mask), anchor: pose.anchor.times(mask) },
@@ -330,7 +328,7 @@ impl<V: Lanes> Coupled<V> {
                             right[k] = right[k] - entry;
                         }
                     }
-                    let kept = (columns.len() + 1) * self.mixing.active;
+                    let kept = (columns.len() + 1) * V::COUNT;
                     self.fronts.eliminate(level, columns, &mut self.kept[kept_at..kept_at + kept]);
                 }
                 Operation::Multiplier { row, slot, columns, measure } => {
@@ -351,7 +349,7 @@ impl<V: Lanes> Coupled<V> {
                     for (entry, solve) in self.fronts.pivot().iter_mut().zip(&self.mixing.solve) {
                         *entry = solve.mul_add(proximal, *entry);
                     }
-                    let kept = (columns.len() + 1) * self.mixing.active;
+                    let kept = (columns.len() + 1) * V::COUNT;
                     self.fronts.eliminate(level, columns, &mut self.kept[kept_at..kept_at + kept]);
                 }
                 Operation::Merge { slots, enter, present, twist } => {
@@ -401,12 +399,12 @@ impl<V: Lanes> Coupled<V> {
                 Unknown::Twist { body, component } => self.twists[body][component],
                 Unknown::Multiplier(row) => self.multiplier_increments[row],
             };
-            let kept = &self.kept[kept_at + number * active..kept_at + (number + 1) * active];
-            for (sum, &entry) in sums.iter_mut().zip(kept) {
-                *sum = entry.mul_add(value, *sum);
+            let kept = &self.kept[kept_at + number * V::COUNT..kept_at + (number + 1) * V::COUNT];
+            for k in 0..active {
+                sums[k] = kept[k].mul_add(value, sums[k]);
             }
         }
-        let right = &self.kept[kept_at + columns.len() * active..kept_at + (columns.len() + 1) * active];
+        let right = &self.kept[kept_at + columns.len() * V::COUNT..kept_at + (columns.len() + 1) * V::COUNT];
         let mut solution = V::zero_array();
         for k in 0..active {
             solution.as_mut()[k] = right[k].to_array().as_ref()[0] - sums[k].sum();
@@ -417,35 +415,46 @@ impl<V: Lanes> Coupled<V> {
     /// The screw of a freedom at the rows' and the columns' stages; without displacements, at the start.
     #[inline(always)]
     fn screws_of(&self, plan: &Plan, start: &Start, displacement: &[V], body: usize, freedom: usize) -> Screws<V> {
+        Screws {
+            columns: self.screw(plan, start, displacement, body, freedom, 0),
+            rows: self.screw(plan, start, displacement, body, freedom, 1),
+        }
+    }
+
+    #[inline(always)]
+    fn screw(
+        &self,
+        plan: &Plan,
+        start: &Start,
+        displacement: &[V],
+        body: usize,
+        freedom: usize,
+        side: usize,
+    ) -> [V; TWIST] {
         let plan = &plan.bodies[body];
         let rotations = plan.first_axis + plan.translations;
-        let axis = Vector::splat(&start.axes[freedom]);
-        let side = |side: usize| -> [V; TWIST] {
-            if freedom < rotations {
-                let along = match plan.parent {
-                    Some(parent) => self.moved[parent][side].turn.apply_plus(axis, axis),
-                    None => axis,
-                };
-                let [x, y, z] = along.0;
-                return [x, y, z, V::zero(), V::zero(), V::zero()];
+        let mut axis = Vector::splat(&start.axes[freedom]);
+        if freedom < rotations {
+            if let Some(parent) = plan.parent {
+                axis = self.moved[parent][side].turn.apply_plus(axis, axis);
             }
-            let tilted = match plan.rotation {
-                FreeRotation::Ball => {
-                    let mask = if side == 0 { V::splat(1.0) } else { self.mixing.moved };
-                    let about = |offset: usize| match displacement.get(rotations + offset) {
-                        Some(&turned) => Vector::splat(&start.axes[rotations + offset]).times(turned * mask),
-                        None => Vector::zero(),
-                    };
-                    super::sweeps::tilt(about(0).plus(about(1)).plus(about(2)), axis)
-                }
-                _ => axis,
-            };
-            let along = self.moved[body][side].turn.apply_plus(tilted, tilted);
-            let linear = self.anchor(start, body, side).cross(along);
-            let ([a, b, c], [x, y, z]) = (linear.0, along.0);
-            [a, b, c, x, y, z]
-        };
-        Screws { columns: side(0), rows: side(1) }
+            let [x, y, z] = axis.0;
+            return [x, y, z, V::zero(), V::zero(), V::zero()];
+        }
+        if plan.rotation == FreeRotation::Ball && !displacement.is_empty() {
+            let mut vector = Vector::zero();
+            for freedom in rotations..rotations + 3 {
+                vector = Vector::splat(&start.axes[freedom]).times_plus(displacement[freedom], vector);
+            }
+            if side == 1 {
+                vector = vector.times(self.mixing.moved);
+            }
+            axis = super::sweeps::tilt(vector, axis);
+        }
+        let along = self.moved[body][side].turn.apply_plus(axis, axis);
+        let linear = self.anchor(start, body, side).cross(along);
+        let ([a, b, c], [x, y, z]) = (linear.0, along.0);
+        [a, b, c, x, y, z]
     }
 }
 
@@ -464,57 +473,76 @@ struct OwnBody<'b, V> {
 #[inline(always)]
 fn own_inertia<V: Lanes>(fronts: &mut Fronts<V>, level: usize, mixing: &Mixing<V>, body: OwnBody<V>) {
     let com = Vector::splat(&body.com);
-    let center = |side: usize| body.moved[side].turn.apply_plus(com, com).plus(body.anchors[side]);
-    let (column, row) = (center(0), center(1));
     let turn = &body.moved[0].turn;
+    let column = turn.apply_plus(com, com).plus(body.anchors[0]);
+    let row = body.moved[1].turn.apply_plus(com, com).plus(body.anchors[1]);
     let [xx, xy, xz, yy, yz, zz] = body.sigma;
-    let sigma = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(|row| Vector::<V>::splat(&row));
-    // Σ R_kᵀ by columns: column c is Σ times row c of R_k.
-    let row_turn = body.moved[1].turn;
-    let spread = sigma.map(|second| row_turn.apply_plus(second, second));
-    let spread: [[V::Array; 3]; 3] = spread.map(|entries| entries.0.map(V::to_array));
-    let row_center = row.0.map(V::to_array);
+    // Row c of R_k Σ is column c of Σ R_kᵀ.
+    let spread = spread_rows(&body.moved[1].turn, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+    let row_center = [row.0[0].to_array(), row.0[1].to_array(), row.0[2].to_array()];
     let right = fronts.right_hand_side();
-    let (force, torque) = body.bias;
-    for (component, bias) in force.0.into_iter().chain(torque.0).enumerate() {
-        for (entry, value) in fronts.block(level, component, right).iter_mut().zip(bias.to_array().as_ref()) {
-            *entry = *entry + first_lane::<V>(-value);
+    let (force, torque) = (body.bias.0.0, body.bias.1.0);
+    for component in 0..TWIST {
+        let bias = if component < 3 { force[component] } else { torque[component - 3] };
+        let bias = bias.to_array();
+        let block = fronts.block(level, component, right);
+        for k in 0..mixing.active {
+            block[k] = block[k] + first_lane::<V>(-bias.as_ref()[k]);
         }
     }
     for k in 0..mixing.active {
         let weight = mixing.mass[k];
         let heavy = weight * V::splat(body.mass);
-        let at = row_center.map(|lanes| lanes.as_ref()[k]);
+        let at = [
+            V::splat(row_center[0].as_ref()[k]),
+            V::splat(row_center[1].as_ref()[k]),
+            V::splat(row_center[2].as_ref()[k]),
+        ];
         // Column c of N = (1 + turn) Σ R_kᵀ.
-        let second = [0, 1, 2].map(|c: usize| {
-            let entry = Vector([0, 1, 2].map(|r: usize| V::splat(spread[r][c].as_ref()[k])));
-            turn.apply_plus(entry, entry).0
-        });
+        let mut second = [[V::zero(); 3]; 3];
+        for c in 0..3 {
+            let entry = Vector([
+                V::splat(spread[c][0].as_ref()[k]),
+                V::splat(spread[c][1].as_ref()[k]),
+                V::splat(spread[c][2].as_ref()[k]),
+            ]);
+            second[c] = turn.apply_plus(entry, entry).0;
+        }
         let trace = second[0][0] + second[1][1] + second[2][2];
-        let across = column.0[0] * V::splat(at[0]) + column.0[1] * V::splat(at[1]) + column.0[2] * V::splat(at[2]);
-        let mut add = |r: usize, c: usize, value: V| {
-            let entry = &mut fronts.block(level, r, c)[k];
-            *entry = *entry + value;
-        };
+        let across = column.dot(Vector(at));
         for axis in 0..3 {
-            add(axis, axis, heavy);
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            fronts.add(level, axis, axis, k, heavy);
             // −m x̂_i above, m x̂_k below.
-            add(axis, 3 + next, heavy * column.0[last]);
-            add(axis, 3 + last, -(heavy * column.0[next]));
-            add(3 + axis, next, -(heavy * V::splat(at[last])));
-            add(3 + axis, last, heavy * V::splat(at[next]));
+            fronts.add(level, axis, 3 + next, k, heavy * column.0[last]);
+            fronts.add(level, axis, 3 + last, k, -(heavy * column.0[next]));
+            fronts.add(level, 3 + axis, next, k, -(heavy * at[last]));
+            fronts.add(level, 3 + axis, last, k, heavy * at[next]);
         }
         for r in 0..3 {
             for c in 0..3 {
-                let mut value = -(weight * second[c][r]) - heavy * column.0[r] * V::splat(at[c]);
+                let mut value = -(weight * second[c][r]) - heavy * column.0[r] * at[c];
                 if r == c {
                     value = value + weight * trace + heavy * across;
                 }
-                add(3 + r, 3 + c, value);
+                fronts.add(level, 3 + r, 3 + c, k, value);
             }
         }
     }
+}
+
+/// The rows of `(1 + turn) Σ`, as arrays over the stages.
+#[inline(always)]
+fn spread_rows<V: Lanes>(turn: &Matrix<V>, sigma: [[f64; 3]; 3]) -> [[V::Array; 3]; 3] {
+    let mut spread = [[V::zero_array(); 3]; 3];
+    for c in 0..3 {
+        let second = Vector::splat(&sigma[c]);
+        let turned = turn.apply_plus(second, second).0;
+        for r in 0..3 {
+            spread[r][c] = turned[r].to_array();
+        }
+    }
+    spread
 }
 
 /// Couples the multiplier in a slot to the twist of a body at one end of its loop.
@@ -528,14 +556,15 @@ fn couple<V: Lanes>(
     value: &[EquationValue<V>; 2],
 ) {
     let sign = V::splat(sign);
-    let at_columns = value[0].force.0.into_iter().chain(value[0].torque.0);
-    let at_rows = value[1].force.0.into_iter().chain(value[1].torque.0);
-    for (component, (column, row)) in at_columns.zip(at_rows).enumerate() {
-        for (entry, unit) in fronts.block(level, slot, component).iter_mut().zip(unit) {
-            *entry = (column * sign).mul_add(*unit, *entry);
-        }
-        for (entry, unit) in fronts.block(level, component, slot).iter_mut().zip(unit) {
-            *entry = (row * sign).neg_mul_add(*unit, *entry);
+    for component in 0..TWIST {
+        let (column, row) = match component {
+            0..3 => (value[0].force.0[component], value[1].force.0[component]),
+            _ => (value[0].torque.0[component - 3], value[1].torque.0[component - 3]),
+        };
+        let (column, row) = (column * sign, row * sign);
+        for (k, unit) in unit.iter().enumerate() {
+            fronts.add(level, slot, component, k, column * *unit);
+            fronts.add(level, component, slot, k, -(row * *unit));
         }
     }
 }

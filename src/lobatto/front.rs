@@ -23,7 +23,7 @@ pub struct Fronts<V: Lanes> {
     data: Vec<V>,
     /// Columns of the pivot, by slot: `[slot][k]`, lanes i.
     left: Vec<V>,
-    /// Rows of the pivot, by slot, the right-hand side last.
+    /// Rows of the pivot, by slot, the right-hand side last: `COUNT` vectors each, those above the stages in use zero.
     right: Vec<V>,
     /// The inverse of the pivot.
     inverse: [V; MAX],
@@ -49,7 +49,7 @@ impl<V: Lanes> Fronts<V> {
             slots,
             data: vec![V::zero(); levels * slots * (slots + 1) * active],
             left: vec![V::zero(); slots * active],
-            right: vec![V::zero(); (slots + 1) * active],
+            right: vec![V::zero(); (slots + 1) * V::COUNT],
             inverse: [V::zero(); MAX],
         }
     }
@@ -70,6 +70,13 @@ impl<V: Lanes> Fronts<V> {
     pub fn block(&mut self, level: usize, row: usize, column: usize) -> &mut [V] {
         let start = self.at(level, row, column);
         &mut self.data[start..start + self.active]
+    }
+
+    /// Adds to the entry of a row slot, its stage k, and a column slot.
+    #[inline(always)]
+    pub fn add(&mut self, level: usize, row: usize, column: usize, k: usize, value: V) {
+        let index = self.at(level, row, column) + k;
+        self.data[index] = self.data[index] + value;
     }
 
     /// Empties the twist part of a front.
@@ -115,47 +122,56 @@ impl<V: Lanes> Fronts<V> {
     #[inline(always)]
     pub fn take_freedom(&mut self, level: usize, screws: &Screws<V>, columns: &[Column]) {
         let active = self.active;
-        let row_screw: [V::Array; TWIST] = screws.rows.map(V::to_array);
+        let mut row_screw = [V::zero_array(); TWIST];
+        for component in 0..TWIST {
+            row_screw[component] = screws.rows[component].to_array();
+        }
         let mut pivot = [V::zero(); MAX];
-        for column in (0..TWIST).chain([self.slots]) {
+        for slot in 0..TWIST {
+            self.take_row(level, &row_screw, slot);
             for k in 0..active {
-                let mut sum = V::zero();
-                for (component, screw) in row_screw.iter().enumerate() {
-                    sum = self.data[self.at(level, component, column) + k].mul_add(V::splat(screw.as_ref()[k]), sum);
-                }
-                self.right[column * active + k] = sum;
-                if column < TWIST {
-                    pivot[k] = sum.mul_add(screws.columns[column], pivot[k]);
-                }
+                pivot[k] = self.right[slot * V::COUNT + k].mul_add(screws.columns[slot], pivot[k]);
             }
         }
-        for column in columns.iter().filter(|column| column.slot >= TWIST) {
-            for k in 0..active {
-                let mut sum = V::zero();
-                for (component, screw) in row_screw.iter().enumerate() {
-                    sum =
-                        self.data[self.at(level, component, column.slot) + k].mul_add(V::splat(screw.as_ref()[k]), sum);
-                }
-                self.right[column.slot * active + k] = sum;
+        self.take_row(level, &row_screw, self.slots);
+        for column in columns {
+            if column.slot >= TWIST {
+                self.take_row(level, &row_screw, column.slot);
             }
-        }
-        for row in columns {
+            let start = self.at(level, column.slot, 0);
+            let row = &self.data[start..start + TWIST * active];
+            let left = &mut self.left[column.slot * active..(column.slot + 1) * active];
             for k in 0..active {
-                let mut sum = V::zero();
-                for component in 0..TWIST {
-                    let entry = self.data[self.at(level, row.slot, component) + k];
-                    sum = entry.mul_add(screws.columns[component], sum);
+                let mut sum = row[k] * screws.columns[0];
+                for component in 1..TWIST {
+                    sum = row[component * active + k].mul_add(screws.columns[component], sum);
                 }
-                self.left[row.slot * active + k] = sum;
+                left[k] = sum;
             }
         }
         self.inverse = pivot;
     }
 
+    /// One column of the pivot's row: the twist's rows of that column, projected on the joint axis.
+    #[inline(always)]
+    fn take_row(&mut self, level: usize, screw: &[V::Array; TWIST], slot: usize) {
+        let active = self.active;
+        let right = &mut self.right[slot * V::COUNT..slot * V::COUNT + active];
+        right.fill(V::zero());
+        for component in 0..TWIST {
+            let start = ((level * self.slots + component) * (self.slots + 1) + slot) * active;
+            let block = &self.data[start..start + active];
+            let factors = screw[component].as_ref();
+            for k in 0..active {
+                right[k] = block[k].mul_add(V::splat(factors[k]), right[k]);
+            }
+        }
+    }
+
     /// The pivot's row before the elimination: a stage's entry of a column slot.
     #[inline(always)]
     pub fn right_block(&mut self, slot: usize) -> &mut [V] {
-        &mut self.right[slot * self.active..(slot + 1) * self.active]
+        &mut self.right[slot * V::COUNT..slot * V::COUNT + self.active]
     }
 
     /// The pivot's column before the elimination: a stage's entry of a row slot.
@@ -176,7 +192,8 @@ impl<V: Lanes> Fronts<V> {
         let active = self.active;
         for other in columns.iter().map(|column| column.slot).chain([self.slots]) {
             let source = self.at(level, slot, other);
-            self.right[other * active..(other + 1) * active].copy_from_slice(&self.data[source..source + active]);
+            self.right[other * V::COUNT..other * V::COUNT + active]
+                .copy_from_slice(&self.data[source..source + active]);
         }
         for row in columns {
             let source = self.at(level, row.slot, slot);
@@ -186,40 +203,47 @@ impl<V: Lanes> Fronts<V> {
         self.inverse[..active].copy_from_slice(&self.data[source..source + active]);
     }
 
-    /// Eliminates the gathered pivot from the front; writes `Y_c` of the columns and then `z` to `kept`.
+    /// Eliminates the gathered pivot from the front; writes `Y_c` of the columns and then `z` to `kept`, `COUNT` vectors each,
+    /// of which those above the stages in use stay zero.
     #[inline(always)]
     pub fn eliminate(&mut self, level: usize, columns: &[Column], kept: &mut [V]) {
         let active = self.active;
         invert(&mut self.inverse, active);
         let mut inverse = [V::zero_array(); MAX];
-        for (array, row) in inverse.iter_mut().zip(&self.inverse[..active]) {
-            *array = row.to_array();
+        for k in 0..active {
+            inverse[k] = self.inverse[k].to_array();
         }
-        for (number, slot) in columns.iter().map(|column| column.slot).chain([self.slots]).enumerate() {
-            let right = &self.right[slot * active..(slot + 1) * active];
-            let target = &mut kept[number * active..(number + 1) * active];
-            for (row, out) in inverse[..active].iter().zip(target) {
-                let mut sum = V::zero();
-                for (&factor, &entry) in row.as_ref()[..active].iter().zip(right) {
-                    sum = entry.mul_add(V::splat(factor), sum);
+        for number in 0..=columns.len() {
+            let slot = columns.get(number).map_or(self.slots, |column| column.slot);
+            let right = &self.right[slot * V::COUNT..(slot + 1) * V::COUNT];
+            let target = &mut kept[number * V::COUNT..(number + 1) * V::COUNT];
+            for k in 0..active {
+                let factors = inverse[k].as_ref();
+                let mut sum = right[0] * V::splat(factors[0]);
+                for i in 1..V::COUNT {
+                    sum = right[i].mul_add(V::splat(factors[i]), sum);
                 }
-                *out = sum;
+                target[k] = sum;
             }
         }
+        let mut left = [V::zero_array(); MAX];
         for row in columns {
-            let mut left = [V::zero_array(); MAX];
-            for (array, entry) in left.iter_mut().zip(&self.left[row.slot * active..(row.slot + 1) * active]) {
-                *array = entry.to_array();
+            for k in 0..active {
+                left[k] = self.left[row.slot * active + k].to_array();
             }
-            for (number, slot) in columns.iter().map(|column| column.slot).chain([self.slots]).enumerate() {
-                let start = self.at(level, row.slot, slot);
-                let right = &kept[number * active..(number + 1) * active];
-                for (entry, factors) in self.data[start..start + active].iter_mut().zip(&left) {
-                    let mut sum = *entry;
-                    for (&factor, &value) in factors.as_ref()[..active].iter().zip(right) {
-                        sum = value.neg_mul_add(V::splat(factor), sum);
+            let row_start = self.at(level, row.slot, 0);
+            for number in 0..=columns.len() {
+                let slot = columns.get(number).map_or(self.slots, |column| column.slot);
+                let start = row_start + slot * active;
+                let block = &mut self.data[start..start + active];
+                let solved = &kept[number * V::COUNT..(number + 1) * V::COUNT];
+                for k in 0..active {
+                    let factors = left[k].as_ref();
+                    let mut sum = block[k];
+                    for i in 0..V::COUNT {
+                        sum = solved[i].neg_mul_add(V::splat(factors[i]), sum);
                     }
-                    *entry = sum;
+                    block[k] = sum;
                 }
             }
         }
@@ -236,11 +260,11 @@ fn invert<V: Lanes>(matrix: &mut [V; MAX], active: usize) {
         *row = V::from_array(unit);
     }
     for pivot in 0..active {
-        let size = |row: &V| row.to_array().as_ref()[pivot].abs();
-        let mut best = pivot;
+        let (mut best, mut largest) = (pivot, matrix[pivot].to_array().as_ref()[pivot].abs());
         for row in pivot + 1..active {
-            if size(&matrix[row]) > size(&matrix[best]) {
-                best = row;
+            let size = matrix[row].to_array().as_ref()[pivot].abs();
+            if size > largest {
+                (best, largest) = (row, size);
             }
         }
         matrix.swap(pivot, best);
@@ -248,7 +272,10 @@ fn invert<V: Lanes>(matrix: &mut [V; MAX], active: usize) {
         let factor = V::splat(1.0 / matrix[pivot].to_array().as_ref()[pivot]);
         matrix[pivot] = matrix[pivot] * factor;
         inverse[pivot] = inverse[pivot] * factor;
-        for row in (0..active).filter(|&row| row != pivot) {
+        for row in 0..active {
+            if row == pivot {
+                continue;
+            }
             let factor = V::splat(matrix[row].to_array().as_ref()[pivot]);
             matrix[row] = matrix[pivot].neg_mul_add(factor, matrix[row]);
             inverse[row] = inverse[pivot].neg_mul_add(factor, inverse[row]);

@@ -56,7 +56,10 @@ impl<V: Lanes> Newton<V> {
         let coupled = &mut self.coupled;
         coupled.solve(&stages.plan, &stages.start, &stages.displacement, &mut stages.increment);
         coupled.advance_multipliers();
-        let largest = stages.increment.iter().fold(V::zero(), |largest, increment| increment.max_abs(largest));
+        let mut largest = V::zero();
+        for increment in &stages.increment {
+            largest = increment.max_abs(largest);
+        }
         largest.largest()
     }
 }

@@ -145,6 +145,6 @@ pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
 
 /// `N = 2 (w û + u uᵀ − |u|²)` from the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u`; linear in both.
 #[inline(always)]
-fn increment_matrix<V: Lanes>([xx, xy, xz, yy, yz, zz]: [V; 6], [wx, wy, wz]: [V; 3]) -> Matrix<V> {
+pub fn increment_matrix<V: Lanes>([xx, xy, xz, yy, yz, zz]: [V; 6], [wx, wy, wz]: [V; 3]) -> Matrix<V> {
     Matrix([[-(yy + zz), xy - wz, xz + wy], [xy + wz, -(xx + zz), yz - wx], [xz - wy, yz + wx, -(xx + yy)]])
 }

@@ -11,9 +11,10 @@
 //!     N     = 2 (w û + u uᵀ − |u|² 1)
 //! ```
 
-use super::algebra::Vector;
+use super::algebra::{Matrix, Vector};
 use super::articulated::{Articulated, Eliminated};
 use super::lanes::Lanes;
+use super::residual::increment_matrix;
 use super::start::{Plan, Start};
 use super::tableau::Tableau;
 use crate::model::FreeRotation;
@@ -33,6 +34,19 @@ pub struct StagePose<V> {
     pub u: Vector<V>,
     /// Displacement of the anchor (m).
     pub anchor: Vector<V>,
+}
+
+impl<V: Lanes> StagePose<V> {
+    /// `N = R R₀ᵀ − 1 = 2 (w û + u uᵀ − |u|²)`, without cancellation.
+    #[inline(always)]
+    pub fn increment(&self) -> Matrix<V> {
+        let [x, y, z] = self.u.0;
+        let (x2, y2, z2) = (x + x, y + y, z + z);
+        let (xx, xy, xz) = (x2 * x, x2 * y, x2 * z);
+        let (yy, yz, zz) = (y2 * y, y2 * z, z2 * z);
+        let (wx, wy, wz) = (self.w * x2, self.w * y2, self.w * z2);
+        increment_matrix([xx, xy, xz, yy, yz, zz], [wx, wy, wz])
+    }
 }
 
 /// The coefficients of the scheme as lanes. Lane `j` of an unknown is stage `j + 2`; lane `j` of a residual is row
