@@ -29,7 +29,7 @@ pub enum CouplingProblem {
     #[error("links {a:?} and {b:?} are fixed to each other, so the loop says nothing new; leave it out")]
     ImpliedByBody { a: String, b: String },
     /// A loop between two frames that cannot move against each other, and lie otherwise.
-    #[error("links {a:?} and {b:?} are fixed to each other and {gap:e} m or rad away from where the loop wants them")]
+    #[error("links {a:?} and {b:?} are fixed to each other and {gap:.2e} m or rad away from where the loop wants them")]
     Contradictory { a: String, b: String, gap: f64 },
     /// A loop that the joints of the tree keep closed whatever they do.
     #[error("the joints between links {a:?} and {b:?} keep it closed whatever they do; leave the loop out")]

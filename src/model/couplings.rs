@@ -415,3 +415,86 @@ fn turned_towards(axes: &Matrix3<f64>, x: &Vector3<f64>) -> Matrix3<f64> {
 fn frame_at(point: &Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::from(*point), Rotation3::identity())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::ModelOptions;
+    use crate::scene::{PackagePath, robot_from_text};
+
+    /// A chain of hinges, of which `joint2` and `joint3` may say more about themselves.
+    fn chain(second: &str, third: &str) -> Model {
+        let inertial = "<inertial><origin xyz='0 0 -1'/><mass value='1'/>\
+             <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>";
+        let link = |index: usize| format!("<link name='link{index}'>{inertial}</link>");
+        let joint = |index: usize, kind: &str, more: &str| {
+            let parent = index - 1;
+            format!(
+                "<joint name='joint{index}' type='{kind}'><parent link='link{parent}'/><child link='link{index}'/>{more}</joint>"
+            )
+        };
+        let text = format!(
+            "<robot name='chain'><link name='link0'/>{}{}{}<link name='link4'/>{}{}{}{}</robot>",
+            link(1),
+            link(2),
+            link(3),
+            joint(1, "spherical", "<dynamics damping='5'/>"),
+            joint(2, "continuous", second),
+            joint(3, "continuous", third),
+            joint(4, "continuous", "<dynamics damping='5'/>")
+        );
+        let robot = robot_from_text(&text, Path::new("chain.urdf"), &PackagePath::default()).expect("a robot");
+        Model::new(robot, &ModelOptions::default()).expect("a model")
+    }
+
+    fn build<T>(model: &Model, what: impl Fn(&Builder, &mut Vec<Warning>) -> T) -> (T, Vec<String>) {
+        let builder = Builder { model, bodies: &[], dropped: &|_| false, scene: None };
+        let mut warnings = Vec::new();
+        let built = what(&builder, &mut warnings);
+        (built, warnings.iter().map(ToString::to_string).collect())
+    }
+
+    #[test]
+    fn damping_of_hinges_becomes_dampers_and_the_rest_is_warned_of() {
+        let model = chain("<dynamics damping='0.5'/>", "<dynamics damping='-1'/>");
+        let (dampers, warnings) = build(&model, |builder, warnings| builder.urdf_dampers(warnings));
+        assert_eq!(dampers, [JointDamper { freedom: 3, coefficient: 0.5 }]);
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
+        assert!(warnings[0].contains("joint \"joint1\": damping is only simulated"), "{warnings:?}");
+        assert!(warnings[1].contains("joint \"joint3\": its damping is negative"), "{warnings:?}");
+    }
+
+    #[test]
+    fn mimic_relations_know_both_coordinates() {
+        let model = chain("", "<mimic joint='joint2' multiplier='-2' offset='0.5'/>");
+        let (mimics, warnings) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
+        assert!(warnings.is_empty(), "{warnings:?}");
+        let expected = Mimic {
+            name: "joint3".to_string(),
+            follower: Coordinate { body: 2, position: 5, freedom: 4 },
+            leader: Coordinate { body: 1, position: 4, freedom: 3 },
+            multiplier: -2.0,
+            offset: 0.5,
+        };
+        assert_eq!(mimics.expect("good relations"), [expected]);
+    }
+
+    #[test]
+    fn mimic_relations_that_cannot_be_are_refused_or_left_out_with_a_warning() {
+        for (second, third, message) in [
+            ("", "<mimic joint='joint9'/>", "mimics joint \"joint9\", which does not exist"),
+            ("", "<mimic joint='joint3'/>", "mimics itself"),
+            ("<mimic joint='joint3'/>", "<mimic joint='joint2'/>", "mimics itself"),
+            ("", "<mimic joint='joint1'/>", "\"joint1\" has several degrees of freedom"),
+        ] {
+            let model = chain(second, third);
+            let (mimics, _) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
+            let error = mimics.expect_err(message).to_string();
+            assert!(error.starts_with("chain.urdf:1: joint ") && error.contains(message), "{error}");
+        }
+        let model = chain("", "<mimic joint='joint4'/>");
+        let (mimics, warnings) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
+        assert_eq!(mimics.expect("a warning only").len(), 0);
+        assert!(warnings.len() == 1 && warnings[0].contains("joint \"joint4\" does not move"), "{warnings:?}");
+    }
+}
