@@ -242,7 +242,7 @@ impl ModelReport {
             bodies: model.mechanism.bodies.len(),
             joints: model.mechanism.bodies.len(),
             degrees_of_freedom: model.mechanism.velocity_count,
-            loops: 0,
+            loops: model.mechanism.loops.len(),
             redundant_constraints: 0,
         }
     }

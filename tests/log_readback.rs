@@ -193,7 +193,7 @@ fn what_is_known_at_the_start_is_in_the_log() {
     let bytes = log("start.mcap", 1.0);
     let messages = messages(&bytes);
     let mut description = Cdr::new(of_topic(&messages, "/robot_description")[0]);
-    assert_eq!(description.string(), arm().robot.description);
+    assert_eq!(description.string(), arm().robots[0].robot.description);
     description.assert_ended();
     let warning = Log::decode(&*of_topic(&messages, "/log")[0].data).expect("a log line");
     assert_eq!(warning.message, arm().warnings[0].to_string());

@@ -115,7 +115,7 @@ fn total_mass_centre_and_inertia_are_the_sums_over_links() {
         }
         // From the links, by the URDF.
         let (mut link_mass, mut link_center, mut link_inertia) = (0.0, Vector3::zeros(), Matrix3::zeros());
-        for (index, link) in model.robot.links.iter().enumerate() {
+        for (index, link) in model.robots[0].robot.links.iter().enumerate() {
             let (position, rotation) = model.link_pose(&bodies, index);
             let own = link.inertial.as_ref().unwrap();
             let at = position + rotation * own.origin.translation.vector;
@@ -148,7 +148,8 @@ fn every_link_is_where_the_urdf_puts_it() {
             let base_at = positions.iter().find(|(name, _)| name == "base").map_or(base_pose, |(_, p)| {
                 Pose::from_parts(Translation3::new(p[0], p[1], p[2]), Rotation3::from_euler_angles(p[3], p[4], p[5]))
             });
-            for (index, literal) in literal_link_poses(&model.robot, &base_at, &positions).iter().enumerate() {
+            for (index, literal) in literal_link_poses(&model.robots[0].robot, &base_at, &positions).iter().enumerate()
+            {
                 let (position, rotation) = model.link_pose(&bodies, index);
                 let name = &model.links[index].name;
                 assert!((position - literal.translation.vector).amax() < 1e-13, "{name} {base:?}");
@@ -220,7 +221,7 @@ fn bodies_are_numbered_depth_first() {
         assert!(body.parent.is_none_or(|parent| parent < index));
     }
     assert_eq!(model.links.len(), 22);
-    let moving = model.robot.joints.iter().filter(|joint| joint.kind.name() != "fixed").count();
+    let moving = model.robots[0].robot.joints.iter().filter(|joint| joint.kind.name() != "fixed").count();
     assert_eq!(model.mechanism.bodies.len(), moving);
 }
 
@@ -257,7 +258,8 @@ fn massless_leaves_are_held_until_none_is_left() {
     // They follow the arm at zero displacement.
     let positions = [("shoulder".to_string(), vec![0.7])];
     let bodies = body_states(&model.mechanism, &model.initial_state(&positions, &[], None).unwrap());
-    for (index, literal) in literal_link_poses(&model.robot, &Pose::identity(), &positions).iter().enumerate() {
+    for (index, literal) in literal_link_poses(&model.robots[0].robot, &Pose::identity(), &positions).iter().enumerate()
+    {
         assert!((model.link_pose(&bodies, index).0 - literal.translation.vector).amax() < 1e-14);
     }
     let refused = model.initial_state(&[("elbow".to_string(), vec![0.1])], &[], None).unwrap_err();

@@ -88,7 +88,9 @@ fn every_link_of_every_robot_is_where_its_urdf_puts_it() {
                 })
                 .collect();
             let bodies = body_states(&model.mechanism, &model.initial_state(&positions, &[], None).unwrap());
-            for (index, literal) in literal_link_poses(&model.robot, &Pose::identity(), &positions).iter().enumerate() {
+            for (index, literal) in
+                literal_link_poses(&model.robots[0].robot, &Pose::identity(), &positions).iter().enumerate()
+            {
                 let (position, rotation) = model.link_pose(&bodies, index);
                 let link = &model.links[index].name;
                 let distance = (position - literal.translation.vector).norm();

@@ -356,7 +356,7 @@ fn impossible_inertias_are_used_with_a_warning() {
 #[test]
 fn what_is_not_simulated_is_said_once_for_each_kind() {
     let second = r#"<link name="c"/><joint name="second" type="revolute"><parent link="arm"/><child link="c"/><limit lower="0" upper="1" effort="1" velocity="1"/><dynamics damping="0.1"/><mimic joint="hinge"/></joint>"#;
-    let more = format!("{second}<gazebo/><gazebo reference=\"c\"/><transmission/><loop_joint/>");
+    let more = format!("{second}<gazebo/><gazebo reference=\"c\"/><transmission/><closure/>");
     let in_joint = r#"<limit effort="1" velocity="1"/><dynamics damping="1" friction="2"/><safety_controller/>"#;
     let collision = "<collision><geometry><sphere radius=\"1\"/></geometry></collision><contact/>";
     let robot = read(&robot(collision, in_joint, &more)).unwrap();
@@ -373,7 +373,7 @@ fn what_is_not_simulated_is_said_once_for_each_kind() {
             "6: <safety_controller> of <joint> is not read",
             "8: <gazebo> (2 times) is not read",
             "8: <transmission> is not read",
-            "8: <loop_joint> is not read",
+            "8: <closure> is not read",
         ]
     );
 }

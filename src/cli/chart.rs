@@ -3,14 +3,14 @@
 //! Everything that can be wrong with the input is found before the folder is made. After every scene all files are
 //! written anew, each whole; Ctrl-C ends with what has been measured up to then.
 
-use super::input::{WorldArgs, numbers};
+use super::input::{Loaded, WorldArgs, numbers};
+use super::not_yet::refuse_what_is_not_simulated;
 use super::numbers::{Assignment, positive};
 use super::{Failure, print};
 use anyhow::{Context, anyhow};
 use catena::chart::measure::Plan;
 use catena::chart::report::Report;
 use catena::chart::{ChartError, Measurement, Scene, measure, read_csv};
-use catena::model::Model;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -27,7 +27,7 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// The options of `catena chart`.
 #[derive(Args, Debug)]
 pub struct ChartArgs {
-    /// The robots: .urdf files, a scene each
+    /// The robots and scenes: .urdf and .toml files
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
@@ -50,7 +50,7 @@ pub struct ChartArgs {
     #[arg(long, value_name = "JOINT=VALUE")]
     velocity: Vec<Assignment>,
 
-    /// Simulated time of each scene [s] [default: 2]
+    /// Simulated time of each scene [s] [default: that of its file, or 2]
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
     duration: Option<f64>,
 
@@ -126,29 +126,31 @@ pub fn run(arguments: &ChartArgs) -> Result<(), Failure> {
 
 /// Reads every input and settles where it starts.
 fn scenes(arguments: &ChartArgs) -> anyhow::Result<Vec<Scene>> {
-    let models: Vec<Model> =
+    let inputs: Vec<Loaded> =
         arguments.inputs.iter().map(|input| arguments.world.load(input)).collect::<anyhow::Result<_>>()?;
     for assignment in arguments.position.iter().chain(&arguments.velocity) {
         // With a single input the message of the model itself says more.
-        if models.len() > 1 && models.iter().all(|model| model.joint(&assignment.name).is_none()) {
+        if inputs.len() > 1 && inputs.iter().all(|one| one.model.joint(&assignment.name).is_none()) {
             return Err(anyhow!("no input has a joint {:?}", assignment.name));
         }
     }
     let mut scenes: Vec<Scene> = Vec::new();
-    for (model, input) in models.into_iter().zip(&arguments.inputs) {
+    for (loaded, input) in inputs.into_iter().zip(&arguments.inputs) {
+        refuse_what_is_not_simulated(&loaded.model)?;
         let alone = arguments.inputs.len() == 1;
-        let pairs = |assignments: &[Assignment]| -> Vec<(String, Vec<f64>)> {
-            let here = assignments.iter().filter(|one| alone || model.joint(&one.name).is_some());
-            here.map(|one| (one.name.clone(), one.values.clone())).collect()
+        let here = |assignments: &[Assignment]| -> Vec<Assignment> {
+            let here = assignments.iter().filter(|one| alone || loaded.model.joint(&one.name).is_some());
+            here.cloned().collect()
         };
-        let (position, velocity) = (pairs(&arguments.position), pairs(&arguments.velocity));
+        let (position, velocity) = (here(&arguments.position), here(&arguments.velocity));
         let in_input = || input.display().to_string();
-        let start = model.initial_state(&position, &velocity, arguments.base_velocity).with_context(in_input)?;
+        let start = loaded.initial_state(&position, &velocity, arguments.base_velocity).with_context(in_input)?;
+        let Loaded { model, simulation, .. } = loaded;
         if model.mechanism.velocity_count == 0 {
             return Err(anyhow!("{}: nothing in it moves", input.display()));
         }
         let name = scene_name(input, &scenes);
-        let duration = arguments.duration.unwrap_or(DEFAULT_DURATION);
+        let duration = arguments.duration.or(simulation.duration).unwrap_or(DEFAULT_DURATION);
         scenes.push(Scene { name, mechanism: model.mechanism, start, duration });
     }
     Ok(scenes)

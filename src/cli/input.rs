@@ -1,14 +1,20 @@
-//! The options that say what is simulated: shared by every verb that reads a robot.
+//! The options that say what is simulated: shared by every verb that reads a robot or a scene.
+//!
+//! What the command line says goes before what a scene file says, and that before the defaults; [`WorldArgs::load`] is
+//! where they meet.
 
-use catena::model::{Base, Model, ModelOptions, Pose};
-use catena::scene::{PackagePath, read_urdf};
+use super::numbers::Assignment;
+use anyhow::bail;
+use catena::model::{Base, Model, ModelError, ModelOptions, Pose, Start};
+use catena::scene::{PackagePath, SimulationSettings, read_scene, read_urdf};
+use catena::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::{Path, PathBuf};
 
-/// The robot, and where it stands.
+/// The robot or scene, and where it stands.
 #[derive(Clone, Debug, clap::Args)]
 pub struct InputArgs {
-    /// The robot: a .urdf file
+    /// The robot or scene: a .urdf or .toml file
     pub input: PathBuf,
 
     #[command(flatten)]
@@ -18,24 +24,60 @@ pub struct InputArgs {
 /// Where a robot stands, and where its files are.
 #[derive(Clone, Debug, clap::Args)]
 pub struct WorldArgs {
-    /// Whether the root link is fixed in the world or floats freely
-    #[arg(long, value_enum, default_value_t = BaseChoice::Fixed)]
-    pub base: BaseChoice,
+    /// Whether the root link is fixed in the world or floats freely [default: fixed]
+    #[arg(long, value_enum)]
+    pub base: Option<BaseChoice>,
 
-    /// Pose of the root link in the world [m, rad]; where it starts if the base floats
-    #[arg(long, value_name = "X,Y,Z,ROLL,PITCH,YAW", value_parser = numbers::<6>, default_value = "0,0,0,0,0,0",
-          allow_hyphen_values = true, hide_default_value = true)]
-    pub base_pose: [f64; 6],
+    /// Pose of the root link in the world [m, rad]; where it starts if the base floats [default: the world frame]
+    #[arg(long, value_name = "X,Y,Z,ROLL,PITCH,YAW", value_parser = numbers::<6>, allow_hyphen_values = true)]
+    pub base_pose: Option<[f64; 6]>,
 
-    /// Acceleration of gravity in the world [m/s²]
-    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, default_value = "0,0,-9.81",
-          allow_hyphen_values = true)]
-    pub gravity: [f64; 3],
+    /// Acceleration of gravity in the world [m/s²] [default: 0,0,-9.81]
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    pub gravity: Option<[f64; 3]>,
 
     /// Folder of a ROS package, for package://NAME/... (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the
     /// folders above the URDF are searched
     #[arg(long, value_name = "NAME=DIR", value_parser = package)]
     pub package: Vec<(String, PathBuf)>,
+}
+
+/// What was read: the model, where it starts, and how its file wants it to be run.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// What is simulated.
+    pub model: Model,
+    /// Where the file starts it.
+    pub start: Start,
+    /// What the file says about the run.
+    pub simulation: SimulationSettings,
+}
+
+impl Loaded {
+    /// The start of the file, with what the command line says instead of it.
+    ///
+    /// # Errors
+    /// [`ModelError`] for joints that do not exist or do not move, and for wrong counts of numbers.
+    pub fn initial_state(
+        &self,
+        positions: &[Assignment],
+        velocities: &[Assignment],
+        base_velocity: Option<[f64; 6]>,
+    ) -> Result<State, ModelError> {
+        let pairs = |given: &[Assignment]| -> Vec<(String, Vec<f64>)> {
+            given.iter().map(|one| (one.name.clone(), one.values.clone())).collect()
+        };
+        let Start { positions: mut all_positions, velocities: mut all_velocities } = self.start.clone();
+        all_positions.extend(pairs(positions));
+        // The velocity of the base is that of its joint; what comes later counts.
+        match (base_velocity, self.model.joints.iter().find(|joint| joint.is_base)) {
+            (Some(velocity), Some(base)) => all_velocities.push((base.name.clone(), velocity.to_vec())),
+            (Some(_), None) => return Err(ModelError::BaseDoesNotFloat),
+            (None, _) => {}
+        }
+        all_velocities.extend(pairs(velocities));
+        self.model.initial_state(&all_positions, &all_velocities, None)
+    }
 }
 
 /// `--base`.
@@ -48,42 +90,76 @@ pub enum BaseChoice {
 }
 
 impl InputArgs {
-    /// Reads and reduces the robot. Every error here is bad input (exit code 2).
+    /// Reads and reduces the robot or scene. Every error here is bad input (exit code 2).
     ///
     /// # Errors
-    /// What is wrong with the file, naming file, line, and link or joint.
-    pub fn load(&self) -> anyhow::Result<Model> {
+    /// What is wrong with the file, naming file, line, and link, joint or key.
+    pub fn load(&self) -> anyhow::Result<Loaded> {
         self.world.load(&self.input)
     }
 }
 
 impl WorldArgs {
-    /// The options of the model.
-    pub fn model_options(&self) -> ModelOptions {
-        let [x, y, z, roll, pitch, yaw] = self.base_pose;
-        ModelOptions {
-            base: match self.base {
-                BaseChoice::Fixed => Base::Fixed,
-                BaseChoice::Floating => Base::Floating,
-            },
-            base_pose: Pose::from_parts(Translation3::new(x, y, z), Rotation3::from_euler_angles(roll, pitch, yaw)),
-            gravity: Vector3::from(self.gravity),
-        }
-    }
-
-    /// Reads and reduces a robot. Every error here is bad input (exit code 2).
+    /// Reads and reduces a robot or scene. Every error here is bad input (exit code 2).
     ///
     /// # Errors
-    /// What is wrong with the file, naming file, line, and link or joint.
-    pub fn load(&self, input: &Path) -> anyhow::Result<Model> {
+    /// What is wrong with the file, naming file, line, and link, joint or key.
+    pub fn load(&self, input: &Path) -> anyhow::Result<Loaded> {
+        let packages = PackagePath::from_environment(self.package.clone());
         let is_scene = input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
         if is_scene {
-            anyhow::bail!("{}: scene files are not read yet; give a .urdf", input.display());
+            return self.load_scene(input, &packages);
         }
-        let packages = PackagePath::from_environment(self.package.clone());
-        let robot = read_urdf(input, &packages)?;
-        Ok(Model::new(robot, &self.model_options())?)
+        let defaults = ModelOptions::default();
+        let options = ModelOptions {
+            base: self.base.map_or(defaults.base, BaseChoice::base),
+            base_pose: self.base_pose.map_or(defaults.base_pose, pose),
+            gravity: self.gravity.map_or(defaults.gravity, Vector3::from),
+        };
+        let model = Model::new(read_urdf(input, &packages)?, &options)?;
+        Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default() })
     }
+
+    fn load_scene(&self, input: &Path, packages: &PackagePath) -> anyhow::Result<Loaded> {
+        let mut scene = read_scene(input, packages)?;
+        if let Some(gravity) = self.gravity {
+            scene.gravity = Some(Vector3::from(gravity));
+        }
+        match scene.robots.as_mut_slice() {
+            [only] => {
+                if let Some(base) = self.base {
+                    only.floating = base == BaseChoice::Floating;
+                    // A velocity of the base is lost with its freedom.
+                    only.velocity = only.velocity.filter(|_| only.floating);
+                }
+                only.pose = self.base_pose.map_or(only.pose, pose);
+            }
+            several => {
+                if self.base.is_some() || self.base_pose.is_some() {
+                    let count = several.len();
+                    bail!(
+                        "--base and --base-pose are for one robot; {} has {count}: write them there",
+                        input.display()
+                    );
+                }
+            }
+        }
+        let (model, start) = Model::from_scene(&scene)?;
+        Ok(Loaded { model, start, simulation: scene.simulation })
+    }
+}
+
+impl BaseChoice {
+    fn base(self) -> Base {
+        match self {
+            BaseChoice::Fixed => Base::Fixed,
+            BaseChoice::Floating => Base::Floating,
+        }
+    }
+}
+
+fn pose([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Pose {
+    Pose::from_parts(Translation3::new(x, y, z), Rotation3::from_euler_angles(roll, pitch, yaw))
 }
 
 /// Exactly `N` finite numbers, separated by commas.

@@ -10,11 +10,14 @@
 //! Errors are one line on standard error, `catena: error: …`, so that scripts can show them as they are.
 
 mod chart;
+mod couplings;
 mod input;
 mod model;
+mod not_yet;
 mod numbers;
 mod progress;
 mod simulate;
+mod table;
 
 use anyhow::Context;
 use clap::error::ErrorKind;
@@ -24,7 +27,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Simulates mechanisms of rigid bodies, given as URDF, without drift and at any order of accuracy.
+/// Simulates mechanisms of rigid bodies, given as URDF or scene files, without drift and at any order of accuracy.
 #[derive(Parser)]
 #[command(version, arg_required_else_help = true)]
 struct CommandLine {
@@ -34,7 +37,7 @@ struct CommandLine {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Run a robot and write what happens as an MCAP log
+    /// Run a robot or scene and write what happens as an MCAP log
     Simulate(Box<simulate::Arguments>),
     /// Show what was read, what was left out and why, and what will be simulated
     Model(Box<model::ModelArgs>),

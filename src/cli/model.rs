@@ -1,6 +1,8 @@
 //! `catena model`: what was read, what was left out and why, and what will be simulated.
 
+use super::couplings;
 use super::input::InputArgs;
+use super::table::{Table, counted, number, triple};
 use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names, wxyz_from_rotation};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -22,7 +24,7 @@ pub struct ModelArgs {
 /// # Errors
 /// Bad input (exit code 2), or standard output that cannot be written.
 pub fn run(args: &ModelArgs) -> anyhow::Result<()> {
-    let model = args.input.load()?;
+    let model = args.input.load()?.model;
     let report = if args.json { serde_json::to_string_pretty(&as_json(&model))? + "\n" } else { as_text(&model) };
     match std::io::stdout().write_all(report.as_bytes()) {
         // The reader of a pipe may have seen enough.
@@ -38,7 +40,7 @@ pub fn counts(model: &Model) -> Value {
         "bodies": model.mechanism.bodies.len(),
         "joints": model.mechanism.bodies.len(),
         "degrees_of_freedom": model.mechanism.velocity_count,
-        "loops": 0,
+        "loops": model.mechanism.loops.len(),
         "redundant_constraints": 0,
     })
 }
@@ -113,10 +115,10 @@ fn as_json(model: &Model) -> Value {
             })
         })
         .collect();
-    json!({
+    let mut report = json!({
         "catena": env!("CARGO_PKG_VERSION"),
-        "input": model.robot.path.display().to_string(),
-        "robot": model.robot.name,
+        "input": model.path().display().to_string(),
+        "robot": mechanism.name,
         "gravity": mechanism.gravity.as_slice(),
         "model": counts(model),
         "moving_mass": mechanism.total_mass(),
@@ -125,7 +127,11 @@ fn as_json(model: &Model) -> Value {
         "links": links,
         "reductions": reductions,
         "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
-    })
+    });
+    for (key, value) in couplings::as_json(model) {
+        report[key] = value;
+    }
+    report
 }
 
 fn as_text(model: &Model) -> String {
@@ -134,12 +140,13 @@ fn as_text(model: &Model) -> String {
     // Writing into a String cannot fail.
     let _ = writeln!(
         text,
-        "{}: {} → {}, {}, {}",
-        model.robot.name,
+        "{}: {} → {}, {}, {}{}",
+        mechanism.name,
         counted(model.links.len(), "link", "links"),
         counted(mechanism.bodies.len(), "body", "bodies"),
         counted(mechanism.bodies.len(), "joint", "joints"),
         counted(mechanism.velocity_count, "degree of freedom", "degrees of freedom"),
+        couplings::summary(model),
     );
     let g = mechanism.gravity;
     let _ = writeln!(text, "{} kg move under gravity {}, {}, {} m/s²", number(mechanism.total_mass()), g.x, g.y, g.z);
@@ -163,6 +170,7 @@ fn as_text(model: &Model) -> String {
         ]);
     }
     bodies.write(&mut text);
+    couplings::write_tables(model, &mut text);
 
     if !model.reductions.is_empty() {
         let _ = writeln!(text, "\nno bodies of their own:");
@@ -188,54 +196,4 @@ fn as_text(model: &Model) -> String {
         }
     }
     text
-}
-
-/// A table whose columns are as wide as their widest cell.
-struct Table {
-    rows: Vec<Vec<String>>,
-}
-
-impl Table {
-    fn new(head: &[&str]) -> Self {
-        Table { rows: vec![head.iter().map(ToString::to_string).collect()] }
-    }
-
-    fn row(&mut self, cells: Vec<String>) {
-        self.rows.push(cells);
-    }
-
-    /// Writes the table, unless it has no rows.
-    fn write(&self, out: &mut String) {
-        if self.rows.len() < 2 {
-            return;
-        }
-        let width = |column: usize| self.rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..self.rows[0].len()).map(width).collect();
-        out.push('\n');
-        for (index, row) in self.rows.iter().enumerate() {
-            let cells = row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}"));
-            let _ = writeln!(out, "  {}", cells.collect::<Vec<_>>().join("  ").trim_end());
-            if index == 0 {
-                let rules: Vec<String> = widths.iter().map(|&width| "─".repeat(width)).collect();
-                let _ = writeln!(out, "  {}", rules.join("  "));
-            }
-        }
-    }
-}
-
-fn counted(count: usize, one: &str, several: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { several })
-}
-
-/// Four significant digits.
-fn number(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_string();
-    }
-    let digits = (3 - value.abs().log10().floor() as i32).max(0) as usize;
-    if value.abs() < 1e-3 || value.abs() >= 1e6 { format!("{value:.3e}") } else { format!("{value:.digits$}") }
-}
-
-fn triple(values: &nalgebra::Vector3<f64>) -> String {
-    format!("{}, {}, {}", number(values.x), number(values.y), number(values.z))
 }

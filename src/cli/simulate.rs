@@ -3,7 +3,8 @@
 //! The output is opened last, when nothing in the input can be wrong any more: a bad input leaves an existing log as
 //! it was. Every way out of the run completes the log.
 
-use super::input::{InputArgs, numbers};
+use super::input::{InputArgs, Loaded, numbers};
+use super::not_yet::refuse_what_is_not_simulated;
 use super::numbers::{Assignment, positive, rate};
 use super::progress::Progress;
 use super::{Failure, print};
@@ -11,10 +12,11 @@ use anyhow::{Context, anyhow};
 use catena::calibration::{CalibrationError, calibrate};
 use catena::lobatto::Lobatto;
 use catena::log::{Recorder, Severity};
-use catena::model::{Mechanism, Model, ModelError, Pose};
+use catena::model::{Mechanism, Model, PlacedRobot, Pose};
 use catena::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports,
 };
+use catena::scene::SimulationSettings;
 use catena::simulation::{Integrator, Observer, RunError, RunOptions, run as run_simulation};
 use catena::state::State;
 use clap::{Args, value_parser};
@@ -97,29 +99,42 @@ pub enum StepChoice {
     Fixed { stages: usize, step: f64 },
 }
 
+impl StepChoice {
+    /// What the command line says, or else the file.
+    fn new(arguments: &Arguments, file: &SimulationSettings) -> Self {
+        let given = arguments.stages.zip(arguments.step).map(|(stages, step)| (stages.into(), step));
+        let fixed = given.or(file.fixed.filter(|_| arguments.tolerance.is_none()));
+        match fixed {
+            Some((stages, step)) => StepChoice::Fixed { stages, step },
+            None => StepChoice::Tolerance(arguments.tolerance.or(file.tolerance).unwrap_or(DEFAULT_TOLERANCE)),
+        }
+    }
+}
+
 /// Does what the arguments say.
 ///
 /// # Errors
 /// [`Failure`] with the exit code the interface promises.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = output(arguments).map_err(Failure::input)?;
-    let model = arguments.input.load().map_err(Failure::input)?;
+    let loaded = arguments.input.load().map_err(Failure::input)?;
+    refuse_what_is_not_simulated(&loaded.model).map_err(Failure::input)?;
+    let mut state = loaded
+        .initial_state(&arguments.position, &arguments.velocity, arguments.base_velocity)
+        .map_err(Failure::input)?;
+    let Loaded { model, simulation: file, .. } = &loaded;
     let mechanism = &model.mechanism;
-    let mut state = initial_state(&model, arguments).map_err(Failure::input)?;
-    let choice = match (arguments.stages, arguments.step) {
-        (Some(stages), Some(step)) => StepChoice::Fixed { stages: stages.into(), step },
-        _ => StepChoice::Tolerance(arguments.tolerance.unwrap_or(DEFAULT_TOLERANCE)),
-    };
-    let duration = arguments.duration.unwrap_or(DEFAULT_DURATION);
-    let rate = arguments.rate.unwrap_or(DEFAULT_RATE);
+    let choice = StepChoice::new(arguments, file);
+    let duration = arguments.duration.or(file.duration).unwrap_or(DEFAULT_DURATION);
+    let rate = arguments.rate.or(file.rate).unwrap_or(DEFAULT_RATE);
 
     super::watch_for_interrupts(&INTERRUPTED).map_err(Failure::run)?;
     let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
     let (mut integrator, accuracy) = integrator(mechanism, &state, duration, choice)?;
     let mut recorder = match &output {
         Some(path) => {
-            let simulation = description(&model, duration, rate, choice, integrator.as_ref());
-            Some(Recorder::create(path, &model, simulation).map_err(log_failure)?)
+            let simulation = description(model, duration, rate, choice, integrator.as_ref());
+            Some(Recorder::create(path, model, simulation).map_err(log_failure)?)
         }
         None => None,
     };
@@ -143,11 +158,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let report = Report {
         catena: env!("CARGO_PKG_VERSION"),
         input: arguments.input.input.display().to_string(),
-        scene: model.robot.name.clone(),
+        scene: mechanism.name.clone(),
         // The time that was reached, which is less than what was asked for if the run ended early.
         duration: state.time,
         method: MethodReport::new(&integrator.description()),
-        model: ModelReport::new(&model),
+        model: ModelReport::new(model),
         steps: summary.steps,
         iterations: summary.iterations,
         rejected_steps: summary.rejected_steps,
@@ -156,8 +171,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         solve_cpu_seconds: summary.solve_cpu_seconds,
         energy: EnergyReport::new(&summary),
         constraint: ConstraintReport::new(&summary),
-        links: link_reports(&model, &state),
-        joints: joint_reports(&model, &state),
+        links: link_reports(model, &state),
+        joints: joint_reports(model, &state),
         warnings: model
             .warnings
             .iter()
@@ -199,13 +214,6 @@ fn integrator(
         // The run will fail where the pilot did, and leave its log up to there.
         Err(CalibrationError::Step(_)) => Ok((Box::new(Lobatto::adaptive(mechanism, tolerance)), None)),
     }
-}
-
-fn initial_state(model: &Model, arguments: &Arguments) -> Result<State, ModelError> {
-    let pairs = |assignments: &[Assignment]| -> Vec<(String, Vec<f64>)> {
-        assignments.iter().map(|assignment| (assignment.name.clone(), assignment.values.clone())).collect()
-    };
-    model.initial_state(&pairs(&arguments.position), &pairs(&arguments.velocity), arguments.base_velocity)
 }
 
 /// Where the log goes, refused early if it cannot go there.
@@ -252,10 +260,16 @@ fn description(
     };
     let command_line: Vec<String> =
         std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
+    // Of several robots, one after the other.
+    let of_robots = |what: &dyn Fn(&PlacedRobot) -> String| model.robots.iter().map(what).collect::<Vec<_>>().join(";");
+    let base = |robot: &PlacedRobot| {
+        let floats = model.joints[robot.joints.clone()].iter().any(|joint| joint.is_base);
+        if floats { "floating" } else { "fixed" }.to_string()
+    };
     let entries = [
-        ("robot", model.robot.name.clone()),
-        ("base", if model.joints.iter().any(|joint| model.is_base(joint)) { "floating" } else { "fixed" }.to_string()),
-        ("base_pose", listed(&pose_numbers(&model.base_pose))),
+        ("robot", of_robots(&|robot| robot.name.clone())),
+        ("base", of_robots(&base)),
+        ("base_pose", of_robots(&|robot| listed(&pose_numbers(&robot.base_pose)))),
         ("gravity", listed(model.mechanism.gravity.as_slice())),
         ("version", env!("CARGO_PKG_VERSION").to_string()),
         ("method", method.name),

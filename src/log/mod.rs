@@ -2,7 +2,7 @@
 //!
 //! | topic                | schema                                       | when                                     |
 //! |----------------------|----------------------------------------------|------------------------------------------|
-//! | `/robot_description` | `std_msgs/msg/String` (ros2msg, cdr)         | once, at t = 0                           |
+//! | `/robot_description` | `std_msgs/msg/String` (ros2msg, cdr)         | once, at t = 0; of several robots `/NAME/robot_description` |
 //! | `/scene`             | `foxglove.SceneUpdate` (protobuf)            | once, at t = 0                           |
 //! | `/log`               | `foxglove.Log` (protobuf)                    | warnings at t = 0, what ended a run early |
 //! | `/tf`                | `foxglove.FrameTransforms` (protobuf)        | every sample: every link, in `world`     |
@@ -16,7 +16,7 @@
 //!
 //! Rerun draws the robot from `/robot_description` and `/tf` and plots the ROS messages by itself; Foxglove and
 //! Lichtblick draw `/scene`; every channel has a schema because PlotJuggler skips those without. A metadata record
-//! `simulation` says how the run was made, and the URDF as it was read is an attachment. Log time and publish time are
+//! `simulation` says how the run was made, and the URDF and scene files as they were read are attachments. Log time and publish time are
 //! both the simulated time in nanoseconds and nothing in the file depends on the clock of the wall, so that the same
 //! run gives the same bytes.
 //!

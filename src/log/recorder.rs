@@ -11,8 +11,7 @@ use super::joints::JointMessages;
 use super::nanoseconds;
 use super::ros::{self, ros_channel};
 use crate::model::joint::wxyz_from_rotation;
-use crate::model::{LinkFrame, Model, Pose};
-use crate::scene::Robot;
+use crate::model::{LinkFrame, Model, PlacedRobot, Pose};
 use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
 use foxglove::messages::{self, FrameTransform, FrameTransforms, Quaternion, SceneUpdate, Timestamp, Vector3};
 use foxglove::{Encode, Schema};
@@ -61,7 +60,7 @@ impl<'m> Recorder<'m> {
         let mut file = LogFile::create(path)?;
         file.metadata("simulation", simulation)?;
         let mut beginning = Batch::default();
-        describe(&mut file, &mut beginning, &model.robot)?;
+        describe(&mut file, &mut beginning, model)?;
         let channels = Channels {
             log: foxglove_channel::<messages::Log>(&mut file, "/log")?,
             transforms: foxglove_channel::<FrameTransforms>(&mut file, "/tf")?,
@@ -170,18 +169,30 @@ fn log_line(time: u64, severity: Severity, text: &str) -> Vec<u8> {
     line
 }
 
-/// The URDF as an attachment and for viewers, and the robot's looks.
-fn describe(file: &mut LogFile, beginning: &mut Batch, robot: &Robot) -> Result<(), LogError> {
-    let name = robot.path.file_name().unwrap_or(robot.path.as_os_str());
-    file.attach(&name.to_string_lossy(), "application/xml", robot.source.as_bytes())?;
+/// What was read as attachments, and for viewers each robot's URDF and the looks of all of them. With several robots all
+/// names have the robot's before them, as in the transforms.
+fn describe(file: &mut LogFile, beginning: &mut Batch, model: &Model) -> Result<(), LogError> {
+    let file_name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    if let Some(scene) = &model.scene {
+        file.attach(&file_name(&scene.path), "application/toml", scene.text.as_bytes())?;
+    }
     let mut buffer = Vec::new();
-    let channel = ros_channel(file, "/robot_description", ros::STRING)?;
-    ros::encode_string(&robot.description, &mut buffer);
-    beginning.push(channel, 0, &buffer);
-    let scene = super::visual::scene(&robot.links);
-    if !scene.entities.is_empty() {
+    let mut looks = SceneUpdate::default();
+    for (index, PlacedRobot { robot, .. }) in model.robots.iter().enumerate() {
+        let prefix = model.prefix(index);
+        file.attach(&format!("{prefix}{}", file_name(&robot.path)), "application/xml", robot.source.as_bytes())?;
+        let channel = ros_channel(file, &format!("/{prefix}robot_description"), ros::STRING)?;
+        if prefix.is_empty() {
+            ros::encode_string(&robot.description, &mut buffer);
+        } else {
+            ros::encode_string(&robot.prefixed_description(&prefix), &mut buffer);
+        }
+        beginning.push(channel, 0, &buffer);
+        looks.entities.extend(super::visual::entities(&robot.links, &prefix));
+    }
+    if !looks.entities.is_empty() {
         let channel = foxglove_channel::<SceneUpdate>(file, "/scene")?;
-        encode(&scene, &mut buffer);
+        encode(&looks, &mut buffer);
         beginning.push(channel, 0, &buffer);
     }
     Ok(())

@@ -6,7 +6,7 @@
 use crate::model::Pose;
 use crate::scene::{Geometry, Link, Shape};
 use foxglove::messages::{
-    Color, CubePrimitive, CylinderPrimitive, ModelPrimitive, Pose as PoseMessage, Quaternion, SceneEntity, SceneUpdate,
+    Color, CubePrimitive, CylinderPrimitive, ModelPrimitive, Pose as PoseMessage, Quaternion, SceneEntity,
     SpherePrimitive, Vector3 as VectorMessage,
 };
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
@@ -14,19 +14,14 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 /// What has no material is drawn in this grey.
 const PLAIN: [f64; 4] = [0.7, 0.7, 0.72, 1.0];
 
-/// The scene of a robot's links, empty if there is nothing to draw.
-pub(super) fn scene(links: &[Link]) -> SceneUpdate {
+/// The links of a robot that have looks, with `prefix` before their names.
+pub(super) fn entities(links: &[Link], prefix: &str) -> impl Iterator<Item = SceneEntity> {
     let drawn = links.iter().filter(|link| !link.visuals.is_empty());
-    SceneUpdate { entities: drawn.map(entity).collect(), ..SceneUpdate::default() }
+    drawn.map(move |link| entity(link, format!("{prefix}{}", link.name)))
 }
 
-fn entity(link: &Link) -> SceneEntity {
-    let mut entity = SceneEntity {
-        frame_id: link.name.clone(),
-        id: link.name.clone(),
-        frame_locked: true,
-        ..SceneEntity::default()
-    };
+fn entity(link: &Link, name: String) -> SceneEntity {
+    let mut entity = SceneEntity { frame_id: name.clone(), id: name, frame_locked: true, ..SceneEntity::default() };
     link.visuals.iter().for_each(|visual| add(&mut entity, visual));
     entity
 }

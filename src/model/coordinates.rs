@@ -27,7 +27,7 @@ impl Model {
         let mut state = State::zero(&self.mechanism);
         for record in self.joints.iter().filter(|record| record.kind == UrdfJointKind::Floating) {
             let Some(body) = record.body else { continue };
-            let link = if self.is_base(record) { self.base_pose } else { Pose::identity() };
+            let link = if record.is_base { self.robots[record.robot].base_pose } else { Pose::identity() };
             let range = self.mechanism.bodies[body].joint.position_range();
             state.position[range].copy_from_slice(&pose_numbers(&(link * record.child_link_in_body.inverse())));
         }
@@ -100,7 +100,7 @@ impl Model {
 
     /// Whether a record is that of the floating base.
     pub fn is_base(&self, record: &JointRecord) -> bool {
-        !self.robot.joints.iter().any(|joint| joint.name == record.name)
+        record.is_base
     }
 
     /// The record and body of a joint that moves.

@@ -57,7 +57,7 @@ pub fn undetermined_body(mechanism: &Mechanism) -> Option<usize> {
 }
 
 /// Displacements without any symmetry.
-fn odd_position(mechanism: &Mechanism) -> Vec<f64> {
+pub(super) fn odd_position(mechanism: &Mechanism) -> Vec<f64> {
     let mut position = Vec::with_capacity(mechanism.position_count);
     // Multiples of the golden ratio never repeat modulo one.
     let mut next = {

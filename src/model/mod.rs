@@ -1,22 +1,28 @@
 //! What must be simulated: joints, bodies, the mechanism they form, and where the robot of the URDF is in it.
 
+mod assemble;
 mod closure;
 mod composite;
 mod coordinates;
+mod coupling_error;
+mod couplings;
 mod definiteness;
 pub mod joint;
 mod joint_frame;
+mod loop_gap;
 mod mechanism;
 mod model_error;
 mod reduce;
 mod rigid_groups;
 mod robot_model;
 
+pub use assemble::Start;
 pub use closure::{Attachment, Coordinate, LoopJoint, LoopKind, Mimic};
 pub use composite::Composite;
 pub use coordinates::{position_names, velocity_names};
+pub use coupling_error::{CouplingError, CouplingProblem};
 pub use joint::{FreeRotation, Joint, JointKind, Pose, wxyz_from_rotation};
 pub use mechanism::{Body, Mechanism, MechanismError};
 pub use model_error::ModelError;
 pub use reduce::{Base, ModelOptions};
-pub use robot_model::{JointRecord, LinkFrame, LinkState, Model, Reduction, ReductionRule};
+pub use robot_model::{JointRecord, LinkFrame, LinkState, Model, PlacedRobot, Reduction, ReductionRule, SourceFile};

@@ -1,5 +1,6 @@
 //! Why a robot cannot be simulated, or not as asked.
 
+use super::coupling_error::CouplingError;
 use super::mechanism::MechanismError;
 use crate::scene::Element;
 use std::path::PathBuf;
@@ -28,6 +29,12 @@ pub enum ModelError {
     /// The bodies do not form a mechanism.
     #[error(transparent)]
     Mechanism(#[from] MechanismError),
+    /// A loop, spring, load or mimic relation that cannot be.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// What a file says about the start is wrong.
+    #[error("{}:{line}: {problem}", file.display())]
+    InFile { file: PathBuf, line: usize, problem: Box<ModelError> },
     /// No such joint.
     #[error("there is no joint {joint:?}; the joints that move are {}", listed(known))]
     UnknownJoint { joint: String, known: Vec<String> },

@@ -16,7 +16,7 @@ use super::joint_frame::{joint_frames, joint_kind};
 use super::mechanism::{Body, Mechanism};
 use super::model_error::ModelError;
 use super::rigid_groups::{Carrier, Group, GroupJoint, Groups, LinkTree, Moving, drop_massless_leaves};
-use super::robot_model::{JointRecord, LinkFrame, Model, Reduction, ReductionRule};
+use super::robot_model::{JointRecord, LinkFrame, Model, PlacedRobot, Reduction, ReductionRule};
 use crate::scene::{Element, Robot, UrdfJointKind, WORLD_LINK, Warning};
 use nalgebra::Vector3;
 
@@ -54,8 +54,16 @@ impl Model {
     /// Reduces a robot to what must be simulated.
     ///
     /// # Errors
-    /// [`ModelError`] when the base cannot float, or a motion has no or negative inertia.
+    /// [`ModelError`] when the base cannot float, a motion has no or negative inertia, or a loop cannot be.
     pub fn new(robot: Robot, options: &ModelOptions) -> Result<Self, ModelError> {
+        let mut model = Model::of_robot(robot, options)?;
+        let start = model.zero_state();
+        model.build_couplings(None, &start)?;
+        Ok(model)
+    }
+
+    /// The tree of a robot alone, without what couples its joints.
+    pub(super) fn of_robot(robot: Robot, options: &ModelOptions) -> Result<Self, ModelError> {
         refuse_bad_options(&robot, options)?;
         let tree = LinkTree::new(&robot);
         let mut moving = Moving::all(&robot, options.base == Base::Floating);
@@ -79,7 +87,14 @@ impl Model {
         let reductions = build.reductions(&dropped);
         let mut warnings = robot.warnings.clone();
         warnings.extend(dropped.iter().map(|&(head, joint)| build.massless_warning(head, joint)));
-        Ok(Model { mechanism, links, joints, reductions, warnings, base_pose: options.base_pose, robot })
+        let robots = vec![PlacedRobot {
+            name: robot.name.clone(),
+            links: 0..robot.links.len(),
+            joints: 0..joints.len(),
+            base_pose: options.base_pose,
+            robot,
+        }];
+        Ok(Model { mechanism, links, joints, reductions, warnings, robots, scene: None })
     }
 }
 
@@ -233,6 +248,8 @@ impl Build<'_> {
             records.push(JointRecord {
                 name: self.base_name.to_string(),
                 kind: UrdfJointKind::Floating,
+                robot: 0,
+                is_base: true,
                 body: body_of(self.groups.carrier[root]),
                 parent_link: WORLD_LINK.to_string(),
                 child_link: self.robot.links[root].name.clone(),
@@ -249,6 +266,8 @@ impl Build<'_> {
             records.push(JointRecord {
                 name: joint.name.clone(),
                 kind: joint.kind,
+                robot: 0,
+                is_base: false,
                 body: body_of(carrier).filter(|_| moving.joints[index]),
                 parent_link: joint.parent.clone(),
                 child_link: joint.child.clone(),

@@ -14,24 +14,50 @@ use crate::kinematics::WORLD;
 use crate::scene::{Robot, UrdfJointKind, Warning};
 use crate::state::BodyState;
 use nalgebra::{Matrix3, Vector3};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 /// What is simulated, and how the robot of the URDF lies in it.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// The bodies and joints that move.
     pub mechanism: Mechanism,
-    /// Every link of the URDF, in its order.
+    /// Every link, robot after robot, in the order of the URDF.
     pub links: Vec<LinkFrame>,
-    /// Every joint of the URDF, in its order; a floating base comes first.
+    /// Every joint, robot after robot, in the order of the URDF; a floating base comes first.
     pub joints: Vec<JointRecord>,
     /// Everything that was left out or fused, and why.
     pub reductions: Vec<Reduction>,
-    /// The warnings of the robot and of the reduction.
+    /// The warnings of the robots, the reduction and the scene.
     pub warnings: Vec<Warning>,
+    /// The robots, at least one.
+    pub robots: Vec<PlacedRobot>,
+    /// The scene file, if there is one.
+    pub scene: Option<SourceFile>,
+}
+
+/// A robot as it was read, and where it is in the model.
+#[derive(Clone, Debug)]
+pub struct PlacedRobot {
+    /// Its name in the scene. If there are several robots, the names of its links and joints begin with it and a slash.
+    pub name: String,
+    /// The URDF.
+    pub robot: Robot,
     /// Where the root link starts: its frame in the world.
     pub base_pose: Pose,
-    /// The robot as it was read.
-    pub robot: Robot,
+    /// Its links among those of the model, in the order of the URDF.
+    pub links: Range<usize>,
+    /// Its joints among those of the model, in the order of the URDF; a floating base comes first.
+    pub joints: Range<usize>,
+}
+
+/// A file and what it said.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SourceFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
 }
 
 /// Where a link of the URDF is.
@@ -58,6 +84,10 @@ pub struct JointRecord {
     pub name: String,
     /// Its URDF type.
     pub kind: UrdfJointKind,
+    /// Its robot, by index.
+    pub robot: usize,
+    /// Whether it is the joint of a floating base, which no URDF has.
+    pub is_base: bool,
     /// The body it moves; `None` if it is fixed or was dropped.
     pub body: Option<usize>,
     /// Name of the parent link, or `world`.
@@ -136,6 +166,16 @@ pub struct LinkState {
 }
 
 impl Model {
+    /// The file it was read from: the scene file, or the URDF of the only robot.
+    pub fn path(&self) -> &Path {
+        self.scene.as_ref().map_or(&self.robots[0].robot.path, |scene| &scene.path)
+    }
+
+    /// What comes before the names of a robot's links and joints.
+    pub fn prefix(&self, robot: usize) -> String {
+        if self.robots.len() > 1 { format!("{}/", self.robots[robot].name) } else { String::new() }
+    }
+
     /// The index of the link with this name.
     pub fn link(&self, name: &str) -> Option<usize> {
         self.links.iter().position(|link| link.name == name)

@@ -70,7 +70,8 @@ impl Cleaner<'_> {
 
     /// One element with all that the schema knows of it.
     fn element(&mut self, node: Node, schema: &'static Schema) -> Result<CleanElement, SceneError> {
-        if schema.name == "link" || schema.name == "joint" {
+        let is_owner = matches!(schema.name, "link" | "joint" | "loop_joint");
+        if is_owner {
             self.owner = owner_of(node, schema.name);
         }
         let mut element = CleanElement {
@@ -92,7 +93,7 @@ impl Cleaner<'_> {
                 return Err(self.error(node, Problem::MissingElement { parent, element: missing }));
             }
         }
-        if schema.name == "link" || schema.name == "joint" {
+        if is_owner {
             self.owner = None;
         }
         Ok(element)
@@ -230,10 +231,14 @@ impl Cleaner<'_> {
     }
 }
 
-/// The link or joint that a node is, if it has a name.
+/// The link, joint or loop that a node is, if it has a name.
 fn owner_of(node: Node, kind: &str) -> Option<Element> {
     let name = node.attribute("name")?.to_string();
-    Some(if kind == "link" { Element::Link(name) } else { Element::Joint(name) })
+    Some(match kind {
+        "link" => Element::Link(name),
+        "joint" => Element::Joint(name),
+        _ => Element::Loop(name),
+    })
 }
 
 /// The name of an element with the prefix it was written with.

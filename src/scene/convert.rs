@@ -4,7 +4,11 @@ use super::clean::error_at;
 use super::element::CleanElement;
 use super::error::{Element, Problem, SceneError, Warning};
 use super::mesh_files::MeshFiles;
-use super::robot::{Dynamics, Geometry, Inertial, Limit, Link, MeshFile, Mimic, Pose, Shape, UrdfJoint, UrdfJointKind};
+use super::numbers::unit;
+use super::robot::{
+    Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Shape, UrdfJoint, UrdfJointKind,
+    UrdfLoop, WORLD_LINK,
+};
 use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
 
@@ -74,6 +78,60 @@ impl Converter<'_> {
         })
     }
 
+    /// A joint that closes a loop, among the links of the robot.
+    pub fn closing_joint(&mut self, element: &CleanElement, links: &[Link]) -> Result<UrdfLoop, SceneError> {
+        let name = element.attribute("name").unwrap_or_default().to_string();
+        let owner = Element::Loop(name.clone());
+        let kind = match element.attribute("type").unwrap_or_default() {
+            "revolute" | "continuous" => LoopType::Revolute,
+            "prismatic" => LoopType::Prismatic,
+            "cylindrical" => LoopType::Cylindrical,
+            "universal" => LoopType::Universal,
+            "spherical" | "ball" => LoopType::Spherical,
+            "planar" => LoopType::Planar,
+            "fixed" => LoopType::Fixed,
+            other => {
+                let problem = Problem::LoopType(other.to_string());
+                return Err(error_at(self.file, element.line, Some(owner), problem));
+            }
+        };
+        let axis = match element.child("axis").and_then(|axis| Some((axis.line, axis.numbers("xyz")?))) {
+            Some((line, numbers)) if kind.needs_axes() => {
+                self.unit_axis(&Vector3::from_column_slice(&numbers), line, &owner)?
+            }
+            _ => Vector3::x(),
+        };
+        let damping = element.child("dynamics").and_then(|dynamics| dynamics.numbers("damping"));
+        if damping.is_some_and(|damping| damping[0] != 0.0) {
+            self.warn(element.line, &owner, "the damping of a joint that closes a loop is not simulated".to_string());
+        }
+        let a = self.closing_end(element, "link1", links, &owner)?;
+        let b = self.closing_end(element, "link2", links, &owner)?;
+        Ok(UrdfLoop { name, kind, axis, a, b, line: element.line })
+    }
+
+    /// The link of one end of a loop, and the frame in it.
+    fn closing_end(
+        &self,
+        element: &CleanElement,
+        role: &'static str,
+        links: &[Link],
+        owner: &Element,
+    ) -> Result<(Option<usize>, Pose), SceneError> {
+        // The schema requires both.
+        let end = element.child(role).unwrap_or(element);
+        let name = end.attribute("link").unwrap_or_default();
+        let link = links.iter().position(|link| link.name == name);
+        if link.is_none() && name != WORLD_LINK {
+            let problem = Problem::UnknownLink { role, name: name.to_string() };
+            return Err(error_at(self.file, end.line, Some(owner.clone()), problem));
+        }
+        let numbers = |attribute| end.numbers(attribute).unwrap_or_else(|| vec![0.0; 3]);
+        let (xyz, rpy) = (numbers("xyz"), numbers("rpy"));
+        let turn = Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]);
+        Ok((link, Pose::from_parts(Translation3::new(xyz[0], xyz[1], xyz[2]), turn)))
+    }
+
     /// The axis, of length one.
     fn axis(
         &mut self,
@@ -83,21 +141,21 @@ impl Converter<'_> {
         owner: &Element,
     ) -> Result<Vector3<f64>, SceneError> {
         let given = Vector3::from(joint.axis.xyz.0);
-        // The largest entry is divided out first, so that neither 1e-200 nor 1e200 is taken for zero or infinity.
-        let largest = given.amax();
-        let line = element.child("axis").map_or(element.line, |axis| axis.line);
         if !kind.has_axis() {
-            return Ok(if largest > 0.0 { (given / largest).normalize() } else { Vector3::x() });
+            return Ok(unit(&given).map_or(Vector3::x(), |(axis, _)| axis));
         }
-        if largest == 0.0 {
-            return Err(error_at(self.file, line, Some(owner.clone()), Problem::ZeroAxis));
+        let line = element.child("axis").map_or(element.line, |axis| axis.line);
+        self.unit_axis(&given, line, owner)
+    }
+
+    /// An axis that means something, of length one.
+    fn unit_axis(&mut self, given: &Vector3<f64>, line: usize, owner: &Element) -> Result<Vector3<f64>, SceneError> {
+        let (axis, warning) =
+            unit(given).ok_or_else(|| error_at(self.file, line, Some(owner.clone()), Problem::ZeroAxis))?;
+        if let Some(warning) = warning {
+            self.warn(line, owner, warning);
         }
-        let length = given.norm();
-        // Files write unit vectors with some five to seven digits.
-        if (length - 1.0).abs() > 1e-4 {
-            self.warn(line, owner, format!("the axis has length {length}; it was normalised"));
-        }
-        Ok(if length == 1.0 { given } else { (given / largest).normalize() })
+        Ok(axis)
     }
 
     fn inertial(

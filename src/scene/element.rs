@@ -55,6 +55,11 @@ impl CleanElement {
         self.children.iter().find(|child| child.name == name)
     }
 
+    /// The first child with this name, to be changed.
+    pub fn child_mut(&mut self, name: &str) -> Option<&mut CleanElement> {
+        self.children.iter_mut().find(|child| child.name == name)
+    }
+
     /// All children with this name.
     pub fn children_named(&self, name: &str) -> impl Iterator<Item = &CleanElement> {
         self.children.iter().filter(move |child| child.name == name)

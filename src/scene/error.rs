@@ -3,13 +3,21 @@
 use std::fmt;
 use std::path::PathBuf;
 
-/// The part of a robot that a message is about.
+/// The part of a robot or scene that a message is about.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Element {
     /// A link, by name.
     Link(String),
     /// A joint, by name.
     Joint(String),
+    /// A robot of a scene, by name.
+    Robot(String),
+    /// A joint that closes a loop, by name.
+    Loop(String),
+    /// A spring, by name.
+    Spring(String),
+    /// A load, by what it acts on.
+    Load(String),
 }
 
 impl fmt::Display for Element {
@@ -17,6 +25,10 @@ impl fmt::Display for Element {
         match self {
             Element::Link(name) => write!(out, "link {name:?}"),
             Element::Joint(name) => write!(out, "joint {name:?}"),
+            Element::Robot(name) => write!(out, "robot {name:?}"),
+            Element::Loop(name) => write!(out, "loop {name:?}"),
+            Element::Spring(name) => write!(out, "spring {name:?}"),
+            Element::Load(on) => write!(out, "load on {on:?}"),
         }
     }
 }
@@ -33,7 +45,7 @@ fn place(file: &std::path::Path, line: Option<usize>, element: &Option<Element>)
     place
 }
 
-/// Why a file is not a robot.
+/// Why a file is not a robot or a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}: {problem}", place(file, *line, element))]
 pub struct SceneError {
@@ -66,7 +78,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// What can be wrong with a URDF.
+/// What can be wrong with a URDF or a scene file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// The file system refused.
@@ -128,9 +140,37 @@ pub enum Problem {
     /// More than one link without a parent.
     #[error("the links form several trees, with the roots {}: join them, or fix them to a link \"world\"", quoted(.0))]
     SeveralRoots(Vec<String>),
+    /// Not a type of joint that closes loops.
+    #[error(
+        "type {0:?} is not one of revolute, continuous, prismatic, cylindrical, universal, spherical, ball, planar, fixed"
+    )]
+    LoopType(String),
+    /// Not TOML, or not the tables and keys of a scene.
+    #[error("{}{message}", key.as_ref().map_or(String::new(), |key| format!("{key}: ")))]
+    Toml { key: Option<String>, message: String },
+    /// Something that a later version will simulate.
+    #[error("[{0}] is not simulated yet; leave it out")]
+    NotYet(&'static str),
+    /// A scene without robots.
+    #[error("the scene has no [[robot]]")]
+    NoRobots,
+    /// A name that cannot be told from another.
+    #[error("the name of a robot must not be empty, {WORLD_LINK:?} or contain \"/\"", WORLD_LINK = super::robot::WORLD_LINK)]
+    RobotName,
+    /// A link or joint that no robot has.
+    #[error("there is no {what} {name:?}{}", hint(*robots))]
+    UnknownName { what: &'static str, name: String, robots: usize },
+    /// Keys that exclude each other, or of which one is missing.
+    #[error("{0}")]
+    Keys(&'static str),
     /// What urdf-rs says about a file in which this program saw nothing wrong.
     #[error("urdf-rs refuses it: {0}")]
     Parser(String),
+}
+
+/// How links and joints are called where there are several robots.
+fn hint(robots: usize) -> &'static str {
+    if robots > 1 { "; with several robots it must be written robot/name" } else { "" }
 }
 
 /// `"a", "b", "c"`.

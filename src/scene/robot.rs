@@ -21,6 +21,8 @@ pub struct Robot {
     pub links: Vec<Link>,
     /// The joints, in the order of the file.
     pub joints: Vec<UrdfJoint>,
+    /// The joints that close loops (`<loop_joint>`), in the order of the file.
+    pub loops: Vec<UrdfLoop>,
     /// The link at the root of the tree; `None` when the root is a world that only joints mention.
     pub root: Option<usize>,
     /// The file it came from.
@@ -176,6 +178,53 @@ pub struct UrdfJoint {
     pub mimic: Option<Mimic>,
     /// Line of the `<joint>` element.
     pub line: usize,
+}
+
+/// A `<loop_joint>`: a joint between two links of the tree. Standard URDF has none; this is how RigidBodyDynamics.jl,
+/// Dojo and Isaac Sim write them.
+#[derive(Clone, Debug)]
+pub struct UrdfLoop {
+    /// Name, unique among the loops.
+    pub name: String,
+    /// Type.
+    pub kind: LoopType,
+    /// Unit axis in the frames of both ends.
+    pub axis: Vector3<f64>,
+    /// The link of `<link1>`, by index (`None` is the undeclared world), and the joint frame in it.
+    pub a: (Option<usize>, Pose),
+    /// The same of `<link2>`.
+    pub b: (Option<usize>, Pose),
+    /// Line of the `<loop_joint>` element.
+    pub line: usize,
+}
+
+/// What a joint that closes a loop leaves free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LoopType {
+    /// Rotation about the axis.
+    Revolute,
+    /// Translation along the axis.
+    Prismatic,
+    /// Rotation about the axis and translation along it.
+    Cylindrical,
+    /// Rotations about the axes of both ends, which stay perpendicular.
+    Universal,
+    /// Every rotation.
+    Spherical,
+    /// Translations across the axis and rotation about it.
+    Planar,
+    /// Nothing.
+    Fixed,
+    /// Everything but the distance of two points.
+    Distance,
+}
+
+impl LoopType {
+    /// Whether the axes of the ends mean something, and must be given.
+    pub fn needs_axes(self) -> bool {
+        !matches!(self, LoopType::Spherical | LoopType::Fixed | LoopType::Distance)
+    }
 }
 
 /// Joint limits; `None` where the file says nothing.

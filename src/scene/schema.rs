@@ -73,7 +73,7 @@ use Presence::{Assumed, Default, Optional, Required};
 pub(super) static ROBOT: Schema = Schema {
     name: "robot",
     attributes: &[attribute("name", Text, Optional), attribute("version", Text, Optional)],
-    children: &[child(&LINK, Any), child(&JOINT, Any), child(&MATERIAL, Any)],
+    children: &[child(&LINK, Any), child(&JOINT, Any), child(&LOOP_JOINT, Any), child(&MATERIAL, Any)],
 };
 
 static LINK: Schema = Schema {
@@ -164,6 +164,20 @@ static JOINT: Schema = Schema {
         child(&MIMIC, AtMostOne),
     ],
 };
+
+static LOOP_JOINT: Schema = Schema {
+    name: "loop_joint",
+    attributes: &[attribute("name", Text, Required), attribute("type", Text, Required)],
+    children: &[child(&LINK1, One), child(&LINK2, One), child(&AXIS, AtMostOne), child(&DYNAMICS, AtMostOne)],
+};
+
+static LINK1: Schema = leaf("link1", LOOP_END);
+static LINK2: Schema = leaf("link2", LOOP_END);
+const LOOP_END: &[Attribute] = &[
+    attribute("link", Text, Required),
+    attribute("xyz", Numbers(3), Optional),
+    attribute("rpy", Numbers(3), Optional),
+];
 
 static PARENT: Schema = leaf("parent", &[attribute("link", Text, Required)]);
 static CHILD: Schema = leaf("child", &[attribute("link", Text, Required)]);

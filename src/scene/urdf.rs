@@ -6,7 +6,7 @@ use super::element::CleanElement;
 use super::error::{Element, Problem, SceneError};
 use super::mesh_files::MeshFiles;
 use super::package_path::PackagePath;
-use super::robot::Robot;
+use super::robot::{Robot, UrdfLoop};
 use super::schema::ROBOT;
 use super::text::{XmlText, read_text};
 use super::tree::find_root;
@@ -33,6 +33,10 @@ pub fn robot_from_text(source: &str, path: &Path, packages: &PackagePath) -> Res
     check_joint_types(path, &robot)?;
     // What depends on the version (quaternions, limits) is read here, so that urdf-rs need not know of it.
     let version = robot.take("version");
+    // Nor does it know joints that close loops.
+    let (closing, children) = std::mem::take(&mut robot.children).into_iter().partition(|e| e.name == "loop_joint");
+    let closing: Vec<CleanElement> = closing;
+    robot.children = children;
     let quaternions = version.as_ref().is_some_and(|version| knows_quaternions(&version.text));
     let parsed = parse(path, &robot)?;
     let (meshes, missing_meshes) = MeshFiles::find(path, &robot, packages);
@@ -47,6 +51,15 @@ pub fn robot_from_text(source: &str, path: &Path, packages: &PackagePath) -> Res
     for (joint, element) in parsed.joints.iter().zip(robot.children_named("joint")) {
         joints.push(converter.joint(joint, element)?);
     }
+    let mut loops: Vec<UrdfLoop> = Vec::with_capacity(closing.len());
+    for element in &closing {
+        let closing = converter.closing_joint(element, &links)?;
+        if let Some(first) = loops.iter().find(|other| other.name == closing.name) {
+            let problem = Problem::DuplicateName { first_line: first.line };
+            return Err(error_at(path, closing.line, Some(Element::Loop(closing.name)), problem));
+        }
+        loops.push(closing);
+    }
     let root = find_root(path, &links, &joints, robot.line)?;
 
     let mut warnings = xml.warnings;
@@ -58,7 +71,44 @@ pub fn robot_from_text(source: &str, path: &Path, packages: &PackagePath) -> Res
     meshes.make_absolute(&mut robot);
     robot.put(version);
     let description = write(&robot);
-    Ok(Robot { name, links, joints, root, path: path.to_path_buf(), source: source.to_string(), description, warnings })
+    Ok(Robot {
+        name,
+        links,
+        joints,
+        loops,
+        root,
+        path: path.to_path_buf(),
+        source: source.to_string(),
+        description,
+        warnings,
+    })
+}
+
+impl Robot {
+    /// [`Robot::description`] with `prefix` before the names of all links and joints, for viewers that show several
+    /// robots: their frames in the log have the same names.
+    pub fn prefixed_description(&self, prefix: &str) -> String {
+        let read = XmlText::new(&self.path, &self.description).and_then(|xml| clean(&xml, &ROBOT));
+        // What was written by this program is read by it.
+        let Ok(Cleaned { mut robot, .. }) = read else { return self.description.clone() };
+        for element in &mut robot.children {
+            let names: &[(&str, &str)] = match element.name {
+                "link" => &[("link", "name")],
+                "joint" => &[("joint", "name"), ("parent", "link"), ("child", "link"), ("mimic", "joint")],
+                _ => continue,
+            };
+            for (of, attribute) in names {
+                let own = element.name == *of;
+                let holder = if own { Some(&mut *element) } else { element.child_mut(of) };
+                if let Some(holder) = holder
+                    && let Some(name) = holder.attribute(attribute).map(|name| format!("{prefix}{name}"))
+                {
+                    holder.set(attribute, name);
+                }
+            }
+        }
+        write(&robot)
+    }
 }
 
 /// Hands the repaired URDF to `urdf-rs`.

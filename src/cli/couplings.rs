@@ -1,0 +1,178 @@
+//! The part of `catena model` about what the tree does not say: several robots, loops, mimic relations and forces.
+
+use super::table::{Table, counted, number, triple};
+use catena::model::{Attachment, Coordinate, LoopKind, Mechanism, Model};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+
+/// The couplings as entries of the JSON report.
+pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
+    let mechanism = &model.mechanism;
+    let end = |end: &Attachment| {
+        let z = end.frame.rotation.matrix().column(2).into_owned();
+        json!({
+            "body": body_name(mechanism, end.body),
+            "position": end.frame.translation.vector.as_slice(),
+            "axis": z.as_slice(),
+        })
+    };
+    let point = |end: &Attachment| json!({"body": body_name(mechanism, end.body), "position": end.frame.translation.vector.as_slice()});
+    let robots = model.robots.iter().map(|placed| {
+        json!({
+            "name": placed.name,
+            "urdf": placed.robot.path.display().to_string(),
+            "base": if model.joints[placed.joints.clone()].iter().any(|joint| joint.is_base) { "floating" } else { "fixed" },
+            "position": placed.base_pose.translation.vector.as_slice(),
+        })
+    });
+    let loops = mechanism.loops.iter().map(|closing| {
+        let length = if let LoopKind::Distance(length) = closing.kind { Some(length) } else { None };
+        json!({
+            "name": closing.name,
+            "type": closing.kind.name(),
+            "equations": closing.kind.rows(),
+            "length": length,
+            "a": end(&closing.a),
+            "b": end(&closing.b),
+        })
+    });
+    let mimics = mechanism.mimics.iter().map(|mimic| {
+        json!({
+            "joint": mimic.name,
+            "leader": joint_name(mechanism, mimic.leader),
+            "multiplier": mimic.multiplier,
+            "offset": mimic.offset,
+        })
+    });
+    let forces = &mechanism.forces;
+    let springs = forces.point_springs.iter().map(|spring| {
+        json!({
+            "name": spring.name,
+            "stiffness": spring.stiffness,
+            "damping": spring.damping,
+            "rest_length": spring.rest_length,
+            "a": point(&spring.a),
+            "b": point(&spring.b),
+        })
+    });
+    let joint_springs = forces.joint_springs.iter().map(|spring| {
+        json!({
+            "joint": joint_name(mechanism, spring.coordinate),
+            "stiffness": spring.stiffness,
+            "rest": spring.rest,
+        })
+    });
+    let joint_dampers = forces
+        .joint_dampers
+        .iter()
+        .map(|damper| json!({"joint": joint_of(mechanism, damper.freedom), "damping": damper.coefficient}));
+    let joint_loads = forces
+        .joint_loads
+        .iter()
+        .map(|load| json!({"joint": joint_of(mechanism, load.freedom), "effort": load.effort}));
+    let wrenches = forces.wrenches.iter().map(|wrench| {
+        json!({
+            "body": body_name(mechanism, Some(wrench.body)),
+            "position": wrench.point.as_slice(),
+            "force": wrench.force.as_slice(),
+            "torque": wrench.torque.as_slice(),
+        })
+    });
+    vec![
+        ("robots", robots.collect()),
+        ("loops", loops.collect()),
+        ("mimics", mimics.collect()),
+        ("springs", springs.collect()),
+        ("joint_springs", joint_springs.collect()),
+        ("joint_dampers", joint_dampers.collect()),
+        ("joint_loads", joint_loads.collect()),
+        ("wrenches", wrenches.collect()),
+    ]
+}
+
+/// The couplings as tables for people, each only if there is something in it.
+pub fn write_tables(model: &Model, text: &mut String) {
+    let mechanism = &model.mechanism;
+    let mut loops = Table::new(&["loop", "type", "between", "and", "equations"]);
+    for closing in &mechanism.loops {
+        let length = if let LoopKind::Distance(length) = closing.kind { format!(" {length} m") } else { String::new() };
+        loops.row(vec![
+            closing.name.clone(),
+            format!("{}{length}", closing.kind.name()),
+            body_name(mechanism, closing.a.body).to_string(),
+            body_name(mechanism, closing.b.body).to_string(),
+            closing.kind.rows().to_string(),
+        ]);
+    }
+    loops.write(text);
+
+    let mut mimics = Table::new(&["joint", "follows", "times", "plus"]);
+    for mimic in &mechanism.mimics {
+        let leader = joint_name(mechanism, mimic.leader).to_string();
+        mimics.row(vec![mimic.name.clone(), leader, number(mimic.multiplier), number(mimic.offset)]);
+    }
+    mimics.write(text);
+
+    let forces = &mechanism.forces;
+    let mut springs = Table::new(&["spring", "between", "and", "stiffness", "damping", "free at"]);
+    for spring in &forces.point_springs {
+        springs.row(vec![
+            spring.name.clone(),
+            body_name(mechanism, spring.a.body).to_string(),
+            body_name(mechanism, spring.b.body).to_string(),
+            format!("{} N/m", number(spring.stiffness)),
+            format!("{} N s/m", number(spring.damping)),
+            format!("{} m", number(spring.rest_length)),
+        ]);
+    }
+    springs.write(text);
+
+    let mut acting = Table::new(&["on", "acts", "how"]);
+    for spring in &forces.joint_springs {
+        let how = format!("{} per rad or m, free at {}", number(spring.stiffness), number(spring.rest));
+        acting.row(vec![joint_name(mechanism, spring.coordinate).to_string(), "spring".to_string(), how]);
+    }
+    for damper in &forces.joint_dampers {
+        let how = format!("{} s per rad or m", number(damper.coefficient));
+        acting.row(vec![joint_of(mechanism, damper.freedom).to_string(), "damper".to_string(), how]);
+    }
+    for load in &forces.joint_loads {
+        let on = joint_of(mechanism, load.freedom).to_string();
+        acting.row(vec![on, "effort".to_string(), number(load.effort)]);
+    }
+    for wrench in &forces.wrenches {
+        let how = format!("force {} N, torque {} N m", triple(&wrench.force), triple(&wrench.torque));
+        acting.row(vec![body_name(mechanism, Some(wrench.body)).to_string(), "wrench".to_string(), how]);
+    }
+    acting.write(text);
+}
+
+/// What the first line says after the degrees of freedom of the joints.
+pub fn summary(model: &Model) -> String {
+    let mechanism = &model.mechanism;
+    let mut text = String::new();
+    if !mechanism.loops.is_empty() {
+        let equations: usize = mechanism.loops.iter().map(|closing| closing.kind.rows()).sum();
+        let loops = counted(mechanism.loops.len(), "loop", "loops");
+        // Writing into a String cannot fail.
+        let _ = write!(text, " of the joints, {loops} with {}", counted(equations, "equation", "equations"));
+    }
+    if !mechanism.mimics.is_empty() {
+        let _ = write!(text, ", {}", counted(mechanism.mimics.len(), "mimic relation", "mimic relations"));
+    }
+    text
+}
+
+fn body_name(mechanism: &Mechanism, body: Option<usize>) -> &str {
+    body.map_or("world", |body| mechanism.bodies[body].name.as_str())
+}
+
+fn joint_name(mechanism: &Mechanism, coordinate: Coordinate) -> &str {
+    &mechanism.bodies[coordinate.body].joint.name
+}
+
+/// The joint that a degree of freedom belongs to.
+fn joint_of(mechanism: &Mechanism, freedom: usize) -> &str {
+    let body = mechanism.bodies.iter().find(|body| body.joint.velocity_range().contains(&freedom));
+    body.map_or("", |body| body.joint.name.as_str())
+}

@@ -1,0 +1,55 @@
+//! Why a loop, spring, load or mimic relation cannot be part of the mechanism.
+
+use crate::scene::Element;
+use std::path::PathBuf;
+
+/// What is wrong, and where it stands.
+#[derive(Debug, PartialEq, thiserror::Error)]
+#[error("{}:{line}: {element}: {problem}", file.display())]
+pub struct CouplingError {
+    /// The file.
+    pub file: PathBuf,
+    /// The line, counted from 1.
+    pub line: usize,
+    /// The loop, spring, load or joint.
+    pub element: Element,
+    /// What is wrong.
+    pub problem: CouplingProblem,
+}
+
+/// What can be wrong with something that couples or pushes bodies.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub enum CouplingProblem {
+    /// The link was left out of the mechanism.
+    #[error(
+        "link {0:?} is not simulated, because neither it nor anything beyond it has mass; give it a mass and an inertia"
+    )]
+    DroppedLink(String),
+    /// A loop between two frames that cannot move against each other, and lie as it wants them.
+    #[error("links {a:?} and {b:?} are fixed to each other, so the loop says nothing new; leave it out")]
+    ImpliedByBody { a: String, b: String },
+    /// A loop between two frames that cannot move against each other, and lie otherwise.
+    #[error("links {a:?} and {b:?} are fixed to each other and {gap:.2e} m or rad away from where the loop wants them")]
+    Contradictory { a: String, b: String, gap: f64 },
+    /// A loop that the joints of the tree keep closed whatever they do.
+    #[error("the joints between links {a:?} and {b:?} keep it closed whatever they do; leave the loop out")]
+    ImpliedByTree { a: String, b: String },
+    /// A distance of zero.
+    #[error("the two points coincide, so there is no distance to keep; give a length, or the type \"spherical\"")]
+    ZeroDistance,
+    /// A spring between two points of one body.
+    #[error("links {a:?} and {b:?} are fixed to each other, so the spring does nothing; leave it out")]
+    IdleSpring { a: String, b: String },
+    /// A load on what stands still.
+    #[error("link {0:?} is fixed in the world, so the load does nothing; leave it out")]
+    IdleLoad(String),
+    /// A joint that has no displacement of one number.
+    #[error("joint {joint:?} {reason}; one that turns about or slides along its axis is needed")]
+    NotScalar { joint: String, reason: &'static str },
+    /// A joint follows one that does not exist.
+    #[error("it mimics joint {0:?}, which does not exist")]
+    UnknownLeader(String),
+    /// Joints that follow each other in a circle.
+    #[error("it mimics itself (through {0:?})")]
+    MimicCircle(String),
+}

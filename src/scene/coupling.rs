@@ -1,0 +1,105 @@
+//! The nouns of what couples and pushes the robots of a scene: loops, springs and loads, their names resolved.
+//!
+//! Units: m, rad, N, N m, s.
+
+use super::robot::LoopType;
+use nalgebra::Vector3;
+
+/// A link of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LinkReference {
+    /// The world.
+    World,
+    /// A link of a robot, both by index.
+    Link { robot: usize, link: usize },
+}
+
+/// A joint of a robot of the scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JointReference {
+    /// The robot, by index.
+    pub robot: usize,
+    /// The name of the joint in it.
+    pub joint: String,
+}
+
+/// A point fixed in a link.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// The link.
+    pub link: LinkReference,
+    /// Its name, as written.
+    pub name: String,
+    /// The point in the link frame (m).
+    pub position: Vector3<f64>,
+}
+
+/// One end of a joint that closes a loop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopEnd {
+    /// Its origin.
+    pub point: Point,
+    /// The unit axis in the link frame, if given.
+    pub axis: Option<Vector3<f64>>,
+}
+
+/// A `[[loop]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneLoop {
+    /// Name, unique among the loops of the file.
+    pub name: String,
+    /// What it leaves free.
+    pub kind: LoopType,
+    /// The distance to keep (m), if given.
+    pub length: Option<f64>,
+    /// The first end.
+    pub a: LoopEnd,
+    /// The second end.
+    pub b: LoopEnd,
+    /// Its line.
+    pub line: usize,
+}
+
+/// A `[[spring]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneSpring {
+    /// Name.
+    pub name: String,
+    /// N/m, or N m/rad in a joint that turns.
+    pub stiffness: f64,
+    /// N s/m, or N m s/rad.
+    pub damping: f64,
+    /// Between what.
+    pub place: SpringPlace,
+    /// Its line.
+    pub line: usize,
+}
+
+/// Where a spring is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpringPlace {
+    /// Between two points that are `rest_length` (m) apart when it is free of force.
+    Points { a: Point, b: Point, rest_length: f64 },
+    /// In a joint that is at `rest` (rad or m) when it is free of force.
+    Joint { joint: JointReference, rest: f64 },
+}
+
+/// A `[[load]]`: constant in time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneLoad {
+    /// What it acts on, as written.
+    pub on: String,
+    /// What it is.
+    pub kind: LoadKind,
+    /// Its line.
+    pub line: usize,
+}
+
+/// What a load acts on.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LoadKind {
+    /// An effort (N m or N) along the axis of a joint.
+    Joint { joint: JointReference, effort: f64 },
+    /// A force (N) at a point and a torque (N m), both with the directions of the world.
+    Link { point: Point, force: Vector3<f64>, torque: Vector3<f64> },
+}

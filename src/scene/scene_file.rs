@@ -1,0 +1,260 @@
+//! Reads a scene file: robots, what couples them, what acts on them, and how to run them.
+//!
+//! | table        | keys                                                                                          |
+//! |--------------|-----------------------------------------------------------------------------------------------|
+//! | `scene`      | `name`, `gravity` (world, m/s²)                                                               |
+//! | `robot`      | `name`, `urdf`, `base`, `pose`, `velocity`, `positions`, `velocities`                          |
+//! | `loop`       | `name`, `type`, `a` and `b` (each `link`, `position`, `axis` in the link frame), `length`       |
+//! | `spring`     | `name`, `stiffness`, `damping`; between points `a`, `b`, `rest_length`; in a `joint` `rest`      |
+//! | `load`       | `joint`, `effort`; or `link`, `position` (link frame), `force`, `torque` (world)                |
+//! | `simulation` | `duration`, `tolerance` or `stages` and `step`, `rate`                                        |
+//!
+//! Units: m, rad, s, kg, N. Links and joints are called `robot/name`; where there is one robot, `name` is enough. The link
+//! `world` is the world. Names are resolved here; where links are is for the model to find out.
+
+use super::coupling::{SceneLoad, SceneLoop, SceneSpring};
+use super::coupling_reader::CouplingReader;
+use super::error::{Element, Problem, SceneError, Warning};
+use super::package_path::PackagePath;
+use super::robot::{Pose, Robot, WORLD_LINK};
+use super::scene_schema::{BaseKey, FileTable, JointNumbers, RobotTable, SimulationTable};
+use super::text::read_text;
+use super::toml_text::TomlText;
+use super::urdf::read_urdf;
+use nalgebra::{Rotation3, Translation3, Vector3};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+/// A scene, validated: every number is finite and every name refers to something.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Its name; that of the file unless it gives one.
+    pub name: String,
+    /// The file.
+    pub path: PathBuf,
+    /// The text of the file.
+    pub source: String,
+    /// Acceleration of gravity in the world [m/s²], if given.
+    pub gravity: Option<Vector3<f64>>,
+    /// The robots, at least one.
+    pub robots: Vec<SceneRobot>,
+    /// The joints that close loops.
+    pub loops: Vec<SceneLoop>,
+    /// The springs.
+    pub springs: Vec<SceneSpring>,
+    /// The loads.
+    pub loads: Vec<SceneLoad>,
+    /// How to run it.
+    pub simulation: SimulationSettings,
+    /// What was repaired in the scene file; the robots have their own.
+    pub warnings: Vec<Warning>,
+}
+
+/// A robot of a scene, and how it starts.
+#[derive(Clone, Debug)]
+pub struct SceneRobot {
+    /// Name, unique in the scene.
+    pub name: String,
+    /// The URDF.
+    pub robot: Robot,
+    /// Whether the root link moves freely.
+    pub floating: bool,
+    /// The frame of the root link in the world.
+    pub pose: Pose,
+    /// Velocity of the origin of a floating root link's frame in the world (linear, angular), and its line.
+    pub velocity: Option<([f64; 6], usize)>,
+    /// Initial joint positions, as users give them.
+    pub positions: Vec<JointValues>,
+    /// Initial joint velocities, as users give them.
+    pub velocities: Vec<JointValues>,
+    /// Line of the `[[robot]]`.
+    pub line: usize,
+}
+
+/// Numbers given for a joint of a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointValues {
+    /// Name of the joint in its robot.
+    pub joint: String,
+    /// The numbers.
+    pub values: Vec<f64>,
+    /// Their line.
+    pub line: usize,
+}
+
+/// How a scene wants to be run; what is not given is for the caller to choose.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SimulationSettings {
+    /// Simulated time (s).
+    pub duration: Option<f64>,
+    /// Wanted accuracy of positions (m).
+    pub tolerance: Option<f64>,
+    /// Number of stages and step (s), instead of a tolerance.
+    pub fixed: Option<(usize, f64)>,
+    /// Samples in the log per simulated second.
+    pub rate: Option<f64>,
+}
+
+/// Reads and validates a scene file and the URDF files it names.
+///
+/// # Errors
+/// [`SceneError`] with file, line and key.
+pub fn read_scene(path: &Path, packages: &PackagePath) -> Result<Scene, SceneError> {
+    scene_from_text(&read_text(path)?, path, packages)
+}
+
+/// Reads and validates the text of a scene file; `path` names it in messages, and URDF files are relative to it.
+///
+/// # Errors
+/// As [`read_scene`].
+pub fn scene_from_text(source: &str, path: &Path, packages: &PackagePath) -> Result<Scene, SceneError> {
+    let text = TomlText { file: path, text: source.strip_prefix('\u{feff}').unwrap_or(source) };
+    let file: FileTable = text.read()?;
+    refuse_what_is_not_simulated(&text, &file)?;
+    let robots = robots(&text, file.robot, packages)?;
+    let mut reader = CouplingReader { text: &text, robots: &robots, warnings: Vec::new() };
+    let loops = reader.loops(file.loops)?;
+    let springs = reader.springs(file.spring)?;
+    let loads = reader.loads(file.load)?;
+    let warnings = reader.warnings;
+    let stem = || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned());
+    let (name, gravity) = file.scene.map_or((None, None), |scene| (scene.name, scene.gravity));
+    Ok(Scene {
+        name: name.filter(|name| !name.trim().is_empty()).unwrap_or_else(stem),
+        path: path.to_path_buf(),
+        source: source.to_string(),
+        gravity: gravity.map(|g| vector(&g)),
+        robots,
+        loops,
+        springs,
+        loads,
+        simulation: file.simulation.map_or(Ok(SimulationSettings::default()), |table| simulation(&text, &table))?,
+        warnings,
+    })
+}
+
+fn refuse_what_is_not_simulated(text: &TomlText, file: &FileTable) -> Result<(), SceneError> {
+    let found = [
+        ("[motor]", file.motor.first().map(Spanned::span)),
+        ("[obstacle]", file.obstacle.first().map(Spanned::span)),
+        ("contact", file.contact.as_ref().map(Spanned::span)),
+    ];
+    match found.into_iter().find_map(|(what, span)| Some((what, span?))) {
+        Some((what, span)) => Err(text.error(&span, None, Problem::NotYet(what))),
+        None => Ok(()),
+    }
+}
+
+fn robots(
+    text: &TomlText,
+    tables: Vec<Spanned<RobotTable>>,
+    packages: &PackagePath,
+) -> Result<Vec<SceneRobot>, SceneError> {
+    let mut robots: Vec<SceneRobot> = Vec::with_capacity(tables.len());
+    for table in tables {
+        let span = table.span();
+        let robot = robot(text, table, packages)?;
+        if let Some(first) = robots.iter().find(|other| other.name == robot.name) {
+            let problem = Problem::DuplicateName { first_line: first.line };
+            return Err(text.error(&span, Some(Element::Robot(robot.name)), problem));
+        }
+        robots.push(robot);
+    }
+    if robots.is_empty() {
+        return Err(text.error(&(0..0), None, Problem::NoRobots));
+    }
+    Ok(robots)
+}
+
+fn robot(text: &TomlText, table: Spanned<RobotTable>, packages: &PackagePath) -> Result<SceneRobot, SceneError> {
+    let span = table.span();
+    let table = table.into_inner();
+    let folder = text.file.parent().unwrap_or(Path::new(""));
+    let urdf = folder.join(table.urdf.get_ref());
+    let robot = match read_urdf(&urdf, packages) {
+        // Whose fault it is that there is no such file stands in the scene.
+        Err(error) if matches!(*error.problem, Problem::Unreadable(_)) && !urdf.is_file() => {
+            let message = error.to_string();
+            let problem = Problem::Toml { key: Some("robot.urdf".to_string()), message };
+            return Err(text.error(&table.urdf.span(), None, problem));
+        }
+        read => read?,
+    };
+    let name = table.name.as_ref().map_or_else(|| robot.name.clone(), |name| name.get_ref().clone());
+    if name.is_empty() || name == WORLD_LINK || name.contains('/') {
+        let span = table.name.map_or(span, |name| name.span());
+        return Err(text.error(&span, Some(Element::Robot(name)), Problem::RobotName));
+    }
+    let floating = table.base == BaseKey::Floating;
+    let velocity = match table.velocity {
+        Some(velocity) if !floating => {
+            let problem = Problem::Keys("a velocity of the base needs base = \"floating\"");
+            return Err(text.error(&velocity.span(), Some(Element::Robot(name)), problem));
+        }
+        Some(velocity) => {
+            let line = text.line(&velocity.span());
+            let [vx, vy, vz] = velocity.get_ref().linear.map(|number| number.0);
+            let [wx, wy, wz] = velocity.get_ref().angular.map(|number| number.0);
+            Some(([vx, vy, vz, wx, wy, wz], line))
+        }
+        None => None,
+    };
+    let [roll, pitch, yaw] = table.pose.rpy.map(|number| number.0);
+    let translation = Translation3::from(vector(&table.pose.position));
+    Ok(SceneRobot {
+        name,
+        robot,
+        floating,
+        pose: Pose::from_parts(translation, Rotation3::from_euler_angles(roll, pitch, yaw)),
+        velocity,
+        positions: joint_values(text, table.positions),
+        velocities: joint_values(text, table.velocities),
+        line: text.line(&span),
+    })
+}
+
+/// In the order of the file.
+fn joint_values(text: &TomlText, table: BTreeMap<Spanned<String>, JointNumbers>) -> Vec<JointValues> {
+    let mut given: Vec<(Spanned<String>, JointNumbers)> = table.into_iter().collect();
+    given.sort_by_key(|(name, _)| name.span().start);
+    let values = given.into_iter().map(|(name, numbers)| JointValues {
+        line: text.line(&name.span()),
+        joint: name.into_inner(),
+        values: numbers.0,
+    });
+    values.collect()
+}
+
+fn simulation(text: &TomlText, table: &Spanned<SimulationTable>) -> Result<SimulationSettings, SceneError> {
+    let SimulationTable { duration, tolerance, stages, step, rate } = table.get_ref();
+    let refuse = |span, message| Err(text.error(&span, None, Problem::Keys(message)));
+    let fixed = match (stages, step, tolerance) {
+        (None, None, _) => None,
+        (Some(_), Some(_), Some(tolerance)) => {
+            return refuse(tolerance.span(), "simulation: give either tolerance, or stages and step");
+        }
+        (Some(stages), None, _) => return refuse(stages.span(), "simulation.stages needs a step"),
+        (None, Some(step), _) => return refuse(step.span(), "simulation.step needs stages"),
+        (Some(stages), Some(step), None) => {
+            if !(2..=16).contains(stages.get_ref()) {
+                return refuse(stages.span(), "simulation.stages must be 2 to 16");
+            }
+            Some((*stages.get_ref(), step.get_ref().0))
+        }
+    };
+    if let Some(rate) = rate.as_ref().filter(|rate| rate.get_ref().0 > 1e6) {
+        return refuse(rate.span(), "simulation.rate must be at most 1e6");
+    }
+    Ok(SimulationSettings {
+        duration: duration.map(|duration| duration.0),
+        tolerance: tolerance.as_ref().map(|tolerance| tolerance.get_ref().0),
+        fixed,
+        rate: rate.as_ref().map(|rate| rate.get_ref().0),
+    })
+}
+
+/// Three numbers as a vector.
+pub(super) fn vector(numbers: &[super::scene_schema::Finite; 3]) -> Vector3<f64> {
+    Vector3::from(numbers.map(|number| number.0))
+}

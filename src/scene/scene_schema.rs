@@ -1,0 +1,212 @@
+//! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` says what they mean.
+
+use super::robot::LoopType;
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
+use std::collections::BTreeMap;
+use std::fmt;
+use toml::Spanned;
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FileTable {
+    pub scene: Option<SceneTable>,
+    #[serde(default)]
+    pub robot: Vec<Spanned<RobotTable>>,
+    #[serde(default, rename = "loop")]
+    pub loops: Vec<Spanned<LoopTable>>,
+    #[serde(default)]
+    pub spring: Vec<Spanned<SpringTable>>,
+    #[serde(default)]
+    pub load: Vec<Spanned<LoadTable>>,
+    #[serde(default)]
+    pub motor: Vec<Spanned<IgnoredAny>>,
+    #[serde(default)]
+    pub obstacle: Vec<Spanned<IgnoredAny>>,
+    pub contact: Option<Spanned<IgnoredAny>>,
+    pub simulation: Option<Spanned<SimulationTable>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SceneTable {
+    pub name: Option<String>,
+    pub gravity: Option<[Finite; 3]>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RobotTable {
+    pub name: Option<Spanned<String>>,
+    pub urdf: Spanned<String>,
+    #[serde(default)]
+    pub base: BaseKey,
+    #[serde(default)]
+    pub pose: PoseTable,
+    pub velocity: Option<Spanned<VelocityTable>>,
+    #[serde(default)]
+    pub positions: BTreeMap<Spanned<String>, JointNumbers>,
+    #[serde(default)]
+    pub velocities: BTreeMap<Spanned<String>, JointNumbers>,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum BaseKey {
+    #[default]
+    Fixed,
+    Floating,
+}
+
+#[derive(Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct PoseTable {
+    pub position: [Finite; 3],
+    pub rpy: [Finite; 3],
+}
+
+#[derive(Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct VelocityTable {
+    pub linear: [Finite; 3],
+    pub angular: [Finite; 3],
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LoopTable {
+    pub name: Option<Spanned<String>>,
+    #[serde(rename = "type")]
+    pub kind: LoopType,
+    pub a: Spanned<EndTable>,
+    pub b: Spanned<EndTable>,
+    pub length: Option<Spanned<Positive>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EndTable {
+    pub link: Spanned<String>,
+    #[serde(default)]
+    pub position: [Finite; 3],
+    pub axis: Option<Spanned<[Finite; 3]>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SpringTable {
+    pub name: Option<Spanned<String>>,
+    pub a: Option<PointTable>,
+    pub b: Option<PointTable>,
+    pub joint: Option<Spanned<String>>,
+    #[serde(default)]
+    pub stiffness: NotNegative,
+    #[serde(default)]
+    pub damping: NotNegative,
+    pub rest_length: Option<Spanned<NotNegative>>,
+    pub rest: Option<Spanned<Finite>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PointTable {
+    pub link: Spanned<String>,
+    #[serde(default)]
+    pub position: [Finite; 3],
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LoadTable {
+    pub joint: Option<Spanned<String>>,
+    pub effort: Option<Spanned<Finite>>,
+    pub link: Option<Spanned<String>>,
+    pub position: Option<Spanned<[Finite; 3]>>,
+    pub force: Option<Spanned<[Finite; 3]>>,
+    pub torque: Option<Spanned<[Finite; 3]>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SimulationTable {
+    pub duration: Option<Positive>,
+    pub tolerance: Option<Spanned<Positive>>,
+    pub stages: Option<Spanned<usize>>,
+    pub step: Option<Spanned<Positive>>,
+    pub rate: Option<Spanned<Positive>>,
+}
+
+/// A finite number.
+#[derive(Clone, Copy, Default, serde::Deserialize)]
+#[serde(try_from = "f64")]
+pub(super) struct Finite(pub f64);
+
+/// A finite number that is not negative.
+#[derive(Clone, Copy, Default, serde::Deserialize)]
+#[serde(try_from = "f64")]
+pub(super) struct NotNegative(pub f64);
+
+/// A finite number greater than zero.
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(try_from = "f64")]
+pub(super) struct Positive(pub f64);
+
+impl TryFrom<f64> for Finite {
+    type Error = String;
+    fn try_from(number: f64) -> Result<Self, String> {
+        if number.is_finite() { Ok(Finite(number)) } else { Err(format!("{number} is not finite")) }
+    }
+}
+
+impl TryFrom<f64> for NotNegative {
+    type Error = String;
+    fn try_from(number: f64) -> Result<Self, String> {
+        match Finite::try_from(number)?.0 {
+            number if number >= 0.0 => Ok(NotNegative(number)),
+            number => Err(format!("{number} must not be negative")),
+        }
+    }
+}
+
+impl TryFrom<f64> for Positive {
+    type Error = String;
+    fn try_from(number: f64) -> Result<Self, String> {
+        match Finite::try_from(number)?.0 {
+            number if number > 0.0 => Ok(Positive(number)),
+            number => Err(format!("{number} must be greater than zero")),
+        }
+    }
+}
+
+/// The numbers of a joint: one, or a list.
+pub(super) struct JointNumbers(pub Vec<f64>);
+
+impl<'de> Deserialize<'de> for JointNumbers {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OneOrMany;
+        impl<'de> Visitor<'de> for OneOrMany {
+            type Value = JointNumbers;
+
+            fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
+                out.write_str("a number or a list of numbers")
+            }
+
+            fn visit_f64<E: Error>(self, number: f64) -> Result<JointNumbers, E> {
+                let number = Finite::try_from(number).map_err(E::custom)?;
+                Ok(JointNumbers(vec![number.0]))
+            }
+
+            fn visit_i64<E: Error>(self, number: i64) -> Result<JointNumbers, E> {
+                self.visit_f64(number as f64)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<JointNumbers, A::Error> {
+                let mut numbers = Vec::new();
+                while let Some(number) = list.next_element::<Finite>()? {
+                    numbers.push(number.0);
+                }
+                Ok(JointNumbers(numbers))
+            }
+        }
+        deserializer.deserialize_any(OneOrMany)
+    }
+}

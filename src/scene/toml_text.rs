@@ -1,0 +1,78 @@
+//! A TOML file as messages need it: the line and the key of every byte.
+
+use super::error::{Element, Problem, SceneError};
+use serde::de::DeserializeOwned;
+use std::ops::Range;
+use std::path::Path;
+use toml::de::{DeTable, DeValue};
+
+/// The text of a TOML file.
+pub(super) struct TomlText<'t> {
+    pub file: &'t Path,
+    pub text: &'t str,
+}
+
+impl TomlText<'_> {
+    /// Reads the whole file.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the line and the key at fault.
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T, SceneError> {
+        toml::from_str(self.text).map_err(|error| {
+            let line = error.span().map(|span| self.line(&span));
+            let key = error.span().and_then(|span| self.key(span.start));
+            // One line, whatever the file puts into it.
+            let message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+            let problem = Box::new(Problem::Toml { key, message });
+            SceneError { file: self.file.to_path_buf(), line, element: None, problem }
+        })
+    }
+
+    /// The line on which a span begins, counted from 1.
+    pub fn line(&self, span: &Range<usize>) -> usize {
+        let before = self.text.as_bytes().get(..span.start).unwrap_or(self.text.as_bytes());
+        1 + before.iter().filter(|&&byte| byte == b'\n').count()
+    }
+
+    /// The error of what is wrong at a span.
+    pub fn error(&self, span: &Range<usize>, element: Option<Element>, problem: Problem) -> SceneError {
+        let line = Some(self.line(span));
+        SceneError { file: self.file.to_path_buf(), line, element, problem: Box::new(problem) }
+    }
+
+    /// The dotted name of the innermost key that a byte belongs to.
+    fn key(&self, offset: usize) -> Option<String> {
+        let table = DeTable::parse(self.text).ok()?;
+        let mut found = Vec::new();
+        search_table(table.get_ref(), offset, &mut Vec::new(), &mut found);
+        (!found.is_empty()).then(|| found.join("."))
+    }
+}
+
+/// The longest path of keys to a key or value that holds the byte. The span of a table is its header alone, so that no
+/// branch can be left out.
+fn search_table<'t>(table: &'t DeTable, offset: usize, path: &mut Vec<&'t str>, found: &mut Vec<&'t str>) {
+    for (key, value) in table {
+        path.push(key.get_ref());
+        if (key.span().contains(&offset) || value.span().contains(&offset)) && path.len() > found.len() {
+            found.clone_from(path);
+        }
+        search_value(value.get_ref(), offset, path, found);
+        path.pop();
+    }
+}
+
+fn search_value<'t>(value: &'t DeValue, offset: usize, path: &mut Vec<&'t str>, found: &mut Vec<&'t str>) {
+    match value {
+        DeValue::Table(table) => search_table(table, offset, path, found),
+        DeValue::Array(values) => {
+            for value in values.iter() {
+                if value.span().contains(&offset) && path.len() > found.len() {
+                    found.clone_from(path);
+                }
+                search_value(value.get_ref(), offset, path, found);
+            }
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,204 @@
+//! Claims about the example scenes in `robots/`: they load, they are assembled, and they are the mechanisms they say.
+
+mod common;
+
+use catena::invariants::energy;
+use catena::kinematics::body_states;
+use catena::model::{Mechanism, Model};
+use catena::scene::{PackagePath, Scene, read_scene};
+use catena::state::State;
+use common::stem;
+use nalgebra::{DMatrix, Vector3};
+use std::path::PathBuf;
+
+/// Every scene with its degrees of freedom: those of the joints less the independent equations of the loops.
+const MOBILITY: [(&str, usize); 18] = [
+    ("andrews_squeezer", 1),
+    ("bricard", 1),
+    ("cart_pole_light", 2),
+    ("cassie_like_leg", 7),
+    ("damped_oscillator", 1),
+    ("damped_pendulum", 1),
+    ("flyball_governor", 4),
+    ("four_bar_1", 1),
+    ("four_bar_10", 1),
+    ("four_bar_2", 1),
+    ("four_bar_40", 1),
+    ("heavy_top_fast", 3),
+    ("heavy_top_slow", 3),
+    ("ring_100", 98),
+    ("simple_pendulum", 1),
+    ("slider_crank", 1),
+    ("stewart_platform", 6),
+    ("strandbeest_leg", 1),
+];
+
+fn scene_files() -> Vec<PathBuf> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("robots");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
+    files.sort();
+    files
+}
+
+fn load(name: &str) -> (Scene, Model, State) {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("robots").join(format!("{name}.toml"));
+    let scene = read_scene(&file, &PackagePath::default()).unwrap_or_else(|error| panic!("{error}"));
+    let (model, start) = Model::from_scene(&scene).unwrap_or_else(|error| panic!("{error}"));
+    let state = model.initial_state(&start.positions, &start.velocities, None).unwrap();
+    (scene, model, state)
+}
+
+/// The gaps of all loops.
+fn gaps(mechanism: &Mechanism, state: &State) -> Vec<f64> {
+    let bodies = body_states(mechanism, state);
+    mechanism.loops.iter().flat_map(|closing| closing.gap(&bodies)).collect()
+}
+
+/// The gaps' rates for joint velocities, by a central difference over `2 step` of time.
+fn gap_rates(mechanism: &Mechanism, state: &State, velocity: &[f64], step: f64) -> Vec<f64> {
+    let at = |time: f64| {
+        let mut moved = state.clone();
+        moved.displace(mechanism, &velocity.iter().map(|rate| rate * time).collect::<Vec<f64>>());
+        gaps(mechanism, &moved)
+    };
+    at(step).iter().zip(at(-step)).map(|(after, before)| (after - before) / (2.0 * step)).collect()
+}
+
+#[test]
+fn every_scene_says_what_it_shows_and_how_to_run_it() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/README.md")).unwrap();
+    for file in scene_files() {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let header: String = text.lines().take_while(|line| line.starts_with('#')).collect();
+        let command = format!("catena simulate robots/{}.toml", stem(&file));
+        assert!(header.contains(&command) && header.contains("Look:"), "{}", file.display());
+        assert!(page.contains(&command), "{}: robots/README.md does not say how to run it", file.display());
+    }
+}
+
+#[test]
+fn every_scene_is_assembled_at_its_start_in_position_and_velocity() {
+    let files = scene_files();
+    assert!(files.len() >= 18, "only {} scenes", files.len());
+    for file in files {
+        let (_, model, state) = load(stem(&file));
+        let mechanism = &model.mechanism;
+        let gap = gaps(mechanism, &state).iter().fold(0.0_f64, |most, gap| most.max(gap.abs()));
+        // Sums of lengths of up to 5 m and of up to a hundred angles, each rounded to 1e-16.
+        assert!(gap < 1e-13, "{}: {gap:e}", file.display());
+        // A central difference over 2e-5 s errs by 1e-10 times the third derivatives, which are of the order of the
+        // cube of the speeds (at most 6 rad/s in a scene with loops), and by 1e-15/1e-5 of rounding.
+        let rates = gap_rates(mechanism, &state, &state.velocity, 1e-5);
+        let rate = rates.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+        assert!(rate < 1e-7, "{}: {rate:e}", file.display());
+    }
+}
+
+#[test]
+fn the_loops_leave_the_degrees_of_freedom_that_the_literature_counts() {
+    for (name, mobility) in MOBILITY {
+        let (_, model, state) = load(name);
+        let mechanism = &model.mechanism;
+        let rows = gaps(mechanism, &state).len();
+        let mut jacobian = DMatrix::zeros(rows, mechanism.velocity_count);
+        for freedom in 0..mechanism.velocity_count {
+            let mut unit = vec![0.0; mechanism.velocity_count];
+            unit[freedom] = 1.0;
+            let column = gap_rates(mechanism, &state, &unit, 1e-5);
+            column.iter().enumerate().for_each(|(row, rate)| jacobian[(row, freedom)] = *rate);
+        }
+        // Differences are good to some 1e-9; independent rows of these mechanisms have singular values above 1e-4.
+        let rank = if rows == 0 { 0 } else { jacobian.singular_values().iter().filter(|&&value| value > 1e-6).count() };
+        assert_eq!(mechanism.velocity_count - rank, mobility, "{name}: {rows} rows of rank {rank}");
+    }
+}
+
+#[test]
+fn the_squeezer_has_the_mass_matrix_and_the_closures_of_the_test_set() {
+    let (_, model, _) = load("andrews_squeezer");
+    let mechanism = &model.mechanism;
+    // beta, theta, gamma, phi, delta, omega, epsilon; nothing special about the numbers.
+    let names = ["beta", "theta", "gamma", "phi", "delta", "omega", "epsilon"];
+    let q = [0.3, -0.7, 0.5, 0.2, 0.4, -0.3, 1.1];
+    let positions: Vec<(String, Vec<f64>)> = names.iter().zip(q).map(|(name, q)| (name.to_string(), vec![q])).collect();
+    let kinetic = |rates: &[(usize, f64)]| {
+        let velocities: Vec<(String, Vec<f64>)> =
+            rates.iter().map(|&(joint, rate)| (names[joint].to_string(), vec![rate])).collect();
+        let state = model.initial_state(&positions, &velocities, None).unwrap();
+        energy(mechanism, &body_states(mechanism, &state)).kinetic
+    };
+    let entry = |i: usize, j: usize| match i == j {
+        true => 2.0 * kinetic(&[(i, 1.0)]),
+        false => kinetic(&[(i, 1.0), (j, 1.0)]) - kinetic(&[(i, 1.0)]) - kinetic(&[(j, 1.0)]),
+    };
+    let [b, t, g, p, d, o, e] = q;
+    let (m1, m2, m3, m4, m5, m6, m7) = (0.04325, 0.00365, 0.02373, 0.00706, 0.0705, 0.00706, 0.05498);
+    let (i1, i2, i3, i4, i5, i6, i7) = (2.194e-6, 4.41e-7, 5.255e-6, 5.667e-7, 1.169e-5, 5.667e-7, 1.912e-5);
+    let (rr, ra, da, dd, ss, sa, sb): (f64, f64, f64, f64, f64, f64, f64) =
+        (0.007, 0.00092, 0.0115, 0.028, 0.035, 0.01874, 0.01043);
+    let (ee, ea, zt, ta, tb, zf, fa): (f64, f64, f64, f64, f64, f64, f64) =
+        (0.02, 0.01421, 0.04, 0.02308, 0.00916, 0.02, 0.01421);
+    let (u, ua, ub): (f64, f64, f64) = (0.04, 0.01228, 0.00449);
+    let expected = [
+        (0, 0, m1 * ra * ra + m2 * (rr * rr - 2.0 * da * rr * t.cos() + da * da) + i1 + i2),
+        (0, 1, m2 * (da * da - da * rr * t.cos()) + i2),
+        (1, 1, m2 * da * da + i2),
+        (2, 2, m3 * (sa * sa + sb * sb) + i3),
+        (3, 3, m4 * (ee - ea).powi(2) + i4),
+        (3, 4, m4 * ((ee - ea).powi(2) + zt * (ee - ea) * p.sin()) + i4),
+        (
+            4,
+            4,
+            m4 * (zt * zt + 2.0 * zt * (ee - ea) * p.sin() + (ee - ea).powi(2)) + m5 * (ta * ta + tb * tb) + i4 + i5,
+        ),
+        (5, 5, m6 * (zf - fa).powi(2) + i6),
+        (5, 6, m6 * ((zf - fa).powi(2) - u * (zf - fa) * o.sin()) + i6),
+        (6, 6, m6 * ((zf - fa).powi(2) - 2.0 * u * (zf - fa) * o.sin() + u * u) + m7 * (ua * ua + ub * ub) + i6 + i7),
+        (0, 2, 0.0),
+        (1, 4, 0.0),
+    ];
+    for (i, j, wanted) in expected {
+        // A difference of energies of the order of 1e-4.
+        assert!((entry(i, j) - wanted).abs() < 1e-18, "{} {}: {:e}, not {wanted:e}", names[i], names[j], entry(i, j));
+    }
+
+    let state = model.initial_state(&positions, &[], None).unwrap();
+    let bodies = body_states(mechanism, &state);
+    let (xa, ya, xb, yb) = (-0.06934, -0.00227, -0.03635, 0.03273);
+    let connector = [rr * b.cos() - dd * (b + t).cos(), rr * b.sin() - dd * (b + t).sin()];
+    let others = [
+        [ss * g.sin() + xb, -ss * g.cos() + yb],
+        [ee * (p + d).sin() + zt * d.cos() + xa, -ee * (p + d).cos() + zt * d.sin() + ya],
+        [zf * (o + e).cos() + u * e.sin() + xa, zf * (o + e).sin() - u * e.cos() + ya],
+    ];
+    for (closing, other) in mechanism.loops.iter().zip(others) {
+        let gap = closing.gap(&bodies);
+        for axis in 0..2 {
+            let wanted = other[axis] - connector[axis];
+            assert!((gap[axis] - wanted).abs() < 1e-16, "{}: {} not {wanted}", closing.name, gap[axis]);
+        }
+    }
+    let (sc, sd, xc, yc) = (0.018, 0.02, 0.014, 0.072);
+    let spring = &mechanism.forces.point_springs[0];
+    let wanted = Vector3::new(sd * g.cos() + sc * g.sin() + xb - xc, sd * g.sin() - sc * g.cos() + yb - yc, 0.0);
+    let apart = spring.a.place(&bodies).0 - spring.b.place(&bodies).0;
+    assert!((apart - wanted).amax() < 1e-16, "{apart}");
+    assert_eq!(mechanism.forces.joint_loads.len(), 1);
+    assert_eq!(mechanism.bodies[0].joint.velocity_index, mechanism.forces.joint_loads[0].freedom);
+}
+
+#[test]
+fn the_governor_starts_with_free_springs_and_the_rod_of_the_slider_crank_turns_as_published() {
+    let (_, model, state) = load("flyball_governor");
+    let bodies = body_states(&model.mechanism, &state);
+    for spring in &model.mechanism.forces.point_springs {
+        let length = (spring.a.place(&bodies).0 - spring.b.place(&bodies).0).norm();
+        assert!((length - spring.rest_length).abs() < 1e-15, "{length}");
+    }
+    let (_, model, state) = load("slider_crank");
+    let bodies = body_states(&model.mechanism, &state);
+    let (velocity, turn) = model.link_velocity(&bodies, model.link("rod").unwrap());
+    assert!((turn - Vector3::new(1.92, -0.96, 0.48)).amax() < 1e-14, "{turn}");
+    assert!((velocity - Vector3::new(0.12, -0.24, 0.0)).amax() < 1e-14, "{velocity}");
+}
