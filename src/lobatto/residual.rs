@@ -38,6 +38,8 @@ pub struct Sweep<'s, V> {
     pub moved: V,
     /// What gravity adds to the mixed displacement of a centre of mass.
     pub gravity: [f64; 3],
+    /// What multiplies applied forces: h², or the impulse's `h b_s`.
+    pub forces: f64,
 }
 
 /// Inertia and residual of one body about its anchor, and `N` at the rows' stages.
@@ -145,6 +147,6 @@ pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
 
 /// `N = 2 (w û + u uᵀ − |u|²)` from the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u`; linear in both.
 #[inline(always)]
-fn increment_matrix<V: Lanes>([xx, xy, xz, yy, yz, zz]: [V; 6], [wx, wy, wz]: [V; 3]) -> Matrix<V> {
+pub fn increment_matrix<V: Lanes>([xx, xy, xz, yy, yz, zz]: [V; 6], [wx, wy, wz]: [V; 3]) -> Matrix<V> {
     Matrix([[-(yy + zz), xy - wz, xz + wy], [xy + wz, -(xx + zz), yz - wx], [xz - wy, yz + wx, -(xx + yy)]])
 }

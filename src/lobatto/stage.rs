@@ -12,6 +12,7 @@
 //! ```
 
 use super::algebra::Vector;
+use super::applied::Applied;
 use super::articulated::{Articulated, Eliminated};
 use super::lanes::Lanes;
 use super::start::{Plan, Start};
@@ -121,6 +122,8 @@ pub struct Stages<V> {
     pub slots: Vec<Articulated<V>>,
     /// Twist of the branching bodies on the way back.
     pub twists: Vec<(Vector<V>, Vector<V>)>,
+    /// Forces besides gravity, if the mechanism has any.
+    pub applied: Option<Box<Applied<V>>>,
     /// Length of the step (s).
     pub step: f64,
 }
@@ -140,6 +143,7 @@ impl<V: Lanes> Stages<V> {
             eliminated: vec![Eliminated::zero(); freedoms],
             slots: vec![Articulated::zero(); plan.slots],
             twists: vec![(Vector::zero(), Vector::zero()); plan.slots],
+            applied: Applied::new(mechanism, tableau),
             start: Start::new(mechanism),
             plan,
             step: 0.0,

@@ -9,6 +9,8 @@
 //!     axes  = the free axes of the joint: translations turn with the parent, rotations with the body
 //! ```
 
+use super::applied::AppliedStart;
+use crate::forces::total::stored;
 use crate::invariants::Energy;
 use crate::kinematics::{WORLD, forward_kinematics};
 use crate::model::{FreeRotation, JointKind, Mechanism};
@@ -79,6 +81,8 @@ pub struct Start {
     pub axes: Vec<[f64; 3]>,
     /// Velocity of each degree of freedom.
     pub rates: Vec<f64>,
+    /// What forces need.
+    pub applied: AppliedStart,
     /// Energy of the state.
     pub energy: Energy,
     states: Vec<BodyState>,
@@ -139,6 +143,7 @@ impl Start {
             bodies: vec![BodyStart::default(); mechanism.bodies.len()],
             axes: vec![[0.0; 3]; mechanism.velocity_count],
             rates: vec![0.0; mechanism.velocity_count],
+            applied: AppliedStart::new(mechanism),
             energy: Energy::default(),
             states: vec![WORLD; mechanism.bodies.len()],
         }
@@ -203,6 +208,11 @@ impl Start {
                 self.axes[slot] = child_frame.column(axis).into_owned().into();
                 slot += 1;
             }
+        }
+        if !mechanism.forces.is_empty() {
+            self.applied.set(mechanism, state, &self.states);
+            let stored = stored(mechanism, &state.position, &self.states);
+            (energy.spring, energy.load) = (stored.spring, stored.load);
         }
         self.energy = energy;
     }
