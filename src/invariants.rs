@@ -4,26 +4,33 @@
 //!     T = Σ ½ m |v|² + ½ ωᵀ R J Rᵀ ω  [J]         V = −Σ m gᵀ x  [J]
 //!     p = Σ m v  [kg m/s]                          L = Σ x × m v + R J Rᵀ ω  [kg m²/s], about the world origin
 //! ```
+//!
+//! Springs and loads with a potential add theirs ([`crate::forces`]).
 
 use crate::closures::loop_gaps;
+use crate::forces::total::stored;
 use crate::kinematics::WORLD;
 use crate::model::{FreeRotation, Mechanism};
 use crate::state::BodyState;
 use nalgebra::Vector3;
 
-/// Kinetic and potential energy (J).
+/// Kinetic energy, and the potential energies by what holds them (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
     /// Kinetic energy.
     pub kinetic: f64,
     /// Potential energy of gravity, zero for all centres of mass at the world origin.
     pub potential: f64,
+    /// Energy stored in springs.
+    pub spring: f64,
+    /// Potential energy of constant forces and efforts.
+    pub load: f64,
 }
 
 impl Energy {
-    /// Kinetic plus potential energy.
+    /// The sum of all.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.potential
+        self.kinetic + self.potential + self.spring + self.load
     }
 }
 
@@ -41,7 +48,7 @@ fn spin(inertia: &Vector3<f64>, body: &BodyState) -> Vector3<f64> {
     body.rotation * inertia.component_mul(&(body.rotation.transpose() * body.angular_velocity))
 }
 
-/// The energy of all bodies.
+/// The energy that the bodies have by themselves, under gravity: without springs and loads.
 pub fn energy(mechanism: &Mechanism, bodies: &[BodyState]) -> Energy {
     let mut energy = Energy::default();
     for (body, state) in mechanism.bodies.iter().zip(bodies) {
@@ -50,6 +57,12 @@ pub fn energy(mechanism: &Mechanism, bodies: &[BodyState]) -> Energy {
         energy.potential -= body.mass * mechanism.gravity.dot(&state.position);
     }
     energy
+}
+
+/// The energy of bodies, springs and loads at joint positions, which place the bodies.
+pub fn energy_with_forces(mechanism: &Mechanism, position: &[f64], bodies: &[BodyState]) -> Energy {
+    let stored = stored(mechanism, position, bodies);
+    Energy { spring: stored.spring, load: stored.load, ..energy(mechanism, bodies) }
 }
 
 /// Linear momentum, and angular momentum about the world origin.

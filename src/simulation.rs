@@ -4,7 +4,8 @@
 //! a fixed rate (the log) and the end of every step (energy, constraint and solver figures). The loop is the same for
 //! the Lobatto scheme and for the reduced-coordinate comparators, so that charts compare like with like.
 
-use crate::invariants::{Energy, Violation, energy, violation};
+use crate::forces::total::Exchange;
+use crate::invariants::{Energy, Violation, energy_with_forces, violation};
 use crate::kinematics::{WORLD, body_states, forward_kinematics};
 use crate::model::Mechanism;
 use crate::state::{BodyState, State};
@@ -37,6 +38,8 @@ pub struct StepOutcome {
     pub iterations: usize,
     /// Attempts that were thrown away before this step was accepted.
     pub rejected: usize,
+    /// Energy dissipated in the step, and work put into the mechanism (J).
+    pub exchange: Exchange,
 }
 
 /// Why a step could not be made.
@@ -99,6 +102,8 @@ pub struct StepEnd {
     pub time: f64,
     /// Energy there.
     pub energy: Energy,
+    /// Energy dissipated since the start of the run, and work put in (J).
+    pub exchange: Exchange,
     /// Constraint violation there.
     pub violation: Violation,
     /// What the step cost.
@@ -142,7 +147,10 @@ pub struct Summary {
     pub initial_energy: Energy,
     /// Energy at the end.
     pub final_energy: Energy,
-    /// Largest deviation of the total energy from its start, relative to the largest kinetic energy seen.
+    /// Energy dissipated over the run, and work put in by forces without a potential (J).
+    pub exchange: Exchange,
+    /// Largest deviation of the total energy, plus what was dissipated, less what was put in, from its start, relative to
+    /// the largest kinetic energy seen.
     pub max_relative_energy_error: f64,
     /// Largest violation of any constraint at the end of any step.
     pub max_violation: Violation,
@@ -211,7 +219,7 @@ fn drive(
         bookkeeper.summary.solve_cpu_seconds += clock.elapsed().as_secs_f64();
         let outcome = outcome?;
         forward_kinematics(mechanism, &state.position, &state.velocity, &mut bodies);
-        bookkeeper.record(mechanism, state.time, &bodies, outcome);
+        bookkeeper.record(mechanism, state, &bodies, outcome);
         while sample_time(sampled) <= state.time {
             let time = sample_time(sampled);
             if time == state.time {
@@ -244,13 +252,15 @@ struct Bookkeeper {
     last: StepEnd,
     largest_kinetic: f64,
     largest_deviation: f64,
+    /// What rounding has cut off the sums of dissipated energy and work.
+    rest: Exchange,
 }
 
 impl Bookkeeper {
     fn new(mechanism: &Mechanism, state: &State) -> Self {
         let mut bodies = vec![WORLD; mechanism.bodies.len()];
         forward_kinematics(mechanism, &state.position, &state.velocity, &mut bodies);
-        let initial = energy(mechanism, &bodies);
+        let initial = energy_with_forces(mechanism, &state.position, &bodies);
         let violation = violation(mechanism, &bodies);
         Bookkeeper {
             summary: Summary {
@@ -259,17 +269,27 @@ impl Bookkeeper {
                 max_violation: violation,
                 ..Summary::default()
             },
-            last: StepEnd { time: state.time, energy: initial, violation, outcome: StepOutcome::default() },
+            last: StepEnd {
+                time: state.time,
+                energy: initial,
+                exchange: Exchange::default(),
+                violation,
+                outcome: StepOutcome::default(),
+            },
             largest_kinetic: initial.kinetic,
             largest_deviation: 0.0,
+            rest: Exchange::default(),
         }
     }
 
-    fn record(&mut self, mechanism: &Mechanism, time: f64, bodies: &[BodyState], outcome: StepOutcome) {
-        let energy = energy(mechanism, bodies);
+    fn record(&mut self, mechanism: &Mechanism, state: &State, bodies: &[BodyState], outcome: StepOutcome) {
+        let energy = energy_with_forces(mechanism, &state.position, bodies);
         let violation = violation(mechanism, bodies);
-        self.last = StepEnd { time, energy, violation, outcome };
         let summary = &mut self.summary;
+        add(&mut summary.exchange.dissipated, &mut self.rest.dissipated, outcome.exchange.dissipated);
+        add(&mut summary.exchange.work, &mut self.rest.work, outcome.exchange.work);
+        let exchange = summary.exchange;
+        self.last = StepEnd { time: state.time, energy, exchange, violation, outcome };
         summary.steps += 1;
         summary.iterations += outcome.iterations;
         summary.rejected_steps += outcome.rejected;
@@ -277,11 +297,20 @@ impl Bookkeeper {
         summary.max_violation.position = summary.max_violation.position.max(violation.position);
         summary.max_violation.velocity = summary.max_violation.velocity.max(violation.velocity);
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic);
-        self.largest_deviation = self.largest_deviation.max((energy.total() - summary.initial_energy.total()).abs());
+        let balance = energy.total() - summary.initial_energy.total() + (exchange.dissipated - exchange.work);
+        self.largest_deviation = self.largest_deviation.max(balance.abs());
         summary.max_relative_energy_error = if self.largest_kinetic > 0.0 {
             self.largest_deviation / self.largest_kinetic
         } else {
             self.largest_deviation
         };
     }
+}
+
+/// `sum += term`, compensated (Kahan).
+fn add(sum: &mut f64, rest: &mut f64, term: f64) {
+    let wanted = term + *rest;
+    let next = *sum + wanted;
+    *rest = wanted - (next - *sum);
+    *sum = next;
 }

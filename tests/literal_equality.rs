@@ -1,4 +1,4 @@
-//! The fast kernel makes the same step as the literal scheme (2.5.11).
+//! The fast kernel makes the same step as the literal scheme (2.5.11), with forces and without.
 
 mod models;
 
@@ -44,6 +44,35 @@ fn one_step_equals_the_literal_scheme_for_every_joint_kind_and_two_to_five_stage
             let name = &model.mechanism.name;
             assert!(position < 1e-12, "{name} s={stages}: poses differ by {position:.1e}");
             assert!(velocity < 1e-11, "{name} s={stages}: velocities differ by {velocity:.1e}");
+        }
+    }
+}
+
+#[test]
+fn one_step_equals_the_literal_scheme_for_every_force_every_joint_kind_and_two_to_five_stages() {
+    // The bounds as without forces: forces of some ten newtons on bodies of a kilogram are no larger than gravity.
+    let mut models: Vec<Model> = models::JOINT_KINDS.into_iter().map(models::one_joint).collect();
+    models.push(models::floating_tree());
+    for model in models {
+        for (kind, forces) in models::every_force(&model.mechanism) {
+            let model =
+                models::with_forces(Model { mechanism: model.mechanism.clone(), state: model.state.clone() }, forces);
+            for stages in 2..=5 {
+                // The dense oracle takes its time for five bodies.
+                if model.mechanism.bodies.len() > 2 && (kind != "all forces" || stages > 3) {
+                    continue;
+                }
+                let tableau = Tableau::new(stages).unwrap();
+                let step = 0.02;
+                let literal = Literal::new(&model.mechanism, &tableau).unwrap().step(&model.bodies(), step).unwrap();
+                let fast = fast_step(&model, stages, step, Isa::detect());
+                let position = models::pose_distance(&fast, &literal.bodies);
+                let velocity = models::velocity_distance(&fast, &literal.bodies);
+                let name = &model.mechanism.name;
+                println!("{name} {kind} s={stages}: {position:.1e} {velocity:.1e}");
+                assert!(position < 1e-12, "{name}, {kind}, s={stages}: poses differ by {position:.1e}");
+                assert!(velocity < 1e-11, "{name}, {kind}, s={stages}: velocities differ by {velocity:.1e}");
+            }
         }
     }
 }

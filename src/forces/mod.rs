@@ -1,4 +1,17 @@
-//! Smooth forces: the constant data of what pushes, pulls and brakes. A mechanism without forces has five empty lists.
+//! Smooth forces: what pushes, pulls and brakes besides gravity. A mechanism without forces has five empty lists.
+//!
+//! The data is here, the physics of each force in a file of its own: [`joint_damper`], [`joint_spring`],
+//! [`joint_load`], [`point_spring`], [`wrench`]. [`total`] sums them up for a state; the scheme has its own evaluation
+//! for all stages at once ([`crate::lobatto::applied`]).
+
+#[cfg(test)]
+mod differences;
+pub mod joint_damper;
+pub mod joint_load;
+pub mod joint_spring;
+pub mod point_spring;
+pub mod total;
+pub mod wrench;
 
 use crate::model::{Attachment, Coordinate};
 use nalgebra::Vector3;

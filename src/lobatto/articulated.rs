@@ -6,10 +6,10 @@
 //!     [ force  ]   [ mass       coupling ] [ a ]
 //!     [ torque ] = [ couplingᵀ  inertia  ] [ φ ] + p,          A: the 6 × 6 matrix, symmetric
 //!
-//!     d = sᵀ A s,   α₀ = −sᵀ p / d,   p ← p + A s α₀,   A ← A − A s sᵀ A / d        for every free axis s
+//!     d = sᵀ A s,   α₀ = (τ − sᵀ p) / d,   p ← p + A s α₀,   A ← A − A s sᵀ A / d        for every free axis s
 //! ```
 //!
-//! The axes of a joint of several degrees of freedom are eliminated one after the other, which is the exact block
+//! with the effort τ of forces in the joint along the axis. The axes of a joint of several degrees of freedom are eliminated one after the other, which is the exact block
 //! elimination. Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7; here lane by lane.
 
 use super::algebra::{Matrix, Symmetric, Vector};
@@ -40,7 +40,7 @@ pub struct Eliminated<V> {
     pub force_ratio: Vector<V>,
     /// `A s / (sᵀ A s)`, torque part.
     pub torque_ratio: Vector<V>,
-    /// `−sᵀ(bias) / (sᵀ A s)`.
+    /// `(τ − sᵀ(bias)) / (sᵀ A s)`.
     pub bias: V,
 }
 
@@ -77,30 +77,30 @@ impl<V: Lanes> Articulated<V> {
         }
     }
 
-    /// Eliminates a rotation about `axis` through the anchor.
+    /// Eliminates a rotation about `axis` through the anchor, with the effort of forces in the joint, if there are any.
     #[inline(always)]
-    pub fn eliminate_rotation(&mut self, axis: Vector<V>) -> Eliminated<V> {
+    pub fn eliminate_rotation(&mut self, axis: Vector<V>, effort: Option<V>) -> Eliminated<V> {
         let force = self.coupling.apply(axis);
         let torque = self.inertia.apply(axis);
         let inverse = axis.dot(torque).reciprocal();
-        let bias = -(axis.dot(self.torque) * inverse);
+        let bias = unbalanced(axis.dot(self.torque), effort, inverse);
         self.eliminate(axis, force, torque, inverse, bias)
     }
 
     /// The solution for a rotation about `axis` of a body that hangs on the world.
     #[inline(always)]
-    pub fn solve_rotation(&self, axis: Vector<V>) -> Eliminated<V> {
+    pub fn solve_rotation(&self, axis: Vector<V>, effort: Option<V>) -> Eliminated<V> {
         let inverse = axis.dot(self.inertia.apply(axis)).reciprocal();
-        let bias = -(axis.dot(self.torque) * inverse);
+        let bias = unbalanced(axis.dot(self.torque), effort, inverse);
         Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias }
     }
 
     /// Eliminates a rotation about `axis` where nothing couples it to translations.
     #[inline(always)]
-    pub fn eliminate_spin(&mut self, axis: Vector<V>) -> Eliminated<V> {
+    pub fn eliminate_spin(&mut self, axis: Vector<V>, effort: Option<V>) -> Eliminated<V> {
         let torque = self.inertia.apply(axis);
         let inverse = axis.dot(torque).reciprocal();
-        let bias = -(axis.dot(self.torque) * inverse);
+        let bias = unbalanced(axis.dot(self.torque), effort, inverse);
         let torque_ratio = torque.times(inverse);
         self.inertia = self.inertia.minus_outer(torque, torque_ratio);
         self.torque = torque.times_plus(bias, self.torque);
@@ -109,18 +109,19 @@ impl<V: Lanes> Articulated<V> {
 
     /// The solution for a translation along `axis` of a body that floats alone: the axes do not couple either.
     #[inline(always)]
-    pub fn solve_translation(&self, axis: Vector<V>) -> Eliminated<V> {
-        let bias = -(axis.dot(self.force) * axis.dot(self.mass.apply(axis)).reciprocal());
+    pub fn solve_translation(&self, axis: Vector<V>, effort: Option<V>) -> Eliminated<V> {
+        let inverse = axis.dot(self.mass.apply(axis)).reciprocal();
+        let bias = unbalanced(axis.dot(self.force), effort, inverse);
         Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias }
     }
 
     /// Eliminates a translation along `axis`.
     #[inline(always)]
-    pub fn eliminate_translation(&mut self, axis: Vector<V>) -> Eliminated<V> {
+    pub fn eliminate_translation(&mut self, axis: Vector<V>, effort: Option<V>) -> Eliminated<V> {
         let force = self.mass.apply(axis);
         let torque = self.coupling.apply_transposed(axis);
         let inverse = axis.dot(force).reciprocal();
-        let bias = -(axis.dot(self.force) * inverse);
+        let bias = unbalanced(axis.dot(self.force), effort, inverse);
         self.eliminate(axis, force, torque, inverse, bias)
     }
 
@@ -175,6 +176,15 @@ impl<V: Lanes> Articulated<V> {
             force: self.force,
             torque: arm.cross_plus(self.force, self.torque),
         }
+    }
+}
+
+/// `(τ − sᵀ p) / d`; what calls with a `None` in its code pays nothing for it.
+#[inline(always)]
+fn unbalanced<V: Lanes>(carried: V, effort: Option<V>, inverse: V) -> V {
+    match effort {
+        None => -(carried * inverse),
+        Some(effort) => (effort - carried) * inverse,
     }
 }
 

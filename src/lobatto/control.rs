@@ -40,11 +40,11 @@ pub enum Verdict {
 /// Energies at the end of a finished step (J).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Energies {
-    /// Change of the total energy over the step.
+    /// Change of the total energy over the step, but for what was dissipated and put in.
     pub change: f64,
     /// Kinetic energy at the end.
     pub kinetic: f64,
-    /// Potential energy at the end.
+    /// Size of the potential energies at the end.
     pub potential: f64,
 }
 
@@ -144,7 +144,7 @@ impl Control {
                 if let Some(energies) = energies {
                     self.kinetic = self.kinetic.max(energies.kinetic);
                     // Each of the two is rounded, also where they cancel.
-                    let rounding = 1e-13 * (energies.kinetic + energies.potential.abs());
+                    let rounding = 1e-13 * (energies.kinetic + energies.potential);
                     let allowed = ENERGY_SHARE * self.tolerance * self.kinetic + rounding;
                     let change = energies.change.abs();
                     // At rest nothing is allowed and nothing changes.

@@ -135,12 +135,17 @@ impl Lobatto {
         }
     }
 
-    /// Finishes the solved step into `self.end`; returns the change of the total energy and the kinetic energy.
+    /// Finishes the solved step into `self.end`; returns the energies there, with the change that nothing accounts for.
     fn finish(&mut self, mechanism: &Mechanism, state: &State) -> Energies {
         let before = self.kernel.energy();
         self.end.copy_from(state);
         let after = self.kernel.finish(mechanism, &mut self.end);
-        Energies { change: after.total() - before.total(), kinetic: after.kinetic, potential: after.potential }
+        let exchange = self.kernel.exchange();
+        Energies {
+            change: after.total() - before.total() + (exchange.dissipated - exchange.work),
+            kinetic: after.kinetic,
+            potential: after.potential.abs() + after.spring + after.load.abs(),
+        }
     }
 
     /// Accepts the finished step of length `step`: moves `state` to its end, at time `time`.
@@ -175,6 +180,7 @@ impl Lobatto {
                         outcome.iterations += iterations;
                         outcome.step = length;
                         self.finish(mechanism, state);
+                        outcome.exchange = self.kernel.exchange();
                         finite(mechanism, &self.end, length)?;
                         self.accept(state, length, if halving == 0 { target } else { state.time + length });
                         return Ok(outcome);
@@ -221,6 +227,7 @@ impl Lobatto {
                 Verdict::Accept => {
                     finite(mechanism, &self.end, length)?;
                     outcome.step = length;
+                    outcome.exchange = self.kernel.exchange();
                     self.accept(state, length, if reaches { until } else { state.time + length });
                     return Ok(outcome);
                 }

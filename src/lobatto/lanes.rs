@@ -53,6 +53,16 @@ pub trait Lanes:
         Self::from_array(array)
     }
 
+    /// The square root of every lane. Few are needed, so that the compiler's vectors of an array are enough.
+    #[inline(always)]
+    fn square_root(self) -> Self {
+        let mut array = self.to_array();
+        for lane in array.as_mut() {
+            *lane = lane.sqrt();
+        }
+        Self::from_array(array)
+    }
+
     /// Mixes lanes: `Σ_i columns[i] · self[i]`, a matrix (by columns) times the vector of the lanes.
     #[inline(always)]
     fn mix(self, columns: &[Self]) -> Self {

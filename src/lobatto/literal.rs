@@ -5,11 +5,12 @@
 //!
 //! The coordinates of a body are `(x, R) ∈ R³ × R^{3×3} = R¹²` (the columns of R one after the other), so that with the
 //! second-moment matrix `Σ = ½ tr(J) 1 − J` the kinetic energy is `½ m |ẋ|² + ½ tr(Ṙ Σ Ṙᵀ) = ½ q̇ᵀ M q̇` with a
-//! constant diagonal M, and `p = M q̇` is `(m ẋ, Ṙ Σ)`. With the potential `V = −Σ m gᵀ x`,
+//! constant diagonal M, and `p = M q̇` is `(m ẋ, Ṙ Σ)`. With the potential `V = −Σ m gᵀ x` and forces F besides
+//! gravity, which depend on the stages' positions and rates ([`super::literal_forces`]),
 //!
 //! ```text
 //!     Q̇_i = M⁻¹ P_i                                  (2.5.11a)        Q_i = q + h Σ_j a_ij Q̇_j      (2.5.11d)
-//!     Ṗ_i = −∂V/∂q − Dg(Q_i)ᵀ Λ_i                    (2.5.11b)        P_i = p + h Σ_j ā_ij Ṗ_j      (2.5.11e)
+//!     Ṗ_i = F_i − ∂V/∂q − Dg(Q_i)ᵀ Λ_i               (2.5.11b)        P_i = p + h Σ_j ā_ij Ṗ_j      (2.5.11e)
 //!     0   = g(Q_i)                                   (2.5.11c)        q̄ = q + h Σ_i b_i Q̇_i         (2.5.11f)
 //!     0   = Dg(q̄) M⁻¹ p̄                              (2.5.11h)        p̄ = p + h Σ_i b_i Ṗ_i         (2.5.11g)
 //! ```
@@ -28,15 +29,19 @@
 //! same list of coefficients. Σ must be positive definite here, because (2.5.11a) divides by it; the elimination of
 //! `RᵀR = 1` that the fast solver uses only divides by J.
 
+use super::literal_constraints::{Quadratic, constraints};
+use super::literal_forces::stage_forces;
 use super::tableau::Tableau;
-use crate::model::{FreeRotation, Mechanism, Pose};
+use crate::model::Mechanism;
 use crate::state::BodyState;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Coordinates of one body: three of position, nine of rotation.
-const BODY_COORDINATES: usize = 12;
+pub(super) const BODY_COORDINATES: usize = 12;
 /// Newton's method converges in about six iterations; many more mean that the step is too long for it.
 const MAXIMUM_ITERATIONS: usize = 50;
+/// Step of the differences that give the derivative of the forces in Newton's matrix, which need not be exact.
+const DIFFERENCE: f64 = 1e-6;
 /// A correction this small (metres, or entries of a rotation matrix) that stops shrinking is rounding.
 const ROUNDING_LEVEL: f64 = 1e-10;
 
@@ -166,13 +171,15 @@ impl<'a> Literal<'a> {
             let stage_coordinates: Vec<DVector<f64>> = increments.iter().map(|increment| &q + increment).collect();
             let jacobians: Vec<DMatrix<f64>> =
                 stage_coordinates.iter().map(|stage| self.constraint_jacobian(stage)).collect();
-            let (_, collocated) = self.stage_values(&p, step, &jacobians, &multipliers);
+            let forces = self.forces(&q, &velocity, &increments, step);
+            let (_, collocated) = self.stage_values(&p, step, &forces, &jacobians, &multipliers);
             let mut residual = DVector::zeros((s - 1) * (n + d));
             for i in 1..s {
                 residual.rows_mut((i - 1) * n, n).copy_from(&(&increments[i] - &collocated[i]));
                 residual.rows_mut((s - 1) * n + (i - 1) * d, d).copy_from(&self.constraint_change(&q, &increments[i]));
             }
-            let newton_matrix = self.newton_matrix(step, &jacobians, &multipliers, &scale);
+            let mut newton_matrix = self.newton_matrix(step, &jacobians, &multipliers, &scale);
+            self.add_force_derivatives(&q, &velocity, &increments, step, &forces, &mut newton_matrix);
             let correction = newton_matrix.lu().solve(&residual).ok_or(LiteralError::Singular { step })?;
             for i in 1..s {
                 increments[i] -= correction.rows((i - 1) * n, n);
@@ -189,11 +196,54 @@ impl<'a> Literal<'a> {
                 return Err(LiteralError::NotConverged { step, correction: size });
             }
             if size < ROUNDING_LEVEL && size > 0.25 * last_correction || size == 0.0 {
-                return self.finish(&q, p, step, &increments, multipliers, iteration);
+                return self.finish(&q, &velocity, step, &increments, multipliers, iteration);
             }
             last_correction = size;
         }
         Err(LiteralError::NotConverged { step, correction: last_correction })
+    }
+
+    /// The forces of all stages, gravity included.
+    fn forces(
+        &self,
+        q: &DVector<f64>,
+        velocity: &DVector<f64>,
+        increments: &[DVector<f64>],
+        step: f64,
+    ) -> Vec<DVector<f64>> {
+        let mut forces = stage_forces(self.mechanism, self.tableau, q, velocity, increments, step);
+        forces.iter_mut().for_each(|force| *force += &self.force);
+        forces
+    }
+
+    /// Adds the derivative of the forces by `Q_2 … Q_s` to Newton's matrix, by differences.
+    fn add_force_derivatives(
+        &self,
+        q: &DVector<f64>,
+        velocity: &DVector<f64>,
+        increments: &[DVector<f64>],
+        step: f64,
+        forces: &[DVector<f64>],
+        matrix: &mut DMatrix<f64>,
+    ) {
+        if self.mechanism.forces.is_empty() {
+            return;
+        }
+        let (s, n) = (self.tableau.stages, q.len());
+        let mut moved = increments.to_vec();
+        for (stage, coordinate) in (1..s).flat_map(|stage| (0..n).map(move |coordinate| (stage, coordinate))) {
+            moved[stage][coordinate] += DIFFERENCE;
+            let changed = self.forces(q, velocity, &moved, step);
+            moved[stage][coordinate] = increments[stage][coordinate];
+            for k in 0..s - 1 {
+                let slope = (&changed[k] - &forces[k]).component_div(&self.mass) / DIFFERENCE;
+                for i in 1..s {
+                    let weight = step * step * self.tableau.a_hat[(i - 1) * (s - 1) + k];
+                    let mut column = matrix.view_mut(((i - 1) * n, (stage - 1) * n + coordinate), (n, 1));
+                    column -= &slope * weight;
+                }
+            }
+        }
     }
 
     /// `P_i` by (2.5.11b, e), and `Q_i − q` by (2.5.11a, d), from the multipliers and `Dg(Q_i)` of all stages.
@@ -201,12 +251,13 @@ impl<'a> Literal<'a> {
         &self,
         p: &DVector<f64>,
         step: f64,
+        forces: &[DVector<f64>],
         jacobians: &[DMatrix<f64>],
         multipliers: &[DVector<f64>],
     ) -> (Vec<DVector<f64>>, Vec<DVector<f64>>) {
         let s = self.tableau.stages;
         let momentum_rates: Vec<DVector<f64>> =
-            (0..s).map(|i| &self.force - jacobians[i].tr_mul(&multipliers[i])).collect();
+            (0..s).map(|i| &forces[i] - jacobians[i].tr_mul(&multipliers[i])).collect();
         let momenta: Vec<DVector<f64>> = (0..s)
             .map(|i| (0..s).fold(p.clone(), |sum, j| sum + &momentum_rates[j] * (step * self.tableau.a_bar[i * s + j])))
             .collect();
@@ -261,7 +312,7 @@ impl<'a> Literal<'a> {
     fn finish(
         &self,
         q: &DVector<f64>,
-        p: DVector<f64>,
+        velocity: &DVector<f64>,
         step: f64,
         increments: &[DVector<f64>],
         mut multipliers: Vec<DVector<f64>>,
@@ -271,10 +322,12 @@ impl<'a> Literal<'a> {
         let stage_coordinates: Vec<DVector<f64>> = increments.iter().map(|increment| q + increment).collect();
         let jacobians: Vec<DMatrix<f64>> =
             stage_coordinates.iter().map(|stage| self.constraint_jacobian(stage)).collect();
-        let (stage_momenta, _) = self.stage_values(&p, step, &jacobians, &multipliers);
+        let p = self.mass.component_mul(velocity);
+        let forces = self.forces(q, velocity, increments, step);
+        let (stage_momenta, _) = self.stage_values(&p, step, &forces, &jacobians, &multipliers);
         let mut end_momentum = p.clone();
         for i in 0..s {
-            end_momentum += (&self.force - jacobians[i].tr_mul(&multipliers[i])) * (step * b[i]);
+            end_momentum += (&forces[i] - jacobians[i].tr_mul(&multipliers[i])) * (step * b[i]);
         }
         // Twice, so that what rounding leaves of the first solution is projected away too.
         for _ in 0..2 {
@@ -356,152 +409,4 @@ pub fn body_states(q: &DVector<f64>, velocity: &DVector<f64>) -> Vec<BodyState> 
             }
         })
         .collect()
-}
-
-/// An affine function of the coordinates.
-#[derive(Clone, Debug)]
-struct Affine {
-    constant: f64,
-    /// (coordinate, coefficient)
-    terms: Vec<(usize, f64)>,
-}
-
-/// A vector of the world whose components are affine functions of the coordinates.
-type AffineVector = [Affine; 3];
-
-/// A polynomial of degree two in the coordinates: one row of g.
-#[derive(Clone, Debug)]
-struct Quadratic {
-    constant: f64,
-    /// (coordinate, coefficient)
-    linear: Vec<(usize, f64)>,
-    /// (coordinate, coordinate, coefficient)
-    products: Vec<(usize, usize, f64)>,
-}
-
-impl Quadratic {
-    fn value(&self, q: &DVector<f64>) -> f64 {
-        self.constant
-            + self.linear.iter().map(|&(i, coefficient)| coefficient * q[i]).sum::<f64>()
-            + self.products.iter().map(|&(i, j, coefficient)| coefficient * q[i] * q[j]).sum::<f64>()
-    }
-
-    /// Value at `q + increment` less the value at `q`.
-    fn change(&self, q: &DVector<f64>, increment: &DVector<f64>) -> f64 {
-        let linear = self.linear.iter().map(|&(i, coefficient)| coefficient * increment[i]);
-        let products = self.products.iter().map(|&(i, j, coefficient)| {
-            coefficient * (q[i] * increment[j] + increment[i] * q[j] + increment[i] * increment[j])
-        });
-        linear.sum::<f64>() + products.sum::<f64>()
-    }
-
-    /// Hands every contribution to the gradient at q to `add(coordinate, value)`.
-    fn add_gradient(&self, q: &DVector<f64>, mut add: impl FnMut(usize, f64)) {
-        for &(i, coefficient) in &self.linear {
-            add(i, coefficient);
-        }
-        for &(i, j, coefficient) in &self.products {
-            add(i, coefficient * q[j]);
-            add(j, coefficient * q[i]);
-        }
-    }
-
-    /// Hands every contribution to the second derivative to `add(coordinate, coordinate, value)`.
-    fn add_second_derivative(&self, mut add: impl FnMut(usize, usize, f64)) {
-        for &(i, j, coefficient) in &self.products {
-            add(i, j, coefficient);
-            add(j, i, coefficient);
-        }
-    }
-}
-
-/// The vector fixed in a body (or in the world) with the components `local` in its frame.
-fn direction(body: Option<usize>, local: &Vector3<f64>) -> AffineVector {
-    [0, 1, 2].map(|row| match body {
-        None => Affine { constant: local[row], terms: Vec::new() },
-        Some(index) => Affine {
-            constant: 0.0,
-            terms: (0..3).map(|column| (BODY_COORDINATES * index + 3 + 3 * column + row, local[column])).collect(),
-        },
-    })
-}
-
-/// The place in the world of the point `local` of a body.
-fn point(body: Option<usize>, local: &Vector3<f64>) -> AffineVector {
-    let mut place = direction(body, local);
-    if let Some(index) = body {
-        for (row, component) in place.iter_mut().enumerate() {
-            component.terms.push((BODY_COORDINATES * index + row, 1.0));
-        }
-    }
-    place
-}
-
-/// `a − b`.
-fn difference(a: AffineVector, b: &AffineVector) -> AffineVector {
-    let mut result = a;
-    for (left, right) in result.iter_mut().zip(b) {
-        left.constant -= right.constant;
-        left.terms.extend(right.terms.iter().map(|&(i, coefficient)| (i, -coefficient)));
-    }
-    result
-}
-
-/// `a · b − constant`.
-fn dot(a: &AffineVector, b: &AffineVector, constant: f64) -> Quadratic {
-    let mut row = Quadratic { constant: -constant, linear: Vec::new(), products: Vec::new() };
-    for (left, right) in a.iter().zip(b) {
-        row.constant += left.constant * right.constant;
-        row.linear.extend(left.terms.iter().map(|&(i, coefficient)| (i, coefficient * right.constant)));
-        row.linear.extend(right.terms.iter().map(|&(i, coefficient)| (i, coefficient * left.constant)));
-        for &(i, of_left) in &left.terms {
-            row.products.extend(right.terms.iter().map(|&(j, of_right)| (i, j, of_left * of_right)));
-        }
-    }
-    row
-}
-
-/// Every row of g: `RᵀR = 1` and the joint of each body in turn.
-///
-/// With the joint frame F on parent and child, `gap = F_c origin − F_p origin` and axes `e_i`, a joint asks
-///
-/// - `e_i(parent) · gap = 0` for each axis i along which it may not translate (for three such axes the gap itself);
-/// - `e_i(parent) · e_j(child) = 0` for (i, j) = (x, z), (y, z) if it may turn about z only, and for (x, y), (y, z),
-///   (z, x) if it may not turn at all. These hold also when F is turned by half a turn about an axis; a step that starts
-///   from the right branch cannot get there.
-fn constraints(mechanism: &Mechanism) -> Vec<Quadratic> {
-    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-    let mut rows = Vec::new();
-    for (index, body) in mechanism.bodies.iter().enumerate() {
-        let own_axes = axes.map(|axis| direction(Some(index), &axis));
-        for (first, second) in [(0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)] {
-            rows.push(dot(&own_axes[first], &own_axes[second], if first == second { 1.0 } else { 0.0 }));
-        }
-
-        let joint = &body.joint;
-        let axes_of = |owner: Option<usize>, frame: &Pose| axes.map(|axis| direction(owner, &(frame.rotation * axis)));
-        let on_parent = axes_of(body.parent, &joint.on_parent);
-        let on_child = axes_of(Some(index), &joint.on_child);
-        let gap = difference(
-            point(Some(index), &joint.on_child.translation.vector),
-            &point(body.parent, &joint.on_parent.translation.vector),
-        );
-        let free = joint.kind.translation_axes();
-        for axis in (0..3).filter(|axis| !free.contains(axis)) {
-            if free.is_empty() {
-                rows.push(dot(&gap, &direction(None, &axes[axis]), 0.0));
-            } else {
-                rows.push(dot(&on_parent[axis], &gap, 0.0));
-            }
-        }
-        let perpendicular: &[(usize, usize)] = match joint.kind.rotation() {
-            FreeRotation::None => &[(0, 1), (1, 2), (2, 0)],
-            FreeRotation::AboutZ => &[(0, 2), (1, 2)],
-            FreeRotation::Ball => &[],
-        };
-        for &(first, second) in perpendicular {
-            rows.push(dot(&on_parent[first], &on_child[second], 0.0));
-        }
-    }
-    rows
 }

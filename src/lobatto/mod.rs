@@ -1,12 +1,13 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`] (the loop of one step), [`start`], [`stage`] (poses of all
-//! stages), [`residual`], [`articulated`] and [`sweeps`] (the stage equations and their solve), [`anderson`], [`predictor`],
+//! stages), [`residual`], [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations and their solve), [`anderson`], [`predictor`],
 //! [`dense`], [`control`] (step length), [`integrator`] (steps strung together); [`literal`] is the scheme word for word,
 //! the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
 pub mod algebra;
 pub mod anderson;
+pub mod applied;
 pub mod articulated;
 pub mod assembly;
 pub mod closure;
@@ -21,6 +22,8 @@ pub mod integrator;
 pub mod lanes;
 pub mod literal;
 pub mod newton;
+mod literal_constraints;
+mod literal_forces;
 pub mod predictor;
 pub mod projection;
 pub mod residual;

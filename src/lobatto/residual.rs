@@ -38,6 +38,8 @@ pub struct Sweep<'s, V> {
     pub moved: V,
     /// What gravity adds to the mixed displacement of a centre of mass.
     pub gravity: [f64; 3],
+    /// What multiplies applied forces: h², or the impulse's `h b_s`.
+    pub forces: f64,
 }
 
 /// Inertia and residual of one body about its anchor, and `N` at the rows' stages.

@@ -12,6 +12,7 @@
 //! ```
 
 use super::algebra::{Matrix, Vector};
+use super::applied::Applied;
 use super::articulated::{Articulated, Eliminated};
 use super::lanes::Lanes;
 use super::residual::increment_matrix;
@@ -135,6 +136,8 @@ pub struct Stages<V> {
     pub slots: Vec<Articulated<V>>,
     /// Twist of the branching bodies on the way back.
     pub twists: Vec<(Vector<V>, Vector<V>)>,
+    /// Forces besides gravity, if the mechanism has any.
+    pub applied: Option<Box<Applied<V>>>,
     /// Length of the step (s).
     pub step: f64,
 }
@@ -154,6 +157,7 @@ impl<V: Lanes> Stages<V> {
             eliminated: vec![Eliminated::zero(); freedoms],
             slots: vec![Articulated::zero(); plan.slots],
             twists: vec![(Vector::zero(), Vector::zero()); plan.slots],
+            applied: Applied::new(mechanism, tableau),
             start: Start::new(mechanism),
             plan,
             step: 0.0,

@@ -9,6 +9,8 @@
 //!     axes  = the free axes of the joint: translations turn with the parent, rotations with the body
 //! ```
 
+use super::applied::AppliedStart;
+use crate::forces::total::stored;
 use crate::invariants::Energy;
 use crate::kinematics::{WORLD, forward_kinematics};
 use crate::model::{FreeRotation, JointKind, Mechanism};
@@ -93,6 +95,8 @@ pub struct Start {
     pub rates: Vec<f64>,
     /// `q_follower − multiplier · q_leader − offset` of every mimic.
     pub mimic_gaps: Vec<f64>,
+    /// What forces need.
+    pub applied: AppliedStart,
     /// Energy of the state.
     pub energy: Energy,
     states: Vec<BodyState>,
@@ -154,6 +158,7 @@ impl Start {
             axes: vec![[0.0; 3]; mechanism.velocity_count],
             rates: vec![0.0; mechanism.velocity_count],
             mimic_gaps: vec![0.0; mechanism.mimics.len()],
+            applied: AppliedStart::new(mechanism),
             energy: Energy::default(),
             states: vec![WORLD; mechanism.bodies.len()],
         }
@@ -234,6 +239,11 @@ impl Start {
             let [follows, leads] = [mimic.follower, mimic.leader].map(|of| of.position);
             let rest = state.compensation[follows] - mimic.multiplier * state.compensation[leads];
             *gap = state.position[follows] - mimic.multiplier * state.position[leads] - mimic.offset + rest;
+        }
+        if !mechanism.forces.is_empty() {
+            self.applied.set(mechanism, state, &self.states);
+            let stored = stored(mechanism, &state.position, &self.states);
+            (energy.spring, energy.load) = (stored.spring, stored.load);
         }
         self.energy = energy;
     }

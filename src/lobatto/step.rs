@@ -3,6 +3,7 @@
 //! ```text
 //!     guess θ                                             predictor.rs
 //!     repeat:  poses of all stages from θ                 stage.rs         g(Q_i) = 0 to rounding at every iterate
+//!              forces F_k, if there are any               applied.rs
 //!              residual ρ_k, factors of H(q_k)            residual.rs, articulated.rs
 //!              δ_i = Σ_k Â_ik α_k,  H(q_k) α_k = −ρ_k     sweeps.rs
 //!              θ ← Anderson(θ, δ)                         anderson.rs
@@ -18,6 +19,7 @@ use super::projection::Projection;
 use super::stage::{MAX_TURN, Stages};
 use super::start::Start;
 use super::tableau::Tableau;
+use crate::forces::total::Exchange;
 use crate::invariants::Energy;
 use crate::model::{FreeRotation, Mechanism};
 use crate::state::State;
@@ -94,6 +96,8 @@ pub trait Step {
     fn attempt(&mut self, step: f64, rule: &StopRule, plain: bool) -> Attempt;
     /// Projects the momentum at the end of the solved step (2.5.11h): moves `state` there; returns its energy.
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy;
+    /// Energy dissipated in the finished step, and work put into it, by the quadrature of the scheme (J).
+    fn exchange(&self) -> Exchange;
     /// Keeps the finished step: its end is the start of the next one.
     fn accept(&mut self);
     /// Displacement of a degree of freedom at the stages 2 … s of the last solved step.
@@ -160,6 +164,9 @@ impl<V: Lanes> Kernel<V> {
             return in_lanes!(V, newton.solve(stages));
         }
         in_lanes!(V, stages.sweep_poses());
+        if stages.applied.is_some() {
+            in_lanes!(V, stages.sweep_applied(false));
+        }
         if refined {
             in_lanes!(V, stages.sweep_residual::<true>(gravity));
         } else {
@@ -243,6 +250,9 @@ impl<V: Lanes> Step for Kernel<V> {
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let (stages, gravity, velocity) = (&mut self.stages, &self.gravity, &mut self.velocity);
         in_lanes!(V, stages.sweep_poses());
+        if stages.applied.is_some() {
+            in_lanes!(V, stages.sweep_applied(true));
+        }
         if self.refined {
             in_lanes!(V, stages.sweep_momentum::<true>(gravity));
         } else {
@@ -261,6 +271,10 @@ impl<V: Lanes> Step for Kernel<V> {
             self.end.set(mechanism, state);
         }
         self.end.energy
+    }
+
+    fn exchange(&self) -> Exchange {
+        self.stages.applied.as_ref().map_or(Exchange::default(), |applied| applied.exchange)
     }
 
     fn accept(&mut self) {

@@ -9,6 +9,8 @@
 //!     α = α₀ − (A s)ᵀ η / d,    η ← η + s α,         δ_i = Σ_k Â_ik α_k
 //! ```
 //!
+//! Forces in joints enter the row of their freedom, all others the wrench of their body ([`super::applied`]).
+//!
 //! The projection of the momentum at the end of the step (2.5.11h) is the same recursion at the last stage with the
 //! momenta in place of the residuals: `H(q̄) v̄ = Sᵀ p̄` gives the new joint velocities.
 
@@ -37,20 +39,27 @@ impl<V: Lanes> Stages<V> {
             times_rest: self.times_rest(),
             moved: self.coefficients.moved,
             gravity: [square * gravity[0], square * gravity[1], square * gravity[2]],
+            forces: -square,
         }
     }
 
-    /// Residual and articulated factorisation of all rows, leaf to root; `REFINED` with twice the digits of the
-    /// coefficients, for the last iterations of a step that is iterated to rounding.
+    /// Residual and articulated factorisation of all rows, leaf to root, after [`Stages::sweep_poses`] and
+    /// [`Stages::sweep_applied`]; `REFINED` with twice the digits of the coefficients, for the last iterations of a step
+    /// that is iterated to rounding.
     #[inline(always)]
     pub fn sweep_residual<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
         let columns = self.coefficients.residual;
         let rest = self.coefficients.residual_rest;
         let sweep = self.residual_sweep(&columns, &rest, gravity);
-        self.backward::<false, REFINED>(&sweep);
+        if self.applied.is_some() {
+            self.backward::<false, REFINED, true>(&sweep);
+        } else {
+            self.backward::<false, REFINED, false>(&sweep);
+        }
     }
 
-    /// Momenta and articulated factorisation at the end of the step (in the last active lane), leaf to root.
+    /// Momenta and articulated factorisation at the end of the step (in the last active lane), leaf to root, after
+    /// [`Stages::sweep_poses`] and [`Stages::sweep_applied`].
     #[inline(always)]
     pub fn sweep_momentum<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
         let mut columns = self.coefficients.momentum;
@@ -71,8 +80,14 @@ impl<V: Lanes> Stages<V> {
             times_rest: self.times_rest(),
             moved: V::splat(1.0),
             gravity: [factor * gravity[0], factor * gravity[1], factor * gravity[2]],
+            forces: factor,
         };
-        self.backward::<true, REFINED>(&sweep);
+        if self.applied.is_some() {
+            // Once a step: all digits always cost less than one more copy of the sweep.
+            self.backward::<true, true, true>(&sweep);
+        } else {
+            self.backward::<true, REFINED, false>(&sweep);
+        }
     }
 
     /// What rounding has cut off `h c_i`.
@@ -84,13 +99,23 @@ impl<V: Lanes> Stages<V> {
     }
 
     #[inline(always)]
-    fn backward<const MOMENTUM: bool, const REFINED: bool>(&mut self, sweep: &Sweep<V>) {
+    fn backward<const MOMENTUM: bool, const REFINED: bool, const FORCED: bool>(&mut self, sweep: &Sweep<V>) {
+        let applied = if FORCED { self.applied.take() } else { None };
+        let scale = V::splat(sweep.forces);
+        let effort = |freedom: usize| {
+            if FORCED { applied.as_ref().map(|applied| applied.efforts[freedom] * scale) } else { None }
+        };
         let mut carried = Articulated::zero();
         for index in (0..self.plan.bodies.len()).rev() {
             let plan = &self.plan.bodies[index];
             let known = &self.start.bodies[index];
             let pose = self.poses[index];
-            let (own, turn) = body_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, &pose);
+            let (mut own, turn) = body_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, &pose);
+            if FORCED && let Some(applied) = &applied {
+                let (force, torque) = applied.wrenches[index];
+                own.force = force.times_minus(scale, own.force);
+                own.torque = torque.times_minus(scale, own.torque);
+            }
             let mut total = match plan.children {
                 Children::None => own,
                 Children::Next => own.plus(&carried),
@@ -106,9 +131,9 @@ impl<V: Lanes> Stages<V> {
                     let axis = turn.apply_plus(axis, axis);
                     // Nobody asks for what is left of a root: its one axis needs no more than the solution.
                     self.eliminated[rotations] = if plan.parent.is_none() && plan.translations == 0 {
-                        total.solve_rotation(axis)
+                        total.solve_rotation(axis, effort(rotations))
                     } else {
-                        total.eliminate_rotation(axis)
+                        total.eliminate_rotation(axis, effort(rotations))
                     };
                 }
                 FreeRotation::Ball => {
@@ -118,8 +143,11 @@ impl<V: Lanes> Stages<V> {
                         let axis = Vector::splat(&self.start.axes[freedom]);
                         let tilt = if MOMENTUM { axis } else { tilted(vector, axis, coefficients) };
                         let axis = turn.apply_plus(tilt, tilt);
-                        self.eliminated[freedom] =
-                            if plan.alone { total.eliminate_spin(axis) } else { total.eliminate_rotation(axis) };
+                        self.eliminated[freedom] = if plan.alone {
+                            total.eliminate_spin(axis, effort(freedom))
+                        } else {
+                            total.eliminate_rotation(axis, effort(freedom))
+                        };
                     }
                 }
             }
@@ -133,8 +161,11 @@ impl<V: Lanes> Stages<V> {
                         }
                         None => axis,
                     };
-                    self.eliminated[freedom] =
-                        if plan.alone { total.solve_translation(turned) } else { total.eliminate_translation(turned) };
+                    self.eliminated[freedom] = if plan.alone {
+                        total.solve_translation(turned, effort(freedom))
+                    } else {
+                        total.eliminate_translation(turned, effort(freedom))
+                    };
                 }
             }
 
@@ -151,6 +182,9 @@ impl<V: Lanes> Stages<V> {
                     _ => carried = shifted,
                 }
             }
+        }
+        if FORCED {
+            self.applied = applied;
         }
     }
 
@@ -227,7 +261,7 @@ pub fn tilt<V: Lanes>(vector: Vector<V>, axis: Vector<V>) -> Vector<V> {
 /// `(1 − cos φ)/φ²` and `(φ − sin φ)/φ³` from `φ²`: the coefficients of the tangent of the exponential map. They only
 /// span the projection and steer the Newton step, so their series may be shorter than the poses'.
 #[inline(always)]
-fn tangent<V: Lanes>(square: V) -> (V, V) {
+pub fn tangent<V: Lanes>(square: V) -> (V, V) {
     const FIRST: [f64; 10] = tangent_series(2);
     const SECOND: [f64; 10] = tangent_series(3);
     (horner(&FIRST, square), horner(&SECOND, square))

@@ -10,6 +10,7 @@
 //!     Â    = (A Ā)[2..s, 1..s−1]                 Q_i = q₀ + h c_i v₀ + h² Σ_k Â_ik M⁻¹ F_k
 //!     B    = Â⁻¹ = −(diag(b)⁻¹ Dᵀ diag(b) D)[1..s−1, 2..s]
 //!     w_i  = Σ_{k<s} b_k B_ki = Σ_j b_j D_js D_ji            momentum weights, i = 2..s
+//!     Ā B                                                    stage velocities from stage positions
 //! ```
 //!
 //! The second form of B is why no matrix is inverted here. Along a polynomial with the values `Q_i` the stage
@@ -59,6 +60,9 @@ pub struct Tableau {
     /// `w_i = Σ_{k<s} b_k B_ki`, i = 2..s (s−1): the end momentum without the last stage's force is
     /// `p₀ + M Σ_i w_i (Q_i − q₀ − h c_i v₀) / h`.
     pub momentum_weights: Vec<f64>,
+    /// `(Ā B)_ji`, rows j = 1..s, columns i = 2..s (s × (s−1)): the velocity at stage j is
+    /// `v₀ + Σ_i (Ā B)_ji (Q_i − q₀ − h c_i v₀) / h`.
+    pub velocity: Vec<f64>,
     /// What rounding has cut off `nodes`, `b_matrix` and `momentum_weights`: the coefficients to twice the digits.
     pub remainders: Remainders,
     /// Row s of the inverse of the matrix `P_k(2c_i − 1)` (rows i, columns k = 0..s−1) (s): applied to values at the
@@ -118,6 +122,7 @@ impl Tableau {
             b_matrix: round(&exact.b_matrix),
             b_times_nodes: round(&exact.b_times_nodes),
             momentum_weights: round(&exact.momentum_weights),
+            velocity: round(&exact.velocity),
             top_legendre: round(&exact.top_legendre),
             barycentric: round(&exact.barycentric),
         })
@@ -139,6 +144,7 @@ struct Exact {
     b_matrix: Vec<Extended>,
     b_times_nodes: Vec<Extended>,
     momentum_weights: Vec<Extended>,
+    velocity: Vec<Extended>,
     top_legendre: Vec<Extended>,
     barycentric: Vec<Extended>,
 }
@@ -177,10 +183,24 @@ impl Exact {
             (0..s).map(|j| weights[j] * derivative[j * s + k] * derivative[j * s + i]).sum()
         };
         let b_matrix = matrix(inner, inner, |k, i| -(stiffness(k, i + 1) / weights[k]));
+        // The last column of Ā is zero: the force of the last stage moves no other.
+        let velocity = matrix(s, inner, |j, i| (0..inner).map(|k| a_bar[j * s + k] * b_matrix[k * inner + i]).sum());
         let momentum_weights = (1..s).map(|i| stiffness(inner, i)).collect();
         // Σ_i B_ki c_i = −b_k⁻¹ Σ_j b_j D_jk, because the nodes have slope 1; and Σ_j b_j D_jk = ∫ ℓ_k′ = −1, 0, …, 0.
         let b_times_nodes = (0..inner).map(|k| if k == 0 { one / weights[0] } else { Extended::ZERO }).collect();
-        Exact { nodes, weights, a, a_bar, a_hat, b_matrix, b_times_nodes, momentum_weights, top_legendre, barycentric }
+        Exact {
+            nodes,
+            weights,
+            a,
+            a_bar,
+            a_hat,
+            b_matrix,
+            b_times_nodes,
+            momentum_weights,
+            velocity,
+            top_legendre,
+            barycentric,
+        }
     }
 }
 
@@ -349,6 +369,19 @@ mod tests {
             for k in 0..n {
                 let sum: Extended = (0..n).map(|i| exact.b_matrix[k * n + i] * exact.nodes[i + 1]).sum();
                 assert_zero(sum - exact.b_times_nodes[k], &format!("s = {s}, row {k}"));
+            }
+        });
+    }
+
+    #[test]
+    fn stage_velocities_move_the_stages_to_where_they_are() {
+        // Q_i − q₀ = h Σ_j a_ij V_j: A times Ā B is the identity on the stages 2 … s.
+        all(|s, exact| {
+            let n = s - 1;
+            for (i, l) in (0..n).flat_map(|i| (0..n).map(move |l| (i, l))) {
+                let moved: Extended = (0..s).map(|j| exact.a[(i + 1) * s + j] * exact.velocity[j * n + l]).sum();
+                let identity = if i == l { Extended::ONE } else { Extended::ZERO };
+                assert_zero(moved - identity, &format!("s = {s}, ({i}, {l})"));
             }
         });
     }

@@ -162,6 +162,25 @@ impl ArticulatedBody {
         self.resolve_accelerations(acceleration);
     }
 
+    /// The same with joint forces, and with wrenches on the bodies: force (N) and torque about the joint anchor [N m], in
+    /// the axes of the world, one a body. Does not allocate.
+    pub fn accelerations_with_forces(
+        &mut self,
+        position: &[f64],
+        velocity: &[f64],
+        joint_force: &[f64],
+        wrenches: &[(Vector3<f64>, Vector3<f64>)],
+        acceleration: &mut [f64],
+    ) {
+        self.find_motion(position, velocity);
+        for (motion, (force, torque)) in self.motion[1..].iter_mut().zip(wrenches) {
+            motion.force -= force;
+            motion.torque -= torque;
+        }
+        self.eliminate_joints(Some(joint_force));
+        self.resolve_accelerations(acceleration);
+    }
+
     /// First pass, root to leaf: poses, velocities, and the accelerations at zero joint acceleration.
     #[inline(never)] // In one body with the other passes the registers do not suffice.
     fn find_motion(&mut self, position: &[f64], velocity: &[f64]) {

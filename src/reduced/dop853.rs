@@ -175,7 +175,8 @@ impl Integrator for Dop853 {
                 let proposed = step * factor.clamp(SHRINK_LIMIT, growth);
                 self.error_before = error.max(LEAST_ERROR_BEFORE);
                 self.next_step = Some(if last { proposed.max(wanted) } else { proposed });
-                return Ok(StepOutcome { step, iterations: evaluations, rejected });
+                let exchange = work.ode.exchange(&work.start, &work.end);
+                return Ok(StepOutcome { step, iterations: evaluations, rejected, exchange });
             }
             rejected += 1;
             // A step that ran into infinity has no error to go by.

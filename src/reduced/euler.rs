@@ -8,6 +8,7 @@
 //! Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, Springer 2006, section I.1.2.
 
 use super::ode::{ReducedOde, joint_of_entry, next_time};
+use crate::forces::total::Exchange;
 use crate::model::Mechanism;
 use crate::simulation::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::state::State;
@@ -41,6 +42,9 @@ impl Integrator for Euler {
     fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
         let (time, step) = next_time(state.time, self.step, until);
         self.ode.accelerations(&state.position, &state.velocity, &mut self.velocity);
+        // As accurate as the method.
+        let powers = self.ode.powers(&state.velocity);
+        let exchange = Exchange { dissipated: step * powers.dissipated, work: step * powers.work };
         for (entry, &old) in self.velocity.iter_mut().zip(&state.velocity) {
             *entry = old + step * *entry;
         }
@@ -57,7 +61,7 @@ impl Integrator for Euler {
         state.velocity.copy_from_slice(&self.velocity);
         state.time = time;
         self.end.clone_from(state);
-        Ok(StepOutcome { step, iterations: 1, rejected: 0 })
+        Ok(StepOutcome { step, iterations: 1, rejected: 0, exchange })
     }
 
     /// Linear in between, which is as accurate as the method.

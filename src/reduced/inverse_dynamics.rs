@@ -1,19 +1,20 @@
 //! The wrench each joint carries: Newton and Euler for every subtree.
 //!
 //! ```text
-//!     f = Σ m (ẍ − g)                                              [N]    over the bodies of the subtree
-//!     n = Σ R J Rᵀ ω̇ + ω × R J Rᵀ ω + (x − a) × m (ẍ − g)          [N m]  about the anchor a of its joint
+//!     f = Σ m (ẍ − g) − F                                          [N]    over the bodies of the subtree
+//!     n = Σ R J Rᵀ ω̇ + ω × R J Rᵀ ω − N + (x − a) × (m (ẍ − g) − F)  [N m]  about the anchor a of its joint
 //!
 //!     ω̇ = ω̇_p + R F_c.R ẇ + ω_p × R F_c.R w
 //!     ẍ = ẍ_p + ω̇_p × r + ω_p × (ω_p × r) + 2 ω_p × u + u̇ − ω̇ × c − ω × (ω × c),   r = a − x_p,   c = a − x
 //! ```
 //!
-//! with the joint's sliding velocity u = R_p F_p.R ṫ [m/s] and turning rate w [rad/s], all in the axes of the world.
-//! The wrench is the whole of what the parent exerts on the child: along a free direction it is the joint force (zero
-//! without motors), across it the force of constraint.
+//! with the wrench (F, N) of springs and loads on the body, the joint's sliding velocity u = R_p F_p.R ṫ [m/s] and turning rate w [rad/s], all in the axes of the world.
+//! The wrench is the whole of what the parent exerts on the child: along a free direction it is the effort of dampers,
+//! springs and loads in the joint, across it the force of constraint.
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
+use crate::forces::total::{BodyWrench, body_wrenches};
 use crate::kinematics::{WORLD, forward_kinematics, joint_rates};
 use crate::model::Mechanism;
 use nalgebra::Vector3;
@@ -38,6 +39,8 @@ pub fn joint_reactions(
 ) -> Vec<Reaction> {
     let mut bodies = vec![WORLD; mechanism.bodies.len()];
     forward_kinematics(mechanism, position, velocity, &mut bodies);
+    let mut applied = vec![BodyWrench::default(); bodies.len()];
+    body_wrenches(mechanism, &bodies, &mut applied);
     // Linear acceleration of the centre of mass, and angular acceleration.
     let mut accelerations = vec![(Vector3::zeros(), Vector3::zeros()); bodies.len()];
     let mut reactions = vec![Reaction::default(); bodies.len()];
@@ -66,11 +69,12 @@ pub fn joint_reactions(
         let in_body = |vector: Vector3<f64>| state.rotation.transpose() * vector;
         let spin = state.rotation * body.inertia.component_mul(&in_body(state.angular_velocity));
         let spin_rate = state.rotation * body.inertia.component_mul(&in_body(angular));
-        let force = body.mass * (linear - mechanism.gravity);
+        let (push, twist) = applied[index];
+        let force = body.mass * (linear - mechanism.gravity) - push;
         reactions[index] = Reaction {
             anchor,
             force,
-            torque: spin_rate + state.angular_velocity.cross(&spin) - arm_on_child.cross(&force),
+            torque: spin_rate + state.angular_velocity.cross(&spin) - twist - arm_on_child.cross(&force),
         };
     }
     // A joint carries what its own body needs and what the joints of the body's children carry.

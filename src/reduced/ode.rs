@@ -7,12 +7,17 @@
 //!     v̇ = q̈(q, v)         by the articulated-body algorithm
 //! ```
 //!
+//! With forces besides gravity two more entries follow, the energy dissipated and the work put in (J) since the start,
+//! whose rates are the powers: the method integrates them like everything else.
+//!
 //! The quaternion equation keeps |q|, and the accelerations do not depend on it, so rounding and truncation errors in
 //! |q| do no harm between the renormalisations at the ends of the steps.
 
 use super::articulated_body::ArticulatedBody;
+use crate::forces::total::{BodyWrench, Exchange, body_wrenches, joint_efforts, powers};
+use crate::kinematics::{WORLD, forward_kinematics};
 use crate::model::{FreeRotation, Mechanism};
-use crate::state::{State, quaternion_product};
+use crate::state::{BodyState, State, quaternion_product};
 use std::ops::Range;
 
 /// The right-hand side of the first-order system of one mechanism.
@@ -25,6 +30,42 @@ pub struct ReducedOde {
     plain: Vec<(usize, usize, usize)>,
     /// First entries of each quaternion and of its angular velocity.
     quaternions: Vec<(usize, usize)>,
+    forced: Option<Forced>,
+}
+
+/// What forces besides gravity need.
+#[derive(Clone, Debug)]
+struct Forced {
+    mechanism: Mechanism,
+    bodies: Vec<BodyState>,
+    /// About the centres of mass, then about the anchors.
+    wrenches: Vec<BodyWrench>,
+    efforts: Vec<f64>,
+    /// Up to the last state that was stored.
+    total: Exchange,
+}
+
+impl Forced {
+    fn new(mechanism: &Mechanism) -> Option<Self> {
+        let count = mechanism.bodies.len();
+        (!mechanism.forces.is_empty()).then(|| Forced {
+            mechanism: mechanism.clone(),
+            bodies: vec![WORLD; count],
+            wrenches: vec![BodyWrench::default(); count],
+            efforts: vec![0.0; mechanism.velocity_count],
+            total: Exchange::default(),
+        })
+    }
+
+    fn evaluate(&mut self, position: &[f64], velocity: &[f64]) {
+        forward_kinematics(&self.mechanism, position, velocity, &mut self.bodies);
+        joint_efforts(&self.mechanism, position, velocity, &mut self.efforts);
+        body_wrenches(&self.mechanism, &self.bodies, &mut self.wrenches);
+        for ((wrench, body), state) in self.wrenches.iter_mut().zip(&self.mechanism.bodies).zip(&self.bodies) {
+            let to_anchor = state.rotation * body.joint.on_child.translation.vector;
+            wrench.1 -= to_anchor.cross(&wrench.0);
+        }
+    }
 }
 
 impl ReducedOde {
@@ -51,23 +92,26 @@ impl ReducedOde {
             velocity_count: mechanism.velocity_count,
             plain,
             quaternions,
+            forced: Forced::new(mechanism),
         }
     }
 
     /// Length of y.
     pub fn dimension(&self) -> usize {
-        self.position_count + self.velocity_count
+        self.position_count + self.velocity_count + if self.forced.is_some() { 2 } else { 0 }
     }
 
     /// The entries of y that are velocities.
     pub fn velocity_range(&self) -> Range<usize> {
-        self.position_count..self.dimension()
+        self.position_count..self.position_count + self.velocity_count
     }
 
     /// Writes ẏ into `slope`. Does not allocate.
     pub fn derivative(&mut self, y: &[f64], slope: &mut [f64]) {
-        let (position, velocity) = y.split_at(self.position_count);
-        let (position_rate, acceleration) = slope.split_at_mut(self.position_count);
+        let (position, rest) = y.split_at(self.position_count);
+        let velocity = &rest[..self.velocity_count];
+        let (position_rate, rest) = slope.split_at_mut(self.position_count);
+        let (acceleration, exchange) = rest.split_at_mut(self.velocity_count);
         for &(p, v, length) in &self.plain {
             position_rate[p..p + length].copy_from_slice(&velocity[v..v + length]);
         }
@@ -75,12 +119,37 @@ impl ReducedOde {
             let half = [0.0, 0.5 * velocity[v], 0.5 * velocity[v + 1], 0.5 * velocity[v + 2]];
             position_rate[p..p + 4].copy_from_slice(&quaternion_product(&position[p..p + 4], &half));
         }
-        self.articulated.accelerations(position, velocity, None, acceleration);
+        self.accelerations(position, velocity, acceleration);
+        if let (Some(forced), [dissipated, work]) = (&self.forced, exchange) {
+            let powers = powers(&forced.mechanism, velocity, &forced.bodies);
+            (*dissipated, *work) = (powers.dissipated, powers.work);
+        }
     }
 
     /// The joint accelerations of a state, without the rest of ẏ.
     pub fn accelerations(&mut self, position: &[f64], velocity: &[f64], acceleration: &mut [f64]) {
-        self.articulated.accelerations(position, velocity, None, acceleration);
+        match &mut self.forced {
+            None => self.articulated.accelerations(position, velocity, None, acceleration),
+            Some(forced) => {
+                forced.evaluate(position, velocity);
+                let (efforts, wrenches) = (&forced.efforts, &forced.wrenches);
+                self.articulated.accelerations_with_forces(position, velocity, efforts, wrenches, acceleration);
+            }
+        }
+    }
+
+    /// The powers (W) of forces without potential, of the state whose accelerations were asked for last.
+    pub fn powers(&self, velocity: &[f64]) -> Exchange {
+        self.forced.as_ref().map_or(Exchange::default(), |forced| powers(&forced.mechanism, velocity, &forced.bodies))
+    }
+
+    /// What was dissipated and put in from `start` to `end`.
+    pub fn exchange(&self, start: &[f64], end: &[f64]) -> Exchange {
+        let first = self.position_count + self.velocity_count;
+        match (&start[first..], &end[first..]) {
+            ([dissipated, work], [later, more]) => Exchange { dissipated: later - dissipated, work: more - work },
+            _ => Exchange::default(),
+        }
     }
 
     /// Scales every quaternion in y (or in its positions alone) to unit length.
@@ -94,16 +163,24 @@ impl ReducedOde {
 
     /// Copies a state into y. What rounding cut off the positions is added back as far as a number can hold it.
     pub fn load(&self, state: &State, y: &mut [f64]) {
-        let (position, velocity) = y.split_at_mut(self.position_count);
+        let (position, rest) = y.split_at_mut(self.position_count);
+        let (velocity, exchange) = rest.split_at_mut(self.velocity_count);
         for ((entry, &value), &rest) in position.iter_mut().zip(&state.position).zip(&state.compensation) {
             *entry = value + rest;
         }
         velocity.copy_from_slice(&state.velocity);
+        if let (Some(forced), [dissipated, work]) = (&self.forced, exchange) {
+            (*dissipated, *work) = (forced.total.dissipated, forced.total.work);
+        }
     }
 
     /// Copies y into a state; the time is left alone.
-    pub fn store(&self, y: &[f64], state: &mut State) {
-        let (position, velocity) = y.split_at(self.position_count);
+    pub fn store(&mut self, y: &[f64], state: &mut State) {
+        let (position, rest) = y.split_at(self.position_count);
+        let (velocity, exchange) = rest.split_at(self.velocity_count);
+        if let (Some(forced), &[dissipated, work]) = (&mut self.forced, exchange) {
+            forced.total = Exchange { dissipated, work };
+        }
         state.position.copy_from_slice(position);
         state.compensation.fill(0.0);
         state.velocity.copy_from_slice(velocity);

@@ -1,0 +1,416 @@
+//! Forces at all stages at once, by the forced (Lagrange–d'Alembert) version of the scheme.
+//!
+//! Row k of the stage equations gets `h² F_k`, the end momentum `h b_s F_s`, with F at the geometry and the velocity of
+//! the stage. A force that depends on a velocity depends on the rate of one scalar y: a joint displacement, or the length
+//! of a spring. Its rate at stage j is that of the scheme itself,
+//!
+//! ```text
+//!     ẏ_j = ẏ₀ + h⁻¹ Σ_i (Ā B)_ji (y_i − y₀ − h c_i ẏ₀),     j = 1..s
+//! ```
+//!
+//! which is (2.5.11) with y as one more coordinate, without mass, tied to the others by the constraint `y = y(q)`: its
+//! multiplier hands the force on. So the order stays 2s − 2, and nothing that turns as a whole feels a damper, which
+//! velocities of the embedding, `u·(V_b − V_a)`, would not promise: they leave the constraints at the inner stages.
+//! Note that ẏ₁ is not ẏ₀: the first column of Ā is b₁, not zero. That makes damping implicit also at the start, and
+//! the scheme stable for any damper.
+//!
+//! A ball joint has three such coordinates in a step, the components of its rotation vector θ since the start; the
+//! damper acts on `ω = T(θ) θ̇`, `T = 1 − k₁ θ̂ + k₂ θ̂²`, and the effort along θ is `Tᵀ τ`.
+//!
+//! Lengths are changed without cancellation: `ℓ_i − ℓ₀ = (2 d₀ + Δd_i)·Δd_i / (ℓ_i + ℓ₀)`.
+//!
+//! What dampers dissipate and what torques without potential put in is summed by the quadrature of the scheme,
+//! `h Σ_k b_k P_k`.
+//!
+//! Sources: the forced scheme: J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica
+//! 2001, section 3.2; its order with constraints: L. O. Jay, "Structure preservation for constrained dynamics with super
+//! partitioned additive Runge–Kutta methods", SIAM J. Sci. Comput. 20 (1998).
+
+use super::algebra::{Matrix, Vector};
+use super::lanes::Lanes;
+use super::residual::increment_matrix;
+use super::stage::{MAX_LANES, StagePose, Stages, rotate_increment};
+use super::sweeps::tangent;
+use super::tableau::Tableau;
+use crate::forces::point_spring::{Line, NO_LENGTH, attached_point};
+use crate::forces::total::{Exchange, scalar_coordinate};
+use crate::model::Mechanism;
+use crate::state::{BodyState, State};
+
+/// The forces on a mechanism at the stages of a step.
+pub struct Applied<V> {
+    /// Effort on each degree of freedom, conjugate to its displacement [N m or N]: it enters the row of that freedom.
+    pub efforts: Vec<V>,
+    /// Force (N) and torque about the anchor [N m] on each body, in world axes, of all that does not act in joints.
+    pub wrenches: Vec<(Vector<V>, Vector<V>)>,
+    /// What the finished step dissipated, and the work put into it (J).
+    pub exchange: Exchange,
+    plan: AppliedPlan,
+    /// Where the rows take their velocities from.
+    rows: Place<V>,
+    /// The same with the end of the step in the last lane.
+    end: Place<V>,
+}
+
+/// Which stage each lane stands for, and what makes velocities of displacements there.
+#[derive(Clone, Copy)]
+struct Place<V> {
+    /// `Ā B` by columns.
+    velocity: [V; MAX_LANES],
+    /// One where a lane has the geometry of its stage, zero where it has that of the start.
+    moved: V,
+    /// Weights b of the stages whose power this place has to account for.
+    weights: V,
+}
+
+/// The constant data of all forces, by what they need.
+struct AppliedPlan {
+    /// Freedom and coefficient.
+    dampers: Vec<(usize, f64)>,
+    /// Freedom and stiffness; the displacement of its start is in [`AppliedStart`].
+    springs: Vec<(usize, f64)>,
+    /// Freedom and effort.
+    loads: Vec<(usize, f64)>,
+    balls: Vec<Ball>,
+    lines: Vec<LinePlan>,
+    wrenches: Vec<WrenchPlan>,
+}
+
+/// Dampers and loads about the axes of a ball joint.
+struct Ball {
+    first: usize,
+    coefficients: [f64; 3],
+    efforts: [f64; 3],
+}
+
+struct LinePlan {
+    a: Option<usize>,
+    b: Option<usize>,
+    stiffness: f64,
+    damping: f64,
+    rest_length: f64,
+}
+
+struct WrenchPlan {
+    body: usize,
+    force: [f64; 3],
+    torque: [f64; 3],
+}
+
+/// What the forces need of the start of a step.
+#[derive(Default)]
+pub struct AppliedStart {
+    /// Extension of each joint spring (rad or m).
+    extensions: Vec<f64>,
+    lines: Vec<LineStart>,
+    /// From the anchor to the point of each wrench, in world axes (m).
+    arms: Vec<[f64; 3]>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct LineStart {
+    /// From the anchors of the two bodies to the ends (m).
+    arms: [[f64; 3]; 2],
+    /// From a to b (m).
+    separation: [f64; 3],
+    length: f64,
+    rate: f64,
+}
+
+impl AppliedStart {
+    /// Room for the start of a step.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let forces = &mechanism.forces;
+        AppliedStart {
+            extensions: vec![0.0; forces.joint_springs.len()],
+            lines: vec![LineStart::default(); forces.point_springs.len()],
+            arms: vec![[0.0; 3]; forces.wrenches.len()],
+        }
+    }
+
+    /// Takes the state at the start of a step, with the bodies it places. Does not allocate.
+    pub fn set(&mut self, mechanism: &Mechanism, state: &State, bodies: &[BodyState]) {
+        let forces = &mechanism.forces;
+        for (extension, spring) in self.extensions.iter_mut().zip(&forces.joint_springs) {
+            let slot = spring.coordinate.position;
+            *extension = state.position[slot] - spring.rest + state.compensation[slot];
+        }
+        // From the anchor of a body to a point in its frame.
+        let arm = |body: usize, point: &nalgebra::Vector3<f64>| {
+            bodies[body].rotation * (point - mechanism.bodies[body].joint.on_child.translation.vector)
+        };
+        for (start, spring) in self.lines.iter_mut().zip(&forces.point_springs) {
+            let ends = [&spring.a, &spring.b];
+            let [(from, from_rate), (to, to_rate)] = ends.map(|end| attached_point(end, bodies));
+            let line = Line::new(to - from, &(to_rate - from_rate));
+            *start = LineStart {
+                arms: ends.map(|end| end.body.map_or([0.0; 3], |body| arm(body, &end.frame.translation.vector).into())),
+                separation: line.separation.into(),
+                length: line.length,
+                rate: line.rate,
+            };
+        }
+        for (start, wrench) in self.arms.iter_mut().zip(&forces.wrenches) {
+            *start = arm(wrench.body, &wrench.point).into();
+        }
+    }
+}
+
+impl AppliedPlan {
+    fn new(mechanism: &Mechanism) -> Self {
+        let forces = &mechanism.forces;
+        let mut plan = AppliedPlan {
+            dampers: Vec::new(),
+            springs: forces.joint_springs.iter().map(|spring| (spring.coordinate.freedom, spring.stiffness)).collect(),
+            loads: Vec::new(),
+            balls: Vec::new(),
+            lines: Vec::new(),
+            wrenches: Vec::new(),
+        };
+        for damper in &forces.joint_dampers {
+            match scalar_coordinate(mechanism, damper.freedom) {
+                Some(_) => plan.dampers.push((damper.freedom, damper.coefficient)),
+                None => {
+                    let (ball, axis) = plan.ball(mechanism, damper.freedom);
+                    ball.coefficients[axis] += damper.coefficient;
+                }
+            }
+        }
+        for load in &forces.joint_loads {
+            match scalar_coordinate(mechanism, load.freedom) {
+                Some(_) => plan.loads.push((load.freedom, load.effort)),
+                None => {
+                    let (ball, axis) = plan.ball(mechanism, load.freedom);
+                    ball.efforts[axis] += load.effort;
+                }
+            }
+        }
+        for spring in &forces.point_springs {
+            plan.lines.push(LinePlan {
+                a: spring.a.body,
+                b: spring.b.body,
+                stiffness: spring.stiffness,
+                damping: spring.damping,
+                rest_length: spring.rest_length,
+            });
+        }
+        for wrench in &forces.wrenches {
+            let (body, force, torque) = (wrench.body, wrench.force.into(), wrench.torque.into());
+            plan.wrenches.push(WrenchPlan { body, force, torque });
+        }
+        plan
+    }
+
+    /// The entry of the ball joint that a freedom belongs to, and which of its axes it is.
+    fn ball(&mut self, mechanism: &Mechanism, freedom: usize) -> (&mut Ball, usize) {
+        let owner = mechanism.bodies.iter().rev().find(|body| body.joint.velocity_index <= freedom);
+        let first = owner.map_or(0, |body| body.joint.velocity_index + body.joint.kind.translation_axes().len());
+        let index = self.balls.iter().position(|ball| ball.first == first).unwrap_or_else(|| {
+            self.balls.push(Ball { first, coefficients: [0.0; 3], efforts: [0.0; 3] });
+            self.balls.len() - 1
+        });
+        (&mut self.balls[index], freedom - first)
+    }
+}
+
+impl<V: Lanes> Applied<V> {
+    /// Room for the forces of a mechanism; none if there are none.
+    pub fn new(mechanism: &Mechanism, tableau: &Tableau) -> Option<Box<Self>> {
+        if mechanism.forces.is_empty() {
+            return None;
+        }
+        let active = tableau.stages - 1;
+        let place = |stage_of_lane: &dyn Fn(usize) -> usize, weight_of_lane: &dyn Fn(usize) -> f64| {
+            let lanes = |value: &dyn Fn(usize) -> f64| V::from_slice(&(0..active).map(value).collect::<Vec<f64>>());
+            let mut velocity = [V::zero(); MAX_LANES];
+            for (column, lane_values) in velocity.iter_mut().enumerate().take(active) {
+                *lane_values = lanes(&|lane| tableau.velocity[stage_of_lane(lane) * active + column]);
+            }
+            let moved = lanes(&|lane| if stage_of_lane(lane) == 0 { 0.0 } else { 1.0 });
+            Place { velocity, moved, weights: lanes(weight_of_lane) }
+        };
+        let row_stage = |lane: usize| if lane + 1 == active { 0 } else { lane + 1 };
+        let end_weight = |lane: usize| if lane + 1 == active { tableau.weights[active] } else { 0.0 };
+        Some(Box::new(Applied {
+            efforts: vec![V::zero(); mechanism.velocity_count],
+            wrenches: vec![(Vector::zero(), Vector::zero()); mechanism.bodies.len()],
+            exchange: Exchange::default(),
+            plan: AppliedPlan::new(mechanism),
+            rows: place(&row_stage, &|lane| tableau.weights[row_stage(lane)]),
+            end: place(&|lane| lane + 1, &end_weight),
+        }))
+    }
+}
+
+impl<V: Lanes> Stages<V> {
+    /// After [`Stages::sweep_poses`]: the forces of the rows, into [`Stages::applied`]; for a solved step, those at its
+    /// `end`, in the last active lane, with the energy exchanged in the step. Without forces, nothing.
+    #[inline(always)]
+    pub fn sweep_applied(&mut self, end: bool) {
+        if let Some(mut applied) = self.applied.take() {
+            let (mut dissipated, mut work) = (0.0, 0.0);
+            // One call in a loop, so that there is one copy of it.
+            for at_end in [false, true] {
+                if at_end && !end {
+                    break;
+                }
+                let place = if at_end { applied.end } else { applied.rows };
+                let powers = applied.evaluate(self, &place, at_end, end);
+                dissipated += self.step * powers.dissipated;
+                work += self.step * powers.work;
+            }
+            if end {
+                applied.exchange = Exchange { dissipated, work };
+            }
+            self.applied = Some(applied);
+        }
+    }
+}
+
+impl<V: Lanes> Applied<V> {
+    /// The forces in one place; where one has to `account` for them, their powers, weighted. At the `end` of the step efforts on
+    /// ball joints are along the axes of the body, not along the rotation vector.
+    #[inline(always)]
+    fn evaluate(&mut self, stages: &Stages<V>, place: &Place<V>, end: bool, account: bool) -> Exchange {
+        let times = stages.coefficients.nodes * V::splat(stages.step);
+        let inverse = V::splat(1.0 / stages.step);
+        let start = &stages.start;
+        // Rate of a scalar at the places, from its displacements at the stages.
+        let rate_of = |displacement: V, start_rate: f64| {
+            let start_rate = V::splat(start_rate);
+            start_rate.neg_mul_add(times, displacement).mix(&place.velocity).mul_add(inverse, start_rate)
+        };
+        let (mut dissipated, mut work) = (V::zero(), V::zero());
+
+        self.efforts.fill(V::zero());
+        for &(freedom, coefficient) in &self.plan.dampers {
+            let rate = rate_of(stages.displacement[freedom], start.rates[freedom]);
+            let effort = rate * V::splat(coefficient);
+            self.efforts[freedom] = self.efforts[freedom] - effort;
+            dissipated = effort.mul_add(rate, dissipated);
+        }
+        for (&(freedom, stiffness), &extension) in self.plan.springs.iter().zip(&start.applied.extensions) {
+            let extension = stages.displacement[freedom].mul_add(place.moved, V::splat(extension));
+            self.efforts[freedom] = extension.neg_mul_add(V::splat(stiffness), self.efforts[freedom]);
+        }
+        for &(freedom, effort) in &self.plan.loads {
+            self.efforts[freedom] = self.efforts[freedom] + V::splat(effort);
+        }
+        for ball in &self.plan.balls {
+            let vector = stages.rotation_vector(ball.first).times(place.moved);
+            let (first, second) = tangent(vector.dot(vector));
+            let tilted = |axis: Vector<V>| {
+                let once = vector.cross(axis);
+                vector.cross(once).times_plus(second, once.times_minus(first, axis))
+            };
+            let axes: [Vector<V>; 3] = std::array::from_fn(|axis| Vector::splat(&start.axes[ball.first + axis]));
+            let mut turning = Vector::zero();
+            for (axis, direction) in axes.iter().enumerate() {
+                let freedom = ball.first + axis;
+                turning = direction.times_plus(rate_of(stages.displacement[freedom], start.rates[freedom]), turning);
+            }
+            let spin = tilted(turning);
+            let mut torque = Vector::zero();
+            for (axis, direction) in axes.iter().enumerate() {
+                let rate = direction.dot(spin);
+                let braking = rate * V::splat(ball.coefficients[axis]);
+                let driving = V::splat(ball.efforts[axis]);
+                torque = direction.times_plus(driving - braking, torque);
+                dissipated = braking.mul_add(rate, dissipated);
+                work = driving.mul_add(rate, work);
+            }
+            for (axis, direction) in axes.iter().enumerate() {
+                let along = if end { *direction } else { tilted(*direction) };
+                self.efforts[ball.first + axis] = along.dot(torque);
+            }
+        }
+
+        if !self.plan.lines.is_empty() || !self.plan.wrenches.is_empty() {
+            self.wrenches.fill((Vector::zero(), Vector::zero()));
+        }
+        for (line, known) in self.plan.lines.iter().zip(&start.applied.lines) {
+            let swings = [(line.a, &known.arms[0]), (line.b, &known.arms[1])].map(|(body, arm)| match body {
+                Some(body) => swing(&stages.poses[body], arm),
+                None => (Vector::zero(), Vector::zero()),
+            });
+            let change = swings[1].1.minus(swings[0].1);
+            let separation = Vector::splat(&known.separation);
+            let stretched = separation.plus(change);
+            let length = stretched.dot_plus(stretched, V::splat(NO_LENGTH)).square_root();
+            let start_length = V::splat(known.length);
+            let growth = separation.plus(stretched).dot(change) * (length + start_length).reciprocal();
+            let rate = rate_of(growth, known.rate);
+            let direction = change
+                .times_plus(place.moved, separation)
+                .times((length - start_length).mul_add(place.moved, start_length).reciprocal());
+            let extension = growth.mul_add(place.moved, V::splat(known.length - line.rest_length));
+            let braking = rate * V::splat(line.damping);
+            let tension = extension.mul_add(V::splat(line.stiffness), braking);
+            dissipated = braking.mul_add(rate, dissipated);
+            let pull = direction.times(tension);
+            let ends = [(line.a, 0, pull), (line.b, 1, pull.times(V::splat(-1.0)))];
+            for (body, end, force) in ends {
+                if let Some(body) = body {
+                    let arm = swings[end].0.times_plus(place.moved, Vector::splat(&known.arms[end]));
+                    let wrench = &mut self.wrenches[body];
+                    wrench.0 = wrench.0.plus(force);
+                    wrench.1 = arm.cross_plus(force, wrench.1);
+                }
+            }
+        }
+        for (wrench, arm) in self.plan.wrenches.iter().zip(&start.applied.arms) {
+            let pose = &stages.poses[wrench.body];
+            let lever = swing(pose, arm).0.times_plus(place.moved, Vector::splat(arm));
+            let (force, torque) = (Vector::splat(&wrench.force), Vector::splat(&wrench.torque));
+            let sum = &mut self.wrenches[wrench.body];
+            sum.0 = sum.0.plus(force);
+            sum.1 = lever.cross_plus(force, sum.1.plus(torque));
+            if account && wrench.torque != [0.0; 3] {
+                let spin = Vector::splat(&start.bodies[wrench.body].spin);
+                work = torque.dot_plus(angular_velocity(pose, spin, times, inverse, place), work);
+            }
+        }
+        if account {
+            Exchange { dissipated: (dissipated * place.weights).sum(), work: (work * place.weights).sum() }
+        } else {
+            Exchange::default()
+        }
+    }
+}
+
+/// How the rotation since the start moves an arm from the anchor, and how far its end moves in all.
+#[inline(always)]
+fn swing<V: Lanes>(pose: &StagePose<V>, arm: &[f64; 3]) -> (Vector<V>, Vector<V>) {
+    let turned = rotate_increment(pose.w, pose.u, Vector::splat(arm));
+    (turned, turned.plus(pose.anchor))
+}
+
+/// `½ vee(Ω (1 + N)ᵀ − (1 + N) Ωᵀ)` with `Ω = ω̂₀ + h⁻¹ Σ_i (Ā B)_ji (N_i − h c_i ω̂₀)`: the angular velocity at the
+/// places, exact where Ω (1 + N)ᵀ is skew.
+#[inline(always)]
+fn angular_velocity<V: Lanes>(
+    pose: &StagePose<V>,
+    start: Vector<V>,
+    times: V,
+    inverse: V,
+    place: &Place<V>,
+) -> Vector<V> {
+    let [x, y, z] = pose.u.0;
+    let (x2, y2, z2) = (x + x, y + y, z + z);
+    let products = [x2 * x, x2 * y, x2 * z, y2 * y, y2 * z, z2 * z];
+    let turned = Vector([x2 * pose.w, y2 * pose.w, z2 * pose.w]);
+    let turn = increment_matrix(products, turned.0).times(place.moved);
+    let mix = |value: V| value.mix(&place.velocity) * inverse;
+    let ahead = start.times_minus(times, turned);
+    let rates = Matrix(increment_matrix(products.map(mix), ahead.0.map(mix)).0);
+    let rates = {
+        // ω̂₀ joins the skew part.
+        let ([[a, b, c], [d, e, f], [g, h, i]], [p, q, r]) = (rates.0, start.0);
+        Matrix([[a, b - r, c + q], [d + r, e, f - p], [g - q, h + p, i]])
+    };
+    let (rows, turned_rows) = (rates.rows(), turn.rows());
+    // Entry (i, j) of Ω (1 + N)ᵀ is row i of Ω against row j of 1 + N.
+    let entry = |i: usize, j: usize| rows[i].dot_plus(turned_rows[j], rates.0[i][j]);
+    let half = V::splat(0.5);
+    Vector([(entry(2, 1) - entry(1, 2)) * half, (entry(0, 2) - entry(2, 0)) * half, (entry(1, 0) - entry(0, 1)) * half])
+}
