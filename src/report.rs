@@ -8,7 +8,7 @@ use crate::kinematics::body_states;
 use crate::model::joint::wxyz_from_rotation;
 use crate::model::{JointRecord, LinkFrame, Model};
 use crate::reduced::{ReducedOde, joint_reactions};
-use crate::simulation::{MethodDescription, Summary};
+use crate::simulation::{FrequencyStep, MethodDescription, Summary};
 use crate::state::State;
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -76,6 +76,21 @@ pub struct MethodReport {
     pub adaptive: bool,
     /// The tolerance it is chosen from.
     pub tolerance: Option<f64>,
+    /// The nearest that any step came to the limit of linear stability; null where nobody looked, as in a run of a few steps.
+    pub max_frequency_step: Option<FrequencyReport>,
+}
+
+/// How near a step came to the limit of linear stability.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FrequencyReport {
+    /// Step times frequency of the fastest mode [rad].
+    pub value: f64,
+    /// Where the scheme becomes unstable [rad].
+    pub limit: f64,
+    /// The step (s).
+    pub step: f64,
+    /// When (s).
+    pub time: f64,
 }
 
 /// The accuracy to expect of a run, from pilot runs.
@@ -212,7 +227,28 @@ impl MethodReport {
             step: description.step,
             adaptive: description.adaptive,
             tolerance: description.tolerance,
+            max_frequency_step: description.frequency_step.map(|seen| FrequencyReport {
+                value: seen.product,
+                limit: seen.limit,
+                step: seen.step,
+                time: seen.time,
+            }),
         }
+    }
+
+    /// What the user should know, if a step was beyond the limit of stability.
+    pub fn warning(description: &MethodDescription) -> Option<String> {
+        let seen = description.frequency_step.filter(FrequencyStep::is_unstable)?;
+        Some(format!(
+            "a step of {} s is beyond the stability limit of {} at t = {} s, where the fastest motion turns by {} rad in it \
+             and {} rad is the limit: fast motions grow without bound; use --step below {} s, more --stages, or --tolerance",
+            rounded(seen.step),
+            counted(description.stages, "stage"),
+            rounded(seen.time),
+            rounded(seen.product),
+            rounded(seen.limit),
+            rounded(seen.longest())
+        ))
     }
 }
 

@@ -66,6 +66,7 @@ impl Integrator for Coasting {
             step: self.step,
             adaptive: false,
             tolerance: None,
+            frequency_step: None,
         }
     }
 }

@@ -140,13 +140,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let ended = finish(recorder, ended);
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
+    let method = integrator.description();
     let report = Report {
         catena: env!("CARGO_PKG_VERSION"),
         input: arguments.input.input.display().to_string(),
         scene: model.robot.name.clone(),
         // The time that was reached, which is less than what was asked for if the run ended early.
         duration: state.time,
-        method: MethodReport::new(&integrator.description()),
+        method: MethodReport::new(&method),
         model: ModelReport::new(&model),
         steps: summary.steps,
         iterations: summary.iterations,
@@ -163,6 +164,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .iter()
             .map(ToString::to_string)
             .chain(accuracy.as_ref().and_then(AccuracyReport::warning))
+            .chain(MethodReport::warning(&method))
             .collect(),
         accuracy,
         log: output,

@@ -7,6 +7,7 @@ use super::control::{Control, Energies, Verdict};
 use super::dense::DenseRule;
 use super::dispatch::step_for;
 use super::lanes::Isa;
+use super::stability::Watch;
 use super::step::{Attempt, Step, StopRule};
 use super::tableau::{Tableau, TableauError};
 use crate::model::{FreeRotation, Mechanism};
@@ -43,6 +44,7 @@ pub struct Lobatto {
     tableau: Tableau,
     dense: DenseRule,
     mode: Mode,
+    watch: Watch,
     /// The states at both ends of the last step, for dense output; `end` is also where a step is finished before it is
     /// accepted.
     origin: State,
@@ -108,6 +110,7 @@ impl Lobatto {
         Lobatto {
             kernel: step_for(mechanism, &tableau, isa),
             dense: DenseRule::new(&tableau),
+            watch: Watch::new(&tableau),
             tableau,
             mode,
             origin: State::zero(mechanism),
@@ -137,6 +140,25 @@ impl Lobatto {
         self.steps += 1;
         self.stepped_time += step;
         self.left_at = Some(time);
+        if let Some(iterations) = self.watch.due() {
+            self.look(iterations, step, time);
+        }
+    }
+
+    /// Looks how near a step of this length is to the limit of stability.
+    fn look(&mut self, iterations: usize, step: f64, time: f64) {
+        let frequency = self.kernel.frequency(iterations);
+        self.watch.see(frequency, step, time);
+    }
+
+    /// Why a step failed: because of its length alone, if that is beyond the limit of stability.
+    fn failure(&self, mechanism: &Mechanism, time: f64, step: f64, attempt: &Attempt) -> StepError {
+        match self.watch.latest() {
+            Some(seen) if seen.is_unstable() && seen.time == time => {
+                StepError::Unstable { time, step: seen.step, stages: self.tableau.stages, longest: seen.longest() }
+            }
+            _ => failure_of(mechanism, time, step, attempt),
+        }
     }
 
     fn fixed_step(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
@@ -166,8 +188,11 @@ impl Lobatto {
                     failure => {
                         outcome.iterations += failure.iterations();
                         outcome.rejected += 1;
+                        if halving == 0 && plain {
+                            self.look(self.watch.iterations(), length, state.time);
+                        }
                         if halving == HALVINGS && plain {
-                            return Err(failure_of(mechanism, state.time, length, &failure));
+                            return Err(self.failure(mechanism, state.time, length, &failure));
                         }
                     }
                 }
@@ -206,6 +231,9 @@ impl Lobatto {
                     finite(mechanism, &self.end, length)?;
                     outcome.step = length;
                     self.accept(state, length, if reaches { until } else { state.time + length });
+                    if let Mode::Adaptive(control) = &mut self.mode {
+                        control.keep_below(self.watch.safe_step());
+                    }
                     return Ok(outcome);
                 }
                 Verdict::Retry { without_past } => {
@@ -213,7 +241,7 @@ impl Lobatto {
                     plain = without_past;
                     // Below this the step vanishes against the time itself.
                     if control.step() < 1e-13 * state.time.abs().max(1e-3) {
-                        return Err(failure_of(mechanism, state.time, length, &attempt));
+                        return Err(self.failure(mechanism, state.time, length, &attempt));
                     }
                 }
             }
@@ -293,6 +321,7 @@ impl Integrator for Lobatto {
             step,
             adaptive,
             tolerance,
+            frequency_step: self.watch.nearest(),
         }
     }
 }

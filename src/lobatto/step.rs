@@ -13,6 +13,7 @@
 use super::anderson::Anderson;
 use super::lanes::Lanes;
 use super::predictor::Predictor;
+use super::stability::Fastest;
 use super::stage::{MAX_TURN, Stages};
 use super::start::Start;
 use super::tableau::Tableau;
@@ -93,6 +94,9 @@ pub trait Step {
     fn accept(&mut self);
     /// Displacement of a degree of freedom at the stages 2 … s of the last solved step.
     fn displacement(&self, freedom: usize, stages: &mut [f64]);
+    /// Frequency of the fastest mode at the start of the step, from some power iterations [rad/s]; `None` where forces and
+    /// loops play a part that the estimate does not know.
+    fn frequency(&mut self, iterations: usize) -> Option<f64>;
     /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length.
     fn accelerations(&mut self, step: f64, out: &mut [f64]);
 }
@@ -113,13 +117,18 @@ pub struct Kernel<V> {
     displaced: Vec<f64>,
     /// The end of the finished step.
     end: Start,
+    /// The fastest mode, for plain trees.
+    fastest: Option<Fastest>,
 }
 
 impl<V: Lanes> Kernel<V> {
     /// The workspace for a mechanism and a scheme.
     pub fn new(mechanism: &Mechanism, tableau: &Tableau) -> Self {
+        let stages = Stages::new(mechanism, tableau);
+        let fastest = mechanism.is_plain_tree().then(|| Fastest::new(&stages.plan, mechanism.velocity_count));
         Kernel {
-            stages: Stages::new(mechanism, tableau),
+            stages,
+            fastest,
             anderson: Anderson::new(mechanism.velocity_count),
             predictor: Predictor::new(mechanism.velocity_count, tableau),
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
@@ -239,6 +248,11 @@ impl<V: Lanes> Step for Kernel<V> {
 
     fn displacement(&self, freedom: usize, stages: &mut [f64]) {
         stages.copy_from_slice(&self.stages.displacement[freedom].to_array().as_ref()[..stages.len()]);
+    }
+
+    fn frequency(&mut self, iterations: usize) -> Option<f64> {
+        let Stages { plan, start, .. } = &self.stages;
+        self.fastest.as_mut().map(|fastest| fastest.estimate(plan, start, &self.gravity, iterations))
     }
 
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {

@@ -81,6 +81,7 @@ impl Integrator for Euler {
             step: self.step,
             adaptive: false,
             tolerance: None,
+            frequency_step: None,
         }
     }
 }

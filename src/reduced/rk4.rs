@@ -97,6 +97,7 @@ impl Integrator for Rk4 {
             step: self.step,
             adaptive: false,
             tolerance: None,
+            frequency_step: None,
         }
     }
 }
