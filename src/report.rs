@@ -78,6 +78,8 @@ pub struct MethodReport {
     pub tolerance: Option<f64>,
     /// The nearest that any step came to the limit of linear stability; null where nobody looked, as in a run of a few steps.
     pub max_frequency_step: Option<FrequencyReport>,
+    /// How often reversible steps had to be set anew, which turning time round would not repeat; null for other steps.
+    pub reversible_resets: Option<usize>,
 }
 
 /// How near a step came to the limit of linear stability.
@@ -233,6 +235,7 @@ impl MethodReport {
                 step: seen.step,
                 time: seen.time,
             }),
+            reversible_resets: description.reversible_resets,
         }
     }
 
@@ -357,9 +360,13 @@ impl fmt::Display for Report {
         }
         let method = &self.method;
         write!(out, "  method      {}, {}, order {}, ", method.name, counted(method.stages, "stage"), method.order)?;
-        match method.tolerance {
-            Some(tolerance) => writeln!(out, "tolerance {tolerance:e}, mean step {} ms", rounded(1e3 * method.step))?,
-            None => writeln!(out, "step {} ms", rounded(1e3 * method.step))?,
+        let step = rounded(1e3 * method.step);
+        match (method.tolerance, method.reversible_resets) {
+            (Some(tolerance), _) => writeln!(out, "tolerance {tolerance:e}, mean step {step} ms")?,
+            (None, Some(resets)) => {
+                writeln!(out, "reversible steps, mean {step} ms, {}", counted(resets, "reset"))?;
+            }
+            (None, None) => writeln!(out, "step {step} ms")?,
         }
         if let Some(accuracy) = &self.accuracy {
             writeln!(

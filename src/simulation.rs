@@ -28,6 +28,8 @@ pub struct MethodDescription {
     pub tolerance: Option<f64>,
     /// The nearest that any step came to the limit of linear stability, as far as it was looked at.
     pub frequency_step: Option<FrequencyStep>,
+    /// How often the symmetry of reversible steps was broken; `None` for steps that are not.
+    pub reversible_resets: Option<usize>,
 }
 
 /// The nearest that a run has come to the limit of stability, or the first step beyond it.

@@ -135,8 +135,9 @@ fn the_fastest_frequency_is_that_of_dense_matrices() {
         let mechanism = &model.mechanism;
         let state = model.state;
         let (plan, start) = start_of(mechanism, &state);
-        let found =
-            Fastest::new(&plan, mechanism.velocity_count).estimate(&plan, &start, &mechanism.gravity.into(), 200);
+        let mut dynamics = Dynamics::new(&plan, mechanism.velocity_count);
+        let mut fastest = Fastest::new(mechanism.velocity_count);
+        let found = fastest.estimate(&mut dynamics, &plan, &start, &mechanism.gravity.into(), 200);
         let (expected, _) = dense_frequencies(mechanism, &state);
         // Differences with steps of 1e-3: six digits of K, three of them used up by its ill-conditioned congruence.
         assert!((found - expected).abs() < 1e-3 * expected, "{}: {found}, dense {expected}", mechanism.name);
@@ -199,14 +200,13 @@ fn accelerations_and_their_rates_are_those_of_the_comparator() {
 
 #[test]
 fn the_fastest_frequency_of_a_chain_with_a_heavy_tip_grows_as_it_falls_taut() {
-    // Found by another program (power iteration on dense matrices) along the motion, to some ten per cent: 45 at the start,
-    // 250 at 0.05 s, 370 at 0.13 s, 950 at 0.38 s, 1180 at 0.45 s.
     let Some(folder) = shared("reference/scenes") else { return };
-    let robot = read_urdf(&folder.join("heavy_tip_T05.urdf"), &PackagePath::default()).unwrap();
-    let model = catena::model::Model::new(robot, &ModelOptions::default()).unwrap();
-    let mechanism = &model.mechanism;
     let answer = std::fs::read_to_string(folder.join("../answers/heavy_tip_T05.json")).unwrap();
     let answer: serde_json::Value = serde_json::from_str(&answer).unwrap();
+    let gravity = Vector3::from_fn(|axis, _| answer["gravity"][axis].as_f64().unwrap());
+    let robot = read_urdf(&folder.join("heavy_tip_T05.urdf"), &PackagePath::default()).unwrap();
+    let model = catena::model::Model::new(robot, &ModelOptions { gravity, ..Default::default() }).unwrap();
+    let mechanism = &model.mechanism;
     let of = |key: &str| -> Vec<(String, Vec<f64>)> {
         let joints = answer["initial"].as_object().unwrap();
         joints.iter().map(|(joint, value)| (joint.clone(), vec![value[key].as_f64().unwrap()])).collect()
@@ -214,18 +214,27 @@ fn the_fastest_frequency_of_a_chain_with_a_heavy_tip_grows_as_it_falls_taut() {
     let mut state = model.initial_state(&of("position"), &of("velocity"), None).unwrap();
     let mut lobatto = Lobatto::fixed(mechanism, 9, 1e-3).unwrap();
     let plan = Plan::new(mechanism);
-    let mut fastest = Fastest::new(&plan, mechanism.velocity_count);
-    for (time, expected) in [(0.0, 45.0), (0.05, 250.0), (0.13, 370.0), (0.38, 950.0), (0.45, 1180.0)] {
+    let mut dynamics = Dynamics::new(&plan, mechanism.velocity_count);
+    let mut fastest = Fastest::new(mechanism.velocity_count);
+    let mut largest = 0.0_f64;
+    for hundredths in 0..=50 {
+        let time = 0.01 * f64::from(hundredths);
         while state.time < time {
             lobatto.advance(mechanism, &mut state, time).unwrap();
         }
         let (_, start) = start_of(mechanism, &state);
-        let found = fastest.estimate(&plan, &start, &mechanism.gravity.into(), 30);
-        let (largest, oscillating) = dense_frequencies(mechanism, &state);
-        println!("{time} {found} {largest} {oscillating} {expected}");
-        assert!((oscillating - expected).abs() < 0.15 * expected, "t = {time}: {oscillating}, expected {expected}");
-        assert!((found - largest).abs() < 0.02 * largest, "t = {time}: {found}, dense {largest}");
+        let found = fastest.estimate(&mut dynamics, &plan, &start, &mechanism.gravity.into(), 30);
+        largest = largest.max(found);
+        // Thirty iterations from the mode of 0.01 s before; where two modes are equally fast they find something between.
+        let (dense, oscillating) = dense_frequencies(mechanism, &state);
+        assert!(found < 1.001 * dense && found > 0.98 * dense, "t = {time}: {found}, dense {dense}");
+        assert!((dense - oscillating).abs() < 1e-3 * dense, "t = {time}: the fastest mode does not oscillate");
+        if hundredths == 5 {
+            assert!((found - 250.0).abs() < 5.0, "{found}");
+        }
     }
+    // Two numbers that another program found by power iteration on its own matrices: 250 at 0.05 s and 1180 towards the end.
+    assert!((largest - 1180.0).abs() < 20.0, "{largest}");
 }
 
 #[test]

@@ -75,6 +75,10 @@ pub struct Arguments {
     #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = positive, requires = "stages", conflicts_with = "tolerance")]
     step: Option<f64>,
 
+    /// Vary the step with the pace of the motion, from --step on, so that very long runs do not drift
+    #[arg(long, requires = "step")]
+    reversible: bool,
+
     /// Samples in the log per simulated second [default: 60]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = rate)]
     rate: Option<f64>,
@@ -95,6 +99,8 @@ pub enum StepChoice {
     Tolerance(f64),
     /// As the user said.
     Fixed { stages: usize, step: f64 },
+    /// With the pace of the motion, from the step the user said.
+    Reversible { stages: usize, step: f64 },
 }
 
 /// Does what the arguments say.
@@ -107,6 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mechanism = &model.mechanism;
     let mut state = initial_state(&model, arguments).map_err(Failure::input)?;
     let choice = match (arguments.stages, arguments.step) {
+        (Some(stages), Some(step)) if arguments.reversible => StepChoice::Reversible { stages: stages.into(), step },
         (Some(stages), Some(step)) => StepChoice::Fixed { stages: stages.into(), step },
         _ => StepChoice::Tolerance(arguments.tolerance.unwrap_or(DEFAULT_TOLERANCE)),
     };
@@ -190,6 +197,10 @@ fn integrator(
             let lobatto = Lobatto::fixed(mechanism, stages, step).map_err(Failure::input)?;
             return Ok((Box::new(lobatto), None));
         }
+        StepChoice::Reversible { stages, step } => {
+            let lobatto = Lobatto::reversible(mechanism, stages, step).map_err(Failure::input)?;
+            return Ok((Box::new(lobatto), None));
+        }
         StepChoice::Tolerance(tolerance) => tolerance,
     };
     match calibrate(mechanism, state, duration, tolerance, Some(&INTERRUPTED)) {
@@ -249,7 +260,7 @@ fn description(
 ) -> BTreeMap<String, String> {
     let method = integrator.description();
     let (step, tolerance) = match choice {
-        StepChoice::Fixed { step, .. } => (step.to_string(), String::new()),
+        StepChoice::Fixed { step, .. } | StepChoice::Reversible { step, .. } => (step.to_string(), String::new()),
         StepChoice::Tolerance(tolerance) => (String::new(), tolerance.to_string()),
     };
     let command_line: Vec<String> =

@@ -7,6 +7,7 @@ use super::control::{Control, Energies, Verdict};
 use super::dense::DenseRule;
 use super::dispatch::step_for;
 use super::lanes::Isa;
+use super::reversible::Reversible;
 use super::stability::Watch;
 use super::step::{Attempt, Step, StopRule};
 use super::tableau::{Tableau, TableauError};
@@ -65,6 +66,18 @@ struct Grid {
 enum Mode {
     Fixed { step: f64, grid: Grid, rule: StopRule },
     Adaptive(Control),
+    Reversible(Reversible),
+}
+
+/// Why a method cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MethodError {
+    /// The number of stages.
+    #[error(transparent)]
+    Tableau(#[from] TableauError),
+    /// Reversible steps need a motion that is reversible itself and whose pace is known.
+    #[error("reversible steps are for trees of joints under gravity alone; this one has loops, mimic joints or forces")]
+    NotReversible,
 }
 
 impl Lobatto {
@@ -89,6 +102,19 @@ impl Lobatto {
     ) -> Result<Self, TableauError> {
         let mode = Mode::Fixed { step, grid: Grid { origin: 0.0, points: 0 }, rule };
         Ok(Self::with_tableau(mechanism, Tableau::new(stages)?, mode, isa))
+    }
+
+    /// Steps of varying length for very long runs, the first of `step` seconds, iterated to rounding: a run that is turned
+    /// round retraces itself ([`super::reversible`]).
+    ///
+    /// # Errors
+    /// [`MethodError`] if the number of stages is not from 2 to 16, or if there is more than a tree under gravity.
+    pub fn reversible(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
+        let tableau = Tableau::new(stages)?;
+        if !mechanism.is_plain_tree() {
+            return Err(MethodError::NotReversible);
+        }
+        Ok(Self::with_tableau(mechanism, tableau, Mode::Reversible(Reversible::new(step)), Isa::detect()))
     }
 
     /// Steps chosen for a wanted position accuracy [m or rad], with the iteration stop that suits motions of moderate
@@ -247,6 +273,52 @@ impl Lobatto {
             }
         }
     }
+
+    fn reversible_step(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        let mut outcome = StepOutcome::default();
+        let mut halvings = 0;
+        loop {
+            let Mode::Reversible(rule) = &mut self.mode else { return Ok(outcome) };
+            if !rule.started()
+                && let Some(pace) = self.kernel.pace()
+            {
+                rule.start(&pace);
+            }
+            let remaining = until - state.time;
+            let reaches = rule.step() >= remaining * (1.0 - 1e-9);
+            let length = if reaches { remaining } else { rule.step() };
+            for plain in [false, true] {
+                let attempt = self.kernel.attempt(length, &StopRule::ROUNDING, plain);
+                outcome.iterations += attempt.iterations();
+                if let Attempt::Converged { .. } = attempt {
+                    self.finish(mechanism, state);
+                    finite(mechanism, &self.end, length)?;
+                    outcome.step = length;
+                    self.accept(state, length, if reaches { until } else { state.time + length });
+                    // A step that was cut off at the end of the run says nothing about the next.
+                    if let (false, Mode::Reversible(rule), Some(pace)) = (reaches, &mut self.mode, self.kernel.pace()) {
+                        rule.follow(&pace);
+                    }
+                    return Ok(outcome);
+                }
+                outcome.rejected += 1;
+                let Mode::Reversible(rule) = &mut self.mode else { return Ok(outcome) };
+                if plain {
+                    rule.fail();
+                    halvings += 1;
+                    self.look(self.watch.iterations(), length, state.time);
+                    if halvings > HALVINGS {
+                        return Err(self.failure(mechanism, state.time, length, &attempt));
+                    }
+                }
+            }
+        }
+    }
 }
 
 impl Integrator for Lobatto {
@@ -261,6 +333,7 @@ impl Integrator for Lobatto {
         match self.mode {
             Mode::Fixed { .. } => self.fixed_step(mechanism, state, until),
             Mode::Adaptive(_) => self.adaptive_step(mechanism, state, until),
+            Mode::Reversible(_) => self.reversible_step(mechanism, state, until),
         }
     }
 
@@ -310,9 +383,11 @@ impl Integrator for Lobatto {
     }
 
     fn description(&self) -> MethodDescription {
-        let (adaptive, tolerance, step) = match &self.mode {
-            Mode::Fixed { step, .. } => (false, None, *step),
-            Mode::Adaptive(control) => (true, Some(control.tolerance()), self.stepped_time / self.steps.max(1) as f64),
+        let mean = self.stepped_time / self.steps.max(1) as f64;
+        let (adaptive, tolerance, step, resets) = match &self.mode {
+            Mode::Fixed { step, .. } => (false, None, *step, None),
+            Mode::Adaptive(control) => (true, Some(control.tolerance()), mean, None),
+            Mode::Reversible(rule) => (false, None, mean, Some(rule.resets())),
         };
         MethodDescription {
             name: "lobatto".to_string(),
@@ -322,6 +397,7 @@ impl Integrator for Lobatto {
             adaptive,
             tolerance,
             frequency_step: self.watch.nearest(),
+            reversible_resets: resets,
         }
     }
 }

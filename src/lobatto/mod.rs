@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`] (the loop of one step), [`start`], [`stage`] (poses of all
 //! stages), [`residual`], [`articulated`] and [`sweeps`] (the stage equations and their solve), [`anderson`], [`predictor`],
-//! [`dense`], [`control`] (step length), [`integrator`] (steps strung together); [`literal`] is the scheme word for word,
+//! [`dense`], [`control`] and [`reversible`] (step length), [`stability`] and [`dynamics`] (what they need to know), [`integrator`] (steps strung together); [`literal`] is the scheme word for word,
 //! the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
 pub mod algebra;
@@ -18,6 +18,7 @@ pub mod lanes;
 pub mod literal;
 pub mod predictor;
 pub mod residual;
+pub mod reversible;
 pub mod stability;
 pub mod stage;
 pub mod start;

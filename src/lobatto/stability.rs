@@ -135,7 +135,6 @@ impl Watch {
 
 /// Follows the frequency of the fastest mode.
 pub struct Fastest {
-    dynamics: Dynamics,
     /// The mode.
     direction: Vec<f64>,
     image: Vec<f64>,
@@ -143,12 +142,8 @@ pub struct Fastest {
 
 impl Fastest {
     /// Nothing known yet.
-    pub fn new(plan: &Plan, freedoms: usize) -> Self {
-        let mut fastest = Fastest {
-            dynamics: Dynamics::new(plan, freedoms),
-            direction: vec![0.0; freedoms],
-            image: vec![0.0; freedoms],
-        };
+    pub fn new(freedoms: usize) -> Self {
+        let mut fastest = Fastest { direction: vec![0.0; freedoms], image: vec![0.0; freedoms] };
         fastest.restart();
         fastest
     }
@@ -163,13 +158,20 @@ impl Fastest {
 
     /// The frequency at an instant [rad/s], from below, after some power iterations; zero where nothing is stiff or the state
     /// is not finite.
-    pub fn estimate(&mut self, plan: &Plan, start: &Start, gravity: &[f64; 3], iterations: usize) -> f64 {
-        self.dynamics.set(plan, start, gravity);
+    pub fn estimate(
+        &mut self,
+        dynamics: &mut Dynamics,
+        plan: &Plan,
+        start: &Start,
+        gravity: &[f64; 3],
+        iterations: usize,
+    ) -> f64 {
+        dynamics.set(plan, start, gravity);
         let mut power = 0.0;
         for _ in 0..iterations {
-            let size = self.dynamics.stiffness(plan, start, &self.direction, &mut self.image);
+            let size = dynamics.stiffness(plan, start, &self.direction, &mut self.image);
             self.direction.copy_from_slice(&self.image);
-            self.dynamics.solve(plan, start, &mut self.direction);
+            dynamics.solve(plan, start, &mut self.direction);
             let product: f64 = self.direction.iter().zip(&self.image).map(|(a, b)| a * b).sum();
             if !(product / size).is_normal() || product < 0.0 {
                 self.restart();

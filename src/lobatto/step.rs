@@ -11,8 +11,10 @@
 //! ```
 
 use super::anderson::Anderson;
+use super::dynamics::Dynamics;
 use super::lanes::Lanes;
 use super::predictor::Predictor;
+use super::reversible::Pace;
 use super::stability::Fastest;
 use super::stage::{MAX_TURN, Stages};
 use super::start::Start;
@@ -97,6 +99,8 @@ pub trait Step {
     /// Frequency of the fastest mode at the start of the step, from some power iterations [rad/s]; `None` where forces and
     /// loops play a part that the estimate does not know.
     fn frequency(&mut self, iterations: usize) -> Option<f64>;
+    /// Pace of the motion at the start of the step; `None` where forces and loops play a part that it does not know.
+    fn pace(&mut self) -> Option<Pace>;
     /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length.
     fn accelerations(&mut self, step: f64, out: &mut [f64]);
 }
@@ -117,18 +121,19 @@ pub struct Kernel<V> {
     displaced: Vec<f64>,
     /// The end of the finished step.
     end: Start,
-    /// The fastest mode, for plain trees.
-    fastest: Option<Fastest>,
+    /// What steers the steps, for plain trees.
+    dynamics: Option<Dynamics>,
+    fastest: Fastest,
 }
 
 impl<V: Lanes> Kernel<V> {
     /// The workspace for a mechanism and a scheme.
     pub fn new(mechanism: &Mechanism, tableau: &Tableau) -> Self {
         let stages = Stages::new(mechanism, tableau);
-        let fastest = mechanism.is_plain_tree().then(|| Fastest::new(&stages.plan, mechanism.velocity_count));
         Kernel {
+            dynamics: mechanism.is_plain_tree().then(|| Dynamics::new(&stages.plan, mechanism.velocity_count)),
+            fastest: Fastest::new(mechanism.velocity_count),
             stages,
-            fastest,
             anderson: Anderson::new(mechanism.velocity_count),
             predictor: Predictor::new(mechanism.velocity_count, tableau),
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
@@ -252,7 +257,14 @@ impl<V: Lanes> Step for Kernel<V> {
 
     fn frequency(&mut self, iterations: usize) -> Option<f64> {
         let Stages { plan, start, .. } = &self.stages;
-        self.fastest.as_mut().map(|fastest| fastest.estimate(plan, start, &self.gravity, iterations))
+        let (fastest, gravity) = (&mut self.fastest, &self.gravity);
+        self.dynamics.as_mut().map(|dynamics| fastest.estimate(dynamics, plan, start, gravity, iterations))
+    }
+
+    fn pace(&mut self) -> Option<Pace> {
+        let Stages { plan, start, .. } = &self.stages;
+        let (gravity, jerks) = (&self.gravity, &mut self.velocity);
+        self.dynamics.as_mut().map(|dynamics| Pace::at(dynamics, plan, start, gravity, jerks))
     }
 
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {

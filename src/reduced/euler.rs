@@ -82,6 +82,7 @@ impl Integrator for Euler {
             adaptive: false,
             tolerance: None,
             frequency_step: None,
+            reversible_resets: None,
         }
     }
 }
