@@ -8,7 +8,7 @@ use crate::kinematics::body_states;
 use crate::model::joint::wxyz_from_rotation;
 use crate::model::{JointRecord, LinkFrame, Model};
 use crate::reduced::{ReducedOde, joint_reactions};
-use crate::simulation::{MethodDescription, Summary};
+use crate::simulation::{FrequencyStep, MethodDescription, Summary};
 use crate::state::State;
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -76,6 +76,23 @@ pub struct MethodReport {
     pub adaptive: bool,
     /// The tolerance it is chosen from.
     pub tolerance: Option<f64>,
+    /// The nearest that any step came to the limit of linear stability; null where nobody looked, as in a run of a few steps.
+    pub max_frequency_step: Option<FrequencyReport>,
+    /// How often reversible steps had to be set anew, which turning time round would not repeat; null for other steps.
+    pub reversible_resets: Option<usize>,
+}
+
+/// How near a step came to the limit of linear stability.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FrequencyReport {
+    /// Step times frequency of the fastest mode [rad].
+    pub value: f64,
+    /// Where the scheme becomes unstable [rad].
+    pub limit: f64,
+    /// The step (s).
+    pub step: f64,
+    /// When (s).
+    pub time: f64,
 }
 
 /// The accuracy to expect of a run, from pilot runs.
@@ -212,7 +229,29 @@ impl MethodReport {
             step: description.step,
             adaptive: description.adaptive,
             tolerance: description.tolerance,
+            max_frequency_step: description.frequency_step.map(|seen| FrequencyReport {
+                value: seen.product,
+                limit: seen.limit,
+                step: seen.step,
+                time: seen.time,
+            }),
+            reversible_resets: description.reversible_resets,
         }
+    }
+
+    /// What the user should know, if a step was beyond the limit of stability.
+    pub fn warning(description: &MethodDescription) -> Option<String> {
+        let seen = description.frequency_step.filter(FrequencyStep::is_unstable)?;
+        Some(format!(
+            "a step of {} s is beyond the stability limit of {} at t = {} s, where the fastest motion turns by {} rad in it \
+             and {} rad is the limit: fast motions grow without bound; use --step below {} s, more --stages, or --tolerance",
+            rounded(seen.step),
+            counted(description.stages, "stage"),
+            rounded(seen.time),
+            rounded(seen.product),
+            rounded(seen.limit),
+            rounded(seen.longest())
+        ))
     }
 }
 
@@ -321,9 +360,13 @@ impl fmt::Display for Report {
         }
         let method = &self.method;
         write!(out, "  method      {}, {}, order {}, ", method.name, counted(method.stages, "stage"), method.order)?;
-        match method.tolerance {
-            Some(tolerance) => writeln!(out, "tolerance {tolerance:e}, mean step {} ms", rounded(1e3 * method.step))?,
-            None => writeln!(out, "step {} ms", rounded(1e3 * method.step))?,
+        let step = rounded(1e3 * method.step);
+        match (method.tolerance, method.reversible_resets) {
+            (Some(tolerance), _) => writeln!(out, "tolerance {tolerance:e}, mean step {step} ms")?,
+            (None, Some(resets)) => {
+                writeln!(out, "reversible steps, mean {step} ms, {}", counted(resets, "reset"))?;
+            }
+            (None, None) => writeln!(out, "step {step} ms")?,
         }
         if let Some(accuracy) = &self.accuracy {
             writeln!(

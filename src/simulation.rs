@@ -27,6 +27,35 @@ pub struct MethodDescription {
     pub adaptive: bool,
     /// The tolerance the step is chosen from.
     pub tolerance: Option<f64>,
+    /// The nearest that any step came to the limit of linear stability, as far as it was looked at.
+    pub frequency_step: Option<FrequencyStep>,
+    /// How often the symmetry of reversible steps was broken; `None` for steps that are not.
+    pub reversible_resets: Option<usize>,
+}
+
+/// The nearest that a run has come to the limit of stability, or the first step beyond it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrequencyStep {
+    /// `h ω`: step times frequency of the fastest mode.
+    pub product: f64,
+    /// Where the scheme becomes unstable.
+    pub limit: f64,
+    /// The step (s).
+    pub step: f64,
+    /// When (s).
+    pub time: f64,
+}
+
+impl FrequencyStep {
+    /// Whether a step was beyond the limit.
+    pub fn is_unstable(&self) -> bool {
+        self.product > self.limit
+    }
+
+    /// The longest stable step where this one was made (s); infinite where nothing is stiff.
+    pub fn longest(&self) -> f64 {
+        self.step * self.limit / self.product
+    }
 }
 
 /// What one accepted step cost.
@@ -51,6 +80,12 @@ pub enum StepError {
          a step of {step:.1e} s; choose a smaller --step, more --stages or a smaller --tolerance"
     )]
     NotConverged { time: f64, step: f64, joint: String, increment: f64 },
+    /// The stage equations could not be solved, and the step was beyond what the scheme is stable for.
+    #[error(
+        "at t = {time} s a step of {step:.1e} s is beyond the stability limit of {stages} stages and does not converge; use \
+         --step below {longest:.1e} s, more --stages, or --tolerance"
+    )]
+    Unstable { time: f64, step: f64, stages: usize, longest: f64 },
     /// A joint turns by more than half a revolution within the shortest step.
     #[error(
         "at t = {time} s joint {joint:?} turns by more than half a revolution within a step of {step:.1e} s; choose a smaller --step"

@@ -184,7 +184,8 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
     let expected: Value = serde_json::from_str(
         r#"{
         "catena": "", "input": "", "scene": "", "duration": 0,
-        "method": {"stages": 0, "order": 0, "step": 0, "adaptive": true, "tolerance": 0},
+        "method": {"stages": 0, "order": 0, "step": 0, "adaptive": true, "tolerance": 0,
+            "max_frequency_step": null, "reversible_resets": null},
         "model": {"links": 0, "bodies": 0, "joints": 0, "degrees_of_freedom": 0, "loops": 0, "redundant_constraints": 0},
         "steps": 0, "iterations": 0, "rejected_steps": 0,
         "wall_seconds": 0, "cpu_seconds": 0, "solve_cpu_seconds": 0,

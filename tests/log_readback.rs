@@ -66,6 +66,8 @@ impl Integrator for Coasting {
             step: self.step,
             adaptive: false,
             tolerance: None,
+            frequency_step: None,
+            reversible_resets: None,
         }
     }
 }

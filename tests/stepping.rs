@@ -128,7 +128,7 @@ fn dense_output_meets_both_ends_and_is_as_smooth_as_the_motion_inside() {
     let mut lobatto = Lobatto::fixed(mechanism, 9, 0.05).unwrap();
     let mut state = model.state.clone();
     lobatto.advance(mechanism, &mut state, f64::INFINITY).unwrap();
-    let at = |lobatto: &Lobatto, time: f64| {
+    let at = |lobatto: &mut Lobatto, time: f64| {
         let mut dense = state.clone();
         dense.time = time;
         lobatto.dense(mechanism, time, &mut dense.position, &mut dense.velocity);
@@ -137,7 +137,7 @@ fn dense_output_meets_both_ends_and_is_as_smooth_as_the_motion_inside() {
     let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     // At the ends the interpolant meets its data: rounding.
     for (end, time) in [(&model.state, 0.0), (&state, state.time)] {
-        let dense = at(&lobatto, time);
+        let dense = at(&mut lobatto, time);
         assert!(difference(&dense.position, &end.position) < 1e-13);
         assert!(difference(&dense.velocity, &end.velocity) < 1e-10);
     }
@@ -146,7 +146,7 @@ fn dense_output_meets_both_ends_and_is_as_smooth_as_the_motion_inside() {
     let mut exact = model.state.clone();
     for _ in 0..3 {
         short.advance(mechanism, &mut exact, f64::INFINITY).unwrap();
-        let dense = at(&lobatto, exact.time);
+        let dense = at(&mut lobatto, exact.time);
         let (position, velocity) =
             (difference(&dense.position, &exact.position), difference(&dense.velocity, &exact.velocity));
         assert!(position < 1e-10, "t = {}: {position:.1e}", exact.time);

@@ -77,6 +77,10 @@ pub struct Arguments {
     #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = positive, requires = "stages", conflicts_with = "tolerance")]
     step: Option<f64>,
 
+    /// Vary the step with the pace of the motion, from --step on, so that very long runs do not drift
+    #[arg(long, requires = "step")]
+    reversible: bool,
+
     /// Samples in the log per simulated second [default: 60]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = rate)]
     rate: Option<f64>,
@@ -97,6 +101,8 @@ pub enum StepChoice {
     Tolerance(f64),
     /// As the user said.
     Fixed { stages: usize, step: f64 },
+    /// With the pace of the motion, from the step the user said.
+    Reversible { stages: usize, step: f64 },
 }
 
 impl StepChoice {
@@ -105,6 +111,7 @@ impl StepChoice {
         let given = arguments.stages.zip(arguments.step).map(|(stages, step)| (stages.into(), step));
         let fixed = given.or(file.fixed.filter(|_| arguments.tolerance.is_none()));
         match fixed {
+            Some((stages, step)) if arguments.reversible => StepChoice::Reversible { stages, step },
             Some((stages, step)) => StepChoice::Fixed { stages, step },
             None => StepChoice::Tolerance(arguments.tolerance.or(file.tolerance).unwrap_or(DEFAULT_TOLERANCE)),
         }
@@ -155,13 +162,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let ended = finish(recorder, ended);
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
+    let method = integrator.description();
     let report = Report {
         catena: env!("CARGO_PKG_VERSION"),
         input: arguments.input.input.display().to_string(),
         scene: mechanism.name.clone(),
         // The time that was reached, which is less than what was asked for if the run ended early.
         duration: state.time,
-        method: MethodReport::new(&integrator.description()),
+        method: MethodReport::new(&method),
         model: ModelReport::new(model),
         steps: summary.steps,
         iterations: summary.iterations,
@@ -178,6 +186,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .iter()
             .map(ToString::to_string)
             .chain(accuracy.as_ref().and_then(AccuracyReport::warning))
+            .chain(MethodReport::warning(&method))
             .collect(),
         accuracy,
         log: output,
@@ -201,6 +210,10 @@ fn integrator(
     let tolerance = match choice {
         StepChoice::Fixed { stages, step } => {
             let lobatto = Lobatto::fixed(mechanism, stages, step).map_err(Failure::input)?;
+            return Ok((Box::new(lobatto), None));
+        }
+        StepChoice::Reversible { stages, step } => {
+            let lobatto = Lobatto::reversible(mechanism, stages, step).map_err(Failure::input)?;
             return Ok((Box::new(lobatto), None));
         }
         StepChoice::Tolerance(tolerance) => tolerance,
@@ -255,7 +268,7 @@ fn description(
 ) -> BTreeMap<String, String> {
     let method = integrator.description();
     let (step, tolerance) = match choice {
-        StepChoice::Fixed { step, .. } => (step.to_string(), String::new()),
+        StepChoice::Fixed { step, .. } | StepChoice::Reversible { step, .. } => (step.to_string(), String::new()),
         StepChoice::Tolerance(tolerance) => (String::new(), tolerance.to_string()),
     };
     let command_line: Vec<String> =

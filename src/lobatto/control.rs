@@ -10,7 +10,7 @@
 //!
 //! A step with `E > 1.3^{s−1} E_tol` is thrown away, and so is a finished one that changes the energy by more than its
 //! share of the tolerance; what is near that share does not grow. The energy sees what the polynomials do not, such as a
-//! passage near a singular position.
+//! passage near a singular position. Whatever these say, a step stays within the limit of stability ([`super::stability`]).
 
 use super::lanes::Isa;
 use super::step::{Attempt, Step, StopRule};
@@ -114,6 +114,11 @@ impl Control {
             .sum();
         let rate = power.sqrt().sqrt();
         self.step = if rate.is_finite() { (0.4 / rate.max(1e-3)).min(1.0) } else { 1e-3 };
+    }
+
+    /// Bounds the next step by one that is known to be stable (s).
+    pub fn keep_below(&mut self, longest: f64) {
+        self.step = self.step.min(longest);
     }
 
     /// Judges an attempt of length `step` and sets the next one.

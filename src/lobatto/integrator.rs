@@ -8,6 +8,8 @@ use super::dense::DenseRule;
 use super::dispatch::step_for;
 use super::lanes::Isa;
 use super::projection::Projection;
+use super::reversible::Reversible;
+use super::stability::Watch;
 use super::start::Start;
 use super::step::{Attempt, Step, StopRule};
 use super::tableau::{Tableau, TableauError};
@@ -45,6 +47,7 @@ pub struct Lobatto {
     tableau: Tableau,
     dense: DenseRule,
     mode: Mode,
+    watch: Watch,
     /// The states at both ends of the last step, for dense output; `end` is also where a step is finished before it is
     /// accepted.
     origin: State,
@@ -74,6 +77,18 @@ struct Grid {
 enum Mode {
     Fixed { step: f64, grid: Grid, rule: StopRule },
     Adaptive(Control),
+    Reversible(Reversible),
+}
+
+/// Why a method cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MethodError {
+    /// The number of stages.
+    #[error(transparent)]
+    Tableau(#[from] TableauError),
+    /// Reversible steps need a motion that is reversible itself and whose pace is known.
+    #[error("reversible steps are for trees of joints under gravity alone; this one has loops, mimic joints or forces")]
+    NotReversible,
 }
 
 impl Lobatto {
@@ -100,6 +115,19 @@ impl Lobatto {
         Ok(Self::with_tableau(mechanism, Tableau::new(stages)?, mode, isa))
     }
 
+    /// Steps of varying length for very long runs, the first of `step` seconds, iterated to rounding: a run that is turned
+    /// round retraces itself ([`super::reversible`]).
+    ///
+    /// # Errors
+    /// [`MethodError`] if the number of stages is not from 2 to 16, or if there is more than a tree under gravity.
+    pub fn reversible(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
+        let tableau = Tableau::new(stages)?;
+        if !mechanism.is_plain_tree() {
+            return Err(MethodError::NotReversible);
+        }
+        Ok(Self::with_tableau(mechanism, tableau, Mode::Reversible(Reversible::new(step)), Isa::detect()))
+    }
+
     /// Steps chosen for a wanted position accuracy [m or rad], with the iteration stop that suits motions of moderate
     /// amplification; [`crate::calibration`] finds the one for the motion at hand.
     pub fn adaptive(mechanism: &Mechanism, tolerance: f64) -> Self {
@@ -119,6 +147,7 @@ impl Lobatto {
         Lobatto {
             kernel: step_for(mechanism, &tableau, isa),
             dense: DenseRule::new(&tableau),
+            watch: Watch::new(&tableau),
             tableau,
             closing: (!mechanism.loops.is_empty() || !mechanism.mimics.is_empty()).then(|| Closing {
                 projection: Projection::new(mechanism),
@@ -158,6 +187,25 @@ impl Lobatto {
         self.steps += 1;
         self.stepped_time += step;
         self.left_at = Some(time);
+        if let Some(iterations) = self.watch.due() {
+            self.look(iterations, step, time);
+        }
+    }
+
+    /// Looks how near a step of this length is to the limit of stability.
+    fn look(&mut self, iterations: usize, step: f64, time: f64) {
+        let frequency = self.kernel.frequency(iterations);
+        self.watch.see(frequency, step, time);
+    }
+
+    /// Why a step failed: because of its length alone, if that is beyond the limit of stability.
+    fn failure(&self, mechanism: &Mechanism, time: f64, step: f64, attempt: &Attempt) -> StepError {
+        match self.watch.latest() {
+            Some(seen) if seen.is_unstable() && seen.time == time => {
+                StepError::Unstable { time, step: seen.step, stages: self.tableau.stages, longest: seen.longest() }
+            }
+            _ => failure_of(mechanism, time, step, attempt),
+        }
     }
 
     fn fixed_step(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
@@ -188,8 +236,11 @@ impl Lobatto {
                     failure => {
                         outcome.iterations += failure.iterations();
                         outcome.rejected += 1;
+                        if halving == 0 && plain {
+                            self.look(self.watch.iterations(), length, state.time);
+                        }
                         if halving == HALVINGS && plain {
-                            return Err(failure_of(mechanism, state.time, length, &failure));
+                            return Err(self.failure(mechanism, state.time, length, &failure));
                         }
                     }
                 }
@@ -229,6 +280,9 @@ impl Lobatto {
                     outcome.step = length;
                     outcome.exchange = self.kernel.exchange();
                     self.accept(state, length, if reaches { until } else { state.time + length });
+                    if let Mode::Adaptive(control) = &mut self.mode {
+                        control.keep_below(self.watch.safe_step());
+                    }
                     return Ok(outcome);
                 }
                 Verdict::Retry { without_past } => {
@@ -236,7 +290,53 @@ impl Lobatto {
                     plain = without_past;
                     // Below this the step vanishes against the time itself.
                     if control.step() < 1e-13 * state.time.abs().max(1e-3) {
-                        return Err(failure_of(mechanism, state.time, length, &attempt));
+                        return Err(self.failure(mechanism, state.time, length, &attempt));
+                    }
+                }
+            }
+        }
+    }
+
+    fn reversible_step(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        let mut outcome = StepOutcome::default();
+        let mut halvings = 0;
+        loop {
+            let Mode::Reversible(rule) = &mut self.mode else { return Ok(outcome) };
+            if !rule.started()
+                && let Some(pace) = self.kernel.pace()
+            {
+                rule.start(&pace);
+            }
+            let remaining = until - state.time;
+            let reaches = rule.step() >= remaining * (1.0 - 1e-9);
+            let length = if reaches { remaining } else { rule.step() };
+            for plain in [false, true] {
+                let attempt = self.kernel.attempt(length, &StopRule::ROUNDING, plain);
+                outcome.iterations += attempt.iterations();
+                if let Attempt::Converged { .. } = attempt {
+                    self.finish(mechanism, state);
+                    finite(mechanism, &self.end, length)?;
+                    outcome.step = length;
+                    self.accept(state, length, if reaches { until } else { state.time + length });
+                    // A step that was cut off at the end of the run says nothing about the next.
+                    if let (false, Mode::Reversible(rule), Some(pace)) = (reaches, &mut self.mode, self.kernel.pace()) {
+                        rule.follow(&pace);
+                    }
+                    return Ok(outcome);
+                }
+                outcome.rejected += 1;
+                let Mode::Reversible(rule) = &mut self.mode else { return Ok(outcome) };
+                if plain {
+                    rule.fail();
+                    halvings += 1;
+                    self.look(self.watch.iterations(), length, state.time);
+                    if halvings > HALVINGS {
+                        return Err(self.failure(mechanism, state.time, length, &attempt));
                     }
                 }
             }
@@ -256,6 +356,7 @@ impl Integrator for Lobatto {
         match self.mode {
             Mode::Fixed { .. } => self.fixed_step(mechanism, state, until),
             Mode::Adaptive(_) => self.adaptive_step(mechanism, state, until),
+            Mode::Reversible(_) => self.reversible_step(mechanism, state, until),
         }
     }
 
@@ -315,9 +416,11 @@ impl Integrator for Lobatto {
     }
 
     fn description(&self) -> MethodDescription {
-        let (adaptive, tolerance, step) = match &self.mode {
-            Mode::Fixed { step, .. } => (false, None, *step),
-            Mode::Adaptive(control) => (true, Some(control.tolerance()), self.stepped_time / self.steps.max(1) as f64),
+        let mean = self.stepped_time / self.steps.max(1) as f64;
+        let (adaptive, tolerance, step, resets) = match &self.mode {
+            Mode::Fixed { step, .. } => (false, None, *step, None),
+            Mode::Adaptive(control) => (true, Some(control.tolerance()), mean, None),
+            Mode::Reversible(rule) => (false, None, mean, Some(rule.resets())),
         };
         MethodDescription {
             name: "lobatto".to_string(),
@@ -326,6 +429,8 @@ impl Integrator for Lobatto {
             step,
             adaptive,
             tolerance,
+            frequency_step: self.watch.nearest(),
+            reversible_resets: resets,
         }
     }
 }

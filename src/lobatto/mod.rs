@@ -1,8 +1,10 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`] (the loop of one step), [`start`], [`stage`] (poses of all
-//! stages), [`residual`], [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations and their solve), [`anderson`], [`predictor`],
-//! [`dense`], [`control`] (step length), [`integrator`] (steps strung together); [`literal`] is the scheme word for word,
+//! stages), [`residual`], [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations and their solve),
+//! [`anderson`], [`predictor`], [`dense`], [`control`] and [`reversible`] (step length), [`stability`] and [`dynamics`]
+//! (what they need to know), [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
+//! [`elimination`], [`front`], [`projection`] and [`assembly`]; [`literal`] is the scheme word for word,
 //! the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
 pub mod algebra;
@@ -15,18 +17,21 @@ pub mod control;
 pub mod coupled;
 pub mod dense;
 pub mod dispatch;
+pub mod dynamics;
 pub mod elimination;
 mod extended;
 pub mod front;
 pub mod integrator;
 pub mod lanes;
 pub mod literal;
-pub mod newton;
 mod literal_constraints;
 mod literal_forces;
+pub mod newton;
 pub mod predictor;
 pub mod projection;
 pub mod residual;
+pub mod reversible;
+pub mod stability;
 pub mod stage;
 pub mod start;
 pub mod step;

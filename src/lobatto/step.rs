@@ -12,10 +12,13 @@
 //! ```
 
 use super::anderson::Anderson;
+use super::dynamics::Dynamics;
 use super::lanes::Lanes;
 use super::newton::Newton;
 use super::predictor::Predictor;
 use super::projection::Projection;
+use super::reversible::Pace;
+use super::stability::Fastest;
 use super::stage::{MAX_TURN, Stages};
 use super::start::Start;
 use super::tableau::Tableau;
@@ -102,6 +105,11 @@ pub trait Step {
     fn accept(&mut self);
     /// Displacement of a degree of freedom at the stages 2 … s of the last solved step.
     fn displacement(&self, freedom: usize, stages: &mut [f64]);
+    /// Frequency of the fastest mode at the start of the step, from some power iterations [rad/s]; `None` where forces and
+    /// loops play a part that the estimate does not know.
+    fn frequency(&mut self, iterations: usize) -> Option<f64>;
+    /// Pace of the motion at the start of the step; `None` where forces and loops play a part that it does not know.
+    fn pace(&mut self) -> Option<Pace>;
     /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length.
     fn accelerations(&mut self, step: f64, out: &mut [f64]);
 }
@@ -130,13 +138,19 @@ pub struct Kernel<V: Lanes> {
     displaced: Vec<f64>,
     /// The end of the finished step.
     end: Start,
+    /// What steers the steps, for plain trees.
+    dynamics: Option<Dynamics>,
+    fastest: Fastest,
 }
 
 impl<V: Lanes> Kernel<V> {
     /// The workspace for a mechanism and a scheme.
     pub fn new(mechanism: &Mechanism, tableau: &Tableau) -> Self {
+        let stages = Stages::new(mechanism, tableau);
         Kernel {
-            stages: Stages::new(mechanism, tableau),
+            dynamics: mechanism.is_plain_tree().then(|| Dynamics::new(&stages.plan, mechanism.velocity_count)),
+            fastest: Fastest::new(mechanism.velocity_count),
+            stages,
             anderson: Anderson::new(mechanism.velocity_count),
             predictor: Predictor::new(mechanism.velocity_count, tableau),
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
@@ -285,6 +299,18 @@ impl<V: Lanes> Step for Kernel<V> {
 
     fn displacement(&self, freedom: usize, stages: &mut [f64]) {
         stages.copy_from_slice(&self.stages.displacement[freedom].to_array().as_ref()[..stages.len()]);
+    }
+
+    fn frequency(&mut self, iterations: usize) -> Option<f64> {
+        let Stages { plan, start, .. } = &self.stages;
+        let (fastest, gravity) = (&mut self.fastest, &self.gravity);
+        self.dynamics.as_mut().map(|dynamics| fastest.estimate(dynamics, plan, start, gravity, iterations))
+    }
+
+    fn pace(&mut self) -> Option<Pace> {
+        let Stages { plan, start, .. } = &self.stages;
+        let (gravity, jerks) = (&self.gravity, &mut self.velocity);
+        self.dynamics.as_mut().map(|dynamics| Pace::at(dynamics, plan, start, gravity, jerks))
     }
 
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {

@@ -85,6 +85,8 @@ impl Integrator for Euler {
             step: self.step,
             adaptive: false,
             tolerance: None,
+            frequency_step: None,
+            reversible_resets: None,
         }
     }
 }

@@ -97,6 +97,8 @@ impl Integrator for Rk4 {
             step: self.step,
             adaptive: false,
             tolerance: None,
+            frequency_step: None,
+            reversible_resets: None,
         }
     }
 }
