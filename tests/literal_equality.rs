@@ -16,7 +16,7 @@ fn fast_step(model: &Model, stages: usize, step: f64, isa: Isa) -> Vec<catena::s
     let mut kernel = step_for(&model.mechanism, &tableau, isa);
     let mut state = model.state.clone();
     kernel.begin(&model.mechanism, &state);
-    let attempt = kernel.attempt(step, &StopRule::ROUNDING, true);
+    let attempt = kernel.attempt(&model.mechanism, step, &StopRule::ROUNDING, true);
     assert!(matches!(attempt, Attempt::Converged { .. }), "{} s={stages}: {attempt:?}", model.mechanism.name);
     kernel.finish(&model.mechanism, &mut state);
     body_states(&model.mechanism, &state)

@@ -34,7 +34,7 @@ fn canonical_step(mechanism: &Mechanism, kernel: &mut dyn Step, step: f64, z: &D
     let velocity = mass_matrix(mechanism, &state.position).cholesky().unwrap().solve(&momentum);
     state.velocity.copy_from_slice(velocity.as_slice());
     kernel.begin(mechanism, &state);
-    let attempt = kernel.attempt(step, &StopRule::ROUNDING, true);
+    let attempt = kernel.attempt(mechanism, step, &StopRule::ROUNDING, true);
     assert!(matches!(attempt, Attempt::Converged { .. }), "{attempt:?}");
     kernel.finish(mechanism, &mut state);
     let momentum = mass_matrix(mechanism, &state.position) * DVector::from_row_slice(&state.velocity);
@@ -91,7 +91,7 @@ fn a_step_forth_and_a_step_back_return_to_the_start() {
             let mut state = model.state.clone();
             for step in [0.03, -0.03] {
                 kernel.begin(mechanism, &state);
-                let attempt = kernel.attempt(step, &StopRule::ROUNDING, true);
+                let attempt = kernel.attempt(mechanism, step, &StopRule::ROUNDING, true);
                 assert!(matches!(attempt, Attempt::Converged { .. }), "{attempt:?}");
                 kernel.finish(mechanism, &mut state);
             }

@@ -75,7 +75,7 @@ pub fn closure_name(mechanism: &Mechanism, closure: usize) -> &str {
 /// [`AssemblyError`] with the closure that stays open; the state is then where the projection gave up.
 pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, AssemblyError> {
     let mut correction = Correction::default();
-    if mechanism.loops.is_empty() && mechanism.mimics.is_empty() {
+    if !mechanism.has_closures() {
         return Ok(correction);
     }
     let mut projection = Projection::new(mechanism);
@@ -99,7 +99,7 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
 
 /// Which equations are redundant at the configuration of a state.
 pub fn redundancy(mechanism: &Mechanism, state: &State) -> Redundancy {
-    if mechanism.loops.is_empty() && mechanism.mimics.is_empty() {
+    if !mechanism.has_closures() {
         return Redundancy::default();
     }
     let mut projection = Projection::new(mechanism);

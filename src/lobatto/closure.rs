@@ -7,6 +7,7 @@
 //!     slide along u_a:       g = d · u_a              f = u_a          t = P_b × u_a
 //!     u_a square to w_b:     g = u_a · w_b            f = 0            t = w_b × u_a
 //!     distance L:            g = (d·d − L²)/2L        f = d / L        t = P_b × d / L
+//!     line of a spring:      no gap                   f = d / |d|      t = P_b × d / |d|
 //! ```
 //!
 //! On a the arm is `P_b` too: the direction `u_a` turns with a, which makes up for the gap.
@@ -14,6 +15,7 @@
 use super::algebra::{Matrix, Vector};
 use super::lanes::Lanes;
 use super::start::Start;
+use crate::forces::point_spring::NO_LENGTH;
 use crate::model::{Attachment, LoopKind};
 use nalgebra::Vector3;
 
@@ -28,6 +30,8 @@ pub enum Equation {
     Distance(f64),
     /// A joint coordinate follows another.
     Mimic,
+    /// No equation, but the line of a spring: the direction from a to b.
+    Line,
 }
 
 /// The equations of a loop joint, as the table of [`LoopKind`] has them.
@@ -164,6 +168,11 @@ pub fn evaluate<V: Lanes>(
                 let along = apart.times(inverse);
                 let gap = (apart.dot(along) - V::splat(length)) * V::splat(0.5);
                 EquationValue { gap, force: along, torque: b.point.cross(along) }
+            }
+            Equation::Line => {
+                let length = apart.dot_plus(apart, V::splat(NO_LENGTH)).square_root();
+                let along = apart.times(length.reciprocal());
+                EquationValue { gap: V::zero(), force: along, torque: b.point.cross(along) }
             }
             // Not an equation between frames.
             Equation::Mimic => EquationValue::zero(),

@@ -39,8 +39,17 @@ struct Mixing<V> {
     mass: [V; MAX_LANES],
     /// Row i of Â, lanes k.
     solve: [V; MAX_LANES],
+    /// Row k of Ā B, lanes i: the velocity of the rows.
+    velocity: [V; MAX_LANES],
     /// Zero where a row has the geometry of the start.
     moved: V,
+}
+
+/// What a force changes by, row by row: `h² ∂F_k/∂y_i = −(stiffness h² 1 + damping h Ā B)_ki` for a scalar y.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Resistance {
+    stiffness: f64,
+    damping: f64,
 }
 
 /// The linear system of a step, and what it is made of.
@@ -50,7 +59,16 @@ pub struct Coupled<V: Lanes> {
     mixing: Mixing<V>,
     unit: [V; MAX_LANES],
     equations: Vec<Equation>,
+    /// Of the loops, then of the springs.
     rows_of_loop: Vec<std::ops::Range<usize>>,
+    loops: usize,
+    /// Of the point springs, and of every freedom's joint springs and dampers.
+    resistances: Vec<Resistance>,
+    in_joints: Vec<Resistance>,
+    /// Efforts along the freedoms, times h².
+    pub efforts: Vec<V>,
+    /// Length of the step (s).
+    pub step: f64,
     attachments: Vec<[Attachment; 2]>,
     ends: Vec<[EndStart; 2]>,
     origin: [f64; 3],
@@ -82,24 +100,26 @@ impl<V: Lanes> Coupled<V> {
         let row_of_lane = |lane: usize| if lane + 1 == active { 0 } else { lane + 1 };
         let mut mass = [V::zero(); MAX_LANES];
         let mut solve = [V::zero(); MAX_LANES];
+        let mut velocity = [V::zero(); MAX_LANES];
         for lane in 0..active {
+            velocity[lane] = V::from_slice(&tableau.velocity[row_of_lane(lane) * active..][..active]);
             let row = row_of_lane(lane) * active;
             mass[lane] = V::from_slice(&tableau.b_matrix[row..row + active]);
             let columns: Vec<f64> = (0..active).map(|k| tableau.a_hat[lane * active + row_of_lane(k)]).collect();
             solve[lane] = V::from_slice(&columns);
         }
         let moved: Vec<f64> = (0..active).map(|lane| if lane + 1 == active { 0.0 } else { 1.0 }).collect();
-        Self::new(mechanism, Mixing { active, mass, solve, moved: V::from_slice(&moved) })
+        Self::new(mechanism, Mixing { active, mass, solve, velocity, moved: V::from_slice(&moved) }, true)
     }
 
     /// The system of a projection at one configuration.
     pub fn of_one(mechanism: &Mechanism) -> Self {
         let one = [V::splat(1.0); MAX_LANES];
-        Self::new(mechanism, Mixing { active: 1, mass: one, solve: one, moved: V::zero() })
+        Self::new(mechanism, Mixing { active: 1, mass: one, solve: one, velocity: one, moved: V::zero() }, false)
     }
 
-    fn new(mechanism: &Mechanism, mixing: Mixing<V>) -> Self {
-        let elimination = Elimination::new(mechanism);
+    fn new(mechanism: &Mechanism, mixing: Mixing<V>, forces: bool) -> Self {
+        let elimination = Elimination::new(mechanism, forces);
         let mut unit = [V::zero(); MAX_LANES];
         for (lane, unit) in unit[..mixing.active].iter_mut().enumerate() {
             let mut array = V::zero_array();
@@ -121,6 +141,23 @@ impl<V: Lanes> Coupled<V> {
             all.extend(equations(joint.kind));
         }
         all.extend(mechanism.mimics.iter().map(|_| Equation::Mimic));
+        let mut attachments: Vec<[Attachment; 2]> = mechanism.loops.iter().map(|joint| [joint.a, joint.b]).collect();
+        let mut resistances = Vec::new();
+        let mut in_joints = vec![Resistance::default(); mechanism.velocity_count];
+        if forces {
+            for spring in &mechanism.forces.point_springs {
+                rows_of_loop.push(all.len()..all.len() + 1);
+                all.push(Equation::Line);
+                attachments.push([spring.a, spring.b]);
+                resistances.push(Resistance { stiffness: spring.stiffness, damping: spring.damping });
+            }
+            for damper in &mechanism.forces.joint_dampers {
+                in_joints[damper.freedom].damping += damper.coefficient;
+            }
+            for spring in &mechanism.forces.joint_springs {
+                in_joints[spring.coordinate.freedom].stiffness += spring.stiffness;
+            }
+        }
         let (bodies, rows) = (mechanism.bodies.len(), elimination.row_count());
         let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
         Coupled {
@@ -130,8 +167,13 @@ impl<V: Lanes> Coupled<V> {
             unit,
             equations: all,
             rows_of_loop,
-            attachments: mechanism.loops.iter().map(|joint| [joint.a, joint.b]).collect(),
-            ends: vec![[EndStart::default(); 2]; mechanism.loops.len()],
+            ends: vec![[EndStart::default(); 2]; attachments.len()],
+            attachments,
+            resistances,
+            in_joints,
+            loops: mechanism.loops.len(),
+            efforts: vec![V::zero(); mechanism.velocity_count],
+            step: 0.0,
             origin: [0.0; 3],
             moved: vec![[still; 2]; bodies],
             bias: vec![(Vector::zero(), Vector::zero()); bodies],
@@ -190,7 +232,8 @@ impl<V: Lanes> Coupled<V> {
 
     /// The rows of the mimics.
     pub fn mimic_rows(&self) -> std::ops::Range<usize> {
-        self.rows_of_loop.last().map_or(0, |rows| rows.end)..self.equations.len()
+        let first = self.rows_of_loop[..self.loops].last().map_or(0, |rows| rows.end);
+        first..self.equations.len() - self.resistances.len()
     }
 
     /// Where an anchor is at the rows' stages, from the common origin.
@@ -209,7 +252,7 @@ impl<V: Lanes> Coupled<V> {
     /// Lets the multipliers push on the bodies: `bias ← bias − Jᵀ λ`.
     #[inline(always)]
     pub fn push(&mut self) {
-        for (ends, rows) in self.ends.iter().zip(&self.rows_of_loop) {
+        for (ends, rows) in self.ends.iter().zip(&self.rows_of_loop[..self.loops]) {
             for row in rows.clone() {
                 let value = &self.values[row][1];
                 for (end, sign) in ends.iter().zip([1.0, -1.0]) {
@@ -269,7 +312,8 @@ impl<V: Lanes> Coupled<V> {
         let operations = std::mem::take(&mut self.elimination.operations);
         let mut level = 0;
         let mut opened = false;
-        for (operation, &kept_at) in operations.iter().zip(&self.kept_at) {
+        for (index, operation) in operations.iter().enumerate() {
+            let kept_at = self.kept_at[index];
             match operation {
                 Operation::Open => {
                     level += usize::from(opened);
@@ -281,6 +325,11 @@ impl<V: Lanes> Coupled<V> {
                     let right = self.fronts.right_hand_side();
                     for &(row, slot) in gaps {
                         set_right(self.fronts.block(level, slot, right), self.gaps[row]);
+                        if self.equations[row] == Equation::Line {
+                            for k in 0..self.mixing.active {
+                                self.fronts.add(level, slot, slot, k, self.unit[k]);
+                            }
+                        }
                     }
                 }
                 Operation::Own { body, ends } => {
@@ -299,20 +348,22 @@ impl<V: Lanes> Coupled<V> {
                         },
                     );
                     for &(row, slot, sign) in ends {
-                        couple(
-                            &mut self.fronts,
-                            level,
-                            &self.unit[..self.mixing.active],
-                            slot,
-                            sign,
-                            &self.values[row],
-                        );
+                        let mut by_gap = self.unit;
+                        if self.equations[row] == Equation::Line {
+                            let spring = row + self.resistances.len() - self.equations.len();
+                            for k in 0..self.mixing.active {
+                                by_gap[k] = self.resistance(&self.resistances[spring], k);
+                            }
+                        }
+                        let active = self.mixing.active;
+                        couple(&mut self.fronts, level, [&by_gap[..active], &self.unit[..active]], slot, sign, &self.values[row]);
                     }
                 }
                 Operation::Freedom { body, freedom, columns, direct } => {
                     let screws = self.screws_of(plan, start, displacement, *body, *freedom);
                     self.screws[*freedom] = screws.columns;
                     self.fronts.take_freedom(level, &screws, columns);
+                    self.take_efforts(*freedom);
                     for &(row, slot, coefficient) in direct {
                         let pushed = self.multipliers[row] * V::splat(coefficient);
                         let right = self.fronts.right_hand_side();
@@ -345,9 +396,11 @@ impl<V: Lanes> Coupled<V> {
                     }
                     self.left_over[*row] = mobility(&mut self.fronts, level, *slot, &self.mixing) / self.scales[*row];
                     self.fronts.take_multiplier(level, *slot, columns);
-                    let proximal = V::splat(PROXIMAL * self.scales[*row]);
-                    for (entry, solve) in self.fronts.pivot().iter_mut().zip(&self.mixing.solve) {
-                        *entry = solve.mul_add(proximal, *entry);
+                    if self.equations[*row] != Equation::Line {
+                        let proximal = V::splat(PROXIMAL * self.scales[*row]);
+                        for (entry, solve) in self.fronts.pivot().iter_mut().zip(&self.mixing.solve) {
+                            *entry = solve.mul_add(proximal, *entry);
+                        }
                     }
                     let kept = (columns.len() + 1) * V::COUNT;
                     self.fronts.eliminate(level, columns, &mut self.kept[kept_at..kept_at + kept]);
@@ -359,7 +412,8 @@ impl<V: Lanes> Coupled<V> {
                 }
             }
         }
-        for (operation, &kept_at) in operations.iter().zip(&self.kept_at).rev() {
+        for (index, operation) in operations.iter().enumerate().rev() {
+            let kept_at = self.kept_at[index];
             match operation {
                 Operation::Freedom { body, freedom, columns, .. } => {
                     if *freedom == plan.bodies[*body].first_axis {
@@ -379,6 +433,32 @@ impl<V: Lanes> Coupled<V> {
             }
         }
         self.elimination.operations = operations;
+    }
+
+    /// `−h² ∂F_k/∂y_i` of a row k, for a scalar y.
+    #[inline(always)]
+    fn resistance(&self, resistance: &Resistance, k: usize) -> V {
+        let stiffness = V::splat(self.step * self.step * resistance.stiffness) * self.mixing.moved * self.unit[k];
+        self.mixing.velocity[k].mul_add(V::splat(self.step * resistance.damping), stiffness)
+    }
+
+    /// What acts along a freedom itself: efforts, and how joint springs and dampers resist.
+    #[inline(always)]
+    fn take_efforts(&mut self, freedom: usize) {
+        let right = self.fronts.right_hand_side();
+        let effort = self.efforts[freedom].to_array();
+        let block = self.fronts.right_block(right);
+        for k in 0..self.mixing.active {
+            block[k] = block[k] + first_lane::<V>(effort.as_ref()[k]);
+        }
+        let resistance = self.in_joints[freedom];
+        if resistance != Resistance::default() {
+            for k in 0..self.mixing.active {
+                let entry = self.resistance(&resistance, k);
+                let pivot = self.fronts.pivot();
+                pivot[k] = pivot[k] + entry;
+            }
+        }
     }
 
     /// Adds the latest increments to the multipliers.
@@ -545,12 +625,13 @@ fn spread_rows<V: Lanes>(turn: &Matrix<V>, sigma: [[f64; 3]; 3]) -> [[V::Array; 
     spread
 }
 
-/// Couples the multiplier in a slot to the twist of a body at one end of its loop.
+/// Couples the multiplier in a slot to the twist of a body at one end of its loop. A closure's row is its gap alone; the
+/// row of a spring's tension is what its length makes of it, `by_gap`.
 #[inline(always)]
 fn couple<V: Lanes>(
     fronts: &mut Fronts<V>,
     level: usize,
-    unit: &[V],
+    [by_gap, unit]: [&[V]; 2],
     slot: usize,
     sign: f64,
     value: &[EquationValue<V>; 2],
@@ -562,8 +643,8 @@ fn couple<V: Lanes>(
             _ => (value[0].torque.0[component - 3], value[1].torque.0[component - 3]),
         };
         let (column, row) = (column * sign, row * sign);
-        for (k, unit) in unit.iter().enumerate() {
-            fronts.add(level, slot, component, k, column * *unit);
+        for (k, (by_gap, unit)) in by_gap.iter().zip(unit).enumerate() {
+            fronts.add(level, slot, component, k, column * *by_gap);
             fronts.add(level, component, slot, k, -(row * *unit));
         }
     }

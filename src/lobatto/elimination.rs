@@ -11,10 +11,10 @@
 
 use crate::model::Mechanism;
 
-/// One equation of the closure: which loop or mimic it belongs to, and its place there.
+/// One equation of a closure or spring: which one it belongs to, and its place there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// Index of the closure: the loops first, then the mimics.
+    /// Index of the closure: the loops first, then the mimics, then the point springs.
     pub closure: usize,
     /// Number of the equation within it.
     pub equation: usize,
@@ -83,15 +83,16 @@ struct Closure {
     path: Vec<usize>,
     /// Where its branches meet; `None` is the world.
     meets: Option<usize>,
-    /// Freedoms eliminated on its path so far.
+    /// Freedoms eliminated on its path so far, and how many it takes.
     behind: usize,
+    needed: usize,
     done: bool,
 }
 
 impl Elimination {
-    /// Plans the elimination.
-    pub fn new(mechanism: &Mechanism) -> Self {
-        let mut planner = Planner::new(mechanism);
+    /// Plans the elimination of the loops and mimics, and with `springs` of the tensions of the point springs too.
+    pub fn new(mechanism: &Mechanism, springs: bool) -> Self {
+        let mut planner = Planner::new(mechanism, springs);
         let mut first_child_done = vec![false; mechanism.bodies.len()];
         let mut root_done = false;
         let mut leaf = vec![true; mechanism.bodies.len()];
@@ -139,7 +140,7 @@ struct Planner<'m> {
 }
 
 impl<'m> Planner<'m> {
-    fn new(mechanism: &'m Mechanism) -> Self {
+    fn new(mechanism: &'m Mechanism, springs: bool) -> Self {
         let ancestors = |body: Option<usize>| -> Vec<usize> {
             std::iter::successors(body, |&body| mechanism.bodies[body].parent).collect()
         };
@@ -147,7 +148,8 @@ impl<'m> Planner<'m> {
             .loops
             .iter()
             .map(|closure| (closure.kind.rows(), closure.a.body, closure.b.body))
-            .chain(mechanism.mimics.iter().map(|mimic| (1, Some(mimic.follower.body), Some(mimic.leader.body))));
+            .chain(mechanism.mimics.iter().map(|mimic| (1, Some(mimic.follower.body), Some(mimic.leader.body))))
+            .chain(mechanism.forces.point_springs.iter().filter(|_| springs).map(|s| (1, s.a.body, s.b.body)));
         let mut rows = Vec::new();
         let mut closures = Vec::new();
         for (index, (count, a, b)) in pairs.enumerate() {
@@ -162,12 +164,18 @@ impl<'m> Planner<'m> {
                 path,
                 meets,
                 behind: 0,
+                needed: count,
                 done: false,
             });
             rows.extend((0..count).map(|equation| Row { closure: index, equation }));
         }
         // A mimic acts on the freedoms of its joints themselves, below the bodies in the tree of eliminations.
-        for closure in &mut closures[mechanism.loops.len()..] {
+        let springs_from = mechanism.loops.len() + mechanism.mimics.len();
+        for closure in &mut closures[springs_from..] {
+            // The tension of a spring has a block of full rank from the first.
+            closure.needed = 0;
+        }
+        for closure in &mut closures[mechanism.loops.len()..springs_from] {
             let above = closure.ends.iter().filter_map(|&body| mechanism.bodies[body].parent);
             let above: Vec<Vec<usize>> = above.map(|body| ancestors(Some(body))).collect();
             closure.meets = match &above[..] {
@@ -251,9 +259,18 @@ impl<'m> Planner<'m> {
         self.bring_in(&rows);
         let front = &self.stack[self.top()];
         let mut ends = Vec::new();
-        for (index, closure) in self.closures[..loops].iter().enumerate() {
-            let joint = &self.mechanism.loops[index];
-            for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
+        for (index, closure) in self.closures.iter().enumerate() {
+            let (a, b) = match self.mechanism.loops.get(index) {
+                Some(joint) => (joint.a.body, joint.b.body),
+                None => match index.checked_sub(loops + self.mechanism.mimics.len()) {
+                    Some(spring) => {
+                        let spring = &self.mechanism.forces.point_springs[spring];
+                        (spring.a.body, spring.b.body)
+                    }
+                    None => continue,
+                },
+            };
+            for (end, sign) in [(a, -1.0), (b, 1.0)] {
                 if end == Some(body) {
                     let of = |row| Self::slot_of(front, row).map(|slot| (row, slot, sign));
                     ends.extend(rows_of(closure).filter_map(of));
@@ -306,10 +323,11 @@ impl<'m> Planner<'m> {
     fn close_complete(&mut self, twist: Option<usize>, early: bool) {
         for index in 0..self.closures.len() {
             let closure = &self.closures[index];
-            let is_mimic = index >= self.mechanism.loops.len();
+            let loops = self.mechanism.loops.len();
+            let is_mimic = (loops..loops + self.mechanism.mimics.len()).contains(&index);
             let both = closure.ends.iter().all(|&end| self.processed[end]);
             let here = if early {
-                closure.meets.is_none() && closure.ends.len() == 1 && closure.behind >= closure.rows
+                closure.meets.is_none() && closure.ends.len() == 1 && closure.behind >= closure.needed
             } else {
                 // A mimic is complete only when the freedoms of both joints are gone.
                 let gone = |&end: &usize| !self.is_open(end, twist);

@@ -149,7 +149,7 @@ impl Lobatto {
             dense: DenseRule::new(&tableau),
             watch: Watch::new(&tableau),
             tableau,
-            closing: (!mechanism.loops.is_empty() || !mechanism.mimics.is_empty()).then(|| Closing {
+            closing: mechanism.has_closures().then(|| Closing {
                 projection: Projection::new(mechanism),
                 start: Start::new(mechanism),
                 state: State::zero(mechanism),
@@ -223,7 +223,7 @@ impl Lobatto {
         let mut length = target - state.time;
         for halving in 0..=HALVINGS {
             for plain in [false, true] {
-                match self.kernel.attempt(length, &rule, plain) {
+                match self.kernel.attempt(mechanism, length, &rule, plain) {
                     Attempt::Converged { iterations, .. } => {
                         outcome.iterations += iterations;
                         outcome.step = length;
@@ -267,7 +267,7 @@ impl Lobatto {
             let remaining = until - state.time;
             let reaches = control.step() >= remaining * (1.0 - 1e-9);
             let length = if reaches { remaining } else { control.step() };
-            let attempt = self.kernel.attempt(length, &control.rule(), plain);
+            let attempt = self.kernel.attempt(mechanism, length, &control.rule(), plain);
             outcome.iterations += attempt.iterations();
             let energies = match attempt {
                 Attempt::Converged { .. } => Some(self.finish(mechanism, state)),
@@ -316,7 +316,7 @@ impl Lobatto {
             let reaches = rule.step() >= remaining * (1.0 - 1e-9);
             let length = if reaches { remaining } else { rule.step() };
             for plain in [false, true] {
-                let attempt = self.kernel.attempt(length, &StopRule::ROUNDING, plain);
+                let attempt = self.kernel.attempt(mechanism, length, &StopRule::ROUNDING, plain);
                 outcome.iterations += attempt.iterations();
                 if let Attempt::Converged { .. } = attempt {
                     self.finish(mechanism, state);

@@ -29,6 +29,7 @@ impl<V: Lanes> Newton<V> {
     #[inline(always)]
     pub fn residual<const REFINED: bool>(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3]) {
         stages.sweep_poses();
+        stages.sweep_applied(false);
         let coupled = &mut self.coupled;
         coupled.move_bodies(stages);
         coupled.evaluate_closures();
@@ -45,8 +46,21 @@ impl<V: Lanes> Newton<V> {
             let known = &stages.start.bodies[index];
             let (own, _) = body_residual::<V, false, REFINED>(&sweep, plan, known, &stages.poses[index]);
             let anchor = coupled.row_anchor(&stages.start, index);
-            coupled.bias[index] = (own.force, anchor.cross_plus(own.force, own.torque));
+            let (mut force, mut torque) = (own.force, own.torque);
+            if let Some(applied) = &stages.applied {
+                let wrench = applied.wrenches[index];
+                let square = V::splat(stages.step * stages.step);
+                force = wrench.0.times_minus(square, force);
+                torque = wrench.1.times_minus(square, torque);
+            }
+            coupled.bias[index] = (force, anchor.cross_plus(force, torque));
         }
+        if let Some(applied) = &stages.applied {
+            for (scaled, effort) in coupled.efforts.iter_mut().zip(&applied.efforts) {
+                *scaled = *effort * V::splat(stages.step * stages.step);
+            }
+        }
+        coupled.step = stages.step;
         coupled.push();
     }
 

@@ -10,6 +10,9 @@
 //!     until |δ| is small enough
 //!     velocity from H(q̄) v̄ = Sᵀ p̄                        sweeps.rs        (2.5.11h)
 //! ```
+//!
+//! With closed loops, and where this does not converge (stiff springs, hard dampers), the iteration is the exact Newton
+//! method with all stages coupled ([`super::newton`]), and velocities are projected on the loops ([`super::projection`]).
 
 use super::anderson::Anderson;
 use super::dynamics::Dynamics;
@@ -43,6 +46,9 @@ const REFINED_BELOW: f64 = 1e-14;
 
 /// Newton's method leaves about the square of the last increment: the gaps of loops are at rounding whatever the tolerance.
 const CLOSED: f64 = 1e-8;
+
+/// Once the exact Newton method was needed, it comes first for so many steps: what made it necessary seldom ends at once.
+const EXACT_STEPS: usize = 50;
 
 /// When to stop iterating and when to give up.
 #[derive(Clone, Copy, Debug)]
@@ -78,6 +84,17 @@ pub enum Attempt {
 }
 
 impl Attempt {
+    /// The same attempt after iterations that led nowhere.
+    fn after(mut self, spent: usize) -> Self {
+        match &mut self {
+            Attempt::Converged { iterations, .. }
+            | Attempt::Inaccurate { iterations, .. }
+            | Attempt::TurnedTooFar { iterations, .. }
+            | Attempt::Failed { iterations, .. } => *iterations += spent,
+        }
+        self
+    }
+
     /// The iterations spent.
     pub fn iterations(&self) -> usize {
         match *self {
@@ -96,7 +113,7 @@ pub trait Step {
     /// Energy at the start of the step.
     fn energy(&self) -> Energy;
     /// Solves the stage equations of a step of length `step` from the start; `plain` guesses without the past.
-    fn attempt(&mut self, step: f64, rule: &StopRule, plain: bool) -> Attempt;
+    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, plain: bool) -> Attempt;
     /// Projects the momentum at the end of the solved step (2.5.11h): moves `state` there; returns its energy.
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy;
     /// Energy dissipated in the finished step, and work put into it, by the quadrature of the scheme (J).
@@ -114,19 +131,18 @@ pub trait Step {
     fn accelerations(&mut self, step: f64, out: &mut [f64]);
 }
 
-/// The solver of mechanisms with loops and mimics.
-struct Closing<V: Lanes> {
-    newton: Newton<V>,
-    projection: Projection,
-}
-
 /// [`Step`] with the lanes of `V`.
 pub struct Kernel<V: Lanes> {
     stages: Stages<V>,
     anderson: Anderson<V>,
     predictor: Predictor<V>,
-    /// What mechanisms with closures need besides.
-    closing: Option<Closing<V>>,
+    /// The exact Newton method, from when it is needed first.
+    newton: Option<Box<Newton<V>>>,
+    /// For how many more steps the exact Newton method comes first.
+    exact_for: usize,
+    /// Of the end velocities on the closures, where there are any.
+    projection: Option<Projection>,
+    tableau: Tableau,
     /// Row of the inverse Legendre matrix for the stages 2 … s.
     top_legendre: V,
     /// Its entry for stage 1.
@@ -155,8 +171,10 @@ impl<V: Lanes> Kernel<V> {
             predictor: Predictor::new(mechanism.velocity_count, tableau),
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
             first_legendre: tableau.top_legendre[0],
-            closing: (!mechanism.loops.is_empty() || !mechanism.mimics.is_empty())
-                .then(|| Closing { newton: Newton::new(mechanism, tableau), projection: Projection::new(mechanism) }),
+            newton: None,
+            exact_for: if mechanism.has_closures() { usize::MAX } else { 0 },
+            projection: mechanism.has_closures().then(|| Projection::new(mechanism)),
+            tableau: tableau.clone(),
             refined: false,
             gravity: mechanism.gravity.into(),
             velocity: vec![0.0; mechanism.velocity_count],
@@ -165,11 +183,11 @@ impl<V: Lanes> Kernel<V> {
         }
     }
 
-    /// One Newton iteration: fills the increments; returns the largest.
-    fn iterate(&mut self, refined: bool) -> f64 {
+    /// One iteration: fills the increments; returns the largest.
+    fn iterate(&mut self, exact: bool, refined: bool) -> f64 {
         let stages = &mut self.stages;
         let gravity = &self.gravity;
-        if let Some(Closing { newton, .. }) = &mut self.closing {
+        if let Some(newton) = self.newton.as_mut().filter(|_| exact) {
             if refined {
                 in_lanes!(V, newton.residual::<true>(stages, gravity));
             } else {
@@ -187,6 +205,60 @@ impl<V: Lanes> Kernel<V> {
             in_lanes!(V, stages.sweep_residual::<false>(gravity));
         }
         in_lanes!(V, stages.sweep_increments().largest())
+    }
+
+    /// Iterates from a guess until the stage equations are solved, or it is clear that they will not be.
+    fn iterate_from_guess(&mut self, rule: &StopRule, plain: bool, exact: bool) -> Attempt {
+        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
+        in_lanes!(V, predictor.guess(stages, plain));
+        if let Some(newton) = &mut self.newton {
+            newton.begin(&self.stages);
+        }
+        self.anderson.restart();
+        let mut recent = [f64::INFINITY; 5];
+        let mut scale = 1.0_f64;
+        let failed = |kernel: &Self, iterations, increment| Attempt::Failed {
+            iterations,
+            freedom: kernel.worst_freedom(),
+            increment,
+        };
+        let wanted = if self.projection.is_some() { rule.increment.min(CLOSED) } else { rule.increment };
+        for iteration in 1..=rule.iterations {
+            let previous = recent[(iteration + 3) % 5];
+            // The second half of the digits matters where the first is settled.
+            let increment = self.iterate(exact, self.refined && previous < 1e-13);
+            let converged =
+                increment <= wanted * scale || (increment <= rule.rounding * scale && increment > 0.5 * previous);
+            if converged {
+                self.stages.advance();
+                return Attempt::Converged { iterations: iteration, legendre: self.legendre() };
+            }
+            // By then the iterate shows the shape of the motion to a digit or two.
+            if iteration == 4 && rule.legendre.is_finite() {
+                let legendre = self.legendre();
+                if legendre > 3.0 * rule.legendre {
+                    return Attempt::Inaccurate { iterations: iteration, legendre };
+                }
+            }
+            let hopeless = iteration >= 8 && increment > 0.3 * recent[iteration % 5] && increment > 1e-9 * scale;
+            if !increment.is_finite() || hopeless {
+                return failed(self, iteration, increment);
+            }
+            recent[(iteration + 4) % 5] = increment;
+            let (anderson, stages) = (&mut self.anderson, &mut self.stages);
+            let largest = if exact {
+                stages.advance()
+            } else {
+                in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest())
+            };
+            scale = largest.max(1.0);
+            if largest > MAX_TURN
+                && let Some(freedom) = self.turned_too_far()
+            {
+                return Attempt::TurnedTooFar { iterations: iteration, freedom };
+            }
+        }
+        failed(self, rule.iterations, recent[(rule.iterations + 4) % 5])
     }
 
     fn worst_freedom(&self) -> usize {
@@ -207,58 +279,26 @@ impl<V: Lanes> Step for Kernel<V> {
         self.stages.start.energy
     }
 
-    fn attempt(&mut self, step: f64, rule: &StopRule, plain: bool) -> Attempt {
+    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, plain: bool) -> Attempt {
         self.stages.step = step;
         self.refined = rule.increment < REFINED_BELOW;
-        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
-        in_lanes!(V, predictor.guess(stages, plain));
-        if let Some(closing) = &mut self.closing {
-            closing.newton.begin(&self.stages);
+        let mut spent = 0;
+        if self.exact_for == 0 {
+            let attempt = self.iterate_from_guess(rule, plain, false);
+            // The exact method is dear: the other guess comes first.
+            if !matches!(attempt, Attempt::Failed { .. }) || !plain {
+                return attempt;
+            }
+            spent = attempt.iterations();
         }
-        self.anderson.restart();
-        let mut recent = [f64::INFINITY; 5];
-        let mut scale = 1.0_f64;
-        let failed = |kernel: &Self, iterations, increment| Attempt::Failed {
-            iterations,
-            freedom: kernel.worst_freedom(),
-            increment,
-        };
-        for iteration in 1..=rule.iterations {
-            let previous = recent[(iteration + 3) % 5];
-            // The second half of the digits matters where the first is settled.
-            let increment = self.iterate(self.refined && previous < 1e-13);
-            let wanted = if self.closing.is_some() { rule.increment.min(CLOSED) } else { rule.increment };
-            let converged =
-                increment <= wanted * scale || (increment <= rule.rounding * scale && increment > 0.5 * previous);
-            if converged {
-                self.stages.advance();
-                return Attempt::Converged { iterations: iteration, legendre: self.legendre() };
-            }
-            // By then the iterate shows the shape of the motion to a digit or two.
-            if iteration == 4 && rule.legendre.is_finite() {
-                let legendre = self.legendre();
-                if legendre > 3.0 * rule.legendre {
-                    return Attempt::Inaccurate { iterations: iteration, legendre };
-                }
-            }
-            let hopeless = iteration >= 8 && increment > 0.3 * recent[iteration % 5] && increment > 1e-9 * scale;
-            if !increment.is_finite() || hopeless {
-                return failed(self, iteration, increment);
-            }
-            recent[(iteration + 4) % 5] = increment;
-            let (anderson, stages) = (&mut self.anderson, &mut self.stages);
-            let largest = match &self.closing {
-                Some(_) => stages.advance(),
-                None => in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest()),
-            };
-            scale = largest.max(1.0);
-            if largest > MAX_TURN
-                && let Some(freedom) = self.turned_too_far()
-            {
-                return Attempt::TurnedTooFar { iterations: iteration, freedom };
-            }
+        if self.newton.is_none() {
+            self.newton = Some(Box::new(Newton::new(mechanism, &self.tableau)));
         }
-        failed(self, rule.iterations, recent[(rule.iterations + 4) % 5])
+        let attempt = self.iterate_from_guess(rule, plain, true).after(spent);
+        if matches!(attempt, Attempt::Converged { .. }) && !mechanism.has_closures() {
+            self.exact_for = if spent > 0 { EXACT_STEPS } else { self.exact_for.saturating_sub(1) };
+        }
+        attempt
     }
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
@@ -280,7 +320,7 @@ impl<V: Lanes> Step for Kernel<V> {
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(&self.velocity);
         self.end.set(mechanism, state);
-        if let Some(Closing { projection, .. }) = &mut self.closing {
+        if let Some(projection) = &mut self.projection {
             projection.velocities(mechanism, &self.end, &mut state.velocity);
             self.end.set(mechanism, state);
         }
@@ -317,7 +357,7 @@ impl<V: Lanes> Step for Kernel<V> {
         self.stages.step = step;
         let (stages, predictor) = (&mut self.stages, &mut self.predictor);
         in_lanes!(V, predictor.guess(stages, true));
-        self.iterate(false);
+        self.iterate(false, false);
         let last = self.stages.coefficients.active - 1;
         for (out, increment) in out.iter_mut().zip(&self.stages.increment) {
             *out = 2.0 * increment.to_array().as_ref()[last] / (step * step);

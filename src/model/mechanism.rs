@@ -100,6 +100,11 @@ impl Mechanism {
         self.loops.is_empty() && self.mimics.is_empty() && self.forces.is_empty()
     }
 
+    /// Whether there are equations between coordinates that the tree does not have.
+    pub fn has_closures(&self) -> bool {
+        !self.loops.is_empty() || !self.mimics.is_empty()
+    }
+
     /// The body whose joint has this name.
     pub fn body_of_joint(&self, joint: &str) -> Option<usize> {
         self.bodies.iter().position(|body| body.joint.name == joint)
