@@ -159,8 +159,28 @@ pub struct EnergyReport {
     pub initial: f64,
     /// Total energy at the end.
     pub r#final: f64,
-    /// Largest deviation from the start, relative to the largest kinetic energy seen.
+    /// Largest deviation from the start, but for what was dissipated and put in, relative to the largest kinetic energy
+    /// seen.
     pub max_relative_error: f64,
+    /// What makes up the energy at the end.
+    pub parts: EnergyParts,
+    /// Turned into heat by dampers over the run.
+    pub dissipated: f64,
+    /// Put in by torques without a potential over the run.
+    pub work: f64,
+}
+
+/// The parts of an energy (J).
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct EnergyParts {
+    /// Of motion.
+    pub kinetic: f64,
+    /// Of weights.
+    pub gravity: f64,
+    /// In springs.
+    pub spring: f64,
+    /// Of constant forces and efforts.
+    pub load: f64,
 }
 
 /// Largest constraint violations of the run.
@@ -262,6 +282,14 @@ impl EnergyReport {
             initial: summary.initial_energy.total(),
             r#final: summary.final_energy.total(),
             max_relative_error: summary.max_relative_energy_error,
+            parts: EnergyParts {
+                kinetic: summary.final_energy.kinetic,
+                gravity: summary.final_energy.potential,
+                spring: summary.final_energy.spring,
+                load: summary.final_energy.load,
+            },
+            dissipated: summary.exchange.dissipated,
+            work: summary.exchange.work,
         }
     }
 }
@@ -385,6 +413,16 @@ impl fmt::Display for Report {
             "  energy      {:.6} J at the start, largest relative error {:.1e}",
             self.energy.initial, self.energy.max_relative_error
         )?;
+        let energy = &self.energy;
+        if energy.dissipated != 0.0 || energy.work != 0.0 {
+            writeln!(
+                out,
+                "              {} J dissipated, {} J put in, {} J left in springs",
+                rounded(energy.dissipated),
+                rounded(energy.work),
+                rounded(energy.parts.spring)
+            )?;
+        }
         writeln!(
             out,
             "  constraint  largest violation {:.1e} m, {:.1e} m/s",

@@ -189,7 +189,8 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
         "model": {"links": 0, "bodies": 0, "joints": 0, "degrees_of_freedom": 0, "loops": 0, "redundant_constraints": 0},
         "steps": 0, "iterations": 0, "rejected_steps": 0,
         "wall_seconds": 0, "cpu_seconds": 0, "solve_cpu_seconds": 0,
-        "energy": {"initial": 0, "final": 0, "max_relative_error": 0},
+        "energy": {"initial": 0, "final": 0, "max_relative_error": 0,
+            "parts": {"kinetic": 0, "gravity": 0, "spring": 0, "load": 0}, "dissipated": 0, "work": 0},
         "constraint": {"max_position": 0, "max_velocity": 0},
         "links": {
             "base": {"position": [0,0,0], "orientation": [0,0,0,0], "center_of_mass": [0,0,0],

@@ -13,10 +13,14 @@ static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 // One test in this file: another one on another thread would be counted too.
 #[test]
-fn a_step_allocates_nothing_with_fixed_or_chosen_steps_and_any_joint() {
+fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_and_any_force() {
     let mut all =
         vec![models::double_pendulum(), models::floating_tree(), models::slow_heavy_top(), models::free_body()];
     all.extend([JointKind::Planar, JointKind::Prismatic].map(models::one_joint));
+    all.extend([models::floating_tree(), models::one_joint(JointKind::Planar)].map(|model| {
+        let every_force = models::every_force(&model.mechanism).pop().unwrap().1;
+        models::with_forces(model, every_force)
+    }));
     for model in all {
         let mechanism = &model.mechanism;
         let integrators = [2, 5, 9]

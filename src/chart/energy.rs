@@ -1,10 +1,10 @@
 //! Energy error against time, one run for each method.
 //!
 //! ```text
-//!     e(t) = |T + V − T₀ − V₀| / max T                                         no unit
+//!     e(t) = |T + V + D − W − T₀ − V₀| / max T                                 no unit
 //! ```
 //!
-//! at the end of every step, with the largest kinetic energy of the scene. Steps are gathered in intervals of time of
+//! with what dampers have dissipated, D, and torques without a potential have put in, W; at the end of every step, with the largest kinetic energy of the scene. Steps are gathered in intervals of time of
 //! which the largest error is kept: the error passes through zero so often that single steps would draw a comb.
 
 use super::measure::Scene;
@@ -12,7 +12,8 @@ use super::method::{Method, Setting};
 use super::picture::{Band, Panel, Picture, Scale, Series};
 use super::style::look;
 use super::table::Measurement;
-use crate::invariants::energy;
+use crate::forces::total::Exchange;
+use crate::invariants::energy_with_forces;
 use crate::kinematics::body_states;
 use crate::state::State;
 
@@ -46,12 +47,14 @@ impl EnergyHistory {
     pub fn of(scene: &Scene, method: Method, setting: Setting) -> Option<Self> {
         let (mut intervals, mut largest_kinetic) = (vec![None::<f64>; INTERVALS], 0.0_f64);
         let first = energies(scene, &scene.start);
-        walk(scene, method, setting, |state| {
+        let mut lost = 0.0;
+        walk(scene, method, setting, |state, exchange| {
             let (kinetic, total) = energies(scene, state);
+            lost += exchange.dissipated - exchange.work;
             largest_kinetic = largest_kinetic.max(kinetic);
             let fraction = (state.time - scene.start.time) / scene.duration;
             let interval = ((fraction * INTERVALS as f64).ceil() as usize).clamp(1, INTERVALS) - 1;
-            let error = (total - first.1).abs();
+            let error = (total + lost - first.1).abs();
             intervals[interval] = Some(intervals[interval].map_or(error, |largest| largest.max(error)));
         })?;
         let scale = largest_kinetic.max(first.0).max(f64::MIN_POSITIVE);
@@ -66,24 +69,24 @@ impl EnergyHistory {
 /// The largest kinetic energy of the scene (J), from a run of moderate accuracy; the start's own if that fails.
 pub fn largest_kinetic(scene: &Scene) -> f64 {
     let mut largest = energies(scene, &scene.start).0;
-    walk(scene, Method::Dop853, Setting::Tolerance(1e-6), |state| largest = largest.max(energies(scene, state).0));
+    walk(scene, Method::Dop853, Setting::Tolerance(1e-6), |state, _| largest = largest.max(energies(scene, state).0));
     largest
 }
 
 /// Kinetic and total energy [J].
 fn energies(scene: &Scene, state: &State) -> (f64, f64) {
-    let energy = energy(&scene.mechanism, &body_states(&scene.mechanism, state));
+    let energy = energy_with_forces(&scene.mechanism, &state.position, &body_states(&scene.mechanism, state));
     (energy.kinetic, energy.total())
 }
 
-/// Shows the end of every step; `None` if the run did not reach its end.
-fn walk(scene: &Scene, method: Method, setting: Setting, mut see: impl FnMut(&State)) -> Option<()> {
+/// Shows the end of every step and the energy exchanged in it; `None` if the run did not reach its end.
+fn walk(scene: &Scene, method: Method, setting: Setting, mut see: impl FnMut(&State, Exchange)) -> Option<()> {
     let mut integrator = method.integrator(&scene.mechanism, setting)?;
     let mut state = scene.start.clone();
     let end = state.time + scene.duration;
     while state.time < end {
-        integrator.advance(&scene.mechanism, &mut state, end).ok()?;
-        see(&state);
+        let outcome = integrator.advance(&scene.mechanism, &mut state, end).ok()?;
+        see(&state, outcome.exchange);
     }
     Some(())
 }

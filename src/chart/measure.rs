@@ -13,7 +13,7 @@ use super::reference::{Reference, reference};
 use super::table::Measurement;
 use super::timing::{Effort, Ended, TimedRun, timed_run};
 use crate::distance::{distance, probes};
-use crate::invariants::energy as energy_of;
+use crate::invariants::energy_with_forces;
 use crate::kinematics::body_states;
 use crate::model::Mechanism;
 use crate::state::State;
@@ -177,7 +177,8 @@ fn describe(
     run: &TimedRun,
 ) -> Measurement {
     let mechanism = &scene.mechanism;
-    let total = |state: &State| energy_of(mechanism, &body_states(mechanism, state)).total();
+    let total = |state: &State| energy_with_forces(mechanism, &state.position, &body_states(mechanism, state)).total();
+    let lost = run.exchange.dissipated - run.exchange.work;
     // Only a run that came to its end has an error and a cost.
     let if_done = |value: f64| if run.ended == Ended::Done { value } else { f64::NAN };
     Measurement {
@@ -189,7 +190,7 @@ fn describe(
         steps: Some(run.steps),
         iterations: Some(run.iterations),
         rejected_steps: Some(run.rejected),
-        energy_error: if_done((total(&run.end) - total(&scene.start)).abs() / kinetic.max(f64::MIN_POSITIVE)),
+        energy_error: if_done((total(&run.end) + lost - total(&scene.start)).abs() / kinetic.max(f64::MIN_POSITIVE)),
         ended: run.ended.clone(),
     }
 }

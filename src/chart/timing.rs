@@ -5,6 +5,7 @@
 //! only ever makes a run slower.
 
 use super::method::{Method, Setting};
+use crate::forces::total::Exchange;
 use crate::model::Mechanism;
 use crate::state::State;
 use cpu_time::ThreadTime;
@@ -66,6 +67,8 @@ pub struct TimedRun {
     pub rejected: usize,
     /// Mean length of the steps (s).
     pub mean_step: f64,
+    /// Energy dissipated, and work put in (J).
+    pub exchange: Exchange,
     /// How it ended.
     pub ended: Ended,
 }
@@ -114,6 +117,7 @@ fn single_run(
         iterations: 0,
         rejected: 0,
         mean_step: 0.0,
+        exchange: Exchange::default(),
         ended: Ended::Done,
     };
     let Some(mut integrator) = method.integrator(mechanism, setting) else {
@@ -127,6 +131,8 @@ fn single_run(
                 run.steps += 1;
                 run.iterations += outcome.iterations;
                 run.rejected += outcome.rejected;
+                run.exchange.dissipated += outcome.exchange.dissipated;
+                run.exchange.work += outcome.exchange.work;
             }
             Err(error) => {
                 run.ended = Ended::Failed(error.to_string());

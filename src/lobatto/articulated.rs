@@ -6,10 +6,10 @@
 //!     [ force  ]   [ mass       coupling ] [ a ]
 //!     [ torque ] = [ couplingᵀ  inertia  ] [ φ ] + p,          A: the 6 × 6 matrix, symmetric
 //!
-//!     d = sᵀ A s,   α₀ = (τ − sᵀ p) / d,   p ← p + A s α₀,   A ← A − A s sᵀ A / d        for every free axis s
+//!     d = sᵀ A s + κ,   α₀ = (τ − sᵀ p) / d,   p ← p + A s α₀,   A ← A − A s sᵀ A / d        for every free axis s
 //! ```
 //!
-//! with the effort τ of forces in the joint along the axis. The axes of a joint of several degrees of freedom are eliminated one after the other, which is the exact block
+//! with the effort τ of forces in the joint along the axis, and what its damper adds to the inertia, κ. The axes of a joint of several degrees of freedom are eliminated one after the other, which is the exact block
 //! elimination. Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7; here lane by lane.
 
 use super::algebra::{Matrix, Symmetric, Vector};
@@ -29,6 +29,15 @@ pub struct Articulated<V> {
     pub force: Vector<V>,
     /// Bias torque.
     pub torque: Vector<V>,
+}
+
+/// What forces in a joint do along an axis, in the units of the residuals and of the inertia.
+#[derive(Clone, Copy)]
+pub struct Push<V> {
+    /// The effort τ.
+    pub effort: V,
+    /// What stands for the derivative of a damper's effort, κ.
+    pub inertia: V,
 }
 
 /// What the elimination of one degree of freedom leaves for the forward solve.
@@ -77,30 +86,30 @@ impl<V: Lanes> Articulated<V> {
         }
     }
 
-    /// Eliminates a rotation about `axis` through the anchor, with the effort of forces in the joint, if there are any.
+    /// Eliminates a rotation about `axis` through the anchor, with the push of forces in the joint, if there are any.
     #[inline(always)]
-    pub fn eliminate_rotation(&mut self, axis: Vector<V>, effort: Option<V>) -> Eliminated<V> {
+    pub fn eliminate_rotation(&mut self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {
         let force = self.coupling.apply(axis);
         let torque = self.inertia.apply(axis);
-        let inverse = axis.dot(torque).reciprocal();
-        let bias = unbalanced(axis.dot(self.torque), effort, inverse);
+        let inverse = resisting(axis.dot(torque), push).reciprocal();
+        let bias = unbalanced(axis.dot(self.torque), push, inverse);
         self.eliminate(axis, force, torque, inverse, bias)
     }
 
     /// The solution for a rotation about `axis` of a body that hangs on the world.
     #[inline(always)]
-    pub fn solve_rotation(&self, axis: Vector<V>, effort: Option<V>) -> Eliminated<V> {
-        let inverse = axis.dot(self.inertia.apply(axis)).reciprocal();
-        let bias = unbalanced(axis.dot(self.torque), effort, inverse);
+    pub fn solve_rotation(&self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {
+        let inverse = resisting(axis.dot(self.inertia.apply(axis)), push).reciprocal();
+        let bias = unbalanced(axis.dot(self.torque), push, inverse);
         Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias }
     }
 
     /// Eliminates a rotation about `axis` where nothing couples it to translations.
     #[inline(always)]
-    pub fn eliminate_spin(&mut self, axis: Vector<V>, effort: Option<V>) -> Eliminated<V> {
+    pub fn eliminate_spin(&mut self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {
         let torque = self.inertia.apply(axis);
-        let inverse = axis.dot(torque).reciprocal();
-        let bias = unbalanced(axis.dot(self.torque), effort, inverse);
+        let inverse = resisting(axis.dot(torque), push).reciprocal();
+        let bias = unbalanced(axis.dot(self.torque), push, inverse);
         let torque_ratio = torque.times(inverse);
         self.inertia = self.inertia.minus_outer(torque, torque_ratio);
         self.torque = torque.times_plus(bias, self.torque);
@@ -109,19 +118,19 @@ impl<V: Lanes> Articulated<V> {
 
     /// The solution for a translation along `axis` of a body that floats alone: the axes do not couple either.
     #[inline(always)]
-    pub fn solve_translation(&self, axis: Vector<V>, effort: Option<V>) -> Eliminated<V> {
-        let inverse = axis.dot(self.mass.apply(axis)).reciprocal();
-        let bias = unbalanced(axis.dot(self.force), effort, inverse);
+    pub fn solve_translation(&self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {
+        let inverse = resisting(axis.dot(self.mass.apply(axis)), push).reciprocal();
+        let bias = unbalanced(axis.dot(self.force), push, inverse);
         Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias }
     }
 
     /// Eliminates a translation along `axis`.
     #[inline(always)]
-    pub fn eliminate_translation(&mut self, axis: Vector<V>, effort: Option<V>) -> Eliminated<V> {
+    pub fn eliminate_translation(&mut self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {
         let force = self.mass.apply(axis);
         let torque = self.coupling.apply_transposed(axis);
-        let inverse = axis.dot(force).reciprocal();
-        let bias = unbalanced(axis.dot(self.force), effort, inverse);
+        let inverse = resisting(axis.dot(force), push).reciprocal();
+        let bias = unbalanced(axis.dot(self.force), push, inverse);
         self.eliminate(axis, force, torque, inverse, bias)
     }
 
@@ -179,12 +188,21 @@ impl<V: Lanes> Articulated<V> {
     }
 }
 
-/// `(τ − sᵀ p) / d`; what calls with a `None` in its code pays nothing for it.
+/// `d`; what calls with a `None` in its code pays nothing for it.
 #[inline(always)]
-fn unbalanced<V: Lanes>(carried: V, effort: Option<V>, inverse: V) -> V {
-    match effort {
+fn resisting<V: Lanes>(inertia: V, push: Option<Push<V>>) -> V {
+    match push {
+        None => inertia,
+        Some(push) => inertia + push.inertia,
+    }
+}
+
+/// `(τ − sᵀ p) / d`.
+#[inline(always)]
+fn unbalanced<V: Lanes>(carried: V, push: Option<Push<V>>, inverse: V) -> V {
+    match push {
         None => -(carried * inverse),
-        Some(effort) => (effort - carried) * inverse,
+        Some(push) => (push.effort - carried) * inverse,
     }
 }
 

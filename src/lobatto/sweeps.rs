@@ -15,7 +15,7 @@
 //! momenta in place of the residuals: `H(q̄) v̄ = Sᵀ p̄` gives the new joint velocities.
 
 use super::algebra::Vector;
-use super::articulated::Articulated;
+use super::articulated::{Articulated, Push};
 use super::lanes::Lanes;
 use super::residual::{Sweep, body_residual};
 use super::stage::{MAX_LANES, Stages, horner};
@@ -102,8 +102,15 @@ impl<V: Lanes> Stages<V> {
     fn backward<const MOMENTUM: bool, const REFINED: bool, const FORCED: bool>(&mut self, sweep: &Sweep<V>) {
         let applied = if FORCED { self.applied.take() } else { None };
         let scale = V::splat(sweep.forces);
-        let effort = |freedom: usize| {
-            if FORCED { applied.as_ref().map(|applied| applied.efforts[freedom] * scale) } else { None }
+        let step = self.step;
+        let push = |freedom: usize| {
+            if !FORCED {
+                return None;
+            }
+            applied.as_ref().map(|applied| Push {
+                effort: applied.efforts[freedom] * scale,
+                inertia: V::splat(if MOMENTUM { 0.0 } else { step * applied.resistance[freedom] }),
+            })
         };
         let mut carried = Articulated::zero();
         for index in (0..self.plan.bodies.len()).rev() {
@@ -131,9 +138,9 @@ impl<V: Lanes> Stages<V> {
                     let axis = turn.apply_plus(axis, axis);
                     // Nobody asks for what is left of a root: its one axis needs no more than the solution.
                     self.eliminated[rotations] = if plan.parent.is_none() && plan.translations == 0 {
-                        total.solve_rotation(axis, effort(rotations))
+                        total.solve_rotation(axis, push(rotations))
                     } else {
-                        total.eliminate_rotation(axis, effort(rotations))
+                        total.eliminate_rotation(axis, push(rotations))
                     };
                 }
                 FreeRotation::Ball => {
@@ -144,9 +151,9 @@ impl<V: Lanes> Stages<V> {
                         let tilt = if MOMENTUM { axis } else { tilted(vector, axis, coefficients) };
                         let axis = turn.apply_plus(tilt, tilt);
                         self.eliminated[freedom] = if plan.alone {
-                            total.eliminate_spin(axis, effort(freedom))
+                            total.eliminate_spin(axis, push(freedom))
                         } else {
-                            total.eliminate_rotation(axis, effort(freedom))
+                            total.eliminate_rotation(axis, push(freedom))
                         };
                     }
                 }
@@ -162,9 +169,9 @@ impl<V: Lanes> Stages<V> {
                         None => axis,
                     };
                     self.eliminated[freedom] = if plan.alone {
-                        total.solve_translation(turned, effort(freedom))
+                        total.solve_translation(turned, push(freedom))
                     } else {
-                        total.eliminate_translation(turned, effort(freedom))
+                        total.eliminate_translation(turned, push(freedom))
                     };
                 }
             }

@@ -381,7 +381,7 @@ pub fn second_moments(body: &Body) -> Matrix3<f64> {
 
 /// Dampers in every freedom, each with its own coefficient.
 pub fn joint_dampers(mechanism: &Mechanism) -> Forces {
-    let damper = |freedom: usize| JointDamper { freedom, coefficient: 0.3 + 0.1 * (freedom % 4) as f64 };
+    let damper = |freedom: usize| JointDamper { freedom, coefficient: 0.06 + 0.02 * (freedom % 4) as f64 };
     Forces { joint_dampers: (0..mechanism.velocity_count).map(damper).collect(), ..Forces::default() }
 }
 
@@ -394,7 +394,7 @@ pub fn joint_springs(mechanism: &Mechanism) -> Forces {
 
 /// Constant efforts in every freedom.
 pub fn joint_loads(mechanism: &Mechanism) -> Forces {
-    let load = |freedom: usize| JointLoad { freedom, effort: 0.5 - 0.3 * (freedom % 3) as f64 };
+    let load = |freedom: usize| JointLoad { freedom, effort: 0.1 - 0.06 * (freedom % 3) as f64 };
     Forces { joint_loads: (0..mechanism.velocity_count).map(load).collect(), ..Forces::default() }
 }
 
