@@ -7,9 +7,7 @@ use catena::invariants::energy;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::lobatto::assembly::{AssemblyError, assemble, redundancy};
-use catena::model::{
-    Attachment, Body, Coordinate, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Mimic, Pose,
-};
+use catena::model::{Attachment, Body, Coordinate, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Mimic, Pose};
 use catena::simulation::Integrator;
 use catena::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -197,7 +195,11 @@ fn loops_without_a_tree_joint_of_their_kind_stay_closed_and_conserve_energy() {
     let on_world = frame(Vector3::new(0.0, 0.0, 0.5), Vector3::new(0.1, 0.2, 0.3));
     let kinds = [
         (LoopKind::Cylindrical, on_world, 4),
-        (LoopKind::Universal, on_world * frame(Vector3::zeros(), Vector3::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0)), 4),
+        (
+            LoopKind::Universal,
+            on_world * frame(Vector3::zeros(), Vector3::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0)),
+            4,
+        ),
         (LoopKind::Distance(0.5), frame(Vector3::new(0.5, 0.0, 0.5), Vector3::zeros()), 1),
         (LoopKind::Fixed, on_world, 6),
     ];
@@ -255,7 +257,8 @@ fn a_mimic_joint_follows_exactly_and_its_pair_moves_as_one_angle() {
     run(&mechanism, &mut state, 6, 0.02, 2.0);
     // Lagrange's equation of one angle: J (1 + r²) q̈ = −m g l (cos q + r cos(r q + o)).
     let inertia = 0.08 + 2.0 * 0.25;
-    let pull = |q: f64| -2.0 * 9.81 * 0.5 * (q.cos() + ratio * (ratio * q + offset).cos()) / (inertia * (1.0 + ratio * ratio));
+    let pull =
+        |q: f64| -2.0 * 9.81 * 0.5 * (q.cos() + ratio * (ratio * q + offset).cos()) / (inertia * (1.0 + ratio * ratio));
     let step = 1e-4;
     for _ in 0..20_000 {
         let (k1, l1) = (rate, pull(angle));

@@ -135,7 +135,7 @@ fn scenes(arguments: &ChartArgs) -> anyhow::Result<Vec<Scene>> {
         }
     }
     let mut scenes: Vec<Scene> = Vec::new();
-    for (loaded, input) in inputs.into_iter().zip(&arguments.inputs) {
+    for (mut loaded, input) in inputs.into_iter().zip(&arguments.inputs) {
         refuse_what_is_not_simulated(&loaded.model)?;
         let alone = arguments.inputs.len() == 1;
         let here = |assignments: &[Assignment]| -> Vec<Assignment> {
