@@ -5,6 +5,7 @@
 
 use crate::calibration::Calibration;
 use crate::kinematics::body_states;
+use crate::lobatto::assembly::Redundancy;
 use crate::model::joint::wxyz_from_rotation;
 use crate::model::{JointRecord, LinkFrame, Model};
 use crate::reduced::{ReducedOde, joint_reactions};
@@ -302,15 +303,15 @@ impl ConstraintReport {
 }
 
 impl ModelReport {
-    /// The size of a model.
-    pub fn new(model: &Model) -> Self {
+    /// The size of a model whose closures have these redundant equations.
+    pub fn new(model: &Model, redundancy: &Redundancy) -> Self {
         ModelReport {
             links: model.links.len(),
             bodies: model.mechanism.bodies.len(),
             joints: model.mechanism.bodies.len(),
-            degrees_of_freedom: model.mechanism.velocity_count,
+            degrees_of_freedom: redundancy.degrees_of_freedom(&model.mechanism),
             loops: model.mechanism.loops.len(),
-            redundant_constraints: 0,
+            redundant_constraints: redundancy.count(),
         }
     }
 }

@@ -365,9 +365,7 @@ fn what_is_not_simulated_is_said_once_for_each_kind() {
         messages,
         [
             "4: joint limits of 2 joints are not simulated",
-            "4: joint damping of 2 joints is not simulated",
             "4: joint friction of 1 joint is not simulated",
-            "8: mimic relations of 1 joint are not simulated",
             "3: contacts (collision shapes) of 1 link are not simulated",
             "3: <contact> of <link> is not read",
             "6: <safety_controller> of <joint> is not read",

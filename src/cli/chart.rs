@@ -4,7 +4,6 @@
 //! written anew, each whole; Ctrl-C ends with what has been measured up to then.
 
 use super::input::{Loaded, WorldArgs, numbers};
-use super::not_yet::refuse_what_is_not_simulated;
 use super::numbers::{Assignment, positive};
 use super::{Failure, print};
 use anyhow::{Context, anyhow};
@@ -135,8 +134,7 @@ fn scenes(arguments: &ChartArgs) -> anyhow::Result<Vec<Scene>> {
         }
     }
     let mut scenes: Vec<Scene> = Vec::new();
-    for (loaded, input) in inputs.into_iter().zip(&arguments.inputs) {
-        refuse_what_is_not_simulated(&loaded.model)?;
+    for (mut loaded, input) in inputs.into_iter().zip(&arguments.inputs) {
         let alone = arguments.inputs.len() == 1;
         let here = |assignments: &[Assignment]| -> Vec<Assignment> {
             let here = assignments.iter().filter(|one| alone || loaded.model.joint(&one.name).is_some());

@@ -1,12 +1,13 @@
 //! The part of `catena model` about what the tree does not say: several robots, loops, mimic relations and forces.
 
 use super::table::{Table, counted, number, triple};
+use catena::lobatto::assembly::Redundancy;
 use catena::model::{Attachment, Coordinate, LoopKind, Mechanism, Model};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
 /// The couplings as entries of the JSON report.
-pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
+pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Value)> {
     let mechanism = &model.mechanism;
     let end = |end: &Attachment| {
         let z = end.frame.rotation.matrix().column(2).into_owned();
@@ -31,6 +32,7 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
             "name": closing.name,
             "type": closing.kind.name(),
             "equations": closing.kind.rows(),
+            "redundant": redundant_of(redundancy, &closing.name),
             "length": length,
             "a": end(&closing.a),
             "b": end(&closing.b),
@@ -91,9 +93,9 @@ pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
 }
 
 /// The couplings as tables for people, each only if there is something in it.
-pub fn write_tables(model: &Model, text: &mut String) {
+pub fn write_tables(model: &Model, redundancy: &Redundancy, text: &mut String) {
     let mechanism = &model.mechanism;
-    let mut loops = Table::new(&["loop", "type", "between", "and", "equations"]);
+    let mut loops = Table::new(&["loop", "type", "between", "and", "equations", "redundant"]);
     for closing in &mechanism.loops {
         let length = if let LoopKind::Distance(length) = closing.kind { format!(" {length} m") } else { String::new() };
         loops.row(vec![
@@ -102,6 +104,7 @@ pub fn write_tables(model: &Model, text: &mut String) {
             body_name(mechanism, closing.a.body).to_string(),
             body_name(mechanism, closing.b.body).to_string(),
             closing.kind.rows().to_string(),
+            redundant_of(redundancy, &closing.name).to_string(),
         ]);
     }
     loops.write(text);
@@ -147,7 +150,7 @@ pub fn write_tables(model: &Model, text: &mut String) {
     acting.write(text);
 }
 
-/// What the first line says after the degrees of freedom of the joints.
+/// What the first line says after the degrees of freedom.
 pub fn summary(model: &Model) -> String {
     let mechanism = &model.mechanism;
     let mut text = String::new();
@@ -155,12 +158,17 @@ pub fn summary(model: &Model) -> String {
         let equations: usize = mechanism.loops.iter().map(|closing| closing.kind.rows()).sum();
         let loops = counted(mechanism.loops.len(), "loop", "loops");
         // Writing into a String cannot fail.
-        let _ = write!(text, " of the joints, {loops} with {}", counted(equations, "equation", "equations"));
+        let _ = write!(text, ", {loops} with {}", counted(equations, "equation", "equations"));
     }
     if !mechanism.mimics.is_empty() {
         let _ = write!(text, ", {}", counted(mechanism.mimics.len(), "mimic relation", "mimic relations"));
     }
     text
+}
+
+/// How many equations of a closure the others imply.
+fn redundant_of(redundancy: &Redundancy, closure: &str) -> usize {
+    redundancy.redundant.iter().filter(|(name, _)| name == closure).map(|(_, count)| count).sum()
 }
 
 fn body_name(mechanism: &Mechanism, body: Option<usize>) -> &str {

@@ -4,9 +4,10 @@
 //! where they meet.
 
 use super::numbers::Assignment;
-use anyhow::bail;
+use anyhow::{Context, bail};
+use catena::lobatto::assembly::assemble;
 use catena::model::{Base, Model, ModelError, ModelOptions, Pose, Start};
-use catena::scene::{PackagePath, SimulationSettings, read_scene, read_urdf};
+use catena::scene::{PackagePath, SimulationSettings, Warning, read_scene, read_urdf};
 use catena::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::{Path, PathBuf};
@@ -53,12 +54,39 @@ pub struct Loaded {
     pub simulation: SimulationSettings,
 }
 
+/// Changes of the start [m, rad, or a second of these] that nobody need be told.
+const UNNOTICEABLE: f64 = 1e-9;
+
 impl Loaded {
+    /// The start, moved onto all loops and mimic relations; what was changed for that becomes a warning of the model.
+    ///
+    /// # Errors
+    /// As [`Loaded::wanted_state`], and if a loop cannot be closed or the velocities contradict one.
+    pub fn initial_state(
+        &mut self,
+        positions: &[Assignment],
+        velocities: &[Assignment],
+        base_velocity: Option<[f64; 6]>,
+    ) -> anyhow::Result<State> {
+        let mut state = self.wanted_state(positions, velocities, base_velocity)?;
+        let file = self.model.path();
+        let correction = assemble(&self.model.mechanism, &mut state).with_context(|| file.display().to_string())?;
+        if correction.position.max(correction.velocity) > UNNOTICEABLE {
+            let message = format!(
+                "the start was moved onto the loops: positions by up to {:.1e} rad or m a round, velocities by up to {:.1e} \
+                 rad/s or m/s",
+                correction.position, correction.velocity
+            );
+            self.model.warnings.push(Warning { file: file.to_path_buf(), line: None, element: None, message });
+        }
+        Ok(state)
+    }
+
     /// The start of the file, with what the command line says instead of it.
     ///
     /// # Errors
     /// [`ModelError`] for joints that do not exist or do not move, and for wrong counts of numbers.
-    pub fn initial_state(
+    pub fn wanted_state(
         &self,
         positions: &[Assignment],
         velocities: &[Assignment],

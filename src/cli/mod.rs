@@ -13,7 +13,6 @@ mod chart;
 mod couplings;
 mod input;
 mod model;
-mod not_yet;
 mod numbers;
 mod progress;
 mod simulate;

@@ -3,7 +3,10 @@
 use super::couplings;
 use super::input::InputArgs;
 use super::table::{Table, counted, number, triple};
+use catena::lobatto::assembly::{Redundancy, redundancy};
 use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names, wxyz_from_rotation};
+use catena::report::ModelReport;
+use catena::scene::Warning;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -24,8 +27,22 @@ pub struct ModelArgs {
 /// # Errors
 /// Bad input (exit code 2), or standard output that cannot be written.
 pub fn run(args: &ModelArgs) -> anyhow::Result<()> {
-    let model = args.input.load()?.model;
-    let report = if args.json { serde_json::to_string_pretty(&as_json(&model))? + "\n" } else { as_text(&model) };
+    let mut loaded = args.input.load()?;
+    let state = match loaded.initial_state(&[], &[], None) {
+        Ok(state) => state,
+        // What does not close is worth looking at all the more.
+        Err(error) => {
+            let (file, message) = (loaded.model.path().to_path_buf(), error.root_cause().to_string());
+            loaded.model.warnings.push(Warning { file, line: None, element: None, message });
+            loaded.wanted_state(&[], &[], None)?
+        }
+    };
+    let model = &loaded.model;
+    let redundancy = redundancy(&model.mechanism, &state);
+    let report = match args.json {
+        true => serde_json::to_string_pretty(&as_json(model, &redundancy))? + "\n",
+        false => as_text(model, &redundancy),
+    };
     match std::io::stdout().write_all(report.as_bytes()) {
         // The reader of a pipe may have seen enough.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
@@ -33,19 +50,7 @@ pub fn run(args: &ModelArgs) -> anyhow::Result<()> {
     }
 }
 
-/// The counts that reports share.
-pub fn counts(model: &Model) -> Value {
-    json!({
-        "links": model.links.len(),
-        "bodies": model.mechanism.bodies.len(),
-        "joints": model.mechanism.bodies.len(),
-        "degrees_of_freedom": model.mechanism.velocity_count,
-        "loops": model.mechanism.loops.len(),
-        "redundant_constraints": 0,
-    })
-}
-
-fn as_json(model: &Model) -> Value {
+fn as_json(model: &Model, redundancy: &Redundancy) -> Value {
     let mechanism = &model.mechanism;
     let body_name = |body: Option<usize>| body.map(|body| mechanism.bodies[body].name.as_str());
     let mut links_of: Vec<Vec<&LinkFrame>> = vec![Vec::new(); mechanism.bodies.len()];
@@ -120,7 +125,7 @@ fn as_json(model: &Model) -> Value {
         "input": model.path().display().to_string(),
         "robot": mechanism.name,
         "gravity": mechanism.gravity.as_slice(),
-        "model": counts(model),
+        "model": ModelReport::new(model, redundancy),
         "moving_mass": mechanism.total_mass(),
         "bodies": bodies,
         "joints": joints,
@@ -128,13 +133,13 @@ fn as_json(model: &Model) -> Value {
         "reductions": reductions,
         "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
     });
-    for (key, value) in couplings::as_json(model) {
+    for (key, value) in couplings::as_json(model, redundancy) {
         report[key] = value;
     }
     report
 }
 
-fn as_text(model: &Model) -> String {
+fn as_text(model: &Model, redundancy: &Redundancy) -> String {
     let mechanism = &model.mechanism;
     let mut text = String::new();
     // Writing into a String cannot fail.
@@ -145,7 +150,7 @@ fn as_text(model: &Model) -> String {
         counted(model.links.len(), "link", "links"),
         counted(mechanism.bodies.len(), "body", "bodies"),
         counted(mechanism.bodies.len(), "joint", "joints"),
-        counted(mechanism.velocity_count, "degree of freedom", "degrees of freedom"),
+        counted(redundancy.degrees_of_freedom(mechanism), "degree of freedom", "degrees of freedom"),
         couplings::summary(model),
     );
     let g = mechanism.gravity;
@@ -170,7 +175,7 @@ fn as_text(model: &Model) -> String {
         ]);
     }
     bodies.write(&mut text);
-    couplings::write_tables(model, &mut text);
+    couplings::write_tables(model, redundancy, &mut text);
 
     if !model.reductions.is_empty() {
         let _ = writeln!(text, "\nno bodies of their own:");

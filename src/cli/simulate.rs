@@ -4,13 +4,13 @@
 //! it was. Every way out of the run completes the log.
 
 use super::input::{InputArgs, Loaded, numbers};
-use super::not_yet::refuse_what_is_not_simulated;
 use super::numbers::{Assignment, positive, rate};
 use super::progress::Progress;
 use super::{Failure, print};
 use anyhow::{Context, anyhow};
 use catena::calibration::{CalibrationError, calibrate};
 use catena::lobatto::Lobatto;
+use catena::lobatto::assembly::redundancy;
 use catena::log::{Recorder, Severity};
 use catena::model::{Mechanism, Model, PlacedRobot, Pose};
 use catena::report::{
@@ -124,13 +124,13 @@ impl StepChoice {
 /// [`Failure`] with the exit code the interface promises.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = output(arguments).map_err(Failure::input)?;
-    let loaded = arguments.input.load().map_err(Failure::input)?;
-    refuse_what_is_not_simulated(&loaded.model).map_err(Failure::input)?;
+    let mut loaded = arguments.input.load().map_err(Failure::input)?;
     let mut state = loaded
         .initial_state(&arguments.position, &arguments.velocity, arguments.base_velocity)
         .map_err(Failure::input)?;
     let Loaded { model, simulation: file, .. } = &loaded;
     let mechanism = &model.mechanism;
+    let redundancy = redundancy(mechanism, &state);
     let choice = StepChoice::new(arguments, file);
     let duration = arguments.duration.or(file.duration).unwrap_or(DEFAULT_DURATION);
     let rate = arguments.rate.or(file.rate).unwrap_or(DEFAULT_RATE);
@@ -170,7 +170,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         // The time that was reached, which is less than what was asked for if the run ended early.
         duration: state.time,
         method: MethodReport::new(&method),
-        model: ModelReport::new(model),
+        model: ModelReport::new(model, &redundancy),
         steps: summary.steps,
         iterations: summary.iterations,
         rejected_steps: summary.rejected_steps,

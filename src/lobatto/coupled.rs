@@ -356,7 +356,14 @@ impl<V: Lanes> Coupled<V> {
                             }
                         }
                         let active = self.mixing.active;
-                        couple(&mut self.fronts, level, [&by_gap[..active], &self.unit[..active]], slot, sign, &self.values[row]);
+                        couple(
+                            &mut self.fronts,
+                            level,
+                            [&by_gap[..active], &self.unit[..active]],
+                            slot,
+                            sign,
+                            &self.values[row],
+                        );
                     }
                 }
                 Operation::Freedom { body, freedom, columns, direct } => {

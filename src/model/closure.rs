@@ -15,6 +15,9 @@
 //! | distance    | 1    | `(|P_b − P_a|² − L²) / 2L`                                          |
 
 use super::joint::Pose;
+use crate::kinematics::WORLD;
+use crate::state::BodyState;
+use nalgebra::{Matrix3, Vector3};
 
 /// A frame fixed in a body or in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +26,15 @@ pub struct Attachment {
     pub body: Option<usize>,
     /// The frame in the body frame, or in the world.
     pub frame: Pose,
+}
+
+impl Attachment {
+    /// Origin (m) and axes (as columns) of the frame in the world.
+    pub fn place(&self, bodies: &[BodyState]) -> (Vector3<f64>, Matrix3<f64>) {
+        let body = self.body.map_or(&WORLD, |body| &bodies[body]);
+        let origin = body.position + body.rotation * self.frame.translation.vector;
+        (origin, body.rotation * self.frame.rotation.matrix())
+    }
 }
 
 /// Which relative motions a loop joint leaves free; see the table of the module.

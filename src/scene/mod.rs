@@ -38,5 +38,4 @@ pub use robot::{
     UrdfLoop, WORLD_LINK,
 };
 pub use scene_file::{JointValues, Scene, SceneRobot, SimulationSettings, read_scene, scene_from_text};
-pub use unsimulated::{DAMPING_IS_SIMULATED, MIMIC_IS_SIMULATED};
 pub use urdf::{read_urdf, robot_from_text};

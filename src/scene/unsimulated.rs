@@ -5,12 +5,6 @@ use super::error::Warning;
 use super::robot::{Link, UrdfJoint, UrdfJointKind};
 use std::path::Path;
 
-/// Whether `<dynamics damping>` reaches the mechanism, or is warned of.
-pub const DAMPING_IS_SIMULATED: bool = false;
-
-/// Whether `<mimic>` reaches the mechanism, or is warned of.
-pub const MIMIC_IS_SIMULATED: bool = false;
-
 /// The warnings about a robot's joints, shapes, and elements nobody reads.
 pub(super) fn unsimulated(file: &Path, links: &[Link], joints: &[UrdfJoint], ignored: &[Ignored]) -> Vec<Warning> {
     let moving: Vec<&UrdfJoint> = joints.iter().filter(|joint| joint.kind != UrdfJointKind::Fixed).collect();
@@ -19,14 +13,7 @@ pub(super) fn unsimulated(file: &Path, links: &[Link], joints: &[UrdfJoint], ign
     let touching: Vec<usize> = links.iter().filter(|link| !link.collisions.is_empty()).map(|link| link.line).collect();
     let kinds = [
         ("joint limits", "joint", "are", lines_where(&|joint| joint.limit.is_some())),
-        (
-            "joint damping",
-            "joint",
-            "is",
-            lines_where(&|joint| !DAMPING_IS_SIMULATED && joint.dynamics.is_some_and(|d| d.damping != 0.0)),
-        ),
         ("joint friction", "joint", "is", lines_where(&|joint| joint.dynamics.is_some_and(|d| d.friction != 0.0))),
-        ("mimic relations", "joint", "are", lines_where(&|joint| !MIMIC_IS_SIMULATED && joint.mimic.is_some())),
         ("contacts (collision shapes)", "link", "are", touching),
     ];
     let counted = kinds.into_iter().filter_map(|(what, of, verb, lines)| {

@@ -1,0 +1,169 @@
+//! What a URDF says of its joints besides the tree: `<dynamics damping>` and `<mimic>`.
+
+use super::closure::Mimic;
+use super::coupling_error::CouplingProblem;
+use super::couplings::{Builder, Stand};
+use super::model_error::ModelError;
+use crate::forces::JointDamper;
+use crate::scene::{Element, UrdfJoint, Warning};
+use std::path::Path;
+
+impl Builder<'_> {
+    /// Every joint of a URDF with its robot.
+    fn urdf_joints(&self) -> impl Iterator<Item = (usize, &Path, &UrdfJoint)> {
+        let robots = self.model.robots.iter().enumerate();
+        robots.flat_map(|(number, placed)| {
+            placed.robot.joints.iter().map(move |joint| (number, placed.robot.path.as_path(), joint))
+        })
+    }
+
+    /// The dampers of `<dynamics damping>`.
+    pub(super) fn urdf_dampers(&self, warnings: &mut Vec<Warning>) -> Vec<JointDamper> {
+        let mut dampers = Vec::new();
+        for (robot, file, joint) in self.urdf_joints() {
+            let coefficient = joint.dynamics.map_or(0.0, |dynamics| dynamics.damping);
+            let stand =
+                Stand { file: file.to_path_buf(), line: joint.line, element: Element::Joint(joint.name.clone()) };
+            let moves = self.record(robot, &joint.name).is_some_and(|record| record.body.is_some());
+            if coefficient == 0.0 || !moves {
+                continue;
+            }
+            match self.coordinate(robot, &joint.name, &stand) {
+                Ok(_) if coefficient < 0.0 => {
+                    warnings.push(warning(&stand, "its damping is negative, which would feed energy; it is not used"));
+                }
+                Ok(coordinate) => dampers.push(JointDamper { freedom: coordinate.freedom, coefficient }),
+                Err(_) => {
+                    let message = "damping is only simulated in joints that turn about or slide along an axis";
+                    warnings.push(warning(&stand, message));
+                }
+            }
+        }
+        dampers
+    }
+
+    /// The relations of `<mimic>`.
+    pub(super) fn urdf_mimics(&self, warnings: &mut Vec<Warning>) -> Result<Vec<Mimic>, ModelError> {
+        let mut mimics = Vec::new();
+        for (robot, file, joint) in self.urdf_joints() {
+            let Some(mimic) = &joint.mimic else { continue };
+            let stand =
+                Stand { file: file.to_path_buf(), line: joint.line, element: Element::Joint(joint.name.clone()) };
+            let joints = &self.model.robots[robot].robot.joints;
+            let leader_of = |name: &str| joints.iter().find(|other| other.name == name);
+            let leader = leader_of(&mimic.joint)
+                .ok_or_else(|| stand.refuse(CouplingProblem::UnknownLeader(mimic.joint.clone())))?;
+            // A chain of leaders that is longer than the list of joints goes round in a circle.
+            let mut next = Some(leader);
+            for _ in 0..=joints.len() {
+                next = next.and_then(|joint| leader_of(&joint.mimic.as_ref()?.joint));
+            }
+            if next.is_some() {
+                return Err(stand.refuse(CouplingProblem::MimicCircle(mimic.joint.clone())));
+            }
+            let moves = |name: &str| self.record(robot, name).is_some_and(|record| record.body.is_some());
+            if !moves(&joint.name) || !moves(&leader.name) {
+                let still = if moves(&joint.name) { &leader.name } else { &joint.name };
+                let message = format!("its mimic relation is not simulated, because joint {still:?} does not move");
+                warnings.push(warning(&stand, &message));
+                continue;
+            }
+            mimics.push(Mimic {
+                name: self.record(robot, &joint.name).map_or_else(String::new, |record| record.name.clone()),
+                follower: self.coordinate(robot, &joint.name, &stand)?,
+                leader: self.coordinate(robot, &leader.name, &stand)?,
+                multiplier: mimic.multiplier,
+                offset: mimic.offset,
+            });
+        }
+        Ok(mimics)
+    }
+}
+
+fn warning(stand: &Stand, message: &str) -> Warning {
+    let (file, element) = (stand.file.clone(), Some(stand.element.clone()));
+    Warning { file, line: Some(stand.line), element, message: message.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Coordinate, Model, ModelOptions};
+    use crate::scene::{PackagePath, robot_from_text};
+
+    /// A chain of hinges, of which `joint2` and `joint3` may say more about themselves.
+    fn chain(second: &str, third: &str) -> Model {
+        let inertial = "<inertial><origin xyz='0 0 -1'/><mass value='1'/>\
+             <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>";
+        let link = |index: usize| format!("<link name='link{index}'>{inertial}</link>");
+        let joint = |index: usize, kind: &str, more: &str| {
+            let parent = index - 1;
+            format!(
+                "<joint name='joint{index}' type='{kind}'><parent link='link{parent}'/><child link='link{index}'/>{more}</joint>"
+            )
+        };
+        let text = format!(
+            "<robot name='chain'><link name='link0'/>{}{}{}<link name='link4'/>{}{}{}{}</robot>",
+            link(1),
+            link(2),
+            link(3),
+            joint(1, "spherical", "<dynamics damping='5'/>"),
+            joint(2, "continuous", second),
+            joint(3, "continuous", third),
+            joint(4, "continuous", "<dynamics damping='5'/>")
+        );
+        let robot = robot_from_text(&text, Path::new("chain.urdf"), &PackagePath::default()).expect("a robot");
+        Model::new(robot, &ModelOptions::default()).expect("a model")
+    }
+
+    fn build<T>(model: &Model, what: impl Fn(&Builder, &mut Vec<Warning>) -> T) -> (T, Vec<String>) {
+        let builder = Builder { model, bodies: &[], dropped: &|_| false, scene: None };
+        let mut warnings = Vec::new();
+        let built = what(&builder, &mut warnings);
+        (built, warnings.iter().map(ToString::to_string).collect())
+    }
+
+    #[test]
+    fn damping_of_hinges_becomes_dampers_and_the_rest_is_warned_of() {
+        let model = chain("<dynamics damping='0.5'/>", "<dynamics damping='-1'/>");
+        let (dampers, warnings) = build(&model, |builder, warnings| builder.urdf_dampers(warnings));
+        assert_eq!(dampers, [JointDamper { freedom: 3, coefficient: 0.5 }]);
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
+        assert!(warnings[0].contains("joint \"joint1\": damping is only simulated"), "{warnings:?}");
+        assert!(warnings[1].contains("joint \"joint3\": its damping is negative"), "{warnings:?}");
+    }
+
+    #[test]
+    fn mimic_relations_know_both_coordinates() {
+        let model = chain("", "<mimic joint='joint2' multiplier='-2' offset='0.5'/>");
+        let (mimics, warnings) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
+        assert!(warnings.is_empty(), "{warnings:?}");
+        let expected = Mimic {
+            name: "joint3".to_string(),
+            follower: Coordinate { body: 2, position: 5, freedom: 4 },
+            leader: Coordinate { body: 1, position: 4, freedom: 3 },
+            multiplier: -2.0,
+            offset: 0.5,
+        };
+        assert_eq!(mimics.expect("good relations"), [expected]);
+    }
+
+    #[test]
+    fn mimic_relations_that_cannot_be_are_refused_or_left_out_with_a_warning() {
+        for (second, third, message) in [
+            ("", "<mimic joint='joint9'/>", "mimics joint \"joint9\", which does not exist"),
+            ("", "<mimic joint='joint3'/>", "mimics itself"),
+            ("<mimic joint='joint3'/>", "<mimic joint='joint2'/>", "mimics itself"),
+            ("", "<mimic joint='joint1'/>", "\"joint1\" has several degrees of freedom"),
+        ] {
+            let model = chain(second, third);
+            let (mimics, _) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
+            let error = mimics.expect_err(message).to_string();
+            assert!(error.starts_with("chain.urdf:1: joint ") && error.contains(message), "{error}");
+        }
+        let model = chain("", "<mimic joint='joint4'/>");
+        let (mimics, warnings) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
+        assert_eq!(mimics.expect("a warning only").len(), 0);
+        assert!(warnings.len() == 1 && warnings[0].contains("joint \"joint4\" does not move"), "{warnings:?}");
+    }
+}
