@@ -44,8 +44,9 @@ macro_rules! in_lanes {
 /// those of a scheme that is not quite symplectic, and the energy drifts by 2e-16 of itself a step.
 const REFINED_BELOW: f64 = 1e-14;
 
-/// Newton's method leaves about the square of the last increment: the gaps of loops are at rounding whatever the tolerance.
-const CLOSED: f64 = 1e-8;
+/// Steps of mechanisms with loops are iterated at least this far, so that the gaps are at rounding whatever the tolerance: what
+/// an iteration leaves of them is of the order of its increment times the one before.
+const CLOSED: f64 = 1e-10;
 
 /// Once the exact Newton method was needed, it comes first for so many steps: what made it necessary seldom ends at once.
 const EXACT_STEPS: usize = 50;
@@ -222,13 +223,16 @@ impl<V: Lanes> Kernel<V> {
             freedom: kernel.worst_freedom(),
             increment,
         };
-        let wanted = if self.projection.is_some() { rule.increment.min(CLOSED) } else { rule.increment };
+        let (wanted, rounding) = match self.projection {
+            Some(_) => (rule.increment.min(CLOSED), rule.rounding.min(CLOSED)),
+            None => (rule.increment, rule.rounding),
+        };
         for iteration in 1..=rule.iterations {
             let previous = recent[(iteration + 3) % 5];
             // The second half of the digits matters where the first is settled.
             let increment = self.iterate(exact, self.refined && previous < 1e-13);
             let converged =
-                increment <= wanted * scale || (increment <= rule.rounding * scale && increment > 0.5 * previous);
+                increment <= wanted * scale || (increment <= rounding * scale && increment > 0.5 * previous);
             if converged {
                 self.stages.advance();
                 return Attempt::Converged { iterations: iteration, legendre: self.legendre() };
