@@ -68,23 +68,11 @@ pub fn loop_gaps(joint: &LoopJoint, bodies: &[BodyState]) -> Gaps {
     let (a, b) = (End::new(&joint.a, bodies), End::new(&joint.b, bodies));
     let (apart, rate) = (b.point - a.point, b.rate - a.rate);
     let mut gaps = Gaps::default();
-    let slides: &[usize] = match joint.kind {
-        LoopKind::Revolute | LoopKind::Universal | LoopKind::Spherical | LoopKind::Fixed => &[0, 1, 2],
-        LoopKind::Prismatic | LoopKind::Cylindrical => &[0, 1],
-        LoopKind::Planar => &[2],
-        LoopKind::Distance(_) => &[],
-    };
-    for &axis in slides {
+    for &axis in slides(joint.kind) {
         let along = a.axis(axis);
         gaps.push(apart.dot(&along), rate.dot(&along) + apart.dot(&a.spin.cross(&along)));
     }
-    let squares: &[(usize, usize)] = match joint.kind {
-        LoopKind::Revolute | LoopKind::Cylindrical | LoopKind::Planar => &[(0, 2), (1, 2)],
-        LoopKind::Prismatic | LoopKind::Fixed => &[(0, 2), (1, 2), (1, 0)],
-        LoopKind::Universal => &[(2, 2)],
-        LoopKind::Spherical | LoopKind::Distance(_) => &[],
-    };
-    for &(on_a, on_b) in squares {
+    for &(on_a, on_b) in squares(joint.kind) {
         let (first, second) = (a.axis(on_a), b.axis(on_b));
         gaps.push(first.dot(&second), (a.spin - b.spin).dot(&first.cross(&second)));
     }
@@ -92,6 +80,75 @@ pub fn loop_gaps(joint: &LoopJoint, bodies: &[BodyState]) -> Gaps {
         gaps.push((apart.norm_squared() - length * length) / (2.0 * length), apart.dot(&rate) / length);
     }
     gaps
+}
+
+/// Linear acceleration of a body's centre of mass [m/s²] and its angular acceleration [rad/s²], in the world.
+pub type BodyAcceleration = (Vector3<f64>, Vector3<f64>);
+
+/// The second derivatives of the equations of a loop joint, for given accelerations of the bodies:
+///
+/// ```text
+///     (d·u)″ = d̈·u + 2 ḋ·u̇ + d·ü        (u·w)″ = ü·w + 2 u̇·ẇ + u·ẅ        ((d·d − L²)/2L)″ = (d·d̈ + ḋ·ḋ)/L
+/// ```
+pub fn loop_gap_accelerations(
+    joint: &LoopJoint,
+    bodies: &[BodyState],
+    accelerations: &[BodyAcceleration],
+) -> ([f64; 6], usize) {
+    let (a, b) = (End::new(&joint.a, bodies), End::new(&joint.b, bodies));
+    let second = |end: &Attachment, here: &End| match end.body {
+        None => (Vector3::zeros(), Vector3::zeros()),
+        Some(body) => {
+            let arm = here.point - bodies[body].position;
+            let (linear, angular) = accelerations[body];
+            (linear + angular.cross(&arm) + here.spin.cross(&here.spin.cross(&arm)), angular)
+        }
+    };
+    let ((point_a, angular_a), (point_b, angular_b)) = (second(&joint.a, &a), second(&joint.b, &b));
+    let (apart, rate, acceleration) = (b.point - a.point, b.rate - a.rate, point_b - point_a);
+    // An axis, its first and its second derivative.
+    let axis = |end: &End, angular: &Vector3<f64>, axis: usize| {
+        let along = end.axis(axis);
+        let turning = end.spin.cross(&along);
+        (along, turning, angular.cross(&along) + end.spin.cross(&turning))
+    };
+    let (mut out, mut count) = ([0.0; 6], 0);
+    let mut push = |value: f64| {
+        out[count] = value;
+        count += 1;
+    };
+    for &slide in slides(joint.kind) {
+        let (u, du, ddu) = axis(&a, &angular_a, slide);
+        push(acceleration.dot(&u) + 2.0 * rate.dot(&du) + apart.dot(&ddu));
+    }
+    for &(on_a, on_b) in squares(joint.kind) {
+        let ((u, du, ddu), (w, dw, ddw)) = (axis(&a, &angular_a, on_a), axis(&b, &angular_b, on_b));
+        push(ddu.dot(&w) + 2.0 * du.dot(&dw) + u.dot(&ddw));
+    }
+    if let LoopKind::Distance(length) = joint.kind {
+        push((apart.dot(&acceleration) + rate.norm_squared()) / length);
+    }
+    (out, count)
+}
+
+/// The axes of a (0 = x, 1 = y, 2 = z) along which the points coincide.
+fn slides(kind: LoopKind) -> &'static [usize] {
+    match kind {
+        LoopKind::Revolute | LoopKind::Universal | LoopKind::Spherical | LoopKind::Fixed => &[0, 1, 2],
+        LoopKind::Prismatic | LoopKind::Cylindrical => &[0, 1],
+        LoopKind::Planar => &[2],
+        LoopKind::Distance(_) => &[],
+    }
+}
+
+/// The axes of a and of b that are square to each other.
+fn squares(kind: LoopKind) -> &'static [(usize, usize)] {
+    match kind {
+        LoopKind::Revolute | LoopKind::Cylindrical | LoopKind::Planar => &[(0, 2), (1, 2)],
+        LoopKind::Prismatic | LoopKind::Fixed => &[(0, 2), (1, 2), (1, 0)],
+        LoopKind::Universal => &[(2, 2)],
+        LoopKind::Spherical | LoopKind::Distance(_) => &[],
+    }
 }
 
 /// The gap of a mimic relation (rad or m) and its rate.

@@ -18,6 +18,7 @@
 //! | the method | [`lobatto`] |
 //! | the rival | [`reduced`] |
 //! | the accuracy that a tolerance means | [`mod@distance`], [`calibration`] |
+//! | what joints and loops carry | [`reactions`] |
 //! | the loop and its observers | [`simulation`], [`log`], [`report`] |
 //! | speed against accuracy, drawn | [`chart`] |
 
@@ -31,6 +32,7 @@ pub mod kinematics;
 pub mod lobatto;
 pub mod log;
 pub mod model;
+pub mod reactions;
 pub mod reduced;
 pub mod report;
 pub mod scene;

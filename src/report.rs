@@ -4,11 +4,12 @@
 //! joints are given in the world and in the joint's frame on the parent as [`LinkReport`] and [`JointReport`] say.
 
 use crate::calibration::Calibration;
+use crate::closures::loop_gaps;
 use crate::kinematics::body_states;
 use crate::lobatto::assembly::Redundancy;
 use crate::model::joint::wxyz_from_rotation;
-use crate::model::{JointRecord, LinkFrame, Model};
-use crate::reduced::{ReducedOde, joint_reactions};
+use crate::model::{JointRecord, LinkFrame, LoopJoint, Model};
+use crate::reactions::{LoopReaction, Reactions};
 use crate::simulation::{FrequencyStep, MethodDescription, Summary};
 use crate::state::State;
 use serde::{Serialize, Serializer};
@@ -54,6 +55,9 @@ pub struct Report {
     /// Every moving joint at the end of the run.
     #[serde(serialize_with = "as_object")]
     pub joints: Vec<(String, JointReport)>,
+    /// Every loop joint at the end of the run.
+    #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
+    pub loops: Vec<(String, LoopReport)>,
     /// What the user should know about the model and the run.
     pub warnings: Vec<String>,
     /// Where the log is; part of the lines for people alone.
@@ -221,6 +225,17 @@ pub struct JointReport {
     pub reaction_torque: [f64; 3],
 }
 
+/// What a loop joint carries at the end of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct LoopReport {
+    /// Largest gap between its ends (m, or sine of an angle).
+    pub gap: f64,
+    /// Force of the first end on the second, in the world (N).
+    pub reaction_force: [f64; 3],
+    /// Torque of the first end on the second about the point of the second, in the world [N m].
+    pub reaction_torque: [f64; 3],
+}
+
 /// One number for joints of one degree of freedom, an array for all others.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
@@ -336,9 +351,7 @@ pub fn link_reports(model: &Model, state: &State) -> Vec<(String, LinkReport)> {
 /// Every joint of a model that moves, in the order of the URDF; a floating base comes first.
 pub fn joint_reports(model: &Model, state: &State) -> Vec<(String, JointReport)> {
     let mechanism = &model.mechanism;
-    let mut accelerations = vec![0.0; mechanism.velocity_count];
-    ReducedOde::new(mechanism).accelerations(&state.position, &state.velocity, &mut accelerations);
-    let reactions = joint_reactions(mechanism, &state.position, &state.velocity, &accelerations);
+    let (reactions, _) = Reactions::new(mechanism).at(&state.position, &state.velocity);
     let report = |(index, record): (usize, &JointRecord)| {
         let reaction = reactions[record.body?];
         let (position, velocity) = model.joint_user_coordinates(index, &state.position, &state.velocity);
@@ -351,6 +364,25 @@ pub fn joint_reports(model: &Model, state: &State) -> Vec<(String, JointReport)>
         Some((record.name.clone(), report))
     };
     model.joints.iter().enumerate().filter_map(report).collect()
+}
+
+/// Every loop joint of a model.
+pub fn loop_reports(model: &Model, state: &State) -> Vec<(String, LoopReport)> {
+    let mechanism = &model.mechanism;
+    if mechanism.loops.is_empty() {
+        return Vec::new();
+    }
+    let bodies = body_states(mechanism, state);
+    let (_, reactions) = Reactions::new(mechanism).at(&state.position, &state.velocity);
+    let report = |(joint, reaction): (&LoopJoint, &LoopReaction)| {
+        let report = LoopReport {
+            gap: loop_gaps(joint, &bodies).largest().0,
+            reaction_force: reaction.force.into(),
+            reaction_torque: reaction.torque.into(),
+        };
+        (joint.name.clone(), report)
+    };
+    mechanism.loops.iter().zip(&reactions).map(report).collect()
 }
 
 /// Serializes pairs as the entries of an object, in their order.

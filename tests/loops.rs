@@ -8,6 +8,7 @@ use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::lobatto::assembly::{AssemblyError, assemble, redundancy};
 use catena::model::{Attachment, Body, Coordinate, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Mimic, Pose};
+use catena::reactions::Reactions;
 use catena::simulation::Integrator;
 use catena::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -184,6 +185,11 @@ fn a_loop_joint_moves_like_the_tree_joint_of_its_kind() {
         let (expected, got) = (body_states(&tree, &tree_state)[0], body_states(&closed, &state)[0]);
         let apart = (expected.position - got.position).norm() + (expected.rotation - got.rotation).norm();
         let rates = (expected.velocity - got.velocity).norm();
+        let carried = Reactions::new(&tree).at(&tree_state.position, &tree_state.velocity).0[0];
+        let loops = Reactions::new(&closed).at(&state.position, &state.velocity).1;
+        // On a plane or a line the carried torque is taken about the point of the body, which is the anchor.
+        let wrench = (loops[0].force - carried.force).norm() + (loops[0].torque - carried.torque).norm();
+        assert!(wrench < 1e-9 * (1.0 + carried.force.norm()), "{tree_kind:?}: {wrench:e} of {carried:?}");
         // The same discrete motion: the multipliers of a joint do what its reduced coordinates do.
         assert!(apart < 1e-12 && rates < 1e-11, "{tree_kind:?}: {apart:e} {rates:e}");
         assert!(gap < 1e-14, "{tree_kind:?}: {gap:e}");
@@ -343,4 +349,28 @@ fn the_gap_of_bricard_is_rounding_after_a_million_steps() {
     let (mechanism, mut state) = closed::bricard();
     let (_, gap) = run(&mechanism, &mut state, 4, 0.01, 1e4);
     assert!(gap < 1e-14, "{gap:e}");
+}
+
+#[test]
+fn the_feet_of_a_closed_frame_carry_its_weight_and_its_momentum() {
+    // Bricard's mechanism hangs on the world by its first hinge and by its loop: together they change its momentum.
+    let (mechanism, mut state) = closed::bricard();
+    run(&mechanism, &mut state, 5, 0.05, 0.7);
+    let (joints, loops) = Reactions::new(&mechanism).at(&state.position, &state.velocity);
+    let momentum = |state: &State| catena::invariants::momentum(&mechanism, &body_states(&mechanism, state)).0;
+    let rate = {
+        // Central difference over 2e-4 s: 1e-7 of an acceleration's change.
+        let step = 1e-4;
+        let mut after = state.clone();
+        run(&mechanism, &mut after, 5, step, state.time + step);
+        let mut before = state.clone();
+        before.velocity.iter_mut().for_each(|rate| *rate = -*rate);
+        run(&mechanism, &mut before, 5, step, state.time + step);
+        // Backwards in time momenta are opposite.
+        (momentum(&after) + momentum(&before)) / (2.0 * step)
+    };
+    let weight = mechanism.gravity * mechanism.total_mass();
+    // The loop's first end is on the rod, the second is the world's: what the world gives is the opposite.
+    let carried = joints[0].force - loops[0].force;
+    assert!((carried + weight - rate).norm() < 1e-4, "{carried} {weight} {rate}");
 }

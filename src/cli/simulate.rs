@@ -14,7 +14,7 @@ use catena::lobatto::assembly::redundancy;
 use catena::log::{Recorder, Severity};
 use catena::model::{Mechanism, Model, PlacedRobot, Pose};
 use catena::report::{
-    AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports,
+    AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports, loop_reports,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Integrator, Observer, RunError, RunOptions, run as run_simulation};
@@ -181,6 +181,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         constraint: ConstraintReport::new(&summary),
         links: link_reports(model, &state),
         joints: joint_reports(model, &state),
+        loops: loop_reports(model, &state),
         warnings: model
             .warnings
             .iter()

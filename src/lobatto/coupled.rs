@@ -272,6 +272,24 @@ impl<V: Lanes> Coupled<V> {
         &self.elimination.rows
     }
 
+    /// The latest increments of the multipliers.
+    pub fn multiplier_increments(&self) -> &[V] {
+        &self.multiplier_increments
+    }
+
+    /// The direction in which a multiplier pushes on the second end of its loop: force, and torque about the common origin;
+    /// the first lane.
+    pub fn direction(&self, row: usize) -> ([f64; 3], [f64; 3]) {
+        let value = &self.values[row][0];
+        let first = |vector: Vector<V>| vector.0.map(|lanes| lanes.to_array().as_ref()[0]);
+        (first(value.force), first(value.torque))
+    }
+
+    /// Where the second end of a loop is at the start, from the common origin (m).
+    pub fn end_point(&self, closure: usize) -> [f64; 3] {
+        self.ends[closure][1].point
+    }
+
     /// The twists of all bodies for rates of the freedoms, where the step starts.
     pub fn twists_of(&mut self, plan: &Plan, start: &Start, rates: &[f64]) {
         for body in 0..plan.bodies.len() {

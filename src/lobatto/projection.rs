@@ -13,6 +13,7 @@ use super::lanes::{Lanes, Portable};
 use super::start::{Plan, Start};
 use crate::model::{FreeRotation, Mechanism};
 use crate::state::State;
+use nalgebra::Vector3;
 
 type One = Portable<1>;
 
@@ -165,6 +166,58 @@ impl Projection {
                 *correction *= 0.5 / largest;
             }
         }
+    }
+
+    /// Corrects joint accelerations for what the closures forbid, `H da = Jᵀ μ`, `J a + J̇ v = 0`, where `second_derivatives`
+    /// writes the second derivatives of all equations for accelerations; sums μ [N or N m] in `multipliers`.
+    pub fn accelerations(
+        &mut self,
+        start: &Start,
+        acceleration: &mut [f64],
+        multipliers: &mut [f64],
+        mut second_derivatives: impl FnMut(&[f64], &mut [f64]),
+    ) {
+        self.evaluate(start);
+        multipliers.fill(0.0);
+        let mut out = vec![0.0; self.rows.len()];
+        let mut last = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            second_derivatives(acceleration, &mut out);
+            for (gap, &value) in self.coupled.gaps.iter_mut().zip(&out) {
+                *gap = One::splat(value);
+            }
+            let (gap, _) = self.largest_gap();
+            if gap == 0.0 || !(gap < 0.5 * last) {
+                break;
+            }
+            last = gap;
+            self.solve(start);
+            for (value, correction) in acceleration.iter_mut().zip(&self.correction) {
+                *value += correction;
+            }
+            for (sum, increment) in multipliers.iter_mut().zip(self.coupled.multiplier_increments()) {
+                *sum += increment.to_array().as_ref()[0];
+            }
+        }
+    }
+
+    /// Number of equations of all closures.
+    pub fn row_count(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// What the multipliers do on the second end of a loop: force (N) and torque [N m] about its point, in the world.
+    pub fn loop_wrench(&self, closure: usize, multipliers: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+        let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+        for (row, multiplier) in multipliers.iter().enumerate() {
+            if self.rows[row].closure == closure {
+                let (push, twist) = self.coupled.direction(row);
+                force += Vector3::from(push) * *multiplier;
+                torque += Vector3::from(twist) * *multiplier;
+            }
+        }
+        let point = Vector3::from(self.coupled.end_point(closure));
+        (force, torque - point.cross(&force))
     }
 
     /// For every equation its closure, and whether the equations before it imply it at this configuration.

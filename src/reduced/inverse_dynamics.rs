@@ -14,9 +14,11 @@
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
+use crate::closures::BodyAcceleration;
 use crate::forces::total::{BodyWrench, body_wrenches};
 use crate::kinematics::{WORLD, forward_kinematics, joint_rates};
 use crate::model::Mechanism;
+use crate::state::BodyState;
 use nalgebra::Vector3;
 
 /// What a parent exerts on its child through their joint, in the axes of the world, at the joint's anchor.
@@ -30,6 +32,38 @@ pub struct Reaction {
     pub torque: Vector3<f64>,
 }
 
+/// The accelerations of all bodies for those of the joints, written into `accelerations`.
+pub fn body_accelerations(
+    mechanism: &Mechanism,
+    bodies: &[BodyState],
+    velocity: &[f64],
+    acceleration: &[f64],
+    accelerations: &mut [BodyAcceleration],
+) {
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        let joint = &body.joint;
+        let state = &bodies[index];
+        let (parent, (parent_linear, parent_angular)) =
+            body.parent.map_or((WORLD, Default::default()), |parent| (bodies[parent], accelerations[parent]));
+        let frame_on_parent = parent.rotation * joint.on_parent.rotation.matrix();
+        let frame_on_child = state.rotation * joint.on_child.rotation.matrix();
+        let (slide, turn) = joint_rates(joint, &velocity[joint.velocity_range()]);
+        let (slide_rate, turn_rate) = joint_rates(joint, &acceleration[joint.velocity_range()]);
+        let arm_on_child = state.rotation * joint.on_child.translation.vector;
+        let arm_on_parent = state.position + arm_on_child - parent.position;
+        let angular =
+            parent_angular + frame_on_child * turn_rate + parent.angular_velocity.cross(&(frame_on_child * turn));
+        let linear = parent_linear
+            + parent_angular.cross(&arm_on_parent)
+            + parent.angular_velocity.cross(&parent.angular_velocity.cross(&arm_on_parent))
+            + 2.0 * parent.angular_velocity.cross(&(frame_on_parent * slide))
+            + frame_on_parent * slide_rate
+            - angular.cross(&arm_on_child)
+            - state.angular_velocity.cross(&state.angular_velocity.cross(&arm_on_child));
+        accelerations[index] = (linear, angular);
+    }
+}
+
 /// The reactions in all joints, one for each body, for joint accelerations that follow from the state.
 pub fn joint_reactions(
     mechanism: &Mechanism,
@@ -41,31 +75,24 @@ pub fn joint_reactions(
     forward_kinematics(mechanism, position, velocity, &mut bodies);
     let mut applied = vec![BodyWrench::default(); bodies.len()];
     body_wrenches(mechanism, &bodies, &mut applied);
-    // Linear acceleration of the centre of mass, and angular acceleration.
-    let mut accelerations = vec![(Vector3::zeros(), Vector3::zeros()); bodies.len()];
+    let mut accelerations = vec![Default::default(); bodies.len()];
+    body_accelerations(mechanism, &bodies, velocity, acceleration, &mut accelerations);
+    reactions_under(mechanism, &bodies, &accelerations, &applied)
+}
+
+/// The reactions in all joints for the motion of the bodies and the wrenches on them.
+pub fn reactions_under(
+    mechanism: &Mechanism,
+    bodies: &[BodyState],
+    accelerations: &[BodyAcceleration],
+    applied: &[BodyWrench],
+) -> Vec<Reaction> {
     let mut reactions = vec![Reaction::default(); bodies.len()];
     for (index, body) in mechanism.bodies.iter().enumerate() {
-        let joint = &body.joint;
         let state = &bodies[index];
-        let (parent, (parent_linear, parent_angular)) =
-            body.parent.map_or((WORLD, Default::default()), |parent| (bodies[parent], accelerations[parent]));
-        let frame_on_parent = parent.rotation * joint.on_parent.rotation.matrix();
-        let frame_on_child = state.rotation * joint.on_child.rotation.matrix();
-        let (slide, turn) = joint_rates(joint, &velocity[joint.velocity_range()]);
-        let (slide_rate, turn_rate) = joint_rates(joint, &acceleration[joint.velocity_range()]);
-        let arm_on_child = state.rotation * joint.on_child.translation.vector;
+        let (linear, angular) = accelerations[index];
+        let arm_on_child = state.rotation * body.joint.on_child.translation.vector;
         let anchor = state.position + arm_on_child;
-        let arm_on_parent = anchor - parent.position;
-        let angular =
-            parent_angular + frame_on_child * turn_rate + parent.angular_velocity.cross(&(frame_on_child * turn));
-        let linear = parent_linear
-            + parent_angular.cross(&arm_on_parent)
-            + parent.angular_velocity.cross(&parent.angular_velocity.cross(&arm_on_parent))
-            + 2.0 * parent.angular_velocity.cross(&(frame_on_parent * slide))
-            + frame_on_parent * slide_rate
-            - angular.cross(&arm_on_child)
-            - state.angular_velocity.cross(&state.angular_velocity.cross(&arm_on_child));
-        accelerations[index] = (linear, angular);
         let in_body = |vector: Vector3<f64>| state.rotation.transpose() * vector;
         let spin = state.rotation * body.inertia.component_mul(&in_body(state.angular_velocity));
         let spin_rate = state.rotation * body.inertia.component_mul(&in_body(angular));
