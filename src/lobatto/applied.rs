@@ -25,6 +25,15 @@
 //!     κ = max |μ|² / Re μ           ½, ⅓, 0.272, 0.2375, … 0.176 for s = 2, 3, 4, 5, … 9; exact for s = 2
 //! ```
 //!
+//! The exact Newton matrix ([`super::coupled`]) finds here what it needs. With the derivative of an effort or a tension at
+//! row k by its scalar at stage i, and the ends of a spring displaced by δP_a, δP_b,
+//!
+//! ```text
+//!     G_ki  = k [i = k ≥ 2] + (c/h) (Ā B)_ki                                  Applied::gain
+//!     δτ_k  = −Σ_i G_ki δθ_i
+//!     δT_k  =  Σ_i G_ki u_i·(δP_b − δP_a)_i,     δF_b,k = −u_k δT_k − (T_k/ℓ_k) (1 − u uᵀ)_k (δP_b − δP_a)_k [k ≥ 2]
+//! ```
+//!
 //! Lengths are changed without cancellation: `ℓ_i − ℓ₀ = (2 d₀ + Δd_i)·Δd_i / (ℓ_i + ℓ₀)`.
 //!
 //! What dampers dissipate and what torques without potential put in is summed by the quadrature of the scheme,
@@ -35,15 +44,15 @@
 //! partitioned additive Runge–Kutta methods", SIAM J. Sci. Comput. 20 (1998).
 
 use super::algebra::{Matrix, Vector};
+use super::applied_plan::AppliedPlan;
 use super::lanes::Lanes;
 use super::residual::increment_matrix;
 use super::stage::{MAX_LANES, StagePose, Stages, rotate_increment};
-use super::sweeps::tangent;
+use super::sweeps::{tangent, tilted};
 use super::tableau::Tableau;
-use crate::forces::point_spring::{Line, NO_LENGTH, attached_point};
-use crate::forces::total::{Exchange, scalar_coordinate};
+use crate::forces::point_spring::NO_LENGTH;
+use crate::forces::total::Exchange;
 use crate::model::Mechanism;
-use crate::state::{BodyState, State};
 use nalgebra::DMatrix;
 
 /// The forces on a mechanism at the stages of a step.
@@ -56,11 +65,41 @@ pub struct Applied<V> {
     pub resistance: Vec<f64>,
     /// What the finished step dissipated, and the work put into it (J).
     pub exchange: Exchange,
+    /// Every point spring, at the rows' and at the columns' stages; as many as in the mechanism, in its order.
+    pub lines: Vec<LineStages<V>>,
     plan: AppliedPlan,
     /// Where the rows take their velocities from.
     rows: Place<V>,
     /// The same with the end of the step in the last lane.
     end: Place<V>,
+}
+
+/// A point spring at all stages.
+#[derive(Clone, Copy)]
+pub struct LineStages<V> {
+    /// Tension at the rows' stages (N).
+    pub tension: V,
+    /// Its line at the rows' stages.
+    pub rows: LinePlace<V>,
+    /// Its line at the columns' stages, 2 … s.
+    pub columns: LinePlace<V>,
+}
+
+/// The line of a point spring, in world axes.
+#[derive(Clone, Copy)]
+pub struct LinePlace<V> {
+    /// Length (m).
+    pub length: V,
+    /// Direction from a to b.
+    pub direction: Vector<V>,
+    /// From the anchors of the two bodies to the ends (m).
+    pub arms: [Vector<V>; 2],
+}
+
+impl<V: Lanes> LinePlace<V> {
+    fn zero() -> Self {
+        LinePlace { length: V::zero(), direction: Vector::zero(), arms: [Vector::zero(); 2] }
+    }
 }
 
 /// Which stage each lane stands for, and what makes velocities of displacements there.
@@ -72,156 +111,6 @@ struct Place<V> {
     moved: V,
     /// Weights b of the stages whose power this place has to account for.
     weights: V,
-}
-
-/// The constant data of all forces, by what they need.
-struct AppliedPlan {
-    /// Freedom and coefficient.
-    dampers: Vec<(usize, f64)>,
-    /// Freedom and stiffness; the displacement of its start is in [`AppliedStart`].
-    springs: Vec<(usize, f64)>,
-    /// Freedom and effort.
-    loads: Vec<(usize, f64)>,
-    balls: Vec<Ball>,
-    lines: Vec<LinePlan>,
-    wrenches: Vec<WrenchPlan>,
-}
-
-/// Dampers and loads about the axes of a ball joint.
-struct Ball {
-    first: usize,
-    coefficients: [f64; 3],
-    efforts: [f64; 3],
-}
-
-struct LinePlan {
-    a: Option<usize>,
-    b: Option<usize>,
-    stiffness: f64,
-    damping: f64,
-    rest_length: f64,
-}
-
-struct WrenchPlan {
-    body: usize,
-    force: [f64; 3],
-    torque: [f64; 3],
-}
-
-/// What the forces need of the start of a step.
-#[derive(Default)]
-pub struct AppliedStart {
-    /// Extension of each joint spring (rad or m).
-    extensions: Vec<f64>,
-    lines: Vec<LineStart>,
-    /// From the anchor to the point of each wrench, in world axes (m).
-    arms: Vec<[f64; 3]>,
-}
-
-#[derive(Clone, Copy, Default)]
-struct LineStart {
-    /// From the anchors of the two bodies to the ends (m).
-    arms: [[f64; 3]; 2],
-    /// From a to b (m).
-    separation: [f64; 3],
-    length: f64,
-    rate: f64,
-}
-
-impl AppliedStart {
-    /// Room for the start of a step.
-    pub fn new(mechanism: &Mechanism) -> Self {
-        let forces = &mechanism.forces;
-        AppliedStart {
-            extensions: vec![0.0; forces.joint_springs.len()],
-            lines: vec![LineStart::default(); forces.point_springs.len()],
-            arms: vec![[0.0; 3]; forces.wrenches.len()],
-        }
-    }
-
-    /// Takes the state at the start of a step, with the bodies it places. Does not allocate.
-    pub fn set(&mut self, mechanism: &Mechanism, state: &State, bodies: &[BodyState]) {
-        let forces = &mechanism.forces;
-        for (extension, spring) in self.extensions.iter_mut().zip(&forces.joint_springs) {
-            let slot = spring.coordinate.position;
-            *extension = state.position[slot] - spring.rest + state.compensation[slot];
-        }
-        // From the anchor of a body to a point in its frame.
-        let arm = |body: usize, point: &nalgebra::Vector3<f64>| {
-            bodies[body].rotation * (point - mechanism.bodies[body].joint.on_child.translation.vector)
-        };
-        for (start, spring) in self.lines.iter_mut().zip(&forces.point_springs) {
-            let ends = [&spring.a, &spring.b];
-            let [(from, from_rate), (to, to_rate)] = ends.map(|end| attached_point(end, bodies));
-            let line = Line::new(to - from, &(to_rate - from_rate));
-            *start = LineStart {
-                arms: ends.map(|end| end.body.map_or([0.0; 3], |body| arm(body, &end.frame.translation.vector).into())),
-                separation: line.separation.into(),
-                length: line.length,
-                rate: line.rate,
-            };
-        }
-        for (start, wrench) in self.arms.iter_mut().zip(&forces.wrenches) {
-            *start = arm(wrench.body, &wrench.point).into();
-        }
-    }
-}
-
-impl AppliedPlan {
-    fn new(mechanism: &Mechanism) -> Self {
-        let forces = &mechanism.forces;
-        let mut plan = AppliedPlan {
-            dampers: Vec::new(),
-            springs: forces.joint_springs.iter().map(|spring| (spring.coordinate.freedom, spring.stiffness)).collect(),
-            loads: Vec::new(),
-            balls: Vec::new(),
-            lines: Vec::new(),
-            wrenches: Vec::new(),
-        };
-        for damper in &forces.joint_dampers {
-            match scalar_coordinate(mechanism, damper.freedom) {
-                Some(_) => plan.dampers.push((damper.freedom, damper.coefficient)),
-                None => {
-                    let (ball, axis) = plan.ball(mechanism, damper.freedom);
-                    ball.coefficients[axis] += damper.coefficient;
-                }
-            }
-        }
-        for load in &forces.joint_loads {
-            match scalar_coordinate(mechanism, load.freedom) {
-                Some(_) => plan.loads.push((load.freedom, load.effort)),
-                None => {
-                    let (ball, axis) = plan.ball(mechanism, load.freedom);
-                    ball.efforts[axis] += load.effort;
-                }
-            }
-        }
-        for spring in &forces.point_springs {
-            plan.lines.push(LinePlan {
-                a: spring.a.body,
-                b: spring.b.body,
-                stiffness: spring.stiffness,
-                damping: spring.damping,
-                rest_length: spring.rest_length,
-            });
-        }
-        for wrench in &forces.wrenches {
-            let (body, force, torque) = (wrench.body, wrench.force.into(), wrench.torque.into());
-            plan.wrenches.push(WrenchPlan { body, force, torque });
-        }
-        plan
-    }
-
-    /// The entry of the ball joint that a freedom belongs to, and which of its axes it is.
-    fn ball(&mut self, mechanism: &Mechanism, freedom: usize) -> (&mut Ball, usize) {
-        let owner = mechanism.bodies.iter().rev().find(|body| body.joint.velocity_index <= freedom);
-        let first = owner.map_or(0, |body| body.joint.velocity_index + body.joint.kind.translation_axes().len());
-        let index = self.balls.iter().position(|ball| ball.first == first).unwrap_or_else(|| {
-            self.balls.push(Ball { first, coefficients: [0.0; 3], efforts: [0.0; 3] });
-            self.balls.len() - 1
-        });
-        (&mut self.balls[index], freedom - first)
-    }
 }
 
 impl<V: Lanes> Applied<V> {
@@ -251,11 +140,25 @@ impl<V: Lanes> Applied<V> {
             efforts: vec![V::zero(); mechanism.velocity_count],
             wrenches: vec![(Vector::zero(), Vector::zero()); mechanism.bodies.len()],
             resistance,
+            lines: vec![
+                LineStages { tension: V::zero(), rows: LinePlace::zero(), columns: LinePlace::zero() };
+                mechanism.forces.point_springs.len()
+            ],
             exchange: Exchange::default(),
             plan: AppliedPlan::new(mechanism),
             rows: place(&row_stage, &|lane| tableau.weights[row_stage(lane)]),
             end: place(&|lane| lane + 1, &end_weight),
         }))
+    }
+}
+
+impl<V: Lanes> Applied<V> {
+    /// Column `stage` (0 for the second) of G for a spring and damper on one scalar, rows as lanes.
+    #[inline(always)]
+    pub fn gain(&self, step: f64, stiffness: f64, damping: f64, stage: usize) -> V {
+        let mut own = V::zero_array();
+        own.as_mut()[stage] = stiffness;
+        self.rows.velocity[stage].mul_add(V::splat(damping / step), V::from_array(own) * self.rows.moved)
     }
 }
 
@@ -315,18 +218,15 @@ impl<V: Lanes> Applied<V> {
         }
         for ball in &self.plan.balls {
             let vector = stages.rotation_vector(ball.first).times(place.moved);
-            let (first, second) = tangent(vector.dot(vector));
-            let tilted = |axis: Vector<V>| {
-                let once = vector.cross(axis);
-                vector.cross(once).times_plus(second, once.times_minus(first, axis))
-            };
+            let coefficients = tangent(vector.dot(vector));
+            let turned = |axis: Vector<V>| tilted(vector, axis, coefficients);
             let axes: [Vector<V>; 3] = std::array::from_fn(|axis| Vector::splat(&start.axes[ball.first + axis]));
             let mut turning = Vector::zero();
             for (axis, direction) in axes.iter().enumerate() {
                 let freedom = ball.first + axis;
                 turning = direction.times_plus(rate_of(stages.displacement[freedom], start.rates[freedom]), turning);
             }
-            let spin = tilted(turning);
+            let spin = turned(turning);
             let mut torque = Vector::zero();
             for (axis, direction) in axes.iter().enumerate() {
                 let rate = direction.dot(spin);
@@ -337,7 +237,7 @@ impl<V: Lanes> Applied<V> {
                 work = driving.mul_add(rate, work);
             }
             for (axis, direction) in axes.iter().enumerate() {
-                let along = if end { *direction } else { tilted(*direction) };
+                let along = if end { *direction } else { turned(*direction) };
                 self.efforts[ball.first + axis] = along.dot(torque);
             }
         }
@@ -345,7 +245,7 @@ impl<V: Lanes> Applied<V> {
         if !self.plan.lines.is_empty() || !self.plan.wrenches.is_empty() {
             self.wrenches.fill((Vector::zero(), Vector::zero()));
         }
-        for (line, known) in self.plan.lines.iter().zip(&start.applied.lines) {
+        for ((line, known), seen) in self.plan.lines.iter().zip(&start.applied.lines).zip(&mut self.lines) {
             let swings = [(line.a, &known.arms[0]), (line.b, &known.arms[1])].map(|(body, arm)| match body {
                 Some(body) => swing(&stages.poses[body], arm),
                 None => (Vector::zero(), Vector::zero()),
@@ -357,21 +257,29 @@ impl<V: Lanes> Applied<V> {
             let start_length = V::splat(known.length);
             let growth = separation.plus(stretched).dot(change) * (length + start_length).reciprocal();
             let rate = rate_of(growth, known.rate);
-            let direction = change
-                .times_plus(place.moved, separation)
-                .times((length - start_length).mul_add(place.moved, start_length).reciprocal());
+            let columns = LinePlace {
+                length,
+                direction: stretched.times(length.reciprocal()),
+                arms: [0, 1].map(|end| swings[end].0.plus(Vector::splat(&known.arms[end]))),
+            };
+            let row_length = (length - start_length).mul_add(place.moved, start_length);
+            let rows = LinePlace {
+                length: row_length,
+                direction: change.times_plus(place.moved, separation).times(row_length.reciprocal()),
+                arms: [0, 1].map(|end| swings[end].0.times_plus(place.moved, Vector::splat(&known.arms[end]))),
+            };
             let extension = growth.mul_add(place.moved, V::splat(known.length - line.rest_length));
             let braking = rate * V::splat(line.damping);
             let tension = extension.mul_add(V::splat(line.stiffness), braking);
             dissipated = braking.mul_add(rate, dissipated);
-            let pull = direction.times(tension);
+            *seen = LineStages { tension, rows, columns };
+            let pull = rows.direction.times(tension);
             let ends = [(line.a, 0, pull), (line.b, 1, pull.times(V::splat(-1.0)))];
             for (body, end, force) in ends {
                 if let Some(body) = body {
-                    let arm = swings[end].0.times_plus(place.moved, Vector::splat(&known.arms[end]));
                     let wrench = &mut self.wrenches[body];
                     wrench.0 = wrench.0.plus(force);
-                    wrench.1 = arm.cross_plus(force, wrench.1);
+                    wrench.1 = rows.arms[end].cross_plus(force, wrench.1);
                 }
             }
         }
@@ -442,13 +350,108 @@ fn angular_velocity<V: Lanes>(
 
 #[cfg(test)]
 mod tests {
-    use super::damper_share;
-    use crate::lobatto::tableau::Tableau;
+    use super::*;
+    use crate::forces::PointSpring;
+    use crate::lobatto::lanes::Portable;
+    use crate::model::{Attachment, Body, Coordinate, Joint, JointKind, Pose};
+    use crate::state::State;
+    use nalgebra::{Matrix3, Translation3, Vector3};
 
     #[test]
     fn share_of_a_damper_in_the_inertia_is_exact_for_two_stages_and_falls_with_their_number() {
         let shares: Vec<f64> = (2..=16).map(|stages| damper_share(&Tableau::new(stages).unwrap())).collect();
         assert!((shares[0] - 0.5).abs() < 1e-15 && (shares[1] - 1.0 / 3.0).abs() < 1e-14, "{shares:?}");
         assert!(shares.windows(2).all(|pair| 0.0 < pair[1] && pair[1] < pair[0]), "{shares:?}");
+    }
+
+    /// Two links in a chain with a spring and a damper in a joint and between points of both, somewhere within a step.
+    fn stages() -> Stages<Portable<4>> {
+        let joint = |name: &str, axis: Vector3<f64>| {
+            let turn = nalgebra::Rotation3::rotation_between(&Vector3::z(), &axis).unwrap();
+            let on_child = Pose::from_parts(Translation3::new(-0.4, 0.1, 0.0), turn);
+            Joint::new(name, JointKind::Revolute, Pose::from_parts(Translation3::new(0.5, 0.0, 0.2), turn), on_child)
+        };
+        let body = |name: &str, parent, axis| Body {
+            name: name.into(),
+            parent,
+            mass: 1.0,
+            inertia: Vector3::new(0.1, 0.2, 0.15),
+            joint: joint(name, axis),
+        };
+        let bodies = vec![body("a", None, Vector3::y()), body("b", Some(0), Vector3::x())];
+        let mut mechanism = Mechanism::new("two", Vector3::zeros(), bodies).unwrap();
+        let end = |body, x: f64| Attachment { body, frame: Pose::translation(x, 0.3, -0.2) };
+        mechanism.forces.point_springs = vec![PointSpring {
+            name: "line".into(),
+            a: end(Some(0), -0.3),
+            b: end(Some(1), 0.4),
+            stiffness: 30.0,
+            damping: 2.0,
+            rest_length: 0.5,
+        }];
+        let coordinate = Coordinate { body: 1, position: 1, freedom: 1 };
+        mechanism.forces.joint_springs = vec![crate::forces::JointSpring { coordinate, stiffness: 7.0, rest: 0.1 }];
+        mechanism.forces.joint_dampers = vec![crate::forces::JointDamper { freedom: 1, coefficient: 0.6 }];
+        let mut stages = Stages::new(&mechanism, &Tableau::new(5).unwrap());
+        let mut state = State::zero(&mechanism);
+        (state.position, state.velocity) = (vec![0.3, -0.5], vec![0.7, -1.1]);
+        stages.start.set(&mechanism, &state);
+        stages.step = 0.2;
+        stages.displacement =
+            [0.1, -0.2].map(|by| Portable::from_slice(&[0.2, 0.9, 1.3, 2.0].map(|t| by * t))).to_vec();
+        stages
+    }
+
+    fn evaluated(stages: &mut Stages<Portable<4>>) -> &Applied<Portable<4>> {
+        stages.sweep_poses();
+        stages.sweep_applied(false);
+        stages.applied.as_ref().unwrap()
+    }
+
+    fn at(vector: &Vector<Portable<4>>, lane: usize) -> Vector3<f64> {
+        Vector3::from(vector.0.map(|component| component.to_array()[lane]))
+    }
+
+    #[test]
+    fn gain_and_lines_give_the_derivatives_of_efforts_and_forces_by_every_stage() {
+        const DIFFERENCE: f64 = 1e-6;
+        let mut stages = stages();
+        let step = stages.step;
+        for (freedom, stage) in (0..2).flat_map(|freedom| (0..4).map(move |stage| (freedom, stage))) {
+            let original = stages.displacement[freedom];
+            let mut sides = [-DIFFERENCE, DIFFERENCE].map(|by| {
+                let mut moved = original.to_array();
+                moved[stage] += by;
+                stages.displacement[freedom] = Portable::from_array(moved);
+                let applied = evaluated(&mut stages);
+                let (effort, force) = (applied.efforts[1].to_array(), applied.wrenches[1].0);
+                // The ends of the line, from the anchors and arms at the columns' stages.
+                let line = applied.lines[0].columns;
+                let separation = line.direction.times(line.length);
+                (effort, force, at(&separation, stage))
+            });
+            stages.displacement[freedom] = original;
+            sides.reverse();
+            let slope = |row: usize| (sides[0].0[row] - sides[1].0[row]) / (2.0 * DIFFERENCE);
+            let force_slope = |row: usize| (at(&sides[0].1, row) - at(&sides[1].1, row)) / (2.0 * DIFFERENCE);
+            let moved = (sides[0].2 - sides[1].2) / (2.0 * DIFFERENCE);
+            let applied = evaluated(&mut stages);
+            let line = applied.lines[0];
+            let (joint, along) = (applied.gain(step, 7.0, 0.6, stage), applied.gain(step, 30.0, 2.0, stage));
+            for row in 0..4 {
+                let effort = if freedom == 1 { -joint.to_array()[row] } else { 0.0 };
+                assert!((slope(row) - effort).abs() < 1e-6, "row {row}, stage {stage}: {} {effort}", slope(row));
+                let (u, length) = (at(&line.rows.direction, row), line.rows.length.to_array()[row]);
+                let tension = line.tension.to_array()[row];
+                let growth = at(&line.columns.direction, stage).dot(&moved);
+                let mut force = u * -(along.to_array()[row] * growth);
+                // The last lane is the row of the start, whose geometry is given.
+                if row == stage && row < 3 {
+                    force -= (Matrix3::identity() - u * u.transpose()) * moved * (tension / length);
+                }
+                let found = force_slope(row);
+                assert!((found - force).amax() < 1e-6, "row {row}, stage {stage}: {found} {force}");
+            }
+        }
     }
 }

@@ -1,15 +1,16 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`] (the loop of one step), [`start`], [`stage`] (poses of all
-//! stages), [`residual`], [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations and their solve),
-//! [`anderson`], [`predictor`], [`dense`], [`control`] and [`reversible`] (step length), [`stability`] and [`dynamics`]
-//! (what they need to know), [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
-//! [`elimination`], [`front`], [`projection`] and [`assembly`]; [`literal`] is the scheme word for word,
-//! the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
+//! stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations
+//! and their solve), [`anderson`], [`predictor`], [`dense`], [`control`] and [`reversible`] (step length), [`stability`]
+//! and [`dynamics`] (what they need to know), [`integrator`] (steps strung together); for closed loops [`newton`],
+//! [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`] and [`assembly`]; [`literal`] is the scheme word
+//! for word, the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
 pub mod algebra;
 pub mod anderson;
 pub mod applied;
+pub mod applied_plan;
 pub mod articulated;
 pub mod assembly;
 pub mod closure;

@@ -9,7 +9,7 @@
 //!     axes  = the free axes of the joint: translations turn with the parent, rotations with the body
 //! ```
 
-use super::applied::AppliedStart;
+use super::applied_plan::AppliedStart;
 use crate::forces::total::stored;
 use crate::invariants::Energy;
 use crate::kinematics::{WORLD, forward_kinematics};

@@ -254,7 +254,7 @@ impl<V: Lanes> Stages<V> {
 
 /// A free axis of a ball joint turned by a rotation vector, in the axes of the start: `(1 − k₁ θ̂ + k₂ θ̂²) axis`.
 #[inline(always)]
-fn tilted<V: Lanes>(vector: Vector<V>, axis: Vector<V>, (first, second): (V, V)) -> Vector<V> {
+pub fn tilted<V: Lanes>(vector: Vector<V>, axis: Vector<V>, (first, second): (V, V)) -> Vector<V> {
     let once = vector.cross(axis);
     vector.cross(once).times_plus(second, once.times_minus(first, axis))
 }
