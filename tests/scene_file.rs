@@ -417,12 +417,20 @@ fn the_command_line_goes_before_the_scene_file_and_that_before_the_defaults() {
 fn one_base_for_several_robots_and_what_is_not_simulated_yet_end_with_2_and_no_file() {
     let folder = folder("refused");
     std::fs::write(folder.join("two.toml"), TWO).unwrap();
+    let closed =
+        TWO.to_string() + "[[loop]]\ntype = \"distance\"\na = { link = \"left/tip\" }\nb = { link = \"world\" }";
+    std::fs::write(folder.join("closed.toml"), closed.replace("left/tip\" }", "left/tip\", position = [1, 0, 0] }"))
+        .unwrap();
     let before = std::fs::read_dir(&folder).unwrap().count();
     for (arguments, message) in [
         (vec!["simulate", "two.toml", "--base", "floating"], "two.toml has 2"),
         (vec!["simulate", "two.toml", "--base-pose", "0,0,1,0,0,0"], "two.toml has 2"),
         (vec!["simulate", "two.toml", "--base-velocity", "0,0,1,0,0,0"], "floating base"),
         (vec!["simulate", "two.toml", "--position", "hinge=1"], "\"left/hinge\", \"right/hinge\""),
+        (
+            vec!["chart", "closed.toml", "-o", "charts"],
+            "closed.toml: a chart measures against methods in joint coordinates",
+        ),
     ] {
         let output = run(&folder, &arguments);
         let error = String::from_utf8(output.stderr).unwrap();
