@@ -100,6 +100,7 @@ fn what_is_wrong_is_said_with_file_line_and_key() {
     let cases: Vec<(String, &[&str])> = vec![
         (String::new(), &["scene.toml:1: ", "no [[robot]]"]),
         ("[scene]\nname = \"x".into(), &["scene.toml:2: "]),
+        ("[robot]\nurdf = \"double.urdf\"".into(), &["scene.toml:1: robot: ", "write [[robot]]"]),
         (format!("{ONE}bas = \"fixed\""), &["scene.toml:3: robot.bas: unknown field", "`base`"]),
         (format!("{ONE}[scen]\n"), &["scene.toml:3: scen: unknown field"]),
         (format!("{ONE}[simulation]\nsteps = 3"), &["scene.toml:4: simulation.steps: unknown field"]),
@@ -164,6 +165,10 @@ fn what_is_wrong_is_said_with_file_line_and_key() {
         (
             closing("spherical", &ends("link = \"upper\", position = [0, 0, -1]", "link = \"lower\"")),
             &["scene.toml:3: loop \"c\": ", "whatever they do"],
+        ),
+        (
+            closing("spherical", &ends("link = \"lower\", position = [1e200, 0, 0]", "link = \"world\"")),
+            &["scene.toml:3: loop \"c\": ", "\"lower\" is so far away"],
         ),
         (
             closing("spherical", &ends("link = \"lens\"", "link = \"world\"")),
@@ -417,12 +422,19 @@ fn the_command_line_goes_before_the_scene_file_and_that_before_the_defaults() {
 fn one_base_for_several_robots_and_what_is_not_simulated_yet_end_with_2_and_no_file() {
     let folder = folder("refused");
     std::fs::write(folder.join("two.toml"), TWO).unwrap();
+    let closing =
+        "[[loop]]\ntype = \"distance\"\na = { link = \"left/tip\" }\nb = { link = \"world\", position = [0, 0, 5] }\n";
+    std::fs::write(folder.join("closed.toml"), TWO.to_string() + closing).unwrap();
     let before = std::fs::read_dir(&folder).unwrap().count();
     for (arguments, message) in [
         (vec!["simulate", "two.toml", "--base", "floating"], "two.toml has 2"),
         (vec!["simulate", "two.toml", "--base-pose", "0,0,1,0,0,0"], "two.toml has 2"),
         (vec!["simulate", "two.toml", "--base-velocity", "0,0,1,0,0,0"], "floating base"),
         (vec!["simulate", "two.toml", "--position", "hinge=1"], "\"left/hinge\", \"right/hinge\""),
+        (
+            vec!["chart", "closed.toml", "-o", "charts"],
+            "closed.toml: a chart measures against methods in joint coordinates",
+        ),
     ] {
         let output = run(&folder, &arguments);
         let error = String::from_utf8(output.stderr).unwrap();

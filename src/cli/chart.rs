@@ -10,6 +10,7 @@ use anyhow::{Context, anyhow};
 use catena::chart::measure::Plan;
 use catena::chart::report::Report;
 use catena::chart::{ChartError, Measurement, Scene, measure, read_csv};
+use catena::model::Model;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -135,6 +136,7 @@ fn scenes(arguments: &ChartArgs) -> anyhow::Result<Vec<Scene>> {
     }
     let mut scenes: Vec<Scene> = Vec::new();
     for (mut loaded, input) in inputs.into_iter().zip(&arguments.inputs) {
+        refuse_what_has_no_rival(&loaded.model)?;
         let alone = arguments.inputs.len() == 1;
         let here = |assignments: &[Assignment]| -> Vec<Assignment> {
             let here = assignments.iter().filter(|one| alone || loaded.model.joint(&one.name).is_some());
@@ -152,6 +154,17 @@ fn scenes(arguments: &ChartArgs) -> anyhow::Result<Vec<Scene>> {
         scenes.push(Scene { name, mechanism: model.mechanism, start, duration });
     }
     Ok(scenes)
+}
+
+/// Refuses what the methods in joint coordinates, against which the chart measures, cannot do.
+fn refuse_what_has_no_rival(model: &Model) -> anyhow::Result<()> {
+    if model.mechanism.loops.is_empty() && model.mechanism.mimics.is_empty() {
+        return Ok(());
+    }
+    Err(anyhow!(
+        "{}: a chart measures against methods in joint coordinates, which know neither closed loops nor mimic relations",
+        model.path().display()
+    ))
 }
 
 /// The file name without its ending, numbered if another input has the same.

@@ -25,6 +25,9 @@ pub enum CouplingProblem {
         "link {0:?} is not simulated, because neither it nor anything beyond it has mass; give it a mass and an inertia"
     )]
     DroppedLink(String),
+    /// A point at a distance whose square is infinite.
+    #[error("the point on link {0:?} is so far away that distances to it are infinite")]
+    TooFar(String),
     /// A loop between two frames that cannot move against each other, and lie as it wants them.
     #[error("links {a:?} and {b:?} are fixed to each other, so the loop says nothing new; leave it out")]
     ImpliedByBody { a: String, b: String },

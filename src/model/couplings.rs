@@ -10,7 +10,7 @@ use super::joint::{JointKind, Pose};
 use super::model_error::ModelError;
 use super::robot_model::{JointRecord, Model};
 use crate::kinematics::body_states;
-use crate::scene::{Element, LinkReference, Scene, UrdfJointKind};
+use crate::scene::{Element, LinkReference, Scene, UrdfJointKind, WORLD_LINK};
 use crate::state::{BodyState, State};
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -111,15 +111,24 @@ impl Builder<'_> {
 
     /// The frame of an end, given in its link, in its body.
     pub(super) fn end(&self, link: LinkReference, frame: &Pose, stand: &Stand) -> Result<End, ModelError> {
-        let LinkReference::Link { robot, link } = link else {
-            return Ok(End { attachment: Attachment { body: None, frame: *frame }, link: "world".to_string() });
+        let end = match link {
+            LinkReference::World => {
+                End { attachment: Attachment { body: None, frame: *frame }, link: WORLD_LINK.to_string() }
+            }
+            LinkReference::Link { robot, link } => {
+                let (index, in_body) = self.model.link_of_robot(robot, link);
+                let link = &self.model.links[index];
+                if (self.dropped)(index) {
+                    return Err(stand.refuse(CouplingProblem::DroppedLink(link.name.clone())));
+                }
+                End { attachment: Attachment { body: link.body, frame: in_body * frame }, link: link.name.clone() }
+            }
         };
-        let (index, in_body) = self.model.link_of_robot(robot, link);
-        let link = &self.model.links[index];
-        if (self.dropped)(index) {
-            return Err(stand.refuse(CouplingProblem::DroppedLink(link.name.clone())));
+        // Squares of distances are what loops and springs compute with.
+        if !end.attachment.place(self.bodies).0.norm_squared().is_finite() {
+            return Err(stand.refuse(CouplingProblem::TooFar(end.link)));
         }
-        Ok(End { attachment: Attachment { body: link.body, frame: in_body * frame }, link: link.name.clone() })
+        Ok(end)
     }
 
     /// What became of a joint of a robot.

@@ -22,7 +22,10 @@ impl TomlText<'_> {
             let line = error.span().map(|span| self.line(&span));
             let key = error.span().and_then(|span| self.key(span.start));
             // One line, whatever the file puts into it.
-            let message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+            let mut message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+            if let Some(table) = key.as_ref().filter(|key| !key.contains('.') && message.ends_with("a sequence")) {
+                message = format!("{message}; there may be several: write [[{table}]]");
+            }
             let problem = Box::new(Problem::Toml { key, message });
             SceneError { file: self.file.to_path_buf(), line, element: None, problem }
         })
