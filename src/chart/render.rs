@@ -400,7 +400,8 @@ mod tests {
         for curves in [1, 14, 40] {
             let text = svg(&picture(curves)).unwrap();
             let numbers = |name: &str| -> Vec<i32> {
-                let parts = text.split(&format!(" {name}=\"")).skip(1);
+                let attribute = format!(" {name}=\"");
+                let parts = text.split(&attribute).skip(1);
                 parts.filter_map(|part| part.split('"').next()?.parse().ok()).collect()
             };
             let height = numbers("height")[0];
