@@ -36,27 +36,45 @@ pub fn joint_rates(joint: &Joint, velocity: &[f64]) -> (Vector3<f64>, Vector3<f6
     (translation, rotation)
 }
 
+/// A body in its place, and what was computed on the way there.
+pub struct Placed {
+    /// The body.
+    pub body: BodyState,
+    /// The joint frame on the parent, in the world: `R_p F_p.R`.
+    pub frame: Matrix3<f64>,
+    /// The joint's translation `t`, in that frame (m).
+    pub translation: Vector3<f64>,
+}
+
+/// Places a body on its parent for the positions and velocities of its joint.
+#[inline]
+pub fn place(joint: &Joint, parent: &BodyState, position: &[f64], velocity: &[f64]) -> Placed {
+    let (translation, turn) = joint.displacement(position);
+    let (translation_rate, turn_rate) = joint_rates(joint, velocity);
+    let frame_on_parent = joint.on_parent.rotation.matrix();
+    let arm_on_parent = parent.rotation * (joint.on_parent.translation.vector + frame_on_parent * translation);
+    let frame = parent.rotation * frame_on_parent;
+    let rotation = frame * turn * joint.on_child.rotation.matrix().transpose();
+    let arm_on_child = rotation * joint.on_child.translation.vector;
+    let angular_velocity = parent.angular_velocity + rotation * (joint.on_child.rotation.matrix() * turn_rate);
+    let body = BodyState {
+        position: parent.position + arm_on_parent - arm_on_child,
+        rotation,
+        velocity: parent.velocity
+            + parent.angular_velocity.cross(&arm_on_parent)
+            + parent.rotation * (frame_on_parent * translation_rate)
+            - angular_velocity.cross(&arm_on_child),
+        angular_velocity,
+    };
+    Placed { body, frame, translation }
+}
+
 /// Poses and velocities of all bodies, written into `out` (one entry a body). Does not allocate.
 pub fn forward_kinematics(mechanism: &Mechanism, position: &[f64], velocity: &[f64], out: &mut [BodyState]) {
     for (index, body) in mechanism.bodies.iter().enumerate() {
         let parent = body.parent.map_or(WORLD, |parent| out[parent]);
         let joint = &body.joint;
-        let (translation, turn) = joint.displacement(&position[joint.position_range()]);
-        let (translation_rate, turn_rate) = joint_rates(joint, &velocity[joint.velocity_range()]);
-        let frame_on_parent = joint.on_parent.rotation.matrix();
-        let arm_on_parent = parent.rotation * (joint.on_parent.translation.vector + frame_on_parent * translation);
-        let rotation = parent.rotation * frame_on_parent * turn * joint.on_child.rotation.matrix().transpose();
-        let arm_on_child = rotation * joint.on_child.translation.vector;
-        let angular_velocity = parent.angular_velocity + rotation * (joint.on_child.rotation.matrix() * turn_rate);
-        out[index] = BodyState {
-            position: parent.position + arm_on_parent - arm_on_child,
-            rotation,
-            velocity: parent.velocity
-                + parent.angular_velocity.cross(&arm_on_parent)
-                + parent.rotation * (frame_on_parent * translation_rate)
-                - angular_velocity.cross(&arm_on_child),
-            angular_velocity,
-        };
+        out[index] = place(joint, &parent, &position[joint.position_range()], &velocity[joint.velocity_range()]).body;
     }
 }
 

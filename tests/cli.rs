@@ -385,3 +385,40 @@ fn a_killed_run_leaves_a_readable_log() {
     }
     assert_eq!(salvaged(&bytes, "/robot_description").len(), 1);
 }
+
+#[test]
+fn a_step_beyond_the_stability_limit_is_a_warning_that_names_a_shorter_one() {
+    let folder = folder("beyond");
+    // The rod swings with some 4 rad/s; two stages are stable up to 2 rad a step.
+    let swing = ["simulate", "pendulum.urdf", "--json", "--no-log", "--position", "hinge=1e-9", "--stages", "2"];
+    let report = |step: &str| -> Value {
+        let output = run(&folder, &[&swing[..], &["--step", step, "--duration", "8"]].concat());
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {}", text(&output.stderr)))
+    };
+    let warned = |report: &Value| {
+        report["warnings"].as_array().unwrap().iter().any(|warning| {
+            let warning = warning.as_str().unwrap();
+            warning.contains("stability limit of 2 stages") && warning.contains("use --step below")
+        })
+    };
+    let (short, long) = (report("0.1"), report("0.8"));
+    assert!(!warned(&short), "{}", short["warnings"]);
+    assert!(warned(&long), "{}", long["warnings"]);
+    for (report, beyond) in [(short, false), (long, true)] {
+        let seen = &report["method"]["max_frequency_step"];
+        let (value, limit) = (seen["value"].as_f64().unwrap(), seen["limit"].as_f64().unwrap());
+        assert!((limit - 2.0).abs() < 1e-9 && (value > limit) == beyond, "{seen}");
+    }
+}
+
+#[test]
+fn reversible_steps_start_from_the_given_one_and_are_refused_without_it() {
+    let folder = folder("reversible");
+    let arguments = ["simulate", "pendulum.urdf", "--no-log", "--reversible", "--json", "--position", "hinge=2"];
+    assert_eq!(run(&folder, &arguments).status.code(), Some(2));
+    let output = run(&folder, &[&arguments[..], &["--stages", "5", "--step", "0.05"]].concat());
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    assert_eq!(report["method"]["reversible_resets"], 0);
+    assert_eq!(report["method"]["adaptive"], false);
+    assert_eq!(report["warnings"].as_array().unwrap().len(), 0);
+}

@@ -13,13 +13,14 @@ use plotters::style::{FontTransform, register_font};
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Size of the picture in pixels.
-const SIZE: (u32, u32) = (1280, 800);
+/// Smallest size of the picture in pixels; a long legend makes it larger.
+const SIZE: (i32, i32) = (1280, 800);
 /// Edges of the data area.
 const LEFT: i32 = 112;
 const RIGHT: i32 = 948;
 const TOP: i32 = 92;
-const BOTTOM: i32 = 716;
+/// From the data area to the lower edge of the picture.
+const BELOW: i32 = 84;
 /// Left edge of the legend.
 const LEGEND: i32 = 976;
 
@@ -30,15 +31,42 @@ const FINE_GRID: RGBColor = RGBColor(240, 240, 240);
 /// DejaVu Sans, under the licence beside it; without a font of our own a PNG would depend on what is installed.
 static FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
 
+/// Size of a picture and of its data area, in pixels.
+#[derive(Clone, Copy)]
+struct Page {
+    width: i32,
+    height: i32,
+    /// Lower edge of the data area.
+    bottom: i32,
+}
+
+impl Page {
+    /// Room for everything in the legend.
+    fn new(picture: &Picture) -> Self {
+        let (right, bottom) = legend_extent(picture);
+        let height = SIZE.1.max(bottom + 16);
+        Page { width: SIZE.0.max(right + 16), height, bottom: height - BELOW }
+    }
+
+    fn size(self) -> (u32, u32) {
+        (self.width.unsigned_abs(), self.height.unsigned_abs())
+    }
+
+    fn at_y(self, fraction: f64) -> i32 {
+        (f64::from(self.bottom) - fraction * f64::from(self.bottom - TOP)).round() as i32
+    }
+}
+
 type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
 /// The picture as SVG.
 pub fn svg(picture: &Picture) -> Result<String, ChartError> {
     prepare(picture)?;
+    let page = Page::new(picture);
     let mut text = String::new();
     {
-        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        draw(&area, picture).and_then(|()| area.present()).map_err(|error| failed(picture, &error))?;
+        let area = SVGBackend::with_string(&mut text, page.size()).into_drawing_area();
+        draw(&area, page, picture).and_then(|()| area.present()).map_err(|error| failed(picture, &error))?;
     }
     Ok(text)
 }
@@ -46,8 +74,9 @@ pub fn svg(picture: &Picture) -> Result<String, ChartError> {
 /// The picture as a PNG file.
 pub fn png(picture: &Picture, path: &Path) -> Result<(), ChartError> {
     prepare(picture)?;
-    let area = BitMapBackend::new(path, SIZE).into_drawing_area();
-    draw(&area, picture).and_then(|()| area.present()).map_err(|error| failed(picture, &error))
+    let page = Page::new(picture);
+    let area = BitMapBackend::new(path, page.size()).into_drawing_area();
+    draw(&area, page, picture).and_then(|()| area.present()).map_err(|error| failed(picture, &error))
 }
 
 fn failed(picture: &Picture, reason: &dyn std::fmt::Display) -> ChartError {
@@ -119,11 +148,7 @@ fn at_x(fraction: f64) -> i32 {
     (f64::from(LEFT) + fraction * f64::from(RIGHT - LEFT)).round() as i32
 }
 
-fn at_y(fraction: f64) -> i32 {
-    (f64::from(BOTTOM) - fraction * f64::from(BOTTOM - TOP)).round() as i32
-}
-
-fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, picture: &Picture) -> Drawn<DB> {
+fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, picture: &Picture) -> Drawn<DB> {
     area.fill(&WHITE)?;
     let points = || picture.panels.iter().flat_map(|panel| &panel.series).flat_map(|series| &series.points);
     let x = Axis::new(&picture.x, points().map(|point| point.0));
@@ -131,48 +156,55 @@ fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, picture: &Picture) ->
     for band in &picture.bands {
         let edge = x.fraction(band.below).map_or(if band.below.log10() > x.range.1 { RIGHT } else { LEFT }, at_x);
         if edge > LEFT {
-            area.draw(&Rectangle::new([(LEFT, TOP), (edge, BOTTOM)], BLACK.mix(band.strength).filled()))?;
+            area.draw(&Rectangle::new([(LEFT, TOP), (edge, page.bottom)], BLACK.mix(band.strength).filled()))?;
         }
     }
-    draw_axes(area, &x, &y)?;
+    draw_axes(area, page, &x, &y)?;
     text(area, &picture.title, (LEFT, 20), 28, HPos::Left, INK)?;
     text(area, &picture.subtitle, (LEFT, 58), 18, HPos::Left, RGBColor(90, 90, 90))?;
     // Ours are drawn last, on top.
     for series in picture.panels.iter().rev().flat_map(|panel| panel.series.iter()) {
-        draw_series(area, series, &x, &y)?;
+        draw_series(area, page, series, &x, &y)?;
     }
     draw_legend(area, picture)
 }
 
-fn draw_axes<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, x: &Axis, y: &Axis) -> Drawn<DB> {
+fn draw_axes<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, x: &Axis, y: &Axis) -> Drawn<DB> {
+    let bottom = page.bottom;
     for &(line, strong) in &x.grid {
         let at = at_x(x.tick_fraction(line));
-        area.draw(&PathElement::new(vec![(at, TOP), (at, BOTTOM)], grid_color(strong)))?;
+        area.draw(&PathElement::new(vec![(at, TOP), (at, bottom)], grid_color(strong)))?;
     }
     for &(line, strong) in &y.grid {
-        let at = at_y(y.tick_fraction(line));
+        let at = page.at_y(y.tick_fraction(line));
         area.draw(&PathElement::new(vec![(LEFT, at), (RIGHT, at)], grid_color(strong)))?;
     }
-    area.draw(&Rectangle::new([(LEFT, TOP), (RIGHT, BOTTOM)], INK.stroke_width(1)))?;
+    area.draw(&Rectangle::new([(LEFT, TOP), (RIGHT, bottom)], INK.stroke_width(1)))?;
     for (tick, label) in &x.ticks {
         let at = at_x(x.tick_fraction(*tick));
-        area.draw(&PathElement::new(vec![(at, BOTTOM), (at, BOTTOM + 6)], INK))?;
-        text(area, label, (at, BOTTOM + 11), 20, HPos::Center, INK)?;
+        area.draw(&PathElement::new(vec![(at, bottom), (at, bottom + 6)], INK))?;
+        text(area, label, (at, bottom + 11), 20, HPos::Center, INK)?;
     }
     for (tick, label) in &y.ticks {
-        let at = at_y(y.tick_fraction(*tick));
+        let at = page.at_y(y.tick_fraction(*tick));
         area.draw(&PathElement::new(vec![(LEFT - 6, at), (LEFT, at)], INK))?;
         let style = ("sans-serif", 20).into_font().color(&INK).pos(Pos::new(HPos::Right, VPos::Center));
         area.draw(&Text::new(label.clone(), (LEFT - 11, at), style))?;
     }
-    text(area, &x.label, ((LEFT + RIGHT) / 2, BOTTOM + 44), 22, HPos::Center, INK)?;
+    text(area, &x.label, ((LEFT + RIGHT) / 2, bottom + 44), 22, HPos::Center, INK)?;
     let upright = ("sans-serif", 22).into_font().transform(FontTransform::Rotate270).color(&INK);
     let upright = upright.pos(Pos::new(HPos::Center, VPos::Top));
-    area.draw(&Text::new(y.label.clone(), (16, (TOP + BOTTOM) / 2), upright))
+    area.draw(&Text::new(y.label.clone(), (16, (TOP + bottom) / 2), upright))
 }
 
-fn draw_series<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, series: &Series, x: &Axis, y: &Axis) -> Drawn<DB> {
-    let place = |&(a, b): &(f64, f64)| Some((at_x(x.fraction(a)?), at_y(y.fraction(b)?)));
+fn draw_series<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    page: Page,
+    series: &Series,
+    x: &Axis,
+    y: &Axis,
+) -> Drawn<DB> {
+    let place = |&(a, b): &(f64, f64)| Some((at_x(x.fraction(a)?), page.at_y(y.fraction(b)?)));
     let pixels: Vec<(i32, i32)> = series.points.iter().filter_map(place).collect();
     draw_line(area, &pixels, &series.look)?;
     for &pixel in pixels.iter().step_by(series.markers_every.max(1)) {
@@ -236,34 +268,61 @@ fn draw_marker<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, (x, y): (i32, 
     area.draw(&PathElement::new(closed, color(look).stroke_width(2)))
 }
 
+/// Heights of the legend's rows in pixels: a heading, a curve, a line of a band and of a note, and the space after each group.
+const HEADING: i32 = 34;
+const CURVE: i32 = 27;
+const BAND_LINE: i32 = 21;
+const NOTE: i32 = 25;
+const SPACE: i32 = 8;
+/// Left edge of the words beside a sample, from the edge of the legend.
+const WORDS: i32 = 54;
+
+/// Right and lower edge of the legend in pixels.
+fn legend_extent(picture: &Picture) -> (i32, i32) {
+    // A letter of this font is on average half as wide as it is high.
+    let end = |words: &str, indent: i32, size: i32| LEGEND + indent + words.chars().count() as i32 * size * 11 / 20;
+    let (mut right, mut bottom) = (LEGEND, TOP + SPACE);
+    for panel in picture.panels.iter().filter(|panel| !panel.series.is_empty()) {
+        bottom += HEADING + CURVE * panel.series.len() as i32 + SPACE;
+        right = panel.series.iter().fold(right, |right, series| right.max(end(&series.label, WORDS, 18)));
+    }
+    for line in picture.bands.iter().flat_map(|band| band.label.lines()) {
+        bottom += BAND_LINE;
+        right = right.max(end(line, WORDS, 16));
+    }
+    bottom += SPACE * picture.bands.len() as i32 + NOTE * picture.notes.len() as i32;
+    let right = picture.notes.iter().fold(right, |right, note| right.max(end(note, 0, 18)));
+    (right, bottom)
+}
+
 fn draw_legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, picture: &Picture) -> Drawn<DB> {
     let mut y = TOP;
     for panel in picture.panels.iter().filter(|panel| !panel.series.is_empty()) {
         text(area, &panel.heading, (LEGEND, y), 18, HPos::Left, RGBColor(90, 90, 90))?;
-        y += 34;
+        y += HEADING;
         for series in &panel.series {
             let middle = y + 2;
             draw_line(area, &[(LEGEND, middle), (LEGEND + 44, middle)], &series.look)?;
             draw_marker(area, (LEGEND + 22, middle), &series.look)?;
             let style = ("sans-serif", 18).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
-            area.draw(&Text::new(series.label.clone(), (LEGEND + 54, middle), style))?;
-            y += 27;
+            area.draw(&Text::new(series.label.clone(), (LEGEND + WORDS, middle), style))?;
+            y += CURVE;
         }
-        y += 8;
+        y += SPACE;
     }
     for band in &picture.bands {
         area.draw(&Rectangle::new([(LEGEND, y), (LEGEND + 44, y + 18)], BLACK.mix(band.strength).filled()))?;
         area.draw(&Rectangle::new([(LEGEND, y), (LEGEND + 44, y + 18)], GRID.stroke_width(1)))?;
         for line in band.label.lines() {
-            text(area, line, (LEGEND + 54, y), 16, HPos::Left, INK)?;
-            y += 21;
+            text(area, line, (LEGEND + WORDS, y), 16, HPos::Left, INK)?;
+            y += BAND_LINE;
         }
-        y += 8;
+        y += SPACE;
     }
-    y += 8;
+    y += SPACE;
     for note in &picture.notes {
         text(area, note, (LEGEND, y), 18, HPos::Left, INK)?;
-        y += 25;
+        y += NOTE;
     }
     Ok(())
 }
@@ -308,4 +367,50 @@ fn round_ticks((from, to): (f64, f64)) -> Vec<(f64, String)> {
     let digits = (-step.log10().floor()).max(0.0) as usize;
     let (first, last) = ((from / step).ceil() as i64, (to / step + 1e-9).floor() as i64);
     (first..=last).map(|k| k as f64 * step).map(|tick| (tick, format!("{tick:.digits$}"))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chart::picture::Panel;
+    use crate::chart::style::look;
+
+    /// A picture with so many curves of other programs.
+    fn picture(curves: usize) -> Picture {
+        let scale = |label: &str| Scale::Log { label: label.to_string(), least: 1e-12, most: 1e12 };
+        let curve = |index: usize| Series {
+            label: format!("a program with quite a long name, {index}"),
+            look: look("other", index),
+            points: vec![(1e-3, 1e-3), (1e-6, 1e-2)],
+            markers_every: 1,
+        };
+        Picture {
+            title: String::new(),
+            subtitle: String::new(),
+            x: scale("error"),
+            y: scale("cost"),
+            bands: Vec::new(),
+            panels: vec![Panel { heading: "others".to_string(), series: (0..curves).map(curve).collect() }],
+            notes: vec!["a note".to_string()],
+        }
+    }
+
+    #[test]
+    fn every_row_of_a_long_legend_is_inside_the_picture() {
+        for curves in [1, 14, 40] {
+            let text = svg(&picture(curves)).unwrap();
+            let numbers = |name: &str| -> Vec<i32> {
+                let attribute = format!(" {name}=\"");
+                let parts = text.split(&attribute).skip(1);
+                parts.filter_map(|part| part.split('"').next()?.parse().ok()).collect()
+            };
+            let height = numbers("height")[0];
+            let lowest = numbers("y").into_iter().max().unwrap();
+            assert!(lowest + 10 <= height, "{curves} curves: a row at {lowest} of {height} pixels");
+            // Short legends leave the picture as it is.
+            assert_eq!(height == SIZE.1, curves < 20, "{curves} curves, {height} pixels");
+            // 36 letters of a font of 18 pixels take some 350 of them.
+            assert!(numbers("width")[0] >= LEGEND + WORDS + 350);
+        }
+    }
 }

@@ -14,7 +14,8 @@ use catena::lobatto::assembly::redundancy;
 use catena::log::{Recorder, Severity};
 use catena::model::{Mechanism, Model, PlacedRobot, Pose};
 use catena::report::{
-    AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports, loop_reports,
+    AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports,
+    loop_reports,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Integrator, Observer, RunError, RunOptions, run as run_simulation};

@@ -237,7 +237,7 @@ impl Lobatto {
                         outcome.iterations += failure.iterations();
                         outcome.rejected += 1;
                         if halving == 0 && plain {
-                            self.look(self.watch.iterations(), length, state.time);
+                            self.look(self.watch.iterations_after_failure(), length, state.time);
                         }
                         if halving == HALVINGS && plain {
                             return Err(self.failure(mechanism, state.time, length, &failure));
@@ -334,7 +334,7 @@ impl Lobatto {
                 if plain {
                     rule.fail();
                     halvings += 1;
-                    self.look(self.watch.iterations(), length, state.time);
+                    self.look(self.watch.iterations_after_failure(), length, state.time);
                     if halvings > HALVINGS {
                         return Err(self.failure(mechanism, state.time, length, &attempt));
                     }

@@ -12,10 +12,10 @@
 //! off and used next time. κ = 0 is the guess `q₀ + h c v₀`, which needs no past.
 
 use super::lanes::Lanes;
-use super::stage::{MAX_LANES, Stages};
+use super::stage::{MAX_LANES, Stages, half_angle};
 use super::tableau::Tableau;
 use crate::model::FreeRotation;
-use crate::state::{quaternion_exponential, quaternion_logarithm, quaternion_product};
+use crate::state::{quaternion_logarithm, quaternion_product};
 
 /// At most so many degrees of freedom vote on the order.
 const VOTERS: usize = 48;
@@ -30,6 +30,8 @@ pub struct Predictor<V> {
     differences: Vec<f64>,
     /// `x² Π (x − x_k)` of the last guess.
     basis: [V; MAX_LANES],
+    /// `1 / (x_n − x_k)` of the last guess; kept because clearing it would take longer than filling what is used.
+    inverse: [[f64; MAX_LANES]; MAX_LANES],
     /// Length of the step the past comes from, zero for none.
     old_step: f64,
     /// The order in use.
@@ -46,6 +48,7 @@ impl<V: Lanes> Predictor<V> {
             past: vec![0.0; freedoms * nodes.len()],
             differences: vec![0.0; freedoms * nodes.len()],
             basis: [V::zero(); MAX_LANES],
+            inverse: [[0.0; MAX_LANES]; MAX_LANES],
             old_step: 0.0,
             order: nodes.len().min(2),
             used: 0,
@@ -82,12 +85,11 @@ impl<V: Lanes> Predictor<V> {
         let ratio = self.old_step / step;
         let mut x = [0.0; MAX_LANES];
         let mut inverse_square = [0.0; MAX_LANES];
-        let mut inverse = [[0.0; MAX_LANES]; MAX_LANES];
         for n in 0..terms {
             x[n] = self.nodes[n] * ratio;
             inverse_square[n] = 1.0 / (x[n] * x[n]);
             for k in 0..n {
-                inverse[n][k] = 1.0 / (x[n] - x[k]);
+                self.inverse[n][k] = 1.0 / (x[n] - x[k]);
             }
         }
         self.basis[0] = nodes * nodes;
@@ -101,7 +103,7 @@ impl<V: Lanes> Predictor<V> {
             for n in 0..terms {
                 let mut value = (past[n] - x[n] * advance) * inverse_square[n];
                 for k in 0..n {
-                    value = (value - differences[k]) * inverse[n][k];
+                    value = (value - differences[k]) * self.inverse[n][k];
                 }
                 differences[n] = value;
             }
@@ -139,18 +141,18 @@ impl<V: Lanes> Predictor<V> {
     }
 
     /// The past of a ball joint: rotation vectors from the new start, `log(exp(−θ_s) exp(θ_n))`.
+    #[inline(always)]
     fn learn_ball(&mut self, stages: &Stages<V>, freedom: usize) {
         let count = self.nodes.len();
         let last = stages.coefficients.active - 1;
-        let lane = |axis: usize, lane: usize| stages.displacement[freedom + axis].to_array().as_ref()[lane];
-        let back = quaternion_exponential(&[-lane(0, last), -lane(1, last), -lane(2, last)]);
+        let turn = [0, 1, 2].map(|axis| stages.displacement[freedom + axis]);
+        let (cosine, sine) = half_angle(turn[2].mul_add(turn[2], turn[1].mul_add(turn[1], turn[0] * turn[0])));
+        let lanes = [cosine, sine * turn[0], sine * turn[1], sine * turn[2]].map(|part| part.to_array());
+        let at = |stage: usize| [0, 1, 2, 3].map(|part| lanes[part].as_ref()[stage]);
+        let [w, x, y, z] = at(last);
+        let back = [w, -x, -y, -z];
         for n in 0..count {
-            let turned = if n < last {
-                let stage = last - 1 - n;
-                quaternion_product(&back, &quaternion_exponential(&[lane(0, stage), lane(1, stage), lane(2, stage)]))
-            } else {
-                back
-            };
+            let turned = if n < last { quaternion_product(&back, &at(last - 1 - n)) } else { back };
             let vector = quaternion_logarithm(&turned);
             for axis in 0..3 {
                 self.past[(freedom + axis) * count + n] = vector[axis];

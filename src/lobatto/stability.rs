@@ -102,6 +102,11 @@ impl Watch {
         if self.latest.is_some() { 1 } else { 4 }
     }
 
+    /// The number of power iterations to look with where a step has failed, which has cost more than they do.
+    pub fn iterations_after_failure(&self) -> usize {
+        4
+    }
+
     /// Takes a look: the frequency at `time`, if it can be known, where steps of `step` are being made.
     pub fn see(&mut self, frequency: Option<f64>, step: f64, time: f64) {
         self.wait = INTERVAL;

@@ -12,7 +12,7 @@
 use super::applied_plan::AppliedStart;
 use crate::forces::total::stored;
 use crate::invariants::Energy;
-use crate::kinematics::{WORLD, forward_kinematics};
+use crate::kinematics::{Placed, WORLD, place};
 use crate::model::{FreeRotation, JointKind, Mechanism};
 use crate::state::{BodyState, State};
 
@@ -177,18 +177,18 @@ impl Start {
 
     /// Takes the state at the start of a step. Does not allocate.
     pub fn set(&mut self, mechanism: &Mechanism, state: &State) {
-        forward_kinematics(mechanism, &state.position, &state.velocity, &mut self.states);
         self.rates.copy_from_slice(&state.velocity);
         let mut energy = Energy::default();
         for (index, body) in mechanism.bodies.iter().enumerate() {
-            let own = self.states[index];
             let joint = &body.joint;
-            let parent_rotation = body.parent.map_or(WORLD.rotation, |parent| self.states[parent].rotation);
-            let (translation, _) = joint.displacement(&state.position[joint.position_range()]);
-            let frame = parent_rotation * joint.on_parent.rotation.matrix();
+            let parent = body.parent.map_or(WORLD, |parent| self.states[parent]);
+            let (position, velocity) =
+                (&state.position[joint.position_range()], &state.velocity[joint.velocity_range()]);
+            let Placed { body: own, frame, translation } = place(joint, &parent, position, velocity);
+            self.states[index] = own;
             let com = -(own.rotation * joint.on_child.translation.vector);
             // The anchor on the parent, from the parent's own anchor, without a difference of world positions.
-            let mut arm = parent_rotation * joint.on_parent.translation.vector + frame * translation;
+            let mut arm = parent.rotation * joint.on_parent.translation.vector + frame * translation;
             if let Some(parent) = body.parent {
                 for axis in 0..3 {
                     arm[axis] += self.bodies[parent].com[axis];
@@ -224,14 +224,13 @@ impl Start {
                 self.axes[slot] = frame.column(axis).into_owned().into();
                 slot += 1;
             }
-            let child_frame = own.rotation * joint.on_child.rotation.matrix();
             let rotations: &[usize] = match joint.kind.rotation() {
                 FreeRotation::None => &[],
                 FreeRotation::AboutZ => &[2],
                 FreeRotation::Ball => &[0, 1, 2],
             };
             for &axis in rotations {
-                self.axes[slot] = child_frame.column(axis).into_owned().into();
+                self.axes[slot] = (own.rotation * joint.on_child.rotation.matrix().column(axis)).into();
                 slot += 1;
             }
         }

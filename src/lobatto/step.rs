@@ -74,7 +74,7 @@ impl StopRule {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attempt {
     /// The stage equations are solved; `legendre` is `E`, the largest top Legendre coefficient of any joint displacement
-    /// and of any body's rotation matrix over the step.
+    /// and of any body's rotation matrix over the step; zero if the rule does not limit it.
     Converged { iterations: usize, legendre: f64 },
     /// The iteration was broken off, because the step is too long for the wanted accuracy.
     Inaccurate { iterations: usize, legendre: f64 },
@@ -235,7 +235,9 @@ impl<V: Lanes> Kernel<V> {
                 increment <= wanted * scale || (increment <= rounding * scale && increment > 0.5 * previous);
             if converged {
                 self.stages.advance();
-                return Attempt::Converged { iterations: iteration, legendre: self.legendre() };
+                // Fixed steps do not ask how accurate they are.
+                let legendre = if rule.legendre.is_finite() { self.legendre() } else { 0.0 };
+                return Attempt::Converged { iterations: iteration, legendre };
             }
             // By then the iterate shows the shape of the motion to a digit or two.
             if iteration == 4 && rule.legendre.is_finite() {
@@ -257,7 +259,7 @@ impl<V: Lanes> Kernel<V> {
             };
             scale = largest.max(1.0);
             if largest > MAX_TURN
-                && let Some(freedom) = self.turned_too_far()
+                && let Some(freedom) = in_lanes!(V, turned_too_far(&self.stages))
             {
                 return Attempt::TurnedTooFar { iterations: iteration, freedom };
             }
@@ -370,23 +372,6 @@ impl<V: Lanes> Step for Kernel<V> {
 }
 
 impl<V: Lanes> Kernel<V> {
-    /// The first degree of freedom whose rotation has left what the series of the stage poses represent.
-    fn turned_too_far(&self) -> Option<usize> {
-        let stages = &self.stages;
-        stages.plan.bodies.iter().find_map(|plan| {
-            let first = plan.first_axis + plan.translations;
-            let square = match plan.rotation {
-                FreeRotation::None => return None,
-                FreeRotation::AboutZ => (stages.displacement[first] * stages.displacement[first]).largest(),
-                FreeRotation::Ball => {
-                    let vector = stages.rotation_vector(first);
-                    vector.dot(vector).largest()
-                }
-            };
-            (square > MAX_TURN * MAX_TURN).then_some(first)
-        })
-    }
-
     /// E of the latest iterate. The scheme represents a step by polynomials of the rotation
     /// matrices' entries, so that these count as well as the joint displacements: a steady spin is a straight line in
     /// joint coordinates and no polynomial at all in R⁹.
@@ -413,4 +398,21 @@ fn largest_coefficient<V: Lanes>(stages: &Stages<V>, top: V, start: f64) -> f64 
         largest = largest.max((twice * z).sum().abs()).max(cosine.abs());
     }
     largest
+}
+
+/// The first degree of freedom whose rotation has left what the series of the stage poses represent.
+#[inline(always)]
+fn turned_too_far<V: Lanes>(stages: &Stages<V>) -> Option<usize> {
+    stages.plan.bodies.iter().find_map(|plan| {
+        let first = plan.first_axis + plan.translations;
+        let square = match plan.rotation {
+            FreeRotation::None => return None,
+            FreeRotation::AboutZ => (stages.displacement[first] * stages.displacement[first]).largest(),
+            FreeRotation::Ball => {
+                let vector = stages.rotation_vector(first);
+                vector.dot(vector).largest()
+            }
+        };
+        (square > MAX_TURN * MAX_TURN).then_some(first)
+    })
 }
