@@ -14,6 +14,9 @@ const OPEN: f64 = 1e-9;
 /// Rates that the projection leaves larger than this, of the largest rate, contradict each other.
 const CONTRADICTION: f64 = 1e-7;
 
+/// Velocities below this [m/s, rad/s] decide no branch.
+const AT_REST: f64 = 1e-9;
+
 /// What the projection of the start changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Correction {
@@ -53,12 +56,39 @@ pub enum AssemblyError {
          nearer to where it closes, or check its frames"
     )]
     Open { closure: String, gap: f64 },
+    /// At rest in a singular position.
+    #[error(
+        "the mechanism starts at rest in a singular position, where its closures leave {extra} more degrees of freedom than beside it: \
+         which way it moves is not decided; give an initial velocity, or start it elsewhere"
+    )]
+    Undecided { extra: usize },
     /// The closures allow no velocity at all like the initial one.
     #[error(
         "the initial velocities contradict the closure {closure:?}: its ends would part with {rate:.3e} (m/s or rad/s); give \
          velocities that the loops allow"
     )]
     Contradiction { closure: String, rate: f64 },
+}
+
+/// Equations that are redundant in a state and not beside it: more than none in a singular position, where a mechanism has
+/// more freedom for an instant and may leave on one of several branches.
+///
+/// The neighbour is a configuration some 10⁻³ (rad, m) away, in no direction that any mechanism is likely to prefer, put
+/// back on the closures.
+pub fn extra_freedom(mechanism: &Mechanism, state: &State) -> usize {
+    let here = redundancy(mechanism, state).count();
+    if here == 0 {
+        return 0;
+    }
+    let aside: Vec<f64> = (0..mechanism.velocity_count).map(|freedom| 1e-3 * (1.7 * freedom as f64 + 0.4).sin()).collect();
+    let mut neighbour = state.clone();
+    neighbour.displace(mechanism, &aside);
+    let (mut projection, mut start) = (Projection::new(mechanism), Start::new(mechanism));
+    let Projected { gap, .. } = projection.positions(mechanism, &mut start, &mut neighbour);
+    if !(gap <= OPEN) {
+        return 0;
+    }
+    here.saturating_sub(redundancy(mechanism, &neighbour).count())
 }
 
 /// The name of a closure: the loops first, then the mimics.
@@ -94,6 +124,12 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
         return Err(AssemblyError::Contradiction { closure: closure_name(mechanism, worst).to_string(), rate });
     }
     correction.velocity = changed;
+    if state.velocity.iter().all(|rate| rate.abs() < AT_REST) {
+        let extra = extra_freedom(mechanism, state);
+        if extra > 0 {
+            return Err(AssemblyError::Undecided { extra });
+        }
+    }
     Ok(correction)
 }
 

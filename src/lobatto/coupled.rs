@@ -28,8 +28,8 @@ use super::start::{Plan, Start};
 use super::tableau::Tableau;
 use crate::model::{Attachment, FreeRotation, Mechanism};
 
-/// ε, as a part of the mobility of an equation.
-const PROXIMAL: f64 = 1e-8;
+/// ε of all solves: large against the square of the gaps that iterates leave, small against what is weak.
+pub const PROXIMAL: f64 = 1e-8;
 
 /// The matrix entries of the scheme, as the system needs them.
 struct Mixing<V> {
@@ -69,6 +69,8 @@ pub struct Coupled<V: Lanes> {
     pub efforts: Vec<V>,
     /// Length of the step (s).
     pub step: f64,
+    /// ε, as a part of the mobility of an equation.
+    pub proximal: f64,
     attachments: Vec<[Attachment; 2]>,
     ends: Vec<[EndStart; 2]>,
     origin: [f64; 3],
@@ -174,6 +176,7 @@ impl<V: Lanes> Coupled<V> {
             loops: mechanism.loops.len(),
             efforts: vec![V::zero(); mechanism.velocity_count],
             step: 0.0,
+            proximal: PROXIMAL,
             origin: [0.0; 3],
             moved: vec![[still; 2]; bodies],
             bias: vec![(Vector::zero(), Vector::zero()); bodies],
@@ -422,7 +425,7 @@ impl<V: Lanes> Coupled<V> {
                     self.left_over[*row] = mobility(&mut self.fronts, level, *slot, &self.mixing) / self.scales[*row];
                     self.fronts.take_multiplier(level, *slot, columns);
                     if self.equations[*row] != Equation::Line {
-                        let proximal = V::splat(PROXIMAL * self.scales[*row]);
+                        let proximal = V::splat(self.proximal * self.scales[*row]);
                         for (entry, solve) in self.fronts.pivot().iter_mut().zip(&self.mixing.solve) {
                             *entry = solve.mul_add(proximal, *entry);
                         }

@@ -7,7 +7,7 @@
 //!
 //! The proximal term of the solve leaves a part ε of every gap, so that it is repeated until nothing is left.
 
-use super::coupled::Coupled;
+use super::coupled::{Coupled, PROXIMAL};
 use super::elimination::Row;
 use super::lanes::{Lanes, Portable};
 use super::start::{Plan, Start};
@@ -17,9 +17,11 @@ use nalgebra::Vector3;
 
 type One = Portable<1>;
 
-/// An equation whose mobility the others of its mechanism reduce to this part says nothing new. The proximal term leaves some
-/// 1e-8 of it.
-const IMPLIED: f64 = 1e-6;
+/// An equation whose mobility the others of its mechanism reduce to this part says nothing new: it falls with the square of
+/// the distance from where it is implied, so that a mechanism is singular within some 1e-5 rad of the position.
+const IMPLIED: f64 = 1e-10;
+/// ε where ranks are counted: it leaves about as much of every mobility.
+const COUNTING: f64 = 1e-13;
 
 /// Largest number of repetitions.
 const ROUNDS: usize = 40;
@@ -223,7 +225,9 @@ impl Projection {
     /// For every equation its closure, and whether the equations before it imply it at this configuration.
     pub fn redundant(&mut self, start: &Start) -> Vec<(usize, bool)> {
         self.evaluate(start);
+        self.coupled.proximal = COUNTING;
         self.solve(start);
+        self.coupled.proximal = PROXIMAL;
         let left = self.coupled.left_over.iter();
         self.rows.iter().zip(left).map(|(row, left)| (row.closure, !(left.abs() > IMPLIED))).collect()
     }
