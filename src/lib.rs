@@ -3,8 +3,8 @@
 //! Data flows one way, and nothing below imports anything to its right:
 //!
 //! ```text
-//!     URDF → scene → model (reduce) → mechanism → integrator → simulation → log | report | chart
-//!                                         └→ reduced (joint coordinates: the comparator and a test oracle)
+//!     URDF, scene file → scene → model (reduce) → mechanism → integrator → simulation → log | report | chart
+//!                                                     └→ reduced (joint coordinates: the comparator and a test oracle)
 //! ```
 //!
 //! In reading order:
