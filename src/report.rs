@@ -90,9 +90,9 @@ pub struct MethodReport {
 /// How near a step came to the limit of linear stability.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct FrequencyReport {
-    /// Step times frequency of the fastest mode [rad].
+    /// Step times frequency of the fastest mode (rad).
     pub value: f64,
-    /// Where the scheme becomes unstable [rad].
+    /// Where the scheme becomes unstable (rad).
     pub limit: f64,
     /// The step (s).
     pub step: f64,

@@ -1,5 +1,7 @@
 //! Closed loops and mimic relations: order, gaps, redundancy, singular positions, assembly.
 
+#![allow(clippy::excessive_precision, reason = "reference values stand as their source prints them")]
+
 mod closed;
 
 use catena::closures::{loop_gaps, mimic_gap};
@@ -7,6 +9,7 @@ use catena::invariants::energy;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::lobatto::assembly::{AssemblyError, assemble, redundancy};
+use catena::lobatto::elimination::Elimination;
 use catena::model::{Attachment, Body, Coordinate, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Mimic, Pose};
 use catena::reactions::Reactions;
 use catena::simulation::Integrator;
@@ -406,4 +409,11 @@ fn a_start_at_rest_in_a_singular_position_is_undecided_and_said_to_be() {
         }
         assemble(&mechanism, &mut beside).unwrap();
     }
+}
+
+#[test]
+fn the_fronts_of_ladders_do_not_grow_with_their_length() {
+    let slots = |count| Elimination::new(&closed::four_bars(count, 5).0, false).slots;
+    // The twist, and the equations of two neighbouring loops.
+    assert_eq!((slots(10), slots(100), slots(1000)), (16, 16, 16));
 }

@@ -21,6 +21,9 @@ use models::Model;
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 
 #[test]
+/// Second derivatives of a centre of mass and of a rotation matrix.
+type Acceleration = (Vector3<f64>, Matrix3<f64>);
+
 fn the_stability_limits_are_those_of_the_pair() {
     // Known in closed form: 2 for Störmer and Verlet, √8 for three stages; the others by independent computation
     // (a scan of the 2 x 2 propagation with the tableau from another program), to the digits given.
@@ -86,7 +89,7 @@ fn dense_frequencies(mechanism: &Mechanism, state: &State) -> (f64, f64) {
     let t = 1e-3 / (1.0 + state.velocity.iter().fold(0.0, |most: f64, rate| most.max(rate.abs())));
     let at = [poses(-2.0 * t), poses(-t), poses(0.0), poses(t), poses(2.0 * t)];
     let weights = [-1.0, 16.0, -30.0, 16.0, -1.0].map(|weight| weight / (12.0 * t * t));
-    let second = |body: usize| -> (Vector3<f64>, Matrix3<f64>) {
+    let second = |body: usize| -> Acceleration {
         let zero = (Vector3::zeros(), Matrix3::zeros());
         at.iter().zip(weights).fold(zero, |sum, (poses, weight)| {
             (sum.0 + weight * poses[body].position, sum.1 + weight * poses[body].rotation)
@@ -94,7 +97,7 @@ fn dense_frequencies(mechanism: &Mechanism, state: &State) -> (f64, f64) {
     };
     let held: Vec<_> = (0..mechanism.bodies.len()).map(second).collect();
     let action = |poses: &[BodyState]| -> f64 {
-        let term = |(body, (pose, held)): (&catena::model::Body, (&BodyState, &(Vector3<f64>, Matrix3<f64>)))| {
+        let term = |(body, (pose, held)): (&catena::model::Body, (&BodyState, &Acceleration))| {
             let sigma = Vector3::repeat(0.5 * body.inertia.sum()) - body.inertia;
             body.mass * (held.0 - mechanism.gravity).dot(&pose.position)
                 + (held.1 * Matrix3::from_diagonal(&sigma) * pose.rotation.transpose()).trace()

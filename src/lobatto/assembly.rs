@@ -80,12 +80,13 @@ pub fn extra_freedom(mechanism: &Mechanism, state: &State) -> usize {
     if here == 0 {
         return 0;
     }
-    let aside: Vec<f64> = (0..mechanism.velocity_count).map(|freedom| 1e-3 * (1.7 * freedom as f64 + 0.4).sin()).collect();
+    let aside: Vec<f64> =
+        (0..mechanism.velocity_count).map(|freedom| 1e-3 * (1.7 * freedom as f64 + 0.4).sin()).collect();
     let mut neighbour = state.clone();
     neighbour.displace(mechanism, &aside);
     let (mut projection, mut start) = (Projection::new(mechanism), Start::new(mechanism));
     let Projected { gap, .. } = projection.positions(mechanism, &mut start, &mut neighbour);
-    if !(gap <= OPEN) {
+    if gap.is_nan() || gap > OPEN {
         return 0;
     }
     here.saturating_sub(redundancy(mechanism, &neighbour).count())
@@ -111,8 +112,7 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
     let mut projection = Projection::new(mechanism);
     let mut start = Start::new(mechanism);
     let Projected { gap, worst, correction: moved } = projection.positions(mechanism, &mut start, state);
-    // A NaN is open too.
-    if !(gap <= OPEN) {
+    if gap.is_nan() || gap > OPEN {
         return Err(AssemblyError::Open { closure: closure_name(mechanism, worst).to_string(), gap });
     }
     correction.position = moved;
@@ -120,7 +120,7 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
     let fastest = state.velocity.iter().fold(1.0_f64, |most, rate| most.max(rate.abs()));
     let Projected { gap: rate, worst, correction: changed } =
         projection.velocities(mechanism, &start, &mut state.velocity);
-    if !(rate <= CONTRADICTION * fastest) {
+    if rate.is_nan() || rate > CONTRADICTION * fastest {
         return Err(AssemblyError::Contradiction { closure: closure_name(mechanism, worst).to_string(), rate });
     }
     correction.velocity = changed;

@@ -1,6 +1,6 @@
 //! The equations of loop joints at all stages: gaps, and the directions in which their multipliers push.
 //!
-//! With the points `P_a`, `P_b` [m] and axes `x, y, z` of the two frames ([`crate::model::LoopJoint`]), `d = P_b − P_a`, every
+//! With the points `P_a`, `P_b` (m) and axes `x, y, z` of the two frames ([`crate::model::LoopJoint`]), `d = P_b − P_a`, every
 //! equation has one gradient, a wrench `(f, t)` about the common origin that acts on b, and its opposite on a:
 //!
 //! ```text

@@ -418,7 +418,7 @@ impl<V: Lanes> Coupled<V> {
                     }
                     for &(row, _) in measure {
                         // Nothing moves along this equation: any scale will do, but not zero.
-                        if !(self.scales[row] > PROXIMAL * largest) {
+                        if self.scales[row] <= PROXIMAL * largest {
                             self.scales[row] = if largest > 0.0 { largest } else { 1.0 };
                         }
                     }

@@ -113,7 +113,7 @@ impl Projection {
             self.evaluate_rates(mechanism, start, velocity);
             (done.gap, done.worst) = self.largest_gap();
             // Rounding: what is left does not fall any more.
-            if done.gap == 0.0 || !(done.gap < 0.5 * last) {
+            if done.gap == 0.0 || done.gap.is_nan() || done.gap >= 0.5 * last {
                 break;
             }
             last = done.gap;
@@ -189,7 +189,7 @@ impl Projection {
                 *gap = One::splat(value);
             }
             let (gap, _) = self.largest_gap();
-            if gap == 0.0 || !(gap < 0.5 * last) {
+            if gap == 0.0 || gap.is_nan() || gap >= 0.5 * last {
                 break;
             }
             last = gap;
@@ -229,6 +229,6 @@ impl Projection {
         self.solve(start);
         self.coupled.proximal = PROXIMAL;
         let left = self.coupled.left_over.iter();
-        self.rows.iter().zip(left).map(|(row, left)| (row.closure, !(left.abs() > IMPLIED))).collect()
+        self.rows.iter().zip(left).map(|(row, left)| (row.closure, left.is_nan() || left.abs() <= IMPLIED)).collect()
     }
 }
