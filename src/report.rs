@@ -10,7 +10,7 @@ use crate::lobatto::assembly::Redundancy;
 use crate::model::joint::wxyz_from_rotation;
 use crate::model::{JointRecord, LinkFrame, LoopJoint, Model};
 use crate::reactions::{LoopReaction, Reactions};
-use crate::simulation::{FrequencyStep, MethodDescription, Summary};
+use crate::simulation::{FrequencyStep, MethodDescription, SingularPosition, Summary};
 use crate::state::State;
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -289,6 +289,17 @@ impl MethodReport {
             rounded(seen.longest())
         ))
     }
+}
+
+/// What the user should know, if closures said less somewhere in the run than elsewhere.
+pub fn singular_warning(description: &MethodDescription) -> Option<String> {
+    let SingularPosition { time, extra } = description.singular?;
+    let (equations, are) = if extra == 1 { ("constraint", "is") } else { ("constraints", "are") };
+    Some(format!(
+        "near t = {} s the mechanism passes a singular position, where {extra} more {equations} {are} redundant and inertia alone \
+         decides the branch",
+        rounded(time)
+    ))
 }
 
 impl EnergyReport {

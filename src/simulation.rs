@@ -29,8 +29,19 @@ pub struct MethodDescription {
     pub tolerance: Option<f64>,
     /// The nearest that any step came to the limit of linear stability, as far as it was looked at.
     pub frequency_step: Option<FrequencyStep>,
+    /// Where the closures were nearest to saying less than elsewhere, as far as ends of steps show it.
+    pub singular: Option<SingularPosition>,
     /// How often the symmetry of reversible steps was broken; `None` for steps that are not.
     pub reversible_resets: Option<usize>,
+}
+
+/// An end of a step within about a milliradian of a singular position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SingularPosition {
+    /// When (s).
+    pub time: f64,
+    /// How many more equations are redundant there than elsewhere in the run.
+    pub extra: usize,
 }
 
 /// The nearest that a run has come to the limit of stability, or the first step beyond it.

@@ -67,6 +67,7 @@ impl Integrator for Coasting {
             adaptive: false,
             tolerance: None,
             frequency_step: None,
+            singular: None,
             reversible_resets: None,
         }
     }

@@ -20,10 +20,10 @@ use common::shared;
 use models::Model;
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 
-#[test]
 /// Second derivatives of a centre of mass and of a rotation matrix.
 type Acceleration = (Vector3<f64>, Matrix3<f64>);
 
+#[test]
 fn the_stability_limits_are_those_of_the_pair() {
     // Known in closed form: 2 for Störmer and Verlet, √8 for three stages; the others by independent computation
     // (a scan of the 2 x 2 propagation with the tableau from another program), to the digits given.

@@ -15,7 +15,7 @@ use catena::log::{Recorder, Severity};
 use catena::model::{Mechanism, Model, PlacedRobot, Pose};
 use catena::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports,
-    loop_reports,
+    loop_reports, singular_warning,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Integrator, Observer, RunError, RunOptions, run as run_simulation};
@@ -189,6 +189,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .map(ToString::to_string)
             .chain(accuracy.as_ref().and_then(AccuracyReport::warning))
             .chain(MethodReport::warning(&method))
+            .chain(singular_warning(&method))
             .collect(),
         accuracy,
         log: output,

@@ -14,7 +14,7 @@ use super::start::Start;
 use super::step::{Attempt, Step, StopRule};
 use super::tableau::{Tableau, TableauError};
 use crate::model::{FreeRotation, Mechanism};
-use crate::simulation::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::simulation::{Integrator, MethodDescription, SingularPosition, StepError, StepOutcome};
 use crate::state::{State, quaternion_exponential, quaternion_product};
 
 /// A step is halved at most this often before the integrator gives up.
@@ -54,11 +54,34 @@ pub struct Lobatto {
     end: State,
     /// Brings interpolated positions and velocities back on the closures.
     closing: Option<Closing>,
+    ranks: Ranks,
     last_step: f64,
     steps: usize,
     stepped_time: f64,
     /// What the last call left behind; anything else means that somebody moved the state.
     left_at: Option<f64>,
+}
+
+/// Numbers of redundant equations at ends of steps.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ranks {
+    fewest: Option<usize>,
+    most: usize,
+    most_at: f64,
+}
+
+impl Ranks {
+    fn see(&mut self, redundant: usize, time: f64) {
+        self.fewest = Some(self.fewest.map_or(redundant, |fewest| fewest.min(redundant)));
+        if redundant > self.most {
+            (self.most, self.most_at) = (redundant, time);
+        }
+    }
+
+    fn singular(&self) -> Option<SingularPosition> {
+        let extra = self.most.saturating_sub(self.fewest?);
+        (extra > 0).then_some(SingularPosition { time: self.most_at, extra })
+    }
 }
 
 /// A projection, and the state it works on.
@@ -149,6 +172,7 @@ impl Lobatto {
             dense: DenseRule::new(&tableau),
             watch: Watch::new(&tableau),
             tableau,
+            ranks: Ranks::default(),
             closing: mechanism.has_closures().then(|| Closing {
                 projection: Projection::new(mechanism),
                 start: Start::new(mechanism),
@@ -179,6 +203,9 @@ impl Lobatto {
 
     /// Accepts the finished step of length `step`: moves `state` to its end, at time `time`.
     fn accept(&mut self, state: &mut State, step: f64, time: f64) {
+        if let Some(redundant) = self.kernel.redundant() {
+            self.ranks.see(redundant, time);
+        }
         self.kernel.accept();
         self.origin.copy_from(state);
         self.end.time = time;
@@ -430,6 +457,7 @@ impl Integrator for Lobatto {
             adaptive,
             tolerance,
             frequency_step: self.watch.nearest(),
+            singular: self.ranks.singular(),
             reversible_resets: resets,
         }
     }

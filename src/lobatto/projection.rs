@@ -20,6 +20,9 @@ type One = Portable<1>;
 /// An equation whose mobility the others of its mechanism reduce to this part says nothing new: it falls with the square of
 /// the distance from where it is implied, so that a mechanism is singular within some 1e-5 rad of the position.
 const IMPLIED: f64 = 1e-10;
+/// What counts as nearly implied: the ε of ordinary solves leaves some 1e-8 of every mobility, and a milliradian from the
+/// position 1e-6.
+const WEAK: f64 = 1e-6;
 /// ε where ranks are counted: it leaves about as much of every mobility.
 const COUNTING: f64 = 1e-13;
 
@@ -201,6 +204,11 @@ impl Projection {
                 *sum += increment.to_array().as_ref()[0];
             }
         }
+    }
+
+    /// Number of equations that the others imply, or nearly imply, where the latest solve was.
+    pub fn weak(&self) -> usize {
+        self.coupled.left_over.iter().filter(|left| left.is_nan() || left.abs() <= WEAK).count()
     }
 
     /// Number of equations of all closures.

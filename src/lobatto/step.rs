@@ -119,6 +119,8 @@ pub trait Step {
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy;
     /// Energy dissipated in the finished step, and work put into it, by the quadrature of the scheme (J).
     fn exchange(&self) -> Exchange;
+    /// Number of equations of the closures that the others imply at the end of the finished step; none without closures.
+    fn redundant(&self) -> Option<usize>;
     /// Keeps the finished step: its end is the start of the next one.
     fn accept(&mut self);
     /// Displacement of a degree of freedom at the stages 2 … s of the last solved step.
@@ -335,6 +337,10 @@ impl<V: Lanes> Step for Kernel<V> {
 
     fn exchange(&self) -> Exchange {
         self.stages.applied.as_ref().map_or(Exchange::default(), |applied| applied.exchange)
+    }
+
+    fn redundant(&self) -> Option<usize> {
+        self.projection.as_ref().map(Projection::weak)
     }
 
     fn accept(&mut self) {

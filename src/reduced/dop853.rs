@@ -223,6 +223,7 @@ impl Integrator for Dop853 {
             adaptive,
             tolerance,
             frequency_step: None,
+            singular: None,
             reversible_resets: None,
         }
     }

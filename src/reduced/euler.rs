@@ -86,6 +86,7 @@ impl Integrator for Euler {
             adaptive: false,
             tolerance: None,
             frequency_step: None,
+            singular: None,
             reversible_resets: None,
         }
     }

@@ -98,6 +98,7 @@ impl Integrator for Rk4 {
             adaptive: false,
             tolerance: None,
             frequency_step: None,
+            singular: None,
             reversible_resets: None,
         }
     }
