@@ -279,6 +279,38 @@ fn any_damper_alone_is_stable_for_any_step() {
     }
 }
 
+/// Growth of the solutions of `y'' = −ω² y − 2ζω y'` in one step with h = 1: spectral radius of the step.
+fn growth(tableau: &Tableau, omega: f64, damping_ratio: f64) -> f64 {
+    let s = tableau.stages;
+    let (stiffness, damping) = (omega * omega, 2.0 * damping_ratio * omega);
+    let a = DMatrix::from_row_slice(s, s, &tableau.a);
+    let a_bar = DMatrix::from_row_slice(s, s, &tableau.a_bar);
+    let weights = DVector::from_vec(tableau.weights.clone());
+    let ones = DVector::from_element(s, 1.0);
+    // F = −k Y − c V,  V = v₀ + Ā F,  Y = y₀ + A V.
+    let system = (DMatrix::identity(s, s) + &a * &a_bar * stiffness + &a_bar * damping).lu();
+    let by_position = system.solve(&(&ones * -stiffness)).unwrap();
+    let by_velocity = system.solve(&(&a * &ones * -stiffness - &ones * damping)).unwrap();
+    let step = nalgebra::Matrix2::new(
+        1.0 + weights.dot(&(&a_bar * &by_position)),
+        1.0 + weights.dot(&(&a_bar * &by_velocity)),
+        weights.dot(&by_position),
+        1.0 + weights.dot(&by_velocity),
+    );
+    step.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+}
+
+#[test]
+fn spring_under_a_hard_damper_limits_the_step_at_the_documented_place() {
+    // benches/README.md: h ω = (s − 1) √(2s) for any hard damper; a per mille to either side.
+    for stages in 2..=9 {
+        let tableau = Tableau::new(stages).unwrap();
+        let limit = (stages as f64 - 1.0) * (2.0 * stages as f64).sqrt();
+        assert!(growth(&tableau, 0.999 * limit, 1e3) < 1.0, "s={stages}");
+        assert!(growth(&tableau, 1.001 * limit, 1e3) > 1.0, "s={stages}");
+    }
+}
+
 #[test]
 fn slow_motion_under_a_stiff_damper_keeps_its_accuracy_at_thousands_of_its_time_constants() {
     // A pendulum in honey: c θ' = −m g l sin θ but for the inertia, tan(θ/2) = tan(θ₀/2) exp(−t m g l / c). The damper's time
@@ -289,14 +321,15 @@ fn slow_motion_under_a_stiff_damper_keeps_its_accuracy_at_thousands_of_its_time_
     let fall = 9.81 * 0.5 / coefficient;
     model.state.position[0] = 2.0;
     model.state.velocity[0] = -fall * 2.0_f64.sin();
-    for stages in [2, 3, 4, 5] {
+    for stages in [2, 3, 5, 9] {
         let (end, summary) = run(&model, &mut fixed(&model, stages, 0.1), 100.0);
         let expected = 2.0 * (1.0_f64.tan() * (-100.0 * fall).exp()).atan();
         let error = (end.position[0] - expected).abs();
         println!("s={stages}: {error:.1e}, {} iterations, halved {}", summary.iterations, summary.rejected_steps);
         // The inertia left out of the formula changes the motion by (m g l / c)² I / (m g l) of itself: below 1e-8.
         assert!(error < 1e-7, "s={stages}: {error:.1e}");
-        assert_eq!(summary.rejected_steps, 0, "s={stages}");
+        // No step is halved: with nine stages the simplified iteration gives up now and then before the exact one is asked.
+        assert_eq!(summary.steps, 1000, "s={stages}");
     }
 }
 

@@ -25,15 +25,6 @@
 //!     κ = max |μ|² / Re μ           ½, ⅓, 0.272, 0.2375, … 0.176 for s = 2, 3, 4, 5, … 9; exact for s = 2
 //! ```
 //!
-//! The exact Newton matrix ([`super::coupled`]) finds here what it needs. With the derivative of an effort or a tension at
-//! row k by its scalar at stage i, and the ends of a spring displaced by δP_a, δP_b,
-//!
-//! ```text
-//!     G_ki  = k [i = k ≥ 2] + (c/h) (Ā B)_ki                                  Applied::gain
-//!     δτ_k  = −Σ_i G_ki δθ_i
-//!     δT_k  =  Σ_i G_ki u_i·(δP_b − δP_a)_i,     δF_b,k = −u_k δT_k − (T_k/ℓ_k) (1 − u uᵀ)_k (δP_b − δP_a)_k [k ≥ 2]
-//! ```
-//!
 //! Lengths are changed without cancellation: `ℓ_i − ℓ₀ = (2 d₀ + Δd_i)·Δd_i / (ℓ_i + ℓ₀)`.
 //!
 //! What dampers dissipate and what torques without potential put in is summed by the quadrature of the scheme,
@@ -65,41 +56,11 @@ pub struct Applied<V> {
     pub resistance: Vec<f64>,
     /// What the finished step dissipated, and the work put into it (J).
     pub exchange: Exchange,
-    /// Every point spring, at the rows' and at the columns' stages; as many as in the mechanism, in its order.
-    pub lines: Vec<LineStages<V>>,
     plan: AppliedPlan,
     /// Where the rows take their velocities from.
     rows: Place<V>,
     /// The same with the end of the step in the last lane.
     end: Place<V>,
-}
-
-/// A point spring at all stages.
-#[derive(Clone, Copy)]
-pub struct LineStages<V> {
-    /// Tension at the rows' stages (N).
-    pub tension: V,
-    /// Its line at the rows' stages.
-    pub rows: LinePlace<V>,
-    /// Its line at the columns' stages, 2 … s.
-    pub columns: LinePlace<V>,
-}
-
-/// The line of a point spring, in world axes.
-#[derive(Clone, Copy)]
-pub struct LinePlace<V> {
-    /// Length (m).
-    pub length: V,
-    /// Direction from a to b.
-    pub direction: Vector<V>,
-    /// From the anchors of the two bodies to the ends (m).
-    pub arms: [Vector<V>; 2],
-}
-
-impl<V: Lanes> LinePlace<V> {
-    fn zero() -> Self {
-        LinePlace { length: V::zero(), direction: Vector::zero(), arms: [Vector::zero(); 2] }
-    }
 }
 
 /// Which stage each lane stands for, and what makes velocities of displacements there.
@@ -140,25 +101,11 @@ impl<V: Lanes> Applied<V> {
             efforts: vec![V::zero(); mechanism.velocity_count],
             wrenches: vec![(Vector::zero(), Vector::zero()); mechanism.bodies.len()],
             resistance,
-            lines: vec![
-                LineStages { tension: V::zero(), rows: LinePlace::zero(), columns: LinePlace::zero() };
-                mechanism.forces.point_springs.len()
-            ],
             exchange: Exchange::default(),
             plan: AppliedPlan::new(mechanism),
             rows: place(&row_stage, &|lane| tableau.weights[row_stage(lane)]),
             end: place(&|lane| lane + 1, &end_weight),
         }))
-    }
-}
-
-impl<V: Lanes> Applied<V> {
-    /// Column `stage` (0 for the second) of G for a spring and damper on one scalar, rows as lanes.
-    #[inline(always)]
-    pub fn gain(&self, step: f64, stiffness: f64, damping: f64, stage: usize) -> V {
-        let mut own = V::zero_array();
-        own.as_mut()[stage] = stiffness;
-        self.rows.velocity[stage].mul_add(V::splat(damping / step), V::from_array(own) * self.rows.moved)
     }
 }
 
@@ -245,7 +192,7 @@ impl<V: Lanes> Applied<V> {
         if !self.plan.lines.is_empty() || !self.plan.wrenches.is_empty() {
             self.wrenches.fill((Vector::zero(), Vector::zero()));
         }
-        for ((line, known), seen) in self.plan.lines.iter().zip(&start.applied.lines).zip(&mut self.lines) {
+        for (line, known) in self.plan.lines.iter().zip(&start.applied.lines) {
             let swings = [(line.a, &known.arms[0]), (line.b, &known.arms[1])].map(|(body, arm)| match body {
                 Some(body) => swing(&stages.poses[body], arm),
                 None => (Vector::zero(), Vector::zero()),
@@ -257,29 +204,21 @@ impl<V: Lanes> Applied<V> {
             let start_length = V::splat(known.length);
             let growth = separation.plus(stretched).dot(change) * (length + start_length).reciprocal();
             let rate = rate_of(growth, known.rate);
-            let columns = LinePlace {
-                length,
-                direction: stretched.times(length.reciprocal()),
-                arms: [0, 1].map(|end| swings[end].0.plus(Vector::splat(&known.arms[end]))),
-            };
-            let row_length = (length - start_length).mul_add(place.moved, start_length);
-            let rows = LinePlace {
-                length: row_length,
-                direction: change.times_plus(place.moved, separation).times(row_length.reciprocal()),
-                arms: [0, 1].map(|end| swings[end].0.times_plus(place.moved, Vector::splat(&known.arms[end]))),
-            };
+            let direction = change
+                .times_plus(place.moved, separation)
+                .times((length - start_length).mul_add(place.moved, start_length).reciprocal());
             let extension = growth.mul_add(place.moved, V::splat(known.length - line.rest_length));
             let braking = rate * V::splat(line.damping);
             let tension = extension.mul_add(V::splat(line.stiffness), braking);
             dissipated = braking.mul_add(rate, dissipated);
-            *seen = LineStages { tension, rows, columns };
-            let pull = rows.direction.times(tension);
+            let pull = direction.times(tension);
             let ends = [(line.a, 0, pull), (line.b, 1, pull.times(V::splat(-1.0)))];
             for (body, end, force) in ends {
                 if let Some(body) = body {
                     let wrench = &mut self.wrenches[body];
                     wrench.0 = wrench.0.plus(force);
-                    wrench.1 = rows.arms[end].cross_plus(force, wrench.1);
+                    let arm = swings[end].0.times_plus(place.moved, Vector::splat(&known.arms[end]));
+                    wrench.1 = arm.cross_plus(force, wrench.1);
                 }
             }
         }
@@ -350,108 +289,13 @@ fn angular_velocity<V: Lanes>(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::forces::PointSpring;
-    use crate::lobatto::lanes::Portable;
-    use crate::model::{Attachment, Body, Coordinate, Joint, JointKind, Pose};
-    use crate::state::State;
-    use nalgebra::{Matrix3, Translation3, Vector3};
+    use super::damper_share;
+    use crate::lobatto::tableau::Tableau;
 
     #[test]
     fn share_of_a_damper_in_the_inertia_is_exact_for_two_stages_and_falls_with_their_number() {
         let shares: Vec<f64> = (2..=16).map(|stages| damper_share(&Tableau::new(stages).unwrap())).collect();
         assert!((shares[0] - 0.5).abs() < 1e-15 && (shares[1] - 1.0 / 3.0).abs() < 1e-14, "{shares:?}");
         assert!(shares.windows(2).all(|pair| 0.0 < pair[1] && pair[1] < pair[0]), "{shares:?}");
-    }
-
-    /// Two links in a chain with a spring and a damper in a joint and between points of both, somewhere within a step.
-    fn stages() -> Stages<Portable<4>> {
-        let joint = |name: &str, axis: Vector3<f64>| {
-            let turn = nalgebra::Rotation3::rotation_between(&Vector3::z(), &axis).unwrap();
-            let on_child = Pose::from_parts(Translation3::new(-0.4, 0.1, 0.0), turn);
-            Joint::new(name, JointKind::Revolute, Pose::from_parts(Translation3::new(0.5, 0.0, 0.2), turn), on_child)
-        };
-        let body = |name: &str, parent, axis| Body {
-            name: name.into(),
-            parent,
-            mass: 1.0,
-            inertia: Vector3::new(0.1, 0.2, 0.15),
-            joint: joint(name, axis),
-        };
-        let bodies = vec![body("a", None, Vector3::y()), body("b", Some(0), Vector3::x())];
-        let mut mechanism = Mechanism::new("two", Vector3::zeros(), bodies).unwrap();
-        let end = |body, x: f64| Attachment { body, frame: Pose::translation(x, 0.3, -0.2) };
-        mechanism.forces.point_springs = vec![PointSpring {
-            name: "line".into(),
-            a: end(Some(0), -0.3),
-            b: end(Some(1), 0.4),
-            stiffness: 30.0,
-            damping: 2.0,
-            rest_length: 0.5,
-        }];
-        let coordinate = Coordinate { body: 1, position: 1, freedom: 1 };
-        mechanism.forces.joint_springs = vec![crate::forces::JointSpring { coordinate, stiffness: 7.0, rest: 0.1 }];
-        mechanism.forces.joint_dampers = vec![crate::forces::JointDamper { freedom: 1, coefficient: 0.6 }];
-        let mut stages = Stages::new(&mechanism, &Tableau::new(5).unwrap());
-        let mut state = State::zero(&mechanism);
-        (state.position, state.velocity) = (vec![0.3, -0.5], vec![0.7, -1.1]);
-        stages.start.set(&mechanism, &state);
-        stages.step = 0.2;
-        stages.displacement =
-            [0.1, -0.2].map(|by| Portable::from_slice(&[0.2, 0.9, 1.3, 2.0].map(|t| by * t))).to_vec();
-        stages
-    }
-
-    fn evaluated(stages: &mut Stages<Portable<4>>) -> &Applied<Portable<4>> {
-        stages.sweep_poses();
-        stages.sweep_applied(false);
-        stages.applied.as_ref().unwrap()
-    }
-
-    fn at(vector: &Vector<Portable<4>>, lane: usize) -> Vector3<f64> {
-        Vector3::from(vector.0.map(|component| component.to_array()[lane]))
-    }
-
-    #[test]
-    fn gain_and_lines_give_the_derivatives_of_efforts_and_forces_by_every_stage() {
-        const DIFFERENCE: f64 = 1e-6;
-        let mut stages = stages();
-        let step = stages.step;
-        for (freedom, stage) in (0..2).flat_map(|freedom| (0..4).map(move |stage| (freedom, stage))) {
-            let original = stages.displacement[freedom];
-            let mut sides = [-DIFFERENCE, DIFFERENCE].map(|by| {
-                let mut moved = original.to_array();
-                moved[stage] += by;
-                stages.displacement[freedom] = Portable::from_array(moved);
-                let applied = evaluated(&mut stages);
-                let (effort, force) = (applied.efforts[1].to_array(), applied.wrenches[1].0);
-                // The ends of the line, from the anchors and arms at the columns' stages.
-                let line = applied.lines[0].columns;
-                let separation = line.direction.times(line.length);
-                (effort, force, at(&separation, stage))
-            });
-            stages.displacement[freedom] = original;
-            sides.reverse();
-            let slope = |row: usize| (sides[0].0[row] - sides[1].0[row]) / (2.0 * DIFFERENCE);
-            let force_slope = |row: usize| (at(&sides[0].1, row) - at(&sides[1].1, row)) / (2.0 * DIFFERENCE);
-            let moved = (sides[0].2 - sides[1].2) / (2.0 * DIFFERENCE);
-            let applied = evaluated(&mut stages);
-            let line = applied.lines[0];
-            let (joint, along) = (applied.gain(step, 7.0, 0.6, stage), applied.gain(step, 30.0, 2.0, stage));
-            for row in 0..4 {
-                let effort = if freedom == 1 { -joint.to_array()[row] } else { 0.0 };
-                assert!((slope(row) - effort).abs() < 1e-6, "row {row}, stage {stage}: {} {effort}", slope(row));
-                let (u, length) = (at(&line.rows.direction, row), line.rows.length.to_array()[row]);
-                let tension = line.tension.to_array()[row];
-                let growth = at(&line.columns.direction, stage).dot(&moved);
-                let mut force = u * -(along.to_array()[row] * growth);
-                // The last lane is the row of the start, whose geometry is given.
-                if row == stage && row < 3 {
-                    force -= (Matrix3::identity() - u * u.transpose()) * moved * (tension / length);
-                }
-                let found = force_slope(row);
-                assert!((found - force).amax() < 1e-6, "row {row}, stage {stage}: {found} {force}");
-            }
-        }
     }
 }
