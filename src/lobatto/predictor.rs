@@ -12,10 +12,10 @@
 //! off and used next time. κ = 0 is the guess `q₀ + h c v₀`, which needs no past.
 
 use super::lanes::Lanes;
-use super::stage::{MAX_LANES, Stages, half_angle};
+use super::stage::{MAX_LANES, Stages};
 use super::tableau::Tableau;
 use crate::model::FreeRotation;
-use crate::state::{quaternion_logarithm, quaternion_product};
+use crate::state::{quaternion_exponential, quaternion_logarithm, quaternion_product};
 
 /// At most so many degrees of freedom vote on the order.
 const VOTERS: usize = 48;
@@ -141,18 +141,18 @@ impl<V: Lanes> Predictor<V> {
     }
 
     /// The past of a ball joint: rotation vectors from the new start, `log(exp(−θ_s) exp(θ_n))`.
-    #[inline(always)]
     fn learn_ball(&mut self, stages: &Stages<V>, freedom: usize) {
         let count = self.nodes.len();
         let last = stages.coefficients.active - 1;
-        let turn = [0, 1, 2].map(|axis| stages.displacement[freedom + axis]);
-        let (cosine, sine) = half_angle(turn[2].mul_add(turn[2], turn[1].mul_add(turn[1], turn[0] * turn[0])));
-        let lanes = [cosine, sine * turn[0], sine * turn[1], sine * turn[2]].map(|part| part.to_array());
-        let at = |stage: usize| [0, 1, 2, 3].map(|part| lanes[part].as_ref()[stage]);
-        let [w, x, y, z] = at(last);
-        let back = [w, -x, -y, -z];
+        let lane = |axis: usize, lane: usize| stages.displacement[freedom + axis].to_array().as_ref()[lane];
+        let back = quaternion_exponential(&[-lane(0, last), -lane(1, last), -lane(2, last)]);
         for n in 0..count {
-            let turned = if n < last { quaternion_product(&back, &at(last - 1 - n)) } else { back };
+            let turned = if n < last {
+                let stage = last - 1 - n;
+                quaternion_product(&back, &quaternion_exponential(&[lane(0, stage), lane(1, stage), lane(2, stage)]))
+            } else {
+                back
+            };
             let vector = quaternion_logarithm(&turned);
             for axis in 0..3 {
                 self.past[(freedom + axis) * count + n] = vector[axis];

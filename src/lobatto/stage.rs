@@ -240,7 +240,7 @@ fn compose<V: Lanes>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (V, Vector<V>)
 
 /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`], by their Taylor series.
 #[inline(always)]
-pub fn half_angle<V: Lanes>(square: V) -> (V, V) {
+fn half_angle<V: Lanes>(square: V) -> (V, V) {
     // (−1/4)ⁿ/(2n)! and ½ (−1/4)ⁿ/(2n+1)!; at φ = 3.1 the first term left out is below 3e-17.
     const COSINE: [f64; 12] = series(0, 1.0);
     const SINE: [f64; 12] = series(1, 0.5);
