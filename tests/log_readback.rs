@@ -1,7 +1,7 @@
 //! The log, read back by the mcap crate and decoded by hand: what it says is what was simulated.
 
 use catena::kinematics::{WORLD, forward_kinematics};
-use catena::log::{Recorder, Severity};
+use catena::log::{Ending, Recorder, Severity};
 use catena::model::{Base, Mechanism, Model, ModelOptions, joint::rotation_from_wxyz};
 use catena::scene::{PackagePath, robot_from_text};
 use catena::simulation::{
@@ -106,7 +106,7 @@ fn log_seen_by(name: &str, duration: f64, onlooker: &mut Onlooker) -> Vec<u8> {
     let (_, ended) =
         run(&model.mechanism, &mut state, &mut Coasting { step: 0.05 }, &options, &mut [&mut recorder, onlooker]);
     ended.expect("nothing can fail");
-    recorder.finish().expect("the log is completed");
+    recorder.finish(Ending::default()).expect("the log is completed");
     std::fs::read(&path).expect("the log is readable")
 }
 
@@ -298,7 +298,7 @@ fn joints_of_several_numbers_are_logged_as_transforms_and_twists() {
     let options = RunOptions { duration: 1e-9, rate: None, interrupt: None };
     let (_, ended) = run(&model.mechanism, &mut state, &mut Coasting { step: 1.0 }, &options, &mut [&mut recorder]);
     ended.expect("nothing can fail");
-    recorder.finish().expect("the log is completed");
+    recorder.finish(Ending::default()).expect("the log is completed");
     let bytes = std::fs::read(&path).expect("the log is readable");
     let messages = messages(&bytes);
     let mut cdr = Cdr::new(of_topic(&messages, "/multi_dof_joint_states")[0]);
@@ -331,7 +331,7 @@ fn a_link_that_is_the_world_frame_has_no_transform() {
     let mut state = model.zero_state();
     let (_, ended) = run(&model.mechanism, &mut state, &mut Coasting { step: 0.1 }, &options, &mut [&mut recorder]);
     ended.expect("nothing can fail");
-    recorder.finish().expect("the log is completed");
+    recorder.finish(Ending::default()).expect("the log is completed");
     let bytes = std::fs::read(&path).expect("the log is readable");
     let messages = messages(&bytes);
     let transforms = FrameTransforms::decode(&*of_topic(&messages, "/tf")[0].data).expect("transforms").transforms;
@@ -400,7 +400,7 @@ fn what_ended_a_run_is_the_last_line_of_the_log() {
     let model = arm();
     let mut recorder = Recorder::create(&path, &model, simulation()).expect("the log is created");
     recorder.say(Severity::Error, "it broke");
-    recorder.finish().expect("the log is completed");
+    recorder.finish(Ending::default()).expect("the log is completed");
     let bytes = std::fs::read(&path).expect("the log is readable");
     let messages = messages(&bytes);
     let last = Log::decode(&*of_topic(&messages, "/log").last().expect("a line").data).expect("a log line");

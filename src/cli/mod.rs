@@ -21,10 +21,21 @@ mod table;
 use anyhow::Context;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// What asks a process to end.
+const ENDING_SIGNALS: &[i32] = &[
+    SIGINT,
+    SIGTERM,
+    #[cfg(unix)]
+    signal_hook::consts::SIGHUP,
+];
 
 /// Simulates mechanisms of rigid bodies, given as URDF or scene files, without drift and at any order of accuracy.
 #[derive(Parser)]
@@ -131,15 +142,24 @@ pub fn print(text: impl Display) -> Result<(), Failure> {
     }
 }
 
-/// The first Ctrl-C sets the flag, the second ends the process.
+/// A flag that the first Ctrl-C (or request to end) sets; the second ends the process.
+///
+/// A file that has reached the size the system allows is from then on an error of the write, not the end of the process.
 ///
 /// # Errors
 /// If the system does not let us watch.
-pub fn watch_for_interrupts(flag: &'static AtomicBool) -> anyhow::Result<()> {
-    ctrlc::set_handler(|| {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
+pub fn watch_for_signals() -> anyhow::Result<Arc<AtomicBool>> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let watch = || -> io::Result<()> {
+        for &signal in ENDING_SIGNALS {
+            // In this order: the first time the flag is not set yet.
+            flag::register_conditional_shutdown(signal, 130, interrupted.clone())?;
+            flag::register(signal, interrupted.clone())?;
         }
-    })
-    .context("cannot watch for Ctrl-C")
+        #[cfg(unix)]
+        flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
+        Ok(())
+    };
+    watch().context("cannot watch for Ctrl-C")?;
+    Ok(interrupted)
 }

@@ -11,14 +11,14 @@ use anyhow::{Context, anyhow};
 use catena::calibration::{CalibrationError, calibrate};
 use catena::lobatto::Lobatto;
 use catena::lobatto::assembly::redundancy;
-use catena::log::{Recorder, Severity};
+use catena::log::{Ending, LogError, Outcome, Recorder, Severity};
 use catena::model::{Mechanism, Model, PlacedRobot, Pose};
 use catena::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports,
     loop_reports,
 };
 use catena::scene::SimulationSettings;
-use catena::simulation::{Integrator, Observer, RunError, RunOptions, run as run_simulation};
+use catena::simulation::{Integrator, Observer, RunError, RunOptions, Summary, run as run_simulation};
 use catena::state::State;
 use clap::{Args, value_parser};
 use cpu_time::ProcessTime;
@@ -31,9 +31,6 @@ use std::time::Instant;
 const DEFAULT_DURATION: f64 = 10.0;
 const DEFAULT_TOLERANCE: f64 = 1e-6;
 const DEFAULT_RATE: f64 = 60.0;
-
-/// Set by the first Ctrl-C; the run ends after the step it is in.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// The options of `catena simulate`.
 #[derive(Args, Debug)]
@@ -136,9 +133,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let duration = arguments.duration.or(file.duration).unwrap_or(DEFAULT_DURATION);
     let rate = arguments.rate.or(file.rate).unwrap_or(DEFAULT_RATE);
 
-    super::watch_for_interrupts(&INTERRUPTED).map_err(Failure::run)?;
+    // The run ends after the step it is in.
+    let interrupted = super::watch_for_signals().map_err(Failure::run)?;
     let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
-    let (mut integrator, accuracy) = integrator(mechanism, &state, duration, choice)?;
+    let (mut integrator, accuracy) = integrator(mechanism, &state, duration, choice, &interrupted)?;
     let mut recorder = match &output {
         Some(path) => {
             let simulation = description(model, duration, rate, choice, integrator.as_ref());
@@ -151,7 +149,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = RunOptions {
         duration,
         rate: (recorder.is_some() || progress.is_some()).then_some(rate),
-        interrupt: Some(&INTERRUPTED),
+        interrupt: Some(&interrupted),
     };
     let mut observers: Vec<&mut dyn Observer> = Vec::new();
     observers.extend(recorder.iter_mut().map(|recorder| recorder as &mut dyn Observer));
@@ -160,7 +158,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(progress) = &progress {
         progress.clear();
     }
-    let ended = finish(recorder, ended);
+    let (ended, log) = finish(recorder, ended, &summary, output.as_deref());
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
     let method = integrator.description();
@@ -191,7 +189,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .chain(MethodReport::warning(&method))
             .collect(),
         accuracy,
-        log: output,
+        log,
     };
     if arguments.json {
         let json = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
@@ -208,6 +206,7 @@ fn integrator(
     state: &State,
     duration: f64,
     choice: StepChoice,
+    interrupted: &AtomicBool,
 ) -> Result<(Box<dyn Integrator>, Option<AccuracyReport>), Failure> {
     let tolerance = match choice {
         StepChoice::Fixed { stages, step } => {
@@ -220,7 +219,7 @@ fn integrator(
         }
         StepChoice::Tolerance(tolerance) => tolerance,
     };
-    match calibrate(mechanism, state, duration, tolerance, Some(&INTERRUPTED)) {
+    match calibrate(mechanism, state, duration, tolerance, Some(interrupted)) {
         Ok(found) => {
             let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop);
             Ok((Box::new(lobatto), Some(AccuracyReport::new(tolerance, state.time + duration, &found))))
@@ -311,24 +310,60 @@ fn listed(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
 }
 
-/// Completes the log, whatever ended the run, and says how the run ended.
-fn finish(recorder: Option<Recorder<'_>>, ended: Result<(), RunError>) -> Result<(), Failure> {
+/// Completes the log, whatever ended the run, and says how the run ended and where the log is.
+fn finish(
+    recorder: Option<Recorder<'_>>,
+    ended: Result<(), RunError>,
+    summary: &Summary,
+    output: Option<&Path>,
+) -> (Result<(), Failure>, Option<PathBuf>) {
+    let outcome = match &ended {
+        Ok(()) => Outcome::Finished,
+        Err(RunError::Interrupted { .. }) => Outcome::Interrupted,
+        Err(_) => Outcome::Failed,
+    };
     let ended = ended.map_err(|error| match error {
         RunError::Interrupted { .. } => Failure::interrupted(error),
         RunError::Step(_) => Failure::run(error),
         RunError::Observer(source) => Failure::run(anyhow!(source)),
     });
-    let Some(mut recorder) = recorder else { return ended };
+    let (Some(mut recorder), Some(output)) = (recorder, output) else { return (ended, None) };
     if let Err(failure) = &ended {
         recorder.say(Severity::Error, &format!("{:#}", failure.error));
     }
-    // Of two errors the first is the cause.
-    ended.and(recorder.finish().map_err(log_failure))
+    let beside = recorder.is_beside().then(|| recorder.current().to_path_buf());
+    let written = recorder.finish(Ending { outcome, figures: figures(summary) }).map_err(log_failure);
+    match ended.and(written) {
+        Ok(_) => (Ok(()), Some(output.to_path_buf())),
+        // Of two errors the first is the cause.
+        Err(mut failure) => {
+            if let Some(beside) = &beside {
+                let (output, beside) = (output.display(), beside.display());
+                failure.error = anyhow!("{:#}; {output} is as it was, the log of this run is {beside}", failure.error);
+            }
+            (Err(failure), Some(beside.unwrap_or_else(|| output.to_path_buf())))
+        }
+    }
 }
 
-fn log_failure(error: catena::log::LogError) -> Failure {
+/// The figures of the whole run, as the log keeps them.
+fn figures(summary: &Summary) -> BTreeMap<String, String> {
+    let figures = [
+        ("steps", summary.steps.to_string()),
+        ("iterations", summary.iterations.to_string()),
+        ("rejected_steps", summary.rejected_steps.to_string()),
+        ("energy_initial", summary.initial_energy.total().to_string()),
+        ("energy_final", summary.final_energy.total().to_string()),
+        ("energy_max_relative_error", summary.max_relative_energy_error.to_string()),
+        ("constraint_max_position", summary.max_violation.position.to_string()),
+        ("constraint_max_velocity", summary.max_violation.velocity.to_string()),
+    ];
+    figures.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+fn log_failure(error: LogError) -> Failure {
     match error {
-        catena::log::LogError::Create { .. } => Failure::input(error),
-        catena::log::LogError::Write { .. } => Failure::run(error),
+        LogError::Create { .. } | LogError::Busy { .. } => Failure::input(error),
+        LogError::Write { .. } => Failure::run(error),
     }
 }

@@ -27,11 +27,15 @@ mod batch;
 mod cdr;
 mod file;
 mod joints;
+mod output;
+mod place;
+pub mod reader;
 mod recorder;
 mod ros;
 mod visual;
 
-pub use file::LogError;
+pub use file::{Ending, LogError, Outcome};
+pub use output::{is_locked, neighbour};
 pub use recorder::{Recorder, Severity};
 
 /// Simulated seconds as the nanoseconds of a log: rounded, never negative.

@@ -6,7 +6,7 @@
 
 use super::background::BackgroundFile;
 use super::batch::Batch;
-use super::file::{LogError, LogFile};
+use super::file::{Ending, LogError, LogFile};
 use super::joints::JointMessages;
 use super::nanoseconds;
 use super::ros::{self, ros_channel};
@@ -16,7 +16,7 @@ use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
 use foxglove::messages::{self, FrameTransform, FrameTransforms, Quaternion, SceneUpdate, Timestamp, Vector3};
 use foxglove::{Encode, Schema};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The frame all poses are given in, unless a moving link has taken the name.
 const WORLD_FRAME: &str = "world";
@@ -73,7 +73,7 @@ impl<'m> Recorder<'m> {
         }
         // What never changes is safe in the file before the run begins.
         file.append(&beginning)?;
-        file.close_batch()?;
+        file.begin()?;
         let links = drawn_links(&model.links);
         Ok(Recorder {
             transforms: transforms_of(&links),
@@ -94,13 +94,24 @@ impl<'m> Recorder<'m> {
         self.file.piece().push(self.channels.log, self.last_time, &line);
     }
 
-    /// Writes everything that is still in memory and completes the file.
+    /// Where the log is while it is written: its output, or the neighbour of an output that must not be lost yet.
+    pub fn current(&self) -> &Path {
+        self.file.current()
+    }
+
+    /// Whether the log is beside its output, which must stay until the run has finished.
+    pub fn is_beside(&self) -> bool {
+        self.file.is_beside()
+    }
+
+    /// Writes everything that is still in memory and how the run ended, and completes the file. Returns where it is: its
+    /// output, or the neighbour if a run that did not finish must not replace what is there.
     ///
     /// # Errors
     /// [`LogError::Write`], also for what earlier messages could not be written for.
-    pub fn finish(mut self) -> Result<(), LogError> {
+    pub fn finish(mut self, ending: Ending) -> Result<PathBuf, LogError> {
         self.write_figures(f64::INFINITY);
-        self.file.finish()
+        self.file.finish(ending)
     }
 
     fn write_transforms(&mut self, sample: &Sample, stamp: u64) {
