@@ -12,9 +12,12 @@
 mod chart;
 mod couplings;
 mod input;
+mod inspect;
 mod model;
 mod numbers;
 mod progress;
+mod recorded;
+mod replay;
 mod simulate;
 mod table;
 
@@ -51,6 +54,10 @@ enum Verb {
     Simulate(Box<simulate::Arguments>),
     /// Show what was read, what was left out and why, and what will be simulated
     Model(Box<model::ModelArgs>),
+    /// Look at a log: a summary, one instant, curves, a table; or compare two logs
+    Inspect(Box<inspect::InspectArgs>),
+    /// Make the run of a log again, from the log alone, and verify that it comes out the same, bit for bit
+    Replay(Box<replay::ReplayArgs>),
     /// Draw what accuracy costs: speed against accuracy, with the reduced-coordinate comparators
     Chart(Box<chart::ChartArgs>),
 }
@@ -88,6 +95,8 @@ pub fn main() -> ExitCode {
     let ended = match command_line.verb {
         Verb::Simulate(arguments) => simulate::run(&arguments),
         Verb::Model(arguments) => model::run(&arguments).map_err(Failure::input),
+        Verb::Inspect(arguments) => inspect::run(&arguments),
+        Verb::Replay(arguments) => replay::run(&arguments),
         Verb::Chart(arguments) => chart::run(&arguments),
     };
     match ended {
@@ -118,6 +127,18 @@ fn usage(error: &clap::Error) -> ExitCode {
             complain(&paragraphs.join(" ").trim_start_matches("error: ").replace(" tip:", ";"));
             ExitCode::from(2)
         }
+    }
+}
+
+/// The options of a `catena simulate` with these arguments.
+///
+/// # Errors
+/// What is wrong with them.
+pub fn simulate_arguments(arguments: &[String]) -> anyhow::Result<simulate::Arguments> {
+    let words = std::iter::once("catena").chain(arguments.iter().map(String::as_str));
+    match CommandLine::try_parse_from(words)?.verb {
+        Verb::Simulate(arguments) => Ok(*arguments),
+        _ => anyhow::bail!("it was not written by catena simulate"),
     }
 }
 

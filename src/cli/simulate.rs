@@ -11,7 +11,7 @@ use anyhow::{Context, anyhow};
 use catena::calibration::{CalibrationError, calibrate};
 use catena::lobatto::Lobatto;
 use catena::lobatto::assembly::redundancy;
-use catena::log::{Ending, LogError, Outcome, Recorder, Severity};
+use catena::log::{Ending, LogError, Outcome, Recorder, Severity, sha256};
 use catena::model::{Mechanism, Model, PlacedRobot, Pose};
 use catena::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports,
@@ -36,7 +36,7 @@ const DEFAULT_RATE: f64 = 60.0;
 #[derive(Args, Debug)]
 pub struct Arguments {
     #[command(flatten)]
-    input: InputArgs,
+    pub input: InputArgs,
 
     /// Velocity of the origin of a floating root link, in the world [m/s, rad/s]
     #[arg(long, value_name = "VX,VY,VZ,WX,WY,WZ", value_parser = numbers::<6>, allow_hyphen_values = true)]
@@ -116,6 +116,33 @@ impl StepChoice {
     }
 }
 
+/// A run before its first step.
+pub struct Setup {
+    pub state: State,
+    pub choice: StepChoice,
+    /// Simulated time [s].
+    pub duration: f64,
+    /// Samples per simulated second.
+    pub rate: f64,
+}
+
+impl Setup {
+    /// What the command line says, or else the file, or else the defaults.
+    ///
+    /// # Errors
+    /// What is wrong with the start, or cannot be simulated.
+    pub fn new(arguments: &Arguments, loaded: &mut Loaded) -> anyhow::Result<Self> {
+        let state = loaded.initial_state(&arguments.position, &arguments.velocity, arguments.base_velocity)?;
+        let file = &loaded.simulation;
+        Ok(Setup {
+            state,
+            choice: StepChoice::new(arguments, file),
+            duration: arguments.duration.or(file.duration).unwrap_or(DEFAULT_DURATION),
+            rate: arguments.rate.or(file.rate).unwrap_or(DEFAULT_RATE),
+        })
+    }
+}
+
 /// Does what the arguments say.
 ///
 /// # Errors
@@ -123,24 +150,22 @@ impl StepChoice {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = output(arguments).map_err(Failure::input)?;
     let mut loaded = arguments.input.load().map_err(Failure::input)?;
-    let mut state = loaded
-        .initial_state(&arguments.position, &arguments.velocity, arguments.base_velocity)
-        .map_err(Failure::input)?;
-    let Loaded { model, simulation: file, .. } = &loaded;
+    let Setup { mut state, choice, duration, rate } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
+    let model = &loaded.model;
     let mechanism = &model.mechanism;
     let redundancy = redundancy(mechanism, &state);
-    let choice = StepChoice::new(arguments, file);
-    let duration = arguments.duration.or(file.duration).unwrap_or(DEFAULT_DURATION);
-    let rate = arguments.rate.or(file.rate).unwrap_or(DEFAULT_RATE);
 
     // The run ends after the step it is in.
     let interrupted = super::watch_for_signals().map_err(Failure::run)?;
     let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
     let (mut integrator, accuracy) = integrator(mechanism, &state, duration, choice, &interrupted)?;
+    let unreached = accuracy.as_ref().and_then(AccuracyReport::warning);
     let mut recorder = match &output {
         Some(path) => {
             let simulation = description(model, duration, rate, choice, integrator.as_ref());
-            Some(Recorder::create(path, model, simulation).map_err(log_failure)?)
+            let mut recorder = Recorder::create(path, model, simulation).map_err(log_failure)?;
+            unreached.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
+            Some(recorder)
         }
         None => None,
     };
@@ -185,7 +210,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .warnings
             .iter()
             .map(ToString::to_string)
-            .chain(accuracy.as_ref().and_then(AccuracyReport::warning))
+            .chain(unreached)
             .chain(MethodReport::warning(&method))
             .collect(),
         accuracy,
@@ -201,7 +226,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The one place where the integrator is chosen; a tolerance is calibrated for the motion at hand.
-fn integrator(
+///
+/// # Errors
+/// [`Failure`] for stages and steps that cannot be, and when interrupted.
+pub fn integrator(
     mechanism: &Mechanism,
     state: &State,
     duration: f64,
@@ -274,6 +302,8 @@ fn description(
     };
     let command_line: Vec<String> =
         std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
+    // Word by word, which the command line as people read it does not tell.
+    let arguments = serde_json::Value::from(command_line.get(1..).unwrap_or_default().to_vec());
     // Of several robots, one after the other.
     let of_robots = |what: &dyn Fn(&PlacedRobot) -> String| model.robots.iter().map(what).collect::<Vec<_>>().join(";");
     let base = |robot: &PlacedRobot| {
@@ -294,8 +324,17 @@ fn description(
         ("duration", duration.to_string()),
         ("rate", rate.to_string()),
         ("command_line", command_line.join(" ")),
+        ("arguments", arguments.to_string()),
+        ("input_sha256", input_hash(model)),
     ];
     entries.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// The SHA-256 of the scene file, or else of the URDF.
+fn input_hash(model: &Model) -> String {
+    let text = model.scene.as_ref().map(|scene| &scene.text);
+    let text = text.or_else(|| model.robots.first().map(|placed| &placed.robot.source));
+    text.map_or_else(String::new, |text| sha256(text.as_bytes()))
 }
 
 /// A pose as `--base-pose` takes it.
@@ -328,10 +367,11 @@ fn finish(
         RunError::Observer(source) => Failure::run(anyhow!(source)),
     });
     let (Some(mut recorder), Some(output)) = (recorder, output) else { return (ended, None) };
-    if let Err(failure) = &ended {
-        recorder.say(Severity::Error, &format!("{:#}", failure.error));
+    match &ended {
+        Err(failure) => recorder.say(Severity::Error, &format!("{:#}", failure.error)),
+        Ok(()) => recorder.say(Severity::Info, "the run has reached its end"),
     }
-    let beside = recorder.is_beside().then(|| recorder.current().to_path_buf());
+    let beside = recorder.beside().map(Path::to_path_buf);
     let written = recorder.finish(Ending { outcome, figures: figures(summary) }).map_err(log_failure);
     match ended.and(written) {
         Ok(_) => (Ok(()), Some(output.to_path_buf())),

@@ -171,24 +171,6 @@ impl LogFile {
         self.writer.attach(&attachment).map_err(|error| write_error(&self.path, error))
     }
 
-    /// Adds a channel for messages of the `schema` (name, encoding, data) and returns its identifier.
-    pub(super) fn channel(
-        &mut self,
-        topic: &str,
-        schema: (&str, &str, &[u8]),
-        encoding: &str,
-    ) -> Result<u16, LogError> {
-        let (name, schema_encoding, data) = schema;
-        let channel = Channel {
-            topic: topic.to_string(),
-            schema: (name.to_string(), schema_encoding.to_string(), data.to_vec()),
-            encoding: encoding.to_string(),
-        };
-        let identifier = add_channel(&mut self.writer, &channel).map_err(|error| write_error(&self.path, error))?;
-        self.channels.push(channel);
-        Ok(identifier)
-    }
-
     /// Adds messages and writes a chunk whenever one is full.
     pub(super) fn append(&mut self, messages: &Batch) -> Result<(), LogError> {
         for (header, data) in messages.messages() {
@@ -274,6 +256,26 @@ impl LogFile {
             // The error that led here is the one to report.
             let _ = self.tail.end_short();
         }
+    }
+}
+
+/// Something that messages are for: a file, or the log they are held against.
+pub(super) trait LogChannels {
+    /// Adds a channel for messages of the `schema` (name, encoding, data) and returns its identifier.
+    fn channel(&mut self, topic: &str, schema: (&str, &str, &[u8]), encoding: &str) -> Result<u16, LogError>;
+}
+
+impl LogChannels for LogFile {
+    fn channel(&mut self, topic: &str, schema: (&str, &str, &[u8]), encoding: &str) -> Result<u16, LogError> {
+        let (name, schema_encoding, data) = schema;
+        let channel = Channel {
+            topic: topic.to_string(),
+            schema: (name.to_string(), schema_encoding.to_string(), data.to_vec()),
+            encoding: encoding.to_string(),
+        };
+        let identifier = add_channel(&mut self.writer, &channel).map_err(|error| write_error(&self.path, error))?;
+        self.channels.push(channel);
+        Ok(identifier)
     }
 }
 

@@ -25,16 +25,23 @@
 mod background;
 mod batch;
 mod cdr;
+mod comparison;
+pub mod decode;
 mod file;
+pub mod frames;
+mod inputs;
 mod joints;
 mod output;
 mod place;
 pub mod reader;
 mod recorder;
 mod ros;
+mod standin;
 mod visual;
 
+pub use comparison::{Compared, Difference};
 pub use file::{Ending, LogError, Outcome};
+pub use inputs::{INPUTS, sha256};
 pub use output::{is_locked, neighbour};
 pub use recorder::{Recorder, Severity};
 
