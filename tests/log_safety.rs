@@ -32,11 +32,11 @@ fn a_run_killed_at_any_moment_leaves_what_was_readable_before() {
     let folder = folder("kill");
     let log = folder.join("pendulum.mcap");
     let mut numbers = Numbers::new(5);
-    // A step of 1e-4 s fills a chunk once in a while, one of 0.01 s many times a second.
-    for step in ["0.01", "0.01", "0.0001", "0.0001"] {
+    // With a step of 0.01 s chunks fill many times a second; with 1e-5 s in minutes only, which nobody here waits for.
+    for step in ["0.01", "0.01", "0.00001", "0.00001"] {
         let arguments = endless().into_iter().map(|word| if word == "0.01" { step } else { word }).collect::<Vec<_>>();
         let mut child = catena(&folder, &arguments).spawn().expect("runs");
-        wait_for(&mut child, "a log with samples", || salvaged_samples(&log) > 10);
+        wait_for(&mut child, "a log with samples", || salvaged_samples(&log) > 3);
         std::thread::sleep(Duration::from_millis(numbers.next(0.0, 1500.0) as u64));
         let seen = salvaged_samples(&log);
         child.kill().expect("killed");
@@ -44,24 +44,6 @@ fn a_run_killed_at_any_moment_leaves_what_was_readable_before() {
         assert_whole_up_to_its_end(&std::fs::read(&log).expect("a log"), seen);
         std::fs::remove_file(&log).expect("removed");
     }
-}
-
-/// Half a minute of simulated time in each step of the wall clock or so: the batch is never full.
-#[test]
-fn a_slow_run_is_saved_as_it_goes_along() {
-    let folder = folder("slow");
-    let log = folder.join("pendulum.mcap");
-    let mut child = catena(
-        &folder,
-        &[&SIMULATE[..], &["--duration", "1e7", "--stages", "16", "--step", "1e-6", "--rate", "1000"]].concat(),
-    )
-    .spawn()
-    .expect("runs");
-    for least in [1, 100, 200] {
-        wait_for(&mut child, "a longer log", || salvaged_samples(&log) > least);
-    }
-    child.kill().expect("killed");
-    child.wait().expect("ends");
 }
 
 #[test]

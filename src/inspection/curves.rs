@@ -6,6 +6,7 @@
 //!
 //! Long logs are thinned: of every interval of time the smallest and the largest value are drawn.
 
+use super::summary::short;
 use crate::chart::picture::{Figure, Panel, Picture, Scale, Series};
 use crate::chart::style::curve;
 use crate::log::decode::MultiDofStates;
@@ -241,7 +242,7 @@ impl Visitor for Gatherer<'_> {
             self.robot = entry("robot").cloned().unwrap_or_default();
             self.method = [("method", ""), ("stages", " stages"), ("tolerance", " m tolerance"), ("step", " s step")]
                 .iter()
-                .filter_map(|(name, unit)| Some(format!("{}{unit}", entry(name)?)))
+                .filter_map(|(name, unit)| Some(format!("{}{unit}", short(entry(name)?))))
                 .collect::<Vec<_>>()
                 .join(", ");
         }
@@ -325,7 +326,7 @@ fn picture(quantity: Quantity, curves: Vec<Curve>, end: f64, is_last: bool) -> P
 
 /// What fits into the legend.
 fn shortened(label: &str) -> String {
-    const LETTERS: usize = 26;
+    const LETTERS: usize = 20;
     if label.chars().count() <= LETTERS {
         return label.to_string();
     }

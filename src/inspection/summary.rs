@@ -240,6 +240,14 @@ impl Summary {
     }
 }
 
+/// A number without a row of zeros.
+pub(super) fn short(number: &str) -> String {
+    match number.parse::<f64>() {
+        Ok(value) if value != 0.0 && value.abs() < 1e-3 => format!("{value:e}"),
+        _ => number.to_string(),
+    }
+}
+
 /// More warnings than this are only counted.
 const SHOWN_WARNINGS: usize = 10;
 
@@ -265,7 +273,7 @@ impl fmt::Display for Summary {
                 [("stages", "stages"), ("order", "order"), ("tolerance", "tolerance"), ("step", "step [s]")]
             {
                 if let Some(value) = entry(name) {
-                    write!(out, ", {word} {value}")?;
+                    write!(out, ", {word} {}", short(value))?;
                 }
             }
             writeln!(out)?;
@@ -293,7 +301,7 @@ impl fmt::Display for Summary {
         }
         for topic in &self.topics {
             write!(out, "  topic       {:24} {:8} messages", topic.topic, topic.messages)?;
-            match topic.rate {
+            match topic.rate.filter(|_| topic.schema != "foxglove.Log") {
                 Some(rate) => writeln!(out, " {:8.2} a second   {}", rate, topic.schema)?,
                 None => writeln!(out, " {:8} {:8}   {}", "", "", topic.schema)?,
             }
