@@ -235,7 +235,7 @@ impl Summary {
             (Some(outcome), None) => {
                 format!("complete, the run {}", if outcome == "finished" { "has finished" } else { outcome.as_str() })
             }
-            (None, None) => "complete, without a word on how the run ended".to_string(),
+            (None, None) => "whole, but without a record of how the run ended: it may have broken off".to_string(),
         }
     }
 }

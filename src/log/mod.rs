@@ -37,6 +37,7 @@ pub mod reader;
 mod recorder;
 mod ros;
 mod standin;
+mod transforms;
 mod visual;
 
 pub use comparison::{Compared, Difference};

@@ -13,11 +13,12 @@ use super::joints::JointMessages;
 use super::nanoseconds;
 use super::ros::{self, ros_channel};
 use super::standin::{standins, with_standins};
+use super::transforms::TransformsEncoder;
 use super::visual::Looks;
 use crate::model::joint::wxyz_from_rotation;
 use crate::model::{LinkFrame, Model, Pose};
 use crate::simulation::{Counts, Observer, ObserverError, Sample, StepEnd};
-use foxglove::messages::{self, FrameTransform, FrameTransforms, Quaternion, SceneUpdate, Timestamp, Vector3};
+use foxglove::messages::{self, FrameTransforms, SceneUpdate, Timestamp};
 use foxglove::{Encode, Schema};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -42,7 +43,7 @@ pub struct Recorder<'m> {
     channels: Channels,
     stages: f64,
     links: Vec<LinkFrame>,
-    transforms: FrameTransforms,
+    transforms: TransformsEncoder,
     joints: JointMessages<'m>,
     waiting: Option<StepEnd>,
     last_figures: Option<f64>,
@@ -112,7 +113,7 @@ impl<'m> Recorder<'m> {
     fn new(sink: Sink, channels: Channels, joints: JointMessages<'m>, model: &Model, stages: f64) -> Self {
         let links = drawn_links(&model.links);
         Recorder {
-            transforms: transforms_of(&links),
+            transforms: TransformsEncoder::new(world_frame(&model.links), links.iter().map(|link| link.name.as_str())),
             joints,
             sink,
             channels,
@@ -163,7 +164,7 @@ impl<'m> Recorder<'m> {
     }
 
     fn write_transforms(&mut self, sample: &Sample, stamp: u64) {
-        for (link, transform) in self.links.iter().zip(&mut self.transforms.transforms) {
+        let poses = self.links.iter().map(|link| {
             let (translation, rotation) = match link.body.map(|body| &sample.bodies[body]) {
                 Some(body) => (
                     body.position + body.rotation * link.in_body.translation.vector,
@@ -171,12 +172,9 @@ impl<'m> Recorder<'m> {
                 ),
                 None => (link.in_body.translation.vector, *link.in_body.rotation.matrix()),
             };
-            let [w, x, y, z] = wxyz_from_rotation(&rotation);
-            transform.timestamp = Some(timestamp(stamp));
-            transform.translation = Some(Vector3 { x: translation.x, y: translation.y, z: translation.z });
-            transform.rotation = Some(Quaternion { x, y, z, w });
-        }
-        encode(&self.transforms, &mut self.buffer);
+            (translation.into(), wxyz_from_rotation(&rotation))
+        });
+        self.transforms.encode(stamp, poses, &mut self.buffer);
         self.sink.piece().push(self.channels.transforms, stamp, &self.buffer);
     }
 
@@ -307,16 +305,6 @@ fn drawn_links(links: &[LinkFrame]) -> Vec<LinkFrame> {
 fn world_frame(links: &[LinkFrame]) -> &'static str {
     // A link may be called `world` and still move; its transform must not have itself as the parent.
     if drawn_links(links).iter().any(|link| link.name == WORLD_FRAME) { "simulation_world" } else { WORLD_FRAME }
-}
-
-fn transforms_of(links: &[LinkFrame]) -> FrameTransforms {
-    let parent = world_frame(links);
-    let transforms = links.iter().map(|link| FrameTransform {
-        parent_frame_id: parent.to_string(),
-        child_frame_id: link.name.clone(),
-        ..FrameTransform::default()
-    });
-    FrameTransforms { transforms: transforms.collect() }
 }
 
 fn foxglove_channel<M: Encode>(file: &mut dyn LogChannels, topic: &str) -> Result<u16, LogError> {
