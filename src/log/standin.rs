@@ -13,6 +13,7 @@ use crate::model::{Model, PlacedRobot, Pose};
 use crate::scene::Inertial;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use roxmltree::Document;
+use std::collections::HashMap;
 use std::fmt::Write;
 
 /// The colour of what nobody has drawn: a quiet blue.
@@ -66,34 +67,38 @@ fn standin(link: usize, inertial: &Inertial) -> Standin {
     Standin { link, pose: inertial.origin * turn, size }
 }
 
-/// The description of a robot, whose names begin with `prefix`, with the boxes as visuals of their links.
+/// The description of a robot, whose names begin with `prefix`, with the boxes as visuals of their links; `names` are
+/// those of the links in the robot.
 pub(super) fn with_standins(
     description: &str,
     prefix: &str,
     standins: &[Standin],
     names: &dyn Fn(usize) -> String,
 ) -> String {
-    let mut text = description.to_string();
-    // Read anew for each, because every one moves what is behind it.
-    for standin in standins {
-        let name = format!("{prefix}{}", names(standin.link));
-        let place = Document::parse(&text).ok().and_then(|document| {
-            let links = document.root_element().children().filter(|node| node.has_tag_name("link"));
-            let range = links.into_iter().find(|link| link.attribute("name") == Some(&name))?.range();
-            Some(range)
-        });
-        let Some(range) = place else { continue };
-        let element = &text[range.clone()];
-        let visual = visual(standin);
-        let filled = match element.strip_suffix("/>") {
-            Some(start) => format!("{start}>{visual}</link>"),
-            None => match element.strip_suffix("</link>") {
-                Some(start) => format!("{start}{visual}</link>"),
-                None => continue,
-            },
+    let document = if standins.is_empty() { None } else { Document::parse(description).ok() };
+    let Some(document) = document else { return description.to_string() };
+    let boxes: HashMap<String, &Standin> =
+        standins.iter().map(|standin| (format!("{prefix}{}", names(standin.link)), standin)).collect();
+    let mut text = String::with_capacity(description.len() + 400 * standins.len());
+    let mut copied = 0;
+    for link in document.root_element().children().filter(|node| node.has_tag_name("link")) {
+        let Some(standin) = link.attribute("name").and_then(|name| boxes.get(name)) else { continue };
+        let range = link.range();
+        let element = &description[range.clone()];
+        // Either `<link name="…"/>` or `<link name="…">…</link>`.
+        let (start, open) = match (element.strip_suffix("/>"), element.strip_suffix("</link>")) {
+            (Some(start), _) if !start.contains('>') => (start, ">"),
+            (_, Some(start)) => (start, ""),
+            _ => continue,
         };
-        text.replace_range(range, &filled);
+        text.push_str(&description[copied..range.start]);
+        text.push_str(start);
+        text.push_str(open);
+        text.push_str(&visual(standin));
+        text.push_str("</link>");
+        copied = range.end;
     }
+    text.push_str(&description[copied..]);
     text
 }
 
