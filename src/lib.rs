@@ -20,6 +20,7 @@
 //! | the accuracy that a tolerance means | [`mod@distance`], [`calibration`] |
 //! | what joints and loops carry | [`reactions`] |
 //! | the loop and its observers | [`simulation`], [`log`], [`report`] |
+//! | logs, looked at | [`inspection`] |
 //! | speed against accuracy, drawn | [`chart`] |
 
 pub mod calibration;
@@ -27,6 +28,7 @@ pub mod chart;
 pub mod closures;
 pub mod distance;
 pub mod forces;
+pub mod inspection;
 pub mod invariants;
 pub mod kinematics;
 pub mod lobatto;

@@ -397,7 +397,10 @@ pub fn loop_reports(model: &Model, state: &State) -> Vec<(String, LoopReport)> {
 }
 
 /// Serializes pairs as the entries of an object, in their order.
-fn as_object<T: Serialize, S: Serializer>(pairs: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
+///
+/// # Errors
+/// Those of the serializer.
+pub fn as_object<T: Serialize, S: Serializer>(pairs: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(pairs.iter().map(|(name, value)| (name, value)))
 }
 

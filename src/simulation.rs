@@ -154,6 +154,19 @@ pub struct StepEnd {
     pub violation: Violation,
     /// What the step cost.
     pub outcome: StepOutcome,
+    /// Accepted steps, their iterations and attempts thrown away, from the start of the run to here.
+    pub so_far: Counts,
+}
+
+/// What a run, or a part of it, has cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Accepted steps.
+    pub steps: usize,
+    /// Iterations of all steps.
+    pub iterations: usize,
+    /// Attempts thrown away.
+    pub rejected: usize,
 }
 
 /// Anything an observer may fail with (a full disk, a closed pipe).
@@ -321,6 +334,7 @@ impl Bookkeeper {
                 exchange: Exchange::default(),
                 violation,
                 outcome: StepOutcome::default(),
+                so_far: Counts::default(),
             },
             largest_kinetic: initial.kinetic,
             largest_deviation: 0.0,
@@ -339,6 +353,8 @@ impl Bookkeeper {
         summary.steps += 1;
         summary.iterations += outcome.iterations;
         summary.rejected_steps += outcome.rejected;
+        let so_far = Counts { steps: summary.steps, iterations: summary.iterations, rejected: summary.rejected_steps };
+        self.last = StepEnd { time, energy, violation, outcome, so_far };
         summary.final_energy = energy;
         summary.max_violation.position = summary.max_violation.position.max(violation.position);
         summary.max_violation.velocity = summary.max_violation.velocity.max(violation.velocity);

@@ -3,86 +3,13 @@
 use foxglove::Decode;
 use foxglove::messages::Log;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
-use std::time::Duration;
+use std::path::Path;
+use std::process::Command;
 
-const PENDULUM: &str = r#"<robot name="pendulum">
-  <link name="base">
-    <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
-  </link>
-  <joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint>
-  <link name="rod">
-    <inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
-      <inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
-    <visual><origin xyz="0 0 -0.5"/><geometry><box size="0.1 0.1 1"/></geometry></visual>
-  </link>
-  <joint name="weld" type="fixed"><parent link="rod"/><child link="tip"/><origin xyz="0 0 -1"/></joint>
-  <link name="tip"/>
-</robot>"#;
-
-/// Far more than any test waits for.
-const ENDLESS: [&str; 8] = ["--duration", "1e7", "--stages", "4", "--step", "0.01", "--rate", "1"];
-
-/// An empty folder with a pendulum in it.
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli").join(name);
-    // It is not there the first time.
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a folder for the test");
-    std::fs::write(folder.join("pendulum.urdf"), PENDULUM).expect("the pendulum is written");
-    folder
-}
-
-fn catena(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_catena"));
-    command.current_dir(folder).args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    command
-}
-
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    catena(folder, arguments).output().expect("catena runs")
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("UTF-8")
-}
-
-/// One line on standard error, in the form scripts expect, and nothing on standard output.
-fn assert_one_error(output: &Output, exit_code: i32, what: &str) {
-    let error = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(exit_code), "{what}: {error}");
-    assert!(error.starts_with("catena: error: "), "{what}: {error}");
-    assert_eq!(error.lines().count(), 1, "{what}: {error}");
-    assert!(output.stdout.is_empty(), "{what}: {}", text(&output.stdout));
-}
-
-/// Waits until `condition` holds; panics after a minute.
-fn wait_for(child: &mut Child, what: &str, condition: impl Fn() -> bool) {
-    for _ in 0..600 {
-        if condition() {
-            return;
-        }
-        if let Some(status) = child.try_wait().expect("the child can be asked") {
-            panic!("{what}: catena has ended with {status}");
-        }
-        std::thread::sleep(Duration::from_millis(100));
-    }
-    let _ = child.kill();
-    panic!("{what} did not happen");
-}
-
-/// The messages that can be read from a log that need not be complete.
-fn salvaged<'b>(bytes: &'b [u8], topic: &str) -> Vec<mcap::Message<'b>> {
-    let Ok(stream) = mcap::MessageStream::new_with_options(bytes, mcap::read::Options::IgnoreEndMagic.into()) else {
-        return Vec::new();
-    };
-    stream.map_while(Result::ok).filter(|message| message.channel.topic == topic).collect()
-}
-
-fn salvaged_samples(log: &Path) -> usize {
-    std::fs::read(log).map_or(0, |bytes| salvaged(&bytes, "/tf").len())
-}
+mod common;
+use common::command::{
+    ENDLESS, PENDULUM, assert_one_error, catena, folder, run, salvaged, salvaged_samples, text, wait_for,
+};
 
 #[test]
 fn bad_input_and_bad_usage_exit_with_2_and_one_line_and_touch_no_file() {
@@ -364,26 +291,6 @@ fn ctrl_c_ends_the_run_with_130_and_a_complete_log() {
     let messages = mcap::MessageStream::new(&bytes).expect("complete");
     let messages: Vec<_> = messages.collect::<Result<_, _>>().expect("every message is readable");
     assert_eq!(summary.stats.expect("statistics").message_count, messages.len() as u64);
-}
-
-#[cfg(unix)]
-#[test]
-fn a_killed_run_leaves_a_readable_log() {
-    let folder = folder("kill");
-    let log = folder.join("pendulum.mcap");
-    let arguments = [&["simulate", "pendulum.urdf", "--velocity", "hinge=1"], &ENDLESS[..]].concat();
-    let mut child = catena(&folder, &arguments).spawn().expect("runs");
-    wait_for(&mut child, "a log with samples", || salvaged_samples(&log) > 10);
-    let seen = salvaged_samples(&log);
-    child.kill().expect("killed");
-    child.wait().expect("ends");
-    let bytes = std::fs::read(&log).expect("a log");
-    let samples = salvaged(&bytes, "/tf");
-    assert!(samples.len() >= seen, "{} of {seen} samples are left", samples.len());
-    for (index, sample) in samples.iter().enumerate() {
-        assert_eq!(sample.log_time, index as u64 * 1_000_000_000, "no sample is missing before the last");
-    }
-    assert_eq!(salvaged(&bytes, "/robot_description").len(), 1);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The log, read back by the mcap crate and decoded by hand: what it says is what was simulated.
 
 use catena::kinematics::{WORLD, forward_kinematics};
-use catena::log::{Recorder, Severity};
+use catena::log::{Ending, Recorder, Severity};
 use catena::model::{Base, Mechanism, Model, ModelOptions, joint::rotation_from_wxyz};
 use catena::scene::{PackagePath, robot_from_text};
 use catena::simulation::{
@@ -107,7 +107,7 @@ fn log_seen_by(name: &str, duration: f64, onlooker: &mut Onlooker) -> Vec<u8> {
     let (_, ended) =
         run(&model.mechanism, &mut state, &mut Coasting { step: 0.05 }, &options, &mut [&mut recorder, onlooker]);
     ended.expect("nothing can fail");
-    recorder.finish().expect("the log is completed");
+    recorder.finish(Ending::default()).expect("the log is completed");
     std::fs::read(&path).expect("the log is readable")
 }
 
@@ -183,6 +183,8 @@ fn every_channel_has_a_schema_and_the_run_is_described() {
         ("/joint_states", ("sensor_msgs/msg/JointState", "cdr")),
         ("/energy", ("std_msgs/msg/Float64MultiArray", "cdr")),
         ("/constraint", ("std_msgs/msg/Float64MultiArray", "cdr")),
+        ("/solver", ("std_msgs/msg/Float64MultiArray", "cdr")),
+        ("/reactions", ("sensor_msgs/msg/MultiDOFJointState", "cdr")),
     ];
     assert_eq!(schemas, HashMap::from(expected));
     let metadata = mcap::read::metadata(&bytes, &summary.metadata_indexes[0]).expect("metadata");
@@ -196,13 +198,23 @@ fn what_is_known_at_the_start_is_in_the_log() {
     let bytes = log("start.mcap", 1.0);
     let messages = messages(&bytes);
     let mut description = Cdr::new(of_topic(&messages, "/robot_description")[0]);
-    assert_eq!(description.string(), arm().robots[0].robot.description);
+    let described = description.string();
     description.assert_ended();
+    let robot = robot_from_text(&described, Path::new("described.urdf"), &PackagePath::default()).expect("a robot");
+    let mut expected = arm().robots[0].robot.clone();
+    let slider = robot.link("slider").expect("a slider");
+    assert_eq!(robot.links[slider].visuals.len(), 1, "its stand-in is in the description too");
+    expected.links[slider].visuals.clone_from(&robot.links[slider].visuals);
+    let looks = |robot: &catena::scene::Robot| robot.links.iter().map(|link| link.visuals.len()).collect::<Vec<_>>();
+    assert_eq!(looks(&robot), looks(&expected));
     let warning = Log::decode(&*of_topic(&messages, "/log")[0].data).expect("a log line");
     assert_eq!(warning.message, arm().warnings[0].to_string());
     let scene = SceneUpdate::decode(&*of_topic(&messages, "/scene")[0].data).expect("a scene");
     let names: Vec<&str> = scene.entities.iter().map(|entity| entity.frame_id.as_str()).collect();
-    assert_eq!(names, ["base", "upper"]);
+    // The slider has mass and no looks: it gets the box of its inertia, 0.1 kg m² about every axis.
+    assert_eq!(names, ["base", "upper", "slider"]);
+    let size = scene.entities[2].cubes[0].size.expect("a size");
+    assert!([size.x, size.y, size.z].iter().all(|edge| (edge - 0.6_f64.sqrt()).abs() < 1e-12), "{size:?}");
     assert_eq!(scene.entities[1].spheres[0].size.expect("a size").x, 1.0);
     assert_eq!(scene.entities[1].spheres[0].pose.expect("a pose").position.expect("a position").z, 1.0);
 }
@@ -260,7 +272,9 @@ fn poses_are_the_forward_kinematics_of_the_logged_joint_states() {
         assert_eq!(cdr.strings(), ["turn", "slide"]);
         let (position, velocity, effort) = (cdr.doubles(), cdr.doubles(), cdr.doubles());
         cdr.assert_ended();
-        assert_eq!((velocity.as_slice(), effort.as_slice()), (&VELOCITY[..], &[][..]));
+        assert_eq!(velocity, VELOCITY);
+        // Nothing drives the joints: what is left along their axes is the rounding of torques of some 30 N m.
+        assert!(effort.len() == 2 && effort.iter().all(|effort| effort.abs() < 1e-12), "{effort:?}");
         let mut bodies = [WORLD; 2];
         forward_kinematics(&model.mechanism, &position, &velocity, &mut bodies);
         let logged = FrameTransforms::decode(&*transforms.data).expect("transforms");
@@ -276,6 +290,36 @@ fn poses_are_the_forward_kinematics_of_the_logged_joint_states() {
             assert!((norm - 1.0).abs() < 1e-12, "{norm}");
             assert!((rotation_from_wxyz(&[q.w, q.x, q.y, q.z]) - rotation).amax() < 1e-14);
         }
+    }
+}
+
+#[test]
+fn reactions_are_those_of_the_report() {
+    let bytes = log("reactions.mcap", 1.0);
+    let messages = messages(&bytes);
+    let model = arm();
+    for message in of_topic(&messages, "/reactions") {
+        let mut cdr = Cdr::new(message);
+        let _stamp = (cdr.unsigned(), cdr.unsigned());
+        assert_eq!((cdr.string(), cdr.strings()), ("world".to_string(), vec!["turn".to_string(), "slide".to_string()]));
+        assert_eq!(
+            [cdr.unsigned(), cdr.unsigned(), cdr.unsigned()],
+            [0, 0, 2],
+            "no transforms, no twists, two wrenches"
+        );
+        let mut state = model.zero_state();
+        let time = message.log_time as f64 * 1e-9;
+        state.position.copy_from_slice(&VELOCITY.map(|rate| rate * time));
+        state.velocity.copy_from_slice(&VELOCITY);
+        for (name, report) in catena::report::joint_reports(&model, &state) {
+            let expected = [report.reaction_force, report.reaction_torque].concat();
+            for expected in expected {
+                let logged = f64::from_le_bytes(cdr.take());
+                // The times of log and samples differ by half a nanosecond, at rates of some 100 N/s.
+                assert!((logged - expected).abs() < 1e-6, "{name} at {time}: {logged} {expected}");
+            }
+        }
+        cdr.assert_ended();
     }
 }
 
@@ -299,7 +343,7 @@ fn joints_of_several_numbers_are_logged_as_transforms_and_twists() {
     let options = RunOptions { duration: 1e-9, rate: None, interrupt: None };
     let (_, ended) = run(&model.mechanism, &mut state, &mut Coasting { step: 1.0 }, &options, &mut [&mut recorder]);
     ended.expect("nothing can fail");
-    recorder.finish().expect("the log is completed");
+    recorder.finish(Ending::default()).expect("the log is completed");
     let bytes = std::fs::read(&path).expect("the log is readable");
     let messages = messages(&bytes);
     let mut cdr = Cdr::new(of_topic(&messages, "/multi_dof_joint_states")[0]);
@@ -332,7 +376,7 @@ fn a_link_that_is_the_world_frame_has_no_transform() {
     let mut state = model.zero_state();
     let (_, ended) = run(&model.mechanism, &mut state, &mut Coasting { step: 0.1 }, &options, &mut [&mut recorder]);
     ended.expect("nothing can fail");
-    recorder.finish().expect("the log is completed");
+    recorder.finish(Ending::default()).expect("the log is completed");
     let bytes = std::fs::read(&path).expect("the log is readable");
     let messages = messages(&bytes);
     let transforms = FrameTransforms::decode(&*of_topic(&messages, "/tf")[0].data).expect("transforms").transforms;
@@ -401,7 +445,7 @@ fn what_ended_a_run_is_the_last_line_of_the_log() {
     let model = arm();
     let mut recorder = Recorder::create(&path, &model, simulation()).expect("the log is created");
     recorder.say(Severity::Error, "it broke");
-    recorder.finish().expect("the log is completed");
+    recorder.finish(Ending::default()).expect("the log is completed");
     let bytes = std::fs::read(&path).expect("the log is readable");
     let messages = messages(&bytes);
     let last = Log::decode(&*of_topic(&messages, "/log").last().expect("a line").data).expect("a log line");

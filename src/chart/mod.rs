@@ -11,7 +11,7 @@
 //!                                    └→ table (CSV) ← measurements of others ────┘
 //! ```
 
-mod comma_separated;
+pub mod comma_separated;
 pub mod energy;
 mod error;
 pub mod files;
@@ -24,7 +24,7 @@ pub mod ratio;
 pub mod reference;
 mod render;
 pub mod report;
-mod style;
+pub mod style;
 pub mod table;
 pub mod timing;
 pub mod work_precision;

@@ -24,6 +24,35 @@ pub struct Picture {
     pub notes: Vec<String>,
 }
 
+/// Pictures one below the other that share their horizontal axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Headline.
+    pub title: String,
+    /// A line under it.
+    pub subtitle: String,
+    /// The pictures from top to bottom; those without a subtitle have small titles.
+    pub pictures: Vec<Picture>,
+}
+
+impl Figure {
+    /// The figure as the text of an SVG file.
+    ///
+    /// # Errors
+    /// [`ChartError::Draw`] if the drawing library fails.
+    pub fn svg(&self) -> Result<String, ChartError> {
+        render::stacked_svg(self)
+    }
+
+    /// Writes the figure as a PNG file.
+    ///
+    /// # Errors
+    /// [`ChartError::Draw`] if the drawing library fails or the file cannot be written.
+    pub fn write_png(&self, path: &Path) -> Result<(), ChartError> {
+        render::stacked_png(self, path)
+    }
+}
+
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Scale {

@@ -3,7 +3,7 @@
 //! Axes are mapped to pixels here, logarithms included, so that every decade down to 1e-17 is where it belongs.
 
 use super::error::ChartError;
-use super::picture::{Picture, Scale, Series};
+use super::picture::{Figure, Picture, Scale, Series};
 use super::style::{Dash, Look, Marker};
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
@@ -36,24 +36,54 @@ static FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
 struct Page {
     width: i32,
     height: i32,
-    /// Lower edge of the data area.
+    /// Edges of the data area.
+    right: i32,
+    top: i32,
     bottom: i32,
+    /// Left edge of the legend.
+    legend: i32,
+    /// Size of the letters at the axes; those of the legend are a little smaller, those that name the axes larger.
+    letters: i32,
 }
+
+/// Each of several pictures that share their horizontal axis.
+const STACKED: Page = Page { width: SIZE.0, height: 312, right: 1020, top: 44, bottom: 276, legend: 1044, letters: 16 };
+
+/// Height of the headline over several pictures, and of the last one, which names the axis.
+const HEADLINE: i32 = 84;
+const LAST_HEIGHT: i32 = 356;
 
 impl Page {
     /// Room for everything in the legend.
     fn new(picture: &Picture) -> Self {
         let (right, bottom) = legend_extent(picture);
         let height = SIZE.1.max(bottom + 16);
-        Page { width: SIZE.0.max(right + 16), height, bottom: height - BELOW }
+        Page {
+            width: SIZE.0.max(right + 16),
+            height,
+            right: RIGHT,
+            top: TOP,
+            bottom: height - BELOW,
+            legend: LEGEND,
+            letters: 20,
+        }
     }
 
     fn size(self) -> (u32, u32) {
         (self.width.unsigned_abs(), self.height.unsigned_abs())
     }
 
+    fn at_x(self, fraction: f64) -> i32 {
+        (f64::from(LEFT) + fraction * f64::from(self.right - LEFT)).round() as i32
+    }
+
     fn at_y(self, fraction: f64) -> i32 {
-        (f64::from(self.bottom) - fraction * f64::from(self.bottom - TOP)).round() as i32
+        (f64::from(self.bottom) - fraction * f64::from(self.bottom - self.top)).round() as i32
+    }
+
+    /// Labels that fit one above the other.
+    fn rows(self) -> i32 {
+        (self.bottom - self.top) / (2 * self.letters + 8)
     }
 }
 
@@ -61,33 +91,71 @@ type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorTy
 
 /// The picture as SVG.
 pub fn svg(picture: &Picture) -> Result<String, ChartError> {
-    prepare(picture)?;
+    prepare(&picture.title)?;
     let page = Page::new(picture);
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, page.size()).into_drawing_area();
-        draw(&area, page, picture).and_then(|()| area.present()).map_err(|error| failed(picture, &error))?;
+        draw(&area, page, picture).and_then(|()| area.present()).map_err(|error| failed(&picture.title, &error))?;
     }
     Ok(text)
 }
 
 /// The picture as a PNG file.
 pub fn png(picture: &Picture, path: &Path) -> Result<(), ChartError> {
-    prepare(picture)?;
+    prepare(&picture.title)?;
     let page = Page::new(picture);
     let area = BitMapBackend::new(path, page.size()).into_drawing_area();
-    draw(&area, page, picture).and_then(|()| area.present()).map_err(|error| failed(picture, &error))
+    draw(&area, page, picture).and_then(|()| area.present()).map_err(|error| failed(&picture.title, &error))
 }
 
-fn failed(picture: &Picture, reason: &dyn std::fmt::Display) -> ChartError {
-    ChartError::Draw { what: picture.title.clone(), reason: reason.to_string() }
+/// Several pictures one below the other, as SVG.
+pub fn stacked_svg(figure: &Figure) -> Result<String, ChartError> {
+    prepare(&figure.title)?;
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, stacked_size(figure)).into_drawing_area();
+        draw_stack(&area, figure).and_then(|()| area.present()).map_err(|error| failed(&figure.title, &error))?;
+    }
+    Ok(text)
+}
+
+/// Several pictures one below the other, as a PNG file.
+pub fn stacked_png(figure: &Figure, path: &Path) -> Result<(), ChartError> {
+    prepare(&figure.title)?;
+    let area = BitMapBackend::new(path, stacked_size(figure)).into_drawing_area();
+    draw_stack(&area, figure).and_then(|()| area.present()).map_err(|error| failed(&figure.title, &error))
+}
+
+fn stacked_size(figure: &Figure) -> (u32, u32) {
+    let others = figure.pictures.len().saturating_sub(1) as i32;
+    let page = Page { height: HEADLINE + STACKED.height * others + LAST_HEIGHT, ..STACKED };
+    page.size()
+}
+
+fn draw_stack<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, figure: &Figure) -> Drawn<DB> {
+    area.fill(&WHITE)?;
+    text(area, &figure.title, (LEFT, 16), 28, HPos::Left, INK)?;
+    text(area, &figure.subtitle, (LEFT, 54), 18, HPos::Left, RGBColor(90, 90, 90))?;
+    let (_, mut rest) = area.split_vertically(HEADLINE);
+    for (index, picture) in figure.pictures.iter().enumerate() {
+        let is_last = index + 1 == figure.pictures.len();
+        let (panel, below) = rest.split_vertically(if is_last { LAST_HEIGHT } else { STACKED.height });
+        draw(&panel, STACKED, picture)?;
+        rest = below;
+    }
+    Ok(())
+}
+
+fn failed(what: &str, reason: &dyn std::fmt::Display) -> ChartError {
+    ChartError::Draw { what: what.to_string(), reason: reason.to_string() }
 }
 
 /// Makes the font known, once.
-fn prepare(picture: &Picture) -> Result<(), ChartError> {
+fn prepare(what: &str) -> Result<(), ChartError> {
     static KNOWN: OnceLock<bool> = OnceLock::new();
     let known = *KNOWN.get_or_init(|| register_font("sans-serif", FontStyle::Normal, FONT).is_ok());
-    if known { Ok(()) } else { Err(failed(picture, &"the built-in font cannot be read")) }
+    if known { Ok(()) } else { Err(failed(what, &"the built-in font cannot be read")) }
 }
 
 /// An axis with its range and ticks settled.
@@ -103,10 +171,10 @@ struct Axis {
 }
 
 impl Axis {
-    fn new(scale: &Scale, values: impl Iterator<Item = f64>) -> Self {
+    fn new(scale: &Scale, values: impl Iterator<Item = f64>, labels: i32) -> Self {
         match scale {
             Scale::Linear { label, range } => {
-                let ticks = round_ticks(*range);
+                let ticks = round_ticks(*range, labels);
                 let grid = ticks.iter().map(|tick| (tick.0, true)).collect();
                 Axis { label: label.clone(), log: false, range: *range, ticks, grid }
             }
@@ -118,7 +186,7 @@ impl Axis {
                 // A sixth of a decade of air, so that markers do not sit on the frame.
                 let (low, high) = (low - 0.17, high + 0.17);
                 let (first, last) = (low.ceil() as i32, high.floor() as i32);
-                let stride = (last - first) / 13 + 1;
+                let stride = (last - first) / labels + 1;
                 let labelled = |decade: &i32| decade.rem_euclid(stride) == 0;
                 let ticks = (first..=last).filter(labelled).map(|decade| (f64::from(decade), power_of_ten(decade)));
                 // Lines at 2, 3 … 9 help where there are few decades and clutter where there are many.
@@ -144,57 +212,58 @@ impl Axis {
     }
 }
 
-fn at_x(fraction: f64) -> i32 {
-    (f64::from(LEFT) + fraction * f64::from(RIGHT - LEFT)).round() as i32
-}
-
 fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, picture: &Picture) -> Drawn<DB> {
     area.fill(&WHITE)?;
     let points = || picture.panels.iter().flat_map(|panel| &panel.series).flat_map(|series| &series.points);
-    let x = Axis::new(&picture.x, points().map(|point| point.0));
-    let y = Axis::new(&picture.y, points().map(|point| point.1));
+    let x = Axis::new(&picture.x, points().map(|point| point.0), 13);
+    let y = Axis::new(&picture.y, points().map(|point| point.1), page.rows());
     for band in &picture.bands {
-        let edge = x.fraction(band.below).map_or(if band.below.log10() > x.range.1 { RIGHT } else { LEFT }, at_x);
+        let outside = if band.below.log10() > x.range.1 { page.right } else { LEFT };
+        let edge = x.fraction(band.below).map_or(outside, |fraction| page.at_x(fraction));
         if edge > LEFT {
-            area.draw(&Rectangle::new([(LEFT, TOP), (edge, page.bottom)], BLACK.mix(band.strength).filled()))?;
+            area.draw(&Rectangle::new([(LEFT, page.top), (edge, page.bottom)], BLACK.mix(band.strength).filled()))?;
         }
     }
     draw_axes(area, page, &x, &y)?;
-    text(area, &picture.title, (LEFT, 20), 28, HPos::Left, INK)?;
-    text(area, &picture.subtitle, (LEFT, 58), 18, HPos::Left, RGBColor(90, 90, 90))?;
+    if picture.subtitle.is_empty() {
+        text(area, &picture.title, (LEFT, page.top - 28), page.letters + 2, HPos::Left, INK)?;
+    } else {
+        text(area, &picture.title, (LEFT, 20), 28, HPos::Left, INK)?;
+        text(area, &picture.subtitle, (LEFT, 58), 18, HPos::Left, RGBColor(90, 90, 90))?;
+    }
     // Ours are drawn last, on top.
     for series in picture.panels.iter().rev().flat_map(|panel| panel.series.iter()) {
         draw_series(area, page, series, &x, &y)?;
     }
-    draw_legend(area, picture)
+    draw_legend(area, page, picture)
 }
 
 fn draw_axes<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, x: &Axis, y: &Axis) -> Drawn<DB> {
-    let bottom = page.bottom;
+    let Page { right, top, bottom, letters, .. } = page;
     for &(line, strong) in &x.grid {
-        let at = at_x(x.tick_fraction(line));
-        area.draw(&PathElement::new(vec![(at, TOP), (at, bottom)], grid_color(strong)))?;
+        let at = page.at_x(x.tick_fraction(line));
+        area.draw(&PathElement::new(vec![(at, top), (at, bottom)], grid_color(strong)))?;
     }
     for &(line, strong) in &y.grid {
         let at = page.at_y(y.tick_fraction(line));
-        area.draw(&PathElement::new(vec![(LEFT, at), (RIGHT, at)], grid_color(strong)))?;
+        area.draw(&PathElement::new(vec![(LEFT, at), (right, at)], grid_color(strong)))?;
     }
-    area.draw(&Rectangle::new([(LEFT, TOP), (RIGHT, bottom)], INK.stroke_width(1)))?;
+    area.draw(&Rectangle::new([(LEFT, top), (right, bottom)], INK.stroke_width(1)))?;
     for (tick, label) in &x.ticks {
-        let at = at_x(x.tick_fraction(*tick));
+        let at = page.at_x(x.tick_fraction(*tick));
         area.draw(&PathElement::new(vec![(at, bottom), (at, bottom + 6)], INK))?;
-        text(area, label, (at, bottom + 11), 20, HPos::Center, INK)?;
+        text(area, label, (at, bottom + 11), letters, HPos::Center, INK)?;
     }
     for (tick, label) in &y.ticks {
         let at = page.at_y(y.tick_fraction(*tick));
         area.draw(&PathElement::new(vec![(LEFT - 6, at), (LEFT, at)], INK))?;
-        let style = ("sans-serif", 20).into_font().color(&INK).pos(Pos::new(HPos::Right, VPos::Center));
+        let style = ("sans-serif", letters).into_font().color(&INK).pos(Pos::new(HPos::Right, VPos::Center));
         area.draw(&Text::new(label.clone(), (LEFT - 11, at), style))?;
     }
-    text(area, &x.label, ((LEFT + RIGHT) / 2, bottom + 44), 22, HPos::Center, INK)?;
-    let upright = ("sans-serif", 22).into_font().transform(FontTransform::Rotate270).color(&INK);
+    text(area, &x.label, ((LEFT + right) / 2, bottom + letters + 24), letters + 2, HPos::Center, INK)?;
+    let upright = ("sans-serif", letters + 2).into_font().transform(FontTransform::Rotate270).color(&INK);
     let upright = upright.pos(Pos::new(HPos::Center, VPos::Top));
-    area.draw(&Text::new(y.label.clone(), (16, (TOP + bottom) / 2), upright))
+    area.draw(&Text::new(y.label.clone(), (16, (top + bottom) / 2), upright))
 }
 
 fn draw_series<DB: DrawingBackend>(
@@ -204,7 +273,7 @@ fn draw_series<DB: DrawingBackend>(
     x: &Axis,
     y: &Axis,
 ) -> Drawn<DB> {
-    let place = |&(a, b): &(f64, f64)| Some((at_x(x.fraction(a)?), page.at_y(y.fraction(b)?)));
+    let place = |&(a, b): &(f64, f64)| Some((page.at_x(x.fraction(a)?), page.at_y(y.fraction(b)?)));
     let pixels: Vec<(i32, i32)> = series.points.iter().filter_map(place).collect();
     draw_line(area, &pixels, &series.look)?;
     for &pixel in pixels.iter().step_by(series.markers_every.max(1)) {
@@ -253,6 +322,7 @@ fn draw_marker<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, (x, y): (i32, 
             }
             return Ok(());
         }
+        Marker::None => return Ok(()),
         Marker::Square => polygon(4, 0.125),
         Marker::Diamond => polygon(4, 0.0),
         Marker::Triangle => polygon(3, 0.0),
@@ -295,34 +365,37 @@ fn legend_extent(picture: &Picture) -> (i32, i32) {
     (right, bottom)
 }
 
-fn draw_legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, picture: &Picture) -> Drawn<DB> {
-    let mut y = TOP;
+fn draw_legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, picture: &Picture) -> Drawn<DB> {
+    let (legend, letters) = (page.legend, page.letters - 2);
+    let mut y = page.top;
     for panel in picture.panels.iter().filter(|panel| !panel.series.is_empty()) {
-        text(area, &panel.heading, (LEGEND, y), 18, HPos::Left, RGBColor(90, 90, 90))?;
-        y += HEADING;
+        if !panel.heading.is_empty() {
+            text(area, &panel.heading, (legend, y), letters, HPos::Left, RGBColor(90, 90, 90))?;
+            y += HEADING;
+        }
         for series in &panel.series {
-            let middle = y + 2;
-            draw_line(area, &[(LEGEND, middle), (LEGEND + 44, middle)], &series.look)?;
-            draw_marker(area, (LEGEND + 22, middle), &series.look)?;
-            let style = ("sans-serif", 18).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
-            area.draw(&Text::new(series.label.clone(), (LEGEND + WORDS, middle), style))?;
-            y += CURVE;
+            let middle = y + letters / 2 - 7;
+            draw_line(area, &[(legend, middle), (legend + 44, middle)], &series.look)?;
+            draw_marker(area, (legend + 22, middle), &series.look)?;
+            let style = ("sans-serif", letters).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
+            area.draw(&Text::new(series.label.clone(), (legend + WORDS, middle), style))?;
+            y += CURVE - 18 + letters;
         }
         y += SPACE;
     }
     for band in &picture.bands {
-        area.draw(&Rectangle::new([(LEGEND, y), (LEGEND + 44, y + 18)], BLACK.mix(band.strength).filled()))?;
-        area.draw(&Rectangle::new([(LEGEND, y), (LEGEND + 44, y + 18)], GRID.stroke_width(1)))?;
+        area.draw(&Rectangle::new([(legend, y), (legend + 44, y + 18)], BLACK.mix(band.strength).filled()))?;
+        area.draw(&Rectangle::new([(legend, y), (legend + 44, y + 18)], GRID.stroke_width(1)))?;
         for line in band.label.lines() {
-            text(area, line, (LEGEND + WORDS, y), 16, HPos::Left, INK)?;
+            text(area, line, (legend + WORDS, y), 16, HPos::Left, INK)?;
             y += BAND_LINE;
         }
         y += SPACE;
     }
     y += SPACE;
     for note in &picture.notes {
-        text(area, note, (LEGEND, y), 18, HPos::Left, INK)?;
-        y += NOTE;
+        text(area, note, (legend, y), letters, HPos::Left, INK)?;
+        y += NOTE - 18 + letters;
     }
     Ok(())
 }
@@ -357,9 +430,9 @@ pub fn power_of_ten(exponent: i32) -> String {
     format!("10{}", exponent.to_string().chars().map(raise).collect::<String>())
 }
 
-/// Ticks at multiples of 1, 2 or 5 times a power of ten, five to ten of them.
-fn round_ticks((from, to): (f64, f64)) -> Vec<(f64, String)> {
-    let raw = (to - from) / 8.0;
+/// Ticks at multiples of 1, 2 or 5 times a power of ten, about so many of them.
+fn round_ticks((from, to): (f64, f64), labels: i32) -> Vec<(f64, String)> {
+    let raw = (to - from) / f64::from(labels.clamp(2, 8));
     let decade = 10_f64.powf(raw.log10().floor());
     let Some(step) = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * decade).into_iter().find(|&step| step >= raw) else {
         return Vec::new();

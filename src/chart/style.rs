@@ -20,6 +20,8 @@ const GREY: Color = (130, 130, 130);
 /// The shape of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
+    /// Nothing: the line says it all.
+    None,
     /// ○
     Circle,
     /// □
@@ -84,5 +86,18 @@ pub fn look(method: &str, foreign: usize) -> Look {
             let (color, marker) = (COLORS[foreign % COLORS.len()], MARKERS[foreign % MARKERS.len()]);
             Look { color, marker, filled: false, dash: Dash::Dotted, width: 2 }
         }
+    }
+}
+
+/// The look of the curve with this number among those of one picture: colours first, then kinds of line.
+pub fn curve(number: usize) -> Look {
+    const COLORS: [Color; 7] = [BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY_BLUE, BLACK];
+    const DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];
+    Look {
+        color: COLORS[number % COLORS.len()],
+        marker: Marker::None,
+        filled: false,
+        dash: DASHES[number / COLORS.len() % DASHES.len()],
+        width: 2,
     }
 }

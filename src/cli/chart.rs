@@ -15,14 +15,11 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 const DEFAULT_DURATION: f64 = 2.0;
 const DEFAULT_BUDGET: f64 = 120.0;
 const QUICK_BUDGET: f64 = 15.0;
-
-/// Set by the first Ctrl-C; the chart ends after the step it is in.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// The options of `catena chart`.
 #[derive(Args, Debug)]
@@ -90,7 +87,8 @@ pub fn run(arguments: &ChartArgs) -> Result<(), Failure> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))
         .map_err(Failure::input)?;
-    super::watch_for_interrupts(&INTERRUPTED).map_err(Failure::run)?;
+    // The chart ends after the step it is in.
+    let interrupted = super::watch_for_signals().map_err(Failure::run)?;
 
     let bar = progress_bar(!arguments.quiet && std::io::stderr().is_terminal(), scenes.len());
     let mut report = Report { foreign, machine: processor(), ..Report::default() };
@@ -101,7 +99,7 @@ pub fn run(arguments: &ChartArgs) -> Result<(), Failure> {
             bar.set_position((1000.0 * (number as f64 + fraction)) as u64);
             bar.set_message(format!("{}: {what}", scene.name));
         };
-        match measure(scene, &plan, &INTERRUPTED, told) {
+        match measure(scene, &plan, &interrupted, told) {
             Ok(chart) => {
                 report.scenes.push(chart);
                 report.write(folder).map_err(Failure::run)?;
@@ -109,7 +107,7 @@ pub fn run(arguments: &ChartArgs) -> Result<(), Failure> {
             Err(ChartError::Interrupted { .. }) => {}
             Err(error) => failures.push(error.to_string()),
         }
-        if INTERRUPTED.load(Ordering::Relaxed) {
+        if interrupted.load(Ordering::Relaxed) {
             break;
         }
     }
@@ -117,7 +115,7 @@ pub fn run(arguments: &ChartArgs) -> Result<(), Failure> {
     if !arguments.quiet && !report.scenes.is_empty() {
         print(report.summary())?;
     }
-    if INTERRUPTED.load(Ordering::Relaxed) {
+    if interrupted.load(Ordering::Relaxed) {
         let measured = report.scenes.len();
         return Err(Failure::interrupted(anyhow!("interrupted; {measured} of {} scenes are drawn", scenes.len())));
     }

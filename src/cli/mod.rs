@@ -12,19 +12,33 @@
 mod chart;
 mod couplings;
 mod input;
+mod inspect;
 mod model;
 mod numbers;
 mod progress;
+mod recorded;
+mod replay;
 mod simulate;
 mod table;
 
 use anyhow::Context;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// What asks a process to end.
+const ENDING_SIGNALS: &[i32] = &[
+    SIGINT,
+    SIGTERM,
+    #[cfg(unix)]
+    signal_hook::consts::SIGHUP,
+];
 
 /// Simulates mechanisms of rigid bodies, given as URDF or scene files, without drift and at any order of accuracy.
 #[derive(Parser)]
@@ -40,6 +54,10 @@ enum Verb {
     Simulate(Box<simulate::Arguments>),
     /// Show what was read, what was left out and why, and what will be simulated
     Model(Box<model::ModelArgs>),
+    /// Look at a log: a summary, one instant, curves, a table; or compare two logs
+    Inspect(Box<inspect::InspectArgs>),
+    /// Make the run of a log again, from the log alone, and verify that it comes out the same, bit for bit
+    Replay(Box<replay::ReplayArgs>),
     /// Draw what accuracy costs: speed against accuracy, with the reduced-coordinate comparators
     Chart(Box<chart::ChartArgs>),
 }
@@ -77,6 +95,8 @@ pub fn main() -> ExitCode {
     let ended = match command_line.verb {
         Verb::Simulate(arguments) => simulate::run(&arguments),
         Verb::Model(arguments) => model::run(&arguments).map_err(Failure::input),
+        Verb::Inspect(arguments) => inspect::run(&arguments),
+        Verb::Replay(arguments) => replay::run(&arguments),
         Verb::Chart(arguments) => chart::run(&arguments),
     };
     match ended {
@@ -110,6 +130,18 @@ fn usage(error: &clap::Error) -> ExitCode {
     }
 }
 
+/// The options of a `catena simulate` with these arguments.
+///
+/// # Errors
+/// What is wrong with them.
+pub fn simulate_arguments(arguments: &[String]) -> anyhow::Result<simulate::Arguments> {
+    let words = std::iter::once("catena").chain(arguments.iter().map(String::as_str));
+    match CommandLine::try_parse_from(words)?.verb {
+        Verb::Simulate(arguments) => Ok(*arguments),
+        _ => anyhow::bail!("it was not written by catena simulate"),
+    }
+}
+
 /// Prints an error on one line.
 fn complain(message: &str) {
     let line = message.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -131,15 +163,24 @@ pub fn print(text: impl Display) -> Result<(), Failure> {
     }
 }
 
-/// The first Ctrl-C sets the flag, the second ends the process.
+/// A flag that the first Ctrl-C (or request to end) sets; the second ends the process.
+///
+/// A file that has reached the size the system allows is from then on an error of the write, not the end of the process.
 ///
 /// # Errors
 /// If the system does not let us watch.
-pub fn watch_for_interrupts(flag: &'static AtomicBool) -> anyhow::Result<()> {
-    ctrlc::set_handler(|| {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
+pub fn watch_for_signals() -> anyhow::Result<Arc<AtomicBool>> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let watch = || -> io::Result<()> {
+        for &signal in ENDING_SIGNALS {
+            // In this order: the first time the flag is not set yet.
+            flag::register_conditional_shutdown(signal, 130, interrupted.clone())?;
+            flag::register(signal, interrupted.clone())?;
         }
-    })
-    .context("cannot watch for Ctrl-C")
+        #[cfg(unix)]
+        flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
+        Ok(())
+    };
+    watch().context("cannot watch for Ctrl-C")?;
+    Ok(interrupted)
 }

@@ -4,7 +4,7 @@ use super::input::finite_numbers;
 use std::str::FromStr;
 
 /// One finite number.
-fn finite(text: &str) -> Result<f64, String> {
+pub fn finite(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) => Err(format!("{text:?} is not finite")),

@@ -11,14 +11,14 @@ use anyhow::{Context, anyhow};
 use catena::calibration::{CalibrationError, calibrate};
 use catena::lobatto::Lobatto;
 use catena::lobatto::assembly::redundancy;
-use catena::log::{Recorder, Severity};
+use catena::log::{Ending, LogError, Outcome, Recorder, Severity, sha256};
 use catena::model::{Mechanism, Model, PlacedRobot, Pose};
 use catena::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports,
     loop_reports, singular_warning,
 };
 use catena::scene::SimulationSettings;
-use catena::simulation::{Integrator, Observer, RunError, RunOptions, run as run_simulation};
+use catena::simulation::{Integrator, Observer, RunError, RunOptions, Summary, run as run_simulation};
 use catena::state::State;
 use clap::{Args, value_parser};
 use cpu_time::ProcessTime;
@@ -32,14 +32,11 @@ const DEFAULT_DURATION: f64 = 10.0;
 const DEFAULT_TOLERANCE: f64 = 1e-6;
 const DEFAULT_RATE: f64 = 60.0;
 
-/// Set by the first Ctrl-C; the run ends after the step it is in.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
 /// The options of `catena simulate`.
 #[derive(Args, Debug)]
 pub struct Arguments {
     #[command(flatten)]
-    input: InputArgs,
+    pub input: InputArgs,
 
     /// Velocity of the origin of a floating root link, in the world [m/s, rad/s]
     #[arg(long, value_name = "VX,VY,VZ,WX,WY,WZ", value_parser = numbers::<6>, allow_hyphen_values = true)]
@@ -119,6 +116,33 @@ impl StepChoice {
     }
 }
 
+/// A run before its first step.
+pub struct Setup {
+    pub state: State,
+    pub choice: StepChoice,
+    /// Simulated time [s].
+    pub duration: f64,
+    /// Samples per simulated second.
+    pub rate: f64,
+}
+
+impl Setup {
+    /// What the command line says, or else the file, or else the defaults.
+    ///
+    /// # Errors
+    /// What is wrong with the start, or cannot be simulated.
+    pub fn new(arguments: &Arguments, loaded: &mut Loaded) -> anyhow::Result<Self> {
+        let state = loaded.initial_state(&arguments.position, &arguments.velocity, arguments.base_velocity)?;
+        let file = &loaded.simulation;
+        Ok(Setup {
+            state,
+            choice: StepChoice::new(arguments, file),
+            duration: arguments.duration.or(file.duration).unwrap_or(DEFAULT_DURATION),
+            rate: arguments.rate.or(file.rate).unwrap_or(DEFAULT_RATE),
+        })
+    }
+}
+
 /// Does what the arguments say.
 ///
 /// # Errors
@@ -126,23 +150,22 @@ impl StepChoice {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = output(arguments).map_err(Failure::input)?;
     let mut loaded = arguments.input.load().map_err(Failure::input)?;
-    let mut state = loaded
-        .initial_state(&arguments.position, &arguments.velocity, arguments.base_velocity)
-        .map_err(Failure::input)?;
-    let Loaded { model, simulation: file, .. } = &loaded;
+    let Setup { mut state, choice, duration, rate } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
+    let model = &loaded.model;
     let mechanism = &model.mechanism;
     let redundancy = redundancy(mechanism, &state);
-    let choice = StepChoice::new(arguments, file);
-    let duration = arguments.duration.or(file.duration).unwrap_or(DEFAULT_DURATION);
-    let rate = arguments.rate.or(file.rate).unwrap_or(DEFAULT_RATE);
 
-    super::watch_for_interrupts(&INTERRUPTED).map_err(Failure::run)?;
+    // The run ends after the step it is in.
+    let interrupted = super::watch_for_signals().map_err(Failure::run)?;
     let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
-    let (mut integrator, accuracy) = integrator(mechanism, &state, duration, choice)?;
+    let (mut integrator, accuracy) = integrator(mechanism, &state, duration, choice, &interrupted)?;
+    let unreached = accuracy.as_ref().and_then(AccuracyReport::warning);
     let mut recorder = match &output {
         Some(path) => {
             let simulation = description(model, duration, rate, choice, integrator.as_ref());
-            Some(Recorder::create(path, model, simulation).map_err(log_failure)?)
+            let mut recorder = Recorder::create(path, model, simulation).map_err(log_failure)?;
+            unreached.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
+            Some(recorder)
         }
         None => None,
     };
@@ -151,7 +174,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = RunOptions {
         duration,
         rate: (recorder.is_some() || progress.is_some()).then_some(rate),
-        interrupt: Some(&INTERRUPTED),
+        interrupt: Some(&interrupted),
     };
     let mut observers: Vec<&mut dyn Observer> = Vec::new();
     observers.extend(recorder.iter_mut().map(|recorder| recorder as &mut dyn Observer));
@@ -160,7 +183,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(progress) = &progress {
         progress.clear();
     }
-    let ended = finish(recorder, ended);
+    let (ended, log) = finish(recorder, ended, &summary, output.as_deref());
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
     let method = integrator.description();
@@ -187,12 +210,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .warnings
             .iter()
             .map(ToString::to_string)
-            .chain(accuracy.as_ref().and_then(AccuracyReport::warning))
+            .chain(unreached)
             .chain(MethodReport::warning(&method))
             .chain(singular_warning(&method))
             .collect(),
         accuracy,
-        log: output,
+        log,
     };
     if arguments.json {
         let json = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
@@ -204,11 +227,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The one place where the integrator is chosen; a tolerance is calibrated for the motion at hand.
-fn integrator(
+///
+/// # Errors
+/// [`Failure`] for stages and steps that cannot be, and when interrupted.
+pub fn integrator(
     mechanism: &Mechanism,
     state: &State,
     duration: f64,
     choice: StepChoice,
+    interrupted: &AtomicBool,
 ) -> Result<(Box<dyn Integrator>, Option<AccuracyReport>), Failure> {
     let tolerance = match choice {
         StepChoice::Fixed { stages, step } => {
@@ -221,7 +248,7 @@ fn integrator(
         }
         StepChoice::Tolerance(tolerance) => tolerance,
     };
-    match calibrate(mechanism, state, duration, tolerance, Some(&INTERRUPTED)) {
+    match calibrate(mechanism, state, duration, tolerance, Some(interrupted)) {
         Ok(found) => {
             let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop);
             Ok((Box::new(lobatto), Some(AccuracyReport::new(tolerance, state.time + duration, &found))))
@@ -276,6 +303,8 @@ fn description(
     };
     let command_line: Vec<String> =
         std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
+    // Word by word, which the command line as people read it does not tell.
+    let arguments = serde_json::Value::from(command_line.get(1..).unwrap_or_default().to_vec());
     // Of several robots, one after the other.
     let of_robots = |what: &dyn Fn(&PlacedRobot) -> String| model.robots.iter().map(what).collect::<Vec<_>>().join(";");
     let base = |robot: &PlacedRobot| {
@@ -296,8 +325,17 @@ fn description(
         ("duration", duration.to_string()),
         ("rate", rate.to_string()),
         ("command_line", command_line.join(" ")),
+        ("arguments", arguments.to_string()),
+        ("input_sha256", input_hash(model)),
     ];
     entries.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// The SHA-256 of the scene file, or else of the URDF.
+fn input_hash(model: &Model) -> String {
+    let text = model.scene.as_ref().map(|scene| &scene.text);
+    let text = text.or_else(|| model.robots.first().map(|placed| &placed.robot.source));
+    text.map_or_else(String::new, |text| sha256(text.as_bytes()))
 }
 
 /// A pose as `--base-pose` takes it.
@@ -312,24 +350,61 @@ fn listed(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
 }
 
-/// Completes the log, whatever ended the run, and says how the run ended.
-fn finish(recorder: Option<Recorder<'_>>, ended: Result<(), RunError>) -> Result<(), Failure> {
+/// Completes the log, whatever ended the run, and says how the run ended and where the log is.
+fn finish(
+    recorder: Option<Recorder<'_>>,
+    ended: Result<(), RunError>,
+    summary: &Summary,
+    output: Option<&Path>,
+) -> (Result<(), Failure>, Option<PathBuf>) {
+    let outcome = match &ended {
+        Ok(()) => Outcome::Finished,
+        Err(RunError::Interrupted { .. }) => Outcome::Interrupted,
+        Err(_) => Outcome::Failed,
+    };
     let ended = ended.map_err(|error| match error {
         RunError::Interrupted { .. } => Failure::interrupted(error),
         RunError::Step(_) => Failure::run(error),
         RunError::Observer(source) => Failure::run(anyhow!(source)),
     });
-    let Some(mut recorder) = recorder else { return ended };
-    if let Err(failure) = &ended {
-        recorder.say(Severity::Error, &format!("{:#}", failure.error));
+    let (Some(mut recorder), Some(output)) = (recorder, output) else { return (ended, None) };
+    match &ended {
+        Err(failure) => recorder.say(Severity::Error, &format!("{:#}", failure.error)),
+        Ok(()) => recorder.say(Severity::Info, "the run has reached its end"),
     }
-    // Of two errors the first is the cause.
-    ended.and(recorder.finish().map_err(log_failure))
+    let beside = recorder.beside().map(Path::to_path_buf);
+    let written = recorder.finish(Ending { outcome, figures: figures(summary) }).map_err(log_failure);
+    match ended.and(written) {
+        Ok(_) => (Ok(()), Some(output.to_path_buf())),
+        // Of two errors the first is the cause.
+        Err(mut failure) => {
+            if let Some(beside) = &beside {
+                let (output, beside) = (output.display(), beside.display());
+                failure.error = anyhow!("{:#}; {output} is as it was, the log of this run is {beside}", failure.error);
+            }
+            (Err(failure), Some(beside.unwrap_or_else(|| output.to_path_buf())))
+        }
+    }
 }
 
-fn log_failure(error: catena::log::LogError) -> Failure {
+/// The figures of the whole run, as the log keeps them.
+fn figures(summary: &Summary) -> BTreeMap<String, String> {
+    let figures = [
+        ("steps", summary.steps.to_string()),
+        ("iterations", summary.iterations.to_string()),
+        ("rejected_steps", summary.rejected_steps.to_string()),
+        ("energy_initial", summary.initial_energy.total().to_string()),
+        ("energy_final", summary.final_energy.total().to_string()),
+        ("energy_max_relative_error", summary.max_relative_energy_error.to_string()),
+        ("constraint_max_position", summary.max_violation.position.to_string()),
+        ("constraint_max_velocity", summary.max_violation.velocity.to_string()),
+    ];
+    figures.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+fn log_failure(error: LogError) -> Failure {
     match error {
-        catena::log::LogError::Create { .. } => Failure::input(error),
-        catena::log::LogError::Write { .. } => Failure::run(error),
+        LogError::Create { .. } | LogError::Busy { .. } => Failure::input(error),
+        LogError::Write { .. } => Failure::run(error),
     }
 }

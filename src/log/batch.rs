@@ -61,8 +61,14 @@ impl Batch {
         self.data.clear();
     }
 
-    /// Writes all messages into the open chunk of a writer.
-    pub(super) fn write_to<W: Write + Seek>(&self, writer: &mut Writer<W>) -> Result<(), McapError> {
-        self.messages().try_for_each(|(header, data)| writer.write_to_known_channel(&header, data))
+    /// Adds the messages of another batch.
+    pub(super) fn append(&mut self, other: &Batch) {
+        self.headers.extend_from_slice(&other.headers);
+        self.data.extend_from_slice(&other.data);
+    }
+
+    /// Writes the messages from number `first` on into the open chunk of a writer.
+    pub(super) fn write_to<W: Write + Seek>(&self, writer: &mut Writer<W>, first: usize) -> Result<(), McapError> {
+        self.messages().skip(first).try_for_each(|(header, data)| writer.write_to_known_channel(&header, data))
     }
 }

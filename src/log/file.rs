@@ -2,31 +2,34 @@
 //!
 //! Messages are collected in memory and written as one compressed chunk whenever the next would not fit into
 //! [`CHUNK_SIZE`]. Where chunks end depends on the messages alone, which makes equal runs give equal files. A run that
-//! is slow would then leave little behind when it is killed; so about every second the batch that is still open is
-//! written after the last chunk as a chunk of its own, which is overwritten when the batch is complete:
+//! is slow would then leave little behind when it is killed; so twice a second what is new in the batch that is still
+//! open is written as a provisional chunk, until the batch is complete and its chunk takes their place ([`Tail`]):
 //!
 //! ```text
-//!     magic  header  metadata  attachment | chunk | chunk | … | chunk of the open batch     a running simulation
-//!     magic  header  metadata  attachment | chunk | chunk | … | chunk | summary  magic      a finished file
+//!     magic  header  metadata  attachment | chunk | chunk | … | chunk | provisional chunks       a running simulation
+//!     magic  header  metadata  attachment | chunk | chunk | … | chunk | metadata  summary  magic   a finished file
 //! ```
 //!
-//! Only regular files have such a provisional end; into pipes and devices nothing is written that is not final.
+//! Only regular files have such a provisional end; into pipes and devices nothing is written that is not final. When a
+//! write fails because the disk is full, what is whole is kept and closed with an end that needs no summary.
 
 use super::batch::Batch;
+use super::output::{END, FINISHED, OUTCOME, Output};
+use super::place::{FilePlace, Tail};
 use mcap::records::Metadata;
-use mcap::{Attachment, McapError, WriteOptions, Writer};
+use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, BufWriter, Cursor, Seek, SeekFrom, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Largest uncompressed size of a chunk of several messages.
 const CHUNK_SIZE: usize = 1 << 20;
 
-/// How much of a run may be lost when the process is killed.
-pub(super) const PROVISIONAL_INTERVAL: Duration = Duration::from_secs(1);
+/// Between two provisional chunks; with the time messages wait before and the write itself, less than a second of the
+/// run is lost when the process is killed.
+const PROVISIONAL_INTERVAL: Duration = Duration::from_millis(500);
 
 /// Why the log could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -34,9 +37,44 @@ pub enum LogError {
     /// The file could not be created; nothing was changed.
     #[error("cannot create {}: {reason}", path.display())]
     Create { path: PathBuf, reason: io::Error },
+    /// Another run is writing the file; nothing was changed.
+    #[error("cannot write {}: another run is writing it; choose another --output", path.display())]
+    Busy { path: PathBuf },
     /// Writing failed: a full disk, a closed pipe.
     #[error("cannot write {}: {reason}", path.display())]
     Write { path: PathBuf, reason: io::Error },
+}
+
+/// How a run ended, for the last record of its log.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ending {
+    /// The way it ended.
+    pub outcome: Outcome,
+    /// Figures of the whole run, by name.
+    pub figures: BTreeMap<String, String>,
+}
+
+/// The ways a run ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Outcome {
+    /// It reached its end.
+    #[default]
+    Finished,
+    /// The user ended it.
+    Interrupted,
+    /// It could not go on.
+    Failed,
+}
+
+impl Outcome {
+    /// The word in the log.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Finished => FINISHED,
+            Outcome::Interrupted => "interrupted",
+            Outcome::Failed => "failed",
+        }
+    }
 }
 
 /// A channel of the log, in the order of creation: topic, schema (name, encoding, data), message encoding.
@@ -48,42 +86,71 @@ struct Channel {
 
 /// An MCAP file being written.
 pub(super) struct LogFile {
+    /// The output as the user named it.
     path: PathBuf,
-    file: Arc<File>,
+    output: Output,
+    tail: Tail<FilePlace>,
     is_regular: bool,
-    writer: Writer<BufWriter<Sink>>,
+    writer: Writer<Sink>,
+    /// What the writer has written and the file has not.
+    written: Pending,
     channels: Vec<Channel>,
     /// The messages that are in no final chunk yet.
     batch: Batch,
+    provisional: Option<Provisional>,
     saved: Instant,
-    saved_messages: usize,
+    /// Whether something was written that may still be lost in a power failure.
+    unsynced: bool,
+}
+
+/// The writer of provisional chunks.
+struct Provisional {
+    writer: Writer<Sink>,
+    written: Pending,
+    /// Messages of the open batch that are in provisional chunks.
+    messages: usize,
 }
 
 impl LogFile {
-    /// Creates the file, or empties it.
+    /// Creates a file for the output `path` ([`Output`]).
     ///
     /// # Errors
-    /// [`LogError::Create`] if that is not possible, [`LogError::Write`] if its first bytes cannot be written.
+    /// [`LogError::Create`] and [`LogError::Busy`] if that is not possible, [`LogError::Write`] if its first bytes
+    /// cannot be written.
     pub(super) fn create(path: &Path) -> Result<Self, LogError> {
-        let create = || -> io::Result<(File, bool)> {
-            let file = File::create(path)?;
-            let is_regular = file.metadata()?.is_file();
-            Ok((file, is_regular))
-        };
-        let (file, is_regular) = create().map_err(|reason| LogError::Create { path: path.to_path_buf(), reason })?;
-        let file = Arc::new(file);
-        let sink = BufWriter::new(Sink { file: file.clone(), position: 0 });
+        let (output, file, is_regular) = Output::create(path)?;
+        let written = Pending::default();
+        let sink = Sink { pending: written.clone(), position: 0 };
         let writer = write_options().create(sink).map_err(|error| write_error(path, error))?;
         Ok(LogFile {
             path: path.to_path_buf(),
-            file,
+            output,
+            tail: Tail::new(FilePlace::new(file, is_regular)),
             is_regular,
             writer,
+            written,
             channels: Vec::new(),
             batch: Batch::default(),
+            provisional: None,
             saved: Instant::now(),
-            saved_messages: 0,
+            unsynced: false,
         })
+    }
+
+    /// Where the file is now.
+    pub(super) fn current(&self) -> &Path {
+        self.output.current()
+    }
+
+    /// Whether that is beside its output.
+    pub(super) fn is_beside(&self) -> bool {
+        self.output.protects()
+    }
+
+    /// Ends what never changes: writes it, and lets the file take its place if nothing there must stay.
+    pub(super) fn begin(&mut self) -> Result<(), LogError> {
+        self.close_batch()?;
+        self.output.settle(false).map_err(|reason| LogError::Write { path: self.path.clone(), reason })
     }
 
     /// Writes a metadata record.
@@ -104,24 +171,6 @@ impl LogFile {
         self.writer.attach(&attachment).map_err(|error| write_error(&self.path, error))
     }
 
-    /// Adds a channel for messages of the `schema` (name, encoding, data) and returns its identifier.
-    pub(super) fn channel(
-        &mut self,
-        topic: &str,
-        schema: (&str, &str, &[u8]),
-        encoding: &str,
-    ) -> Result<u16, LogError> {
-        let (name, schema_encoding, data) = schema;
-        let channel = Channel {
-            topic: topic.to_string(),
-            schema: (name.to_string(), schema_encoding.to_string(), data.to_vec()),
-            encoding: encoding.to_string(),
-        };
-        let identifier = add_channel(&mut self.writer, &channel).map_err(|error| write_error(&self.path, error))?;
-        self.channels.push(channel);
-        Ok(identifier)
-    }
-
     /// Adds messages and writes a chunk whenever one is full.
     pub(super) fn append(&mut self, messages: &Batch) -> Result<(), LogError> {
         for (header, data) in messages.messages() {
@@ -134,62 +183,114 @@ impl LogFile {
     }
 
     /// Writes what has been collected as a final chunk, through to the operating system.
-    pub(super) fn close_batch(&mut self) -> Result<(), LogError> {
-        self.batch
-            .write_to(&mut self.writer)
-            .and_then(|()| self.writer.flush())
-            .map_err(|error| write_error(&self.path, error))?;
+    fn close_batch(&mut self) -> Result<(), LogError> {
+        let closed = self.batch.write_to(&mut self.writer, 0).and_then(|()| self.writer.flush());
+        closed.map_err(|error| write_error(&self.path, error))?;
+        self.move_to_file()?;
         self.batch.clear();
-        self.saved = Instant::now();
-        self.saved_messages = 0;
+        if let Some(provisional) = &mut self.provisional {
+            provisional.messages = 0;
+        }
         Ok(())
     }
 
-    /// Writes the open batch as a provisional chunk, if it has waited long enough, and leaves the file where it was.
+    fn move_to_file(&mut self) -> Result<(), LogError> {
+        let bytes = self.written.take();
+        self.unsynced = true;
+        self.tail.extend(&bytes).map_err(|reason| LogError::Write { path: self.path.clone(), reason })
+    }
+
+    /// Makes everything up to now safe, if that was last done long enough ago.
     pub(super) fn save_if_due(&mut self) -> Result<(), LogError> {
-        let has_news = self.batch.count() > self.saved_messages;
-        if self.is_regular && has_news && self.saved.elapsed() >= PROVISIONAL_INTERVAL {
-            self.save_chunk().map_err(|error| write_error(&self.path, error))?;
-            self.saved_messages = self.batch.count();
+        if self.is_regular && self.saved.elapsed() >= PROVISIONAL_INTERVAL {
+            self.save().map_err(|error| write_error(&self.path, error))?;
             self.saved = Instant::now();
         }
         Ok(())
     }
 
-    fn save_chunk(&self) -> Result<(), McapError> {
-        let header = write_options().create(Cursor::new(Vec::new()))?.into_inner().into_inner();
-        let mut writer = write_options().create(Cursor::new(Vec::new()))?;
-        for channel in &self.channels {
-            add_channel(&mut writer, channel)?;
+    fn save(&mut self) -> Result<(), McapError> {
+        let provisional = match &mut self.provisional {
+            Some(provisional) => provisional,
+            None => self.provisional.insert(Provisional::new(&self.channels)?),
+        };
+        if self.batch.count() > provisional.messages {
+            self.batch.write_to(&mut provisional.writer, provisional.messages)?;
+            provisional.writer.flush()?;
+            provisional.messages = self.batch.count();
+            self.tail.extend_provisionally(&provisional.written.take())?;
+            self.unsynced = true;
         }
-        self.batch.write_to(&mut writer)?;
-        writer.flush()?;
-        let chunk = writer.into_inner().into_inner();
-        let mut file = &*self.file;
-        let end = file.stream_position()?;
-        file.write_all(&chunk[header.len()..])?;
-        file.seek(SeekFrom::Start(end))?;
+        if std::mem::take(&mut self.unsynced) {
+            self.tail.sync()?;
+        }
         Ok(())
     }
 
-    /// Completes the file: everything collected, the summary, and nothing provisional after it.
+    /// Completes the file: everything collected, how the run ended, the summary, and nothing provisional after it; then
+    /// lets it take its place. Returns where it is.
     ///
     /// # Errors
     /// [`LogError::Write`], as for every message.
-    pub(super) fn finish(mut self) -> Result<(), LogError> {
+    pub(super) fn finish(&mut self, ending: &Ending) -> Result<PathBuf, LogError> {
         if self.batch.count() > 0 {
             self.close_batch()?;
         }
-        let path = self.path;
-        let mut writer = self.writer;
-        writer.finish().map_err(|error| write_error(&path, error))?;
-        let ended = writer.into_inner().into_inner().map_err(|error| error.into_error()).and_then(|sink| {
-            match self.is_regular {
-                true => self.file.set_len(sink.position),
-                false => Ok(()),
-            }
-        });
-        ended.map_err(|reason| LogError::Write { path, reason })
+        let mut entries = ending.figures.clone();
+        entries.insert(OUTCOME.to_string(), ending.outcome.name().to_string());
+        self.metadata(END, entries)?;
+        self.writer.finish().map_err(|error| write_error(&self.path, error))?;
+        self.move_to_file()?;
+        // A short run ends within the second that may be lost, unless it replaces what must not be lost.
+        let finished = ending.outcome == Outcome::Finished;
+        let is_due = self.saved.elapsed() >= PROVISIONAL_INTERVAL || self.output.protects();
+        let synced = if is_due { self.tail.sync() } else { Ok(()) };
+        let settled = synced.and_then(|()| self.output.settle(finished));
+        settled.map_err(|reason| LogError::Write { path: self.path.clone(), reason })?;
+        Ok(self.current().to_path_buf())
+    }
+
+    /// After an error: keeps what is whole in the file and completes it as well as that goes.
+    pub(super) fn salvage(&mut self) {
+        if self.is_regular {
+            // The error that led here is the one to report.
+            let _ = self.tail.end_short();
+        }
+    }
+}
+
+/// Something that messages are for: a file, or the log they are held against.
+pub(super) trait LogChannels {
+    /// Adds a channel for messages of the `schema` (name, encoding, data) and returns its identifier.
+    fn channel(&mut self, topic: &str, schema: (&str, &str, &[u8]), encoding: &str) -> Result<u16, LogError>;
+}
+
+impl LogChannels for LogFile {
+    fn channel(&mut self, topic: &str, schema: (&str, &str, &[u8]), encoding: &str) -> Result<u16, LogError> {
+        let (name, schema_encoding, data) = schema;
+        let channel = Channel {
+            topic: topic.to_string(),
+            schema: (name.to_string(), schema_encoding.to_string(), data.to_vec()),
+            encoding: encoding.to_string(),
+        };
+        let identifier = add_channel(&mut self.writer, &channel).map_err(|error| write_error(&self.path, error))?;
+        self.channels.push(channel);
+        Ok(identifier)
+    }
+}
+
+impl Provisional {
+    fn new(channels: &[Channel]) -> Result<Self, McapError> {
+        let written = Pending::default();
+        let sink = Sink { pending: written.clone(), position: 0 };
+        let mut writer = write_options().create(sink)?;
+        for channel in channels {
+            add_channel(&mut writer, channel)?;
+        }
+        // The channels are in the final part already; only what follows is wanted.
+        writer.flush()?;
+        written.take();
+        Ok(Provisional { writer, written, messages: 0 })
     }
 }
 
@@ -205,7 +306,9 @@ fn write_options() -> WriteOptions {
         // Chunks end where batches end; no threads, because their number must not change the bytes.
         .chunk_size(None)
         .compression_threads(0)
-        .compression_level(1)
+        // A tenth of the work of zstd for a third more bytes (benches/README.md).
+        .compression(Some(Compression::Lz4))
+        .compression_level(0)
         // A chunk is then written in one piece, with its final header.
         .disable_seeking(true)
 }
@@ -218,21 +321,31 @@ fn write_error(path: &Path, error: McapError) -> LogError {
     LogError::Write { path: path.to_path_buf(), reason }
 }
 
-/// Where the bytes go, in order; it knows its position without asking, because pipes have none.
+/// Bytes on their way from a writer to the file.
+#[derive(Clone, Default)]
+struct Pending(Arc<Mutex<Vec<u8>>>);
+
+impl Pending {
+    fn take(&self) -> Vec<u8> {
+        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// Where a writer writes: into memory, in order.
 struct Sink {
-    file: Arc<File>,
+    pending: Pending,
     position: u64,
 }
 
 impl Write for Sink {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let count = (&*self.file).write(bytes)?;
-        self.position += count as u64;
-        Ok(count)
+        self.pending.0.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(bytes);
+        self.position += bytes.len() as u64;
+        Ok(bytes.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        (&*self.file).flush()
+        Ok(())
     }
 }
 

@@ -25,13 +25,25 @@
 mod background;
 mod batch;
 mod cdr;
+mod comparison;
+pub mod decode;
 mod file;
+pub mod frames;
+mod inputs;
 mod joints;
+mod output;
+mod place;
+pub mod reader;
 mod recorder;
 mod ros;
+mod standin;
+mod transforms;
 mod visual;
 
-pub use file::LogError;
+pub use comparison::{Compared, Difference};
+pub use file::{Ending, LogError, Outcome};
+pub use inputs::{INPUTS, sha256};
+pub use output::{is_locked, neighbour};
 pub use recorder::{Recorder, Severity};
 
 /// Simulated seconds as the nanoseconds of a log: rounded, never negative.

@@ -4,10 +4,14 @@
 //! of 80 equals signs and a line that names it.
 
 use super::cdr::CdrWriter;
-use super::file::{LogError, LogFile};
+use super::file::{LogChannels, LogError};
 
 /// Adds a channel for messages of one of the definitions below.
-pub(super) fn ros_channel(file: &mut LogFile, topic: &str, (name, definition): (&str, &str)) -> Result<u16, LogError> {
+pub(super) fn ros_channel(
+    file: &mut dyn LogChannels,
+    topic: &str,
+    (name, definition): (&str, &str),
+) -> Result<u16, LogError> {
     file.channel(topic, (name, "ros2msg", definition.as_bytes()), "cdr")
 }
 
@@ -122,12 +126,12 @@ pub(super) struct JointHeader {
 const STAMP: std::ops::Range<usize> = 4..12;
 
 impl JointHeader {
-    /// The beginning for joints of these names.
-    pub(super) fn new<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> Self {
+    /// The beginning for joints of these names, with numbers in a frame.
+    pub(super) fn new<'n>(frame: &str, names: impl ExactSizeIterator<Item = &'n str>) -> Self {
         let mut encoded = Vec::new();
         let mut writer = CdrWriter::begin(&mut encoded);
         writer.time(0);
-        writer.string("");
+        writer.string(frame);
         writer.unsigned(names.len() as u32);
         names.for_each(|name| writer.string(name));
         JointHeader { encoded }
@@ -139,18 +143,33 @@ impl JointHeader {
         CdrWriter::resume(out)
     }
 
-    /// Encodes a `sensor_msgs/msg/JointState`; efforts are left empty.
+    /// Encodes a `sensor_msgs/msg/JointState`.
     pub(super) fn encode_joint_state(
         &self,
         nanoseconds: u64,
         positions: impl ExactSizeIterator<Item = f64>,
         velocities: impl ExactSizeIterator<Item = f64>,
+        efforts: impl ExactSizeIterator<Item = f64>,
         out: &mut Vec<u8>,
     ) {
         let mut writer = self.begin(nanoseconds, out);
         writer.doubles(positions);
         writer.doubles(velocities);
-        writer.doubles(std::iter::empty());
+        writer.doubles(efforts);
+    }
+
+    /// Encodes a `sensor_msgs/msg/MultiDOFJointState` with wrenches (force, torque) alone.
+    pub(super) fn encode_wrenches(
+        &self,
+        nanoseconds: u64,
+        wrenches: impl ExactSizeIterator<Item = [f64; 6]>,
+        out: &mut Vec<u8>,
+    ) {
+        let mut writer = self.begin(nanoseconds, out);
+        writer.unsigned(0);
+        writer.unsigned(0);
+        writer.unsigned(wrenches.len() as u32);
+        wrenches.for_each(|wrench| writer.numbers(&wrench));
     }
 
     /// Encodes a `sensor_msgs/msg/MultiDOFJointState`; wrenches are left empty.

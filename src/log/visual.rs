@@ -1,29 +1,93 @@
 //! The visual geometry of a robot as a `foxglove.SceneUpdate`: one entity a link, fixed to the link's frame.
 //!
-//! Boxes, spheres, cylinders and capsules become primitives with the colour of their material; meshes are given by
-//! their address, because the log is not the place to keep them.
+//! Boxes, spheres, cylinders and capsules become primitives with the colour of their material; mesh files are embedded,
+//! up to a limit, so that the log shows the robot on any machine; what is beyond is given by its address. Bodies without
+//! looks have a stand-in ([`super::standin`]).
 
+use super::standin::{STANDIN_COLOR, Standin};
 use crate::model::Pose;
 use crate::scene::{Geometry, Link, Shape};
 use foxglove::messages::{
-    Color, CubePrimitive, CylinderPrimitive, ModelPrimitive, Pose as PoseMessage, Quaternion, SceneEntity,
+    Color, CubePrimitive, CylinderPrimitive, ModelPrimitive, Pose as PoseMessage, Quaternion, SceneEntity, SceneUpdate,
     SpherePrimitive, Vector3 as VectorMessage,
 };
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use std::path::Path;
 
 /// What has no material is drawn in this grey.
 const PLAIN: [f64; 4] = [0.7, 0.7, 0.72, 1.0];
 
-/// The links of a robot that have looks, with `prefix` before their names.
-pub(super) fn entities(links: &[Link], prefix: &str) -> impl Iterator<Item = SceneEntity> {
-    let drawn = links.iter().filter(|link| !link.visuals.is_empty());
-    drawn.map(move |link| entity(link, format!("{prefix}{}", link.name)))
+/// All meshes in a log together have at most so many bytes.
+const MESH_BYTES: u64 = 1 << 26;
+
+/// What is drawn of all robots.
+#[derive(Default)]
+pub(super) struct Looks {
+    /// One entity a link.
+    pub scene: SceneUpdate,
+    /// What viewers will not see.
+    pub warnings: Vec<String>,
+    mesh_bytes: u64,
 }
 
-fn entity(link: &Link, name: String) -> SceneEntity {
-    let mut entity = SceneEntity { frame_id: name.clone(), id: name, frame_locked: true, ..SceneEntity::default() };
-    link.visuals.iter().for_each(|visual| add(&mut entity, visual));
-    entity
+impl Looks {
+    /// Adds the links of a robot that have looks or a stand-in, with `prefix` before their names.
+    pub(super) fn add(&mut self, links: &[Link], prefix: &str, standins: &[Standin]) {
+        for (index, link) in links.iter().enumerate() {
+            let name = format!("{prefix}{}", link.name);
+            let mut entity =
+                SceneEntity { frame_id: name.clone(), id: name, frame_locked: true, ..SceneEntity::default() };
+            link.visuals.iter().for_each(|visual| self.add_shape(&mut entity, visual));
+            for standin in standins.iter().filter(|standin| standin.link == index) {
+                let [r, g, b, a] = STANDIN_COLOR;
+                entity.cubes.push(CubePrimitive {
+                    pose: Some(place(&standin.pose)),
+                    size: Some(vector(&standin.size)),
+                    color: Some(Color { r, g, b, a }),
+                });
+            }
+            let shapes = entity.cubes.len() + entity.spheres.len() + entity.cylinders.len() + entity.models.len();
+            if shapes > 0 {
+                self.scene.entities.push(entity);
+            }
+        }
+    }
+
+    fn add_shape(&mut self, entity: &mut SceneEntity, visual: &Shape) {
+        add(entity, visual);
+        let (Geometry::Mesh(mesh), Some(model)) = (&visual.geometry, entity.models.last_mut()) else { return };
+        // What was not found is a warning of the robot's already.
+        let Some(file) = &mesh.resolved else { return };
+        match self.mesh(file) {
+            Ok((media_type, data)) => {
+                // A viewer takes one or the other.
+                model.url.clear();
+                model.media_type = media_type.to_string();
+                model.data = data.into();
+            }
+            Err(reason) => self.warnings.push(format!("the mesh {} is not in the log: {reason}", file.display())),
+        }
+    }
+
+    /// The kind and the bytes of a mesh file, if they may be in the log.
+    fn mesh(&mut self, file: &Path) -> Result<(&'static str, Vec<u8>), String> {
+        let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+        let media_type = match ending.as_str() {
+            "stl" => "model/stl",
+            "dae" => "model/vnd.collada+xml",
+            "obj" => "model/obj",
+            "glb" => "model/gltf-binary",
+            "gltf" => "model/gltf+json",
+            _ => return Err(format!("viewers do not know files that end in {ending:?}")),
+        };
+        let size = std::fs::metadata(file).map_err(|error| error.to_string())?.len();
+        if self.mesh_bytes + size > MESH_BYTES {
+            return Err(format!("all meshes together are larger than {} MiB", MESH_BYTES >> 20));
+        }
+        let data = std::fs::read(file).map_err(|error| error.to_string())?;
+        self.mesh_bytes += size;
+        Ok((media_type, data))
+    }
 }
 
 fn add(entity: &mut SceneEntity, visual: &Shape) {

@@ -15,6 +15,7 @@ mod joint_frame;
 mod mechanism;
 mod model_error;
 mod reduce;
+mod reported;
 mod rigid_groups;
 mod robot_model;
 

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+pub mod command;
+
 use catena::calibration::calibrate;
 use catena::lobatto::Lobatto;
 use catena::model::{Base, Mechanism, Model, ModelError, ModelOptions};

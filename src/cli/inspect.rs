@@ -1,0 +1,333 @@
+//! `catena inspect`: looks at a log, at one instant of it, at its curves, or at two logs side by side.
+//!
+//! Everything is read from the log; what the samples do not hold (velocities of links) is worked out with the model
+//! that the log carries. A log that was cut off is shown up to there, with a warning on standard error.
+
+use super::recorded::Recorded;
+use super::{Failure, print};
+use anyhow::{Context, anyhow, bail};
+use catena::chart::files::write_with;
+use catena::chart::picture::Figure;
+use catena::inspection::compare::compare;
+use catena::inspection::curves::{JointKinds, curves, joint_kinds};
+use catena::inspection::summary::Summary;
+use catena::inspection::table::write_table;
+use catena::log::frames::{Frame, Visitor, visit};
+use catena::log::{is_locked, neighbour};
+use catena::report::{JointReport, LinkReport, Numbers, as_object, joint_reports, link_reports};
+use clap::Args;
+use serde::Serialize;
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+/// Pause between two looks at a log that is being written.
+const LOOK_INTERVAL: Duration = Duration::from_millis(500);
+
+/// The options of `catena inspect`.
+#[derive(Args, Debug)]
+pub struct InspectArgs {
+    /// The log
+    #[arg(value_name = "LOG.mcap")]
+    log: PathBuf,
+
+    /// Another log to compare with, link by link
+    #[arg(value_name = "LOG.mcap", conflicts_with_all = ["at", "csv", "plot", "follow"])]
+    other: Option<PathBuf>,
+
+    /// Show the links and joints at the logged instant nearest to T [s]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = super::numbers::finite)]
+    at: Option<f64>,
+
+    /// Write all samples as a table of comma-separated values
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+
+    /// Draw positions, velocities, energy error, constraint violation and reactions
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    plot: Option<PathBuf>,
+
+    /// Go on looking while a run writes the log, a line whenever there is something new
+    #[arg(long, conflicts_with_all = ["at", "csv", "plot"])]
+    follow: bool,
+
+    /// Print JSON: one object, with --follow one a line
+    #[arg(long)]
+    json: bool,
+}
+
+/// Does what the arguments say.
+///
+/// # Errors
+/// [`Failure`]: 2 if a log cannot be read, 1 if a file cannot be written.
+pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
+    let log = &arguments.log;
+    if let Some(other) = &arguments.other {
+        let comparison = compare(log, other).map_err(Failure::input)?;
+        return if arguments.json { print_json(&comparison) } else { print(comparison) };
+    }
+    if arguments.follow {
+        return follow(log, arguments.json);
+    }
+    let shows_more = arguments.at.is_some() || arguments.csv.is_some() || arguments.plot.is_some();
+    if let Some(plot) = &arguments.plot {
+        check_ending(plot).map_err(Failure::input)?;
+    }
+    let summary = Summary::read(log).map_err(Failure::input)?;
+    if shows_more && !summary.complete {
+        eprintln!("catena: warning: {}: {}", log.display(), summary.state());
+    }
+    if let Some(time) = arguments.at {
+        show_instant(log, time, arguments.json)?;
+    }
+    if let Some(table) = &arguments.csv {
+        not_itself(log, table).map_err(Failure::input)?;
+        write_csv(log, table).map_err(Failure::run)?;
+    }
+    if let Some(plot) = &arguments.plot {
+        not_itself(log, plot).map_err(Failure::input)?;
+        let figure = curves(log, &kinds(log)).map_err(Failure::input)?;
+        draw(&figure, plot).map_err(Failure::run)?;
+    }
+    match (shows_more, arguments.json) {
+        (true, _) => Ok(()),
+        (false, true) => print_json(&summary),
+        (false, false) => print(&summary),
+    }
+}
+
+fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let json = serde_json::to_string_pretty(value).map_err(Failure::run)?;
+    print(format_args!("{json}\n"))
+}
+
+/// What is written must not replace what it is made from.
+fn not_itself(log: &Path, output: &Path) -> anyhow::Result<()> {
+    match (log.canonicalize(), output.canonicalize()) {
+        (Ok(log), Ok(same)) if log == same => bail!("the output {} is the log itself", output.display()),
+        _ => Ok(()),
+    }
+}
+
+/// The kinds of the joints, as far as the log tells them.
+fn kinds(log: &Path) -> JointKinds {
+    match Recorded::open(log) {
+        Ok(recorded) => joint_kinds(&recorded.loaded.model),
+        Err(error) => {
+            eprintln!("catena: warning: units of joints are not known: {error:#}");
+            JointKinds::new()
+        }
+    }
+}
+
+fn write_csv(log: &Path, table: &Path) -> anyhow::Result<()> {
+    let kinds = kinds(log);
+    if std::fs::metadata(table).is_ok_and(|file| !file.is_file()) {
+        // A pipe or device cannot be replaced by a finished file.
+        let mut out = BufWriter::new(File::create(table).with_context(|| format!("cannot write {}", table.display()))?);
+        write_table(log, &kinds, &mut out).with_context(|| format!("cannot write {}", table.display()))?;
+        return out.flush().with_context(|| format!("cannot write {}", table.display()));
+    }
+    let mut result = Ok(());
+    write_with(table, |part| {
+        let write = || -> anyhow::Result<()> {
+            let mut out = BufWriter::new(File::create(part)?);
+            write_table(log, &kinds, &mut out)?;
+            Ok(out.flush()?)
+        };
+        result = write().with_context(|| format!("cannot write {}", table.display()));
+        // Whatever it is, the part must go; the error itself is told below.
+        match &result {
+            Ok(()) => Ok(()),
+            Err(error) => Err(catena::chart::ChartError::Write {
+                path: table.to_path_buf(),
+                source: std::io::Error::other(format!("{error:#}")),
+            }),
+        }
+    })
+    .map_or_else(|error| Err(result.err().unwrap_or_else(|| error.into())), Ok)
+}
+
+fn check_ending(plot: &Path) -> anyhow::Result<()> {
+    match ending(plot).as_deref() {
+        Some("svg" | "png") => Ok(()),
+        _ => bail!("{}: a plot ends in .svg or .png", plot.display()),
+    }
+}
+
+fn ending(path: &Path) -> Option<String> {
+    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+}
+
+fn draw(figure: &Figure, plot: &Path) -> anyhow::Result<()> {
+    if figure.pictures.is_empty() {
+        bail!("{}: the log has nothing that could be drawn", plot.display());
+    }
+    if ending(plot).as_deref() == Some("png") {
+        write_with(plot, |part| figure.write_png(part))?;
+    } else {
+        catena::chart::files::write_text(plot, &figure.svg()?)?;
+    }
+    Ok(())
+}
+
+/// One instant of a log, as the report of a run shows its end.
+#[derive(Serialize)]
+struct LoggedInstant {
+    log: String,
+    time: f64,
+    #[serde(serialize_with = "as_object")]
+    links: Vec<(String, LinkReport)>,
+    #[serde(serialize_with = "as_object")]
+    joints: Vec<(String, JointReport)>,
+}
+
+/// Finds the frame nearest to a time.
+struct Nearest {
+    time: f64,
+    found: Option<Frame>,
+}
+
+impl Visitor for Nearest {
+    fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
+        let distance = |frame: &Frame| (frame.time() - self.time).abs();
+        if self.found.as_ref().is_some_and(|found| distance(found) <= distance(frame)) {
+            return ControlFlow::Break(());
+        }
+        self.found = Some(frame.clone());
+        ControlFlow::Continue(())
+    }
+}
+
+fn show_instant(log: &Path, time: f64, json: bool) -> Result<(), Failure> {
+    let mut nearest = Nearest { time, found: None };
+    visit(log, &mut nearest).map_err(Failure::input)?;
+    let empty = || Failure::input(anyhow!("{}: there are no samples in it", log.display()));
+    let frame = nearest.found.ok_or_else(empty)?;
+    let recorded = Recorded::open(log).map_err(Failure::input)?;
+    let instant = instant(log, &frame, &recorded).map_err(Failure::input)?;
+    if json { print_json(&instant) } else { print(words(&instant)) }
+}
+
+/// Poses, joint coordinates and reactions as they are in the log; the rest follows from them.
+fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<LoggedInstant> {
+    let model = &recorded.loaded.model;
+    let mut joints: HashMap<&str, (Vec<f64>, Vec<f64>)> = HashMap::new();
+    let scalar = &frame.joints;
+    for ((name, &position), &velocity) in scalar.names.iter().zip(&scalar.positions).zip(&scalar.velocities) {
+        joints.insert(name, (vec![position], vec![velocity]));
+    }
+    let others = &frame.multi_dof;
+    for ((name, transform), twist) in others.names.iter().zip(&others.transforms).zip(&others.twists) {
+        if let Some(coordinates) = model.coordinates_of_transform(name, transform, twist) {
+            joints.insert(name, coordinates);
+        }
+    }
+    let coordinates = |name: &str| joints.get(name).map(|(q, w)| (q.as_slice(), w.as_slice()));
+    let other_model = || anyhow!("{}: its samples are not of the model it carries", log.display());
+    let state = model.state_of_report(frame.time(), coordinates).ok_or_else(other_model)?;
+    let mut links = link_reports(model, &state);
+    let poses: HashMap<&str, _> = frame.links.iter().map(|pose| (pose.link.as_str(), pose)).collect();
+    for (name, link) in &mut links {
+        if let Some(pose) = poses.get(name.as_str()) {
+            (link.position, link.orientation) = (pose.position, pose.orientation);
+        }
+    }
+    let mut reports = joint_reports(model, &state);
+    let reactions: HashMap<&str, _> =
+        frame.reactions.names.iter().map(String::as_str).zip(&frame.reactions.wrenches).collect();
+    for (name, joint) in &mut reports {
+        if let Some((position, velocity)) = joints.get(name.as_str()) {
+            (joint.position, joint.velocity) = (position.clone().into(), velocity.clone().into());
+        }
+        if let Some((force, torque)) = reactions.get(name.as_str()) {
+            (joint.reaction_force, joint.reaction_torque) = (*force, *torque);
+        }
+    }
+    Ok(LoggedInstant { log: log.display().to_string(), time: frame.time(), links, joints: reports })
+}
+
+/// The instant for people.
+fn words(instant: &LoggedInstant) -> String {
+    let listed = |numbers: &[f64]| numbers.iter().map(|number| format!("{number:>11.6}")).collect::<Vec<_>>().join(" ");
+    let mut text = format!("{}: t = {} s\n", instant.log, instant.time);
+    let names = instant.links.iter().map(|link| &link.0).chain(instant.joints.iter().map(|joint| &joint.0));
+    let width = names.map(|name| name.chars().count()).max().unwrap_or(0);
+    // Writing into a string does not fail.
+    let _ = writeln!(text, "  links: position [m], orientation (w, x, y, z)");
+    for (name, link) in &instant.links {
+        let _ = writeln!(text, "    {name:width$}  {}   {}", listed(&link.position), listed(&link.orientation));
+    }
+    let _ = writeln!(text, "  joints: position, velocity; reaction force [N], torque [N m] in the world");
+    for (name, joint) in &instant.joints {
+        let numbers = |numbers: &Numbers| match numbers {
+            Numbers::One(number) => listed(&[*number]),
+            Numbers::Many(numbers) => listed(numbers),
+        };
+        let (position, velocity) = (numbers(&joint.position), numbers(&joint.velocity));
+        let (force, torque) = (listed(&joint.reaction_force), listed(&joint.reaction_torque));
+        let _ = writeln!(text, "    {name:width$}  {position}, {velocity}; {force}, {torque}");
+    }
+    text
+}
+
+/// Shows a log while it grows, until the run that writes it has ended.
+fn follow(log: &Path, json: bool) -> Result<(), Failure> {
+    let interrupted = super::watch_for_signals().map_err(Failure::run)?;
+    let mut shown = None;
+    loop {
+        let looked = Instant::now();
+        // While its output must stay, a run writes beside it.
+        let beside = neighbour(log);
+        let current = if is_locked(&beside) { &beside } else { log };
+        // Asked before reading: what is read then is at least what there was when the run still wrote.
+        let is_written = is_locked(current);
+        match Summary::read(current) {
+            Ok(summary) => {
+                if shown != Some(summary.samples) {
+                    shown = Some(summary.samples);
+                    if json {
+                        let line = serde_json::to_string(&summary).map_err(Failure::run)?;
+                        print(format_args!("{line}\n"))?;
+                    } else {
+                        print(line(&summary))?;
+                    }
+                }
+                if !is_written {
+                    if !json {
+                        print(format_args!("{}: {}\n", current.display(), summary.state()))?;
+                    }
+                    return Ok(());
+                }
+            }
+            // The first bytes may not be there yet.
+            Err(_) if is_written => {}
+            Err(error) => return Err(Failure::input(error)),
+        }
+        // Long logs take longer to read; most of the time should go to the run.
+        let pause = LOOK_INTERVAL.max(4 * looked.elapsed());
+        let until = Instant::now() + pause;
+        while Instant::now() < until {
+            if interrupted.load(Ordering::Relaxed) {
+                return Err(Failure::interrupted(anyhow!("interrupted")));
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+}
+
+fn line(summary: &Summary) -> String {
+    let mut line = format!("t = {} s, {} samples", summary.duration, summary.samples);
+    if let Some(energy) = &summary.energy {
+        let _ = write!(line, ", energy error {:.1e}", energy.max_relative_error);
+    }
+    if let Some(constraint) = &summary.constraint {
+        let _ = write!(line, ", violation {:.1e} m, {:.1e} m/s", constraint.max_position, constraint.max_velocity);
+    }
+    line + "\n"
+}

@@ -1,0 +1,70 @@
+//! `catena replay`: makes the run of a log again from what is in the log, and compares.
+//!
+//! A log that was cut off or whose run was interrupted is compared up to its end.
+
+use super::recorded::Recorded;
+use super::simulate::{Setup, integrator};
+use super::{Failure, print};
+use anyhow::anyhow;
+use catena::log::{Difference, Recorder};
+use catena::simulation::{RunError, RunOptions, run as run_simulation};
+use clap::Args;
+use std::path::PathBuf;
+
+/// The options of `catena replay`.
+#[derive(Args, Debug)]
+pub struct ReplayArgs {
+    /// The log
+    #[arg(value_name = "LOG.mcap")]
+    log: PathBuf,
+
+    /// Print errors only
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Does what the arguments say.
+///
+/// # Errors
+/// [`Failure`]: 1 if the run comes out differently, 2 if the log does not tell how it was made.
+pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
+    let log = &arguments.log;
+    let mut recorded = Recorded::open(log).map_err(Failure::input)?;
+    let setup = Setup::new(&recorded.arguments, &mut recorded.loaded).map_err(Failure::input)?;
+    let Setup { mut state, choice, duration, rate } = setup;
+    let made_by = recorded.simulation.get("version").map_or("?", String::as_str);
+    let model = &recorded.loaded.model;
+    let interrupted = super::watch_for_signals().map_err(Failure::run)?;
+    let (mut integrator, _) = integrator(&model.mechanism, &state, duration, choice, &interrupted)?;
+    let stages = integrator.description().stages as f64;
+    let mut recorder = Recorder::compare(log, model, stages).map_err(Failure::run)?;
+    let options = RunOptions { duration, rate: Some(rate), interrupt: Some(&interrupted) };
+    let (_, ended) = run_simulation(&model.mechanism, &mut state, integrator.as_mut(), &options, &mut [&mut recorder]);
+    let (compared, result) = recorder.compared();
+    match ended {
+        Err(error @ RunError::Interrupted { .. }) => return Err(Failure::interrupted(error)),
+        // A run that failed does so again, and has the same log up to there.
+        Ok(()) | Err(RunError::Step(_) | RunError::Observer(_)) => {}
+    }
+    let version = env!("CARGO_PKG_VERSION");
+    let (messages, time) = (compared.messages, compared.time);
+    let upto = match result {
+        Ok(()) => "to the end".to_string(),
+        Err(Difference::LogEnded { .. }) if messages > 0 => "up to where the log ends".to_string(),
+        Err(difference) => {
+            let versions = if made_by == version {
+                String::new()
+            } else {
+                format!("; it was made by version {made_by}, this is {version}")
+            };
+            return Err(Failure::run(anyhow!("{}: different: {difference}{versions}", log.display())));
+        }
+    };
+    if !arguments.quiet {
+        print(format_args!(
+            "{}: identical: {messages} messages, t = 0 to {time} s, {upto}, bit for bit\n",
+            log.display()
+        ))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,374 @@
+//! The curves of a log: joint positions and velocities, energy error, constraint violation, reactions.
+//!
+//! ```text
+//!     energy error  |E − E₀| / max T          no unit; E₀ at the start, T the kinetic energy of all steps in the log
+//! ```
+//!
+//! Long logs are thinned: of every interval of time the smallest and the largest value are drawn.
+
+use super::summary::short;
+use crate::chart::picture::{Figure, Panel, Picture, Scale, Series};
+use crate::chart::style::curve;
+use crate::log::decode::MultiDofStates;
+use crate::log::frames::{Figures, Frame, Visitor, visit};
+use crate::log::reader::{Completeness, ReadError};
+use crate::model::Model;
+use crate::scene::UrdfJointKind;
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// The kinds of joints by name, which the joint messages do not tell.
+pub type JointKinds = HashMap<String, UrdfJointKind>;
+
+/// The kinds of a model's joints.
+pub fn joint_kinds(model: &Model) -> JointKinds {
+    model.joints.iter().map(|joint| (joint.name.clone(), joint.kind)).collect()
+}
+
+/// What a number is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Quantity {
+    Angle,
+    Length,
+    /// Of a joint whose kind is not known.
+    Displacement,
+    Orientation,
+    AngularVelocity,
+    LinearVelocity,
+    /// See `Displacement`.
+    Rate,
+    EnergyError,
+    Violation,
+    Effort,
+    Force,
+    Torque,
+}
+
+impl Quantity {
+    /// Its unit; empty for numbers without.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Quantity::Angle => "rad",
+            Quantity::Length => "m",
+            Quantity::Orientation | Quantity::EnergyError => "",
+            Quantity::AngularVelocity => "rad/s",
+            Quantity::LinearVelocity => "m/s",
+            Quantity::Violation => "m, m/s",
+            Quantity::Effort => "N m, N",
+            Quantity::Force => "N",
+            Quantity::Torque => "N m",
+            Quantity::Displacement => "rad or m",
+            Quantity::Rate => "rad/s or m/s",
+        }
+    }
+
+    fn title(self) -> &'static str {
+        match self {
+            Quantity::Angle => "Joint positions, turning",
+            Quantity::Length => "Joint positions, sliding",
+            Quantity::Orientation => "Joint orientations, quaternions",
+            Quantity::AngularVelocity => "Joint velocities, turning",
+            Quantity::LinearVelocity => "Joint velocities, sliding",
+            Quantity::EnergyError => "Energy error / largest kinetic energy",
+            Quantity::Violation => "Constraint violation",
+            Quantity::Effort => "Efforts along the joint axes",
+            Quantity::Force => "Reaction forces",
+            Quantity::Torque => "Reaction torques",
+            Quantity::Displacement => "Joint positions",
+            Quantity::Rate => "Joint velocities",
+        }
+    }
+
+    fn is_logarithmic(self) -> bool {
+        matches!(self, Quantity::EnergyError | Quantity::Violation)
+    }
+}
+
+/// A number of a joint.
+pub struct JointValue {
+    /// Joint and component: `elbow.position`, `base.velocity.wx`.
+    pub name: String,
+    /// The joint.
+    pub joint: String,
+    /// The component alone, empty if there is only one.
+    pub component: &'static str,
+    /// What it is.
+    pub quantity: Quantity,
+    /// The number.
+    pub value: f64,
+}
+
+/// Every number about joints in a frame.
+pub fn joint_values(frame: &Frame, kinds: &JointKinds) -> Vec<JointValue> {
+    let mut all = Vec::new();
+    let mut add = |joint: &str, what: &str, component: &'static str, quantity, value| {
+        let dot = if component.is_empty() { "" } else { "." };
+        all.push(JointValue {
+            name: format!("{joint}.{what}{dot}{component}"),
+            joint: joint.to_string(),
+            component,
+            quantity,
+            value,
+        });
+    };
+    let quantities = |joint: &str| match kinds.get(joint) {
+        Some(UrdfJointKind::Prismatic) => (Quantity::Length, Quantity::LinearVelocity, Quantity::Force),
+        Some(_) => (Quantity::Angle, Quantity::AngularVelocity, Quantity::Torque),
+        None => (Quantity::Displacement, Quantity::Rate, Quantity::Effort),
+    };
+    for (index, joint) in frame.joints.names.iter().enumerate() {
+        let (position, velocity, effort) = quantities(joint);
+        let numbers = [
+            ("position", position, &frame.joints.positions),
+            ("velocity", velocity, &frame.joints.velocities),
+            ("effort", effort, &frame.joints.efforts),
+        ];
+        for (what, quantity, values) in numbers {
+            if let Some(&value) = values.get(index) {
+                add(joint, what, "", quantity, value);
+            }
+        }
+    }
+    for (index, joint) in frame.multi_dof.names.iter().enumerate() {
+        let slides = kinds.get(joint) != Some(&UrdfJointKind::Spherical);
+        if let Some((at, turn)) = frame.multi_dof.transforms.get(index) {
+            for (component, value) in ["x", "y", "z"].into_iter().zip(at).filter(|_| slides) {
+                add(joint, "position", component, Quantity::Length, *value);
+            }
+            for (component, value) in ["qw", "qx", "qy", "qz"].into_iter().zip(turn) {
+                add(joint, "position", component, Quantity::Orientation, *value);
+            }
+        }
+        if let Some((linear, angular)) = frame.multi_dof.twists.get(index) {
+            for (component, value) in ["vx", "vy", "vz"].into_iter().zip(linear).filter(|_| slides) {
+                add(joint, "velocity", component, Quantity::LinearVelocity, *value);
+            }
+            for (component, value) in ["wx", "wy", "wz"].into_iter().zip(angular) {
+                add(joint, "velocity", component, Quantity::AngularVelocity, *value);
+            }
+        }
+    }
+    for (joint, (force, torque)) in wrenches(&frame.reactions) {
+        for (component, value) in ["x", "y", "z"].into_iter().zip(force) {
+            add(joint, "reaction_force", component, Quantity::Force, *value);
+        }
+        for (component, value) in ["x", "y", "z"].into_iter().zip(torque) {
+            add(joint, "reaction_torque", component, Quantity::Torque, *value);
+        }
+    }
+    all
+}
+
+fn wrenches(reactions: &MultiDofStates) -> impl Iterator<Item = (&str, &([f64; 3], [f64; 3]))> {
+    reactions.names.iter().map(String::as_str).zip(&reactions.wrenches)
+}
+
+/// Most curves in one picture; more can neither be told apart nor named.
+const MOST_CURVES: usize = 12;
+
+/// Intervals of time whose smallest and largest values are drawn.
+const INTERVALS: usize = 1200;
+
+/// Values below this are drawn here on logarithmic axes: nothing smaller means anything in a double.
+const LEAST: f64 = 1e-17;
+
+struct Gatherer<'k> {
+    kinds: &'k JointKinds,
+    /// By quantity, in the order of the figure, curves in the order of the log.
+    curves: Vec<(Quantity, Vec<Curve>)>,
+    initial: Option<f64>,
+    largest_kinetic: f64,
+    robot: String,
+    method: String,
+}
+
+struct Curve {
+    label: String,
+    points: Vec<(f64, f64)>,
+}
+
+impl Gatherer<'_> {
+    fn add(&mut self, quantity: Quantity, label: &str, time: f64, value: f64) {
+        let found = self.curves.iter_mut().position(|(known, _)| *known == quantity);
+        let place = found.unwrap_or_else(|| {
+            self.curves.push((quantity, Vec::new()));
+            self.curves.len() - 1
+        });
+        let curves = &mut self.curves[place].1;
+        match curves.iter_mut().find(|curve| curve.label == label) {
+            Some(curve) => curve.points.push((time, value)),
+            None => curves.push(Curve { label: label.to_string(), points: vec![(time, value)] }),
+        }
+    }
+}
+
+impl Visitor for Gatherer<'_> {
+    fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
+        let time = frame.time();
+        for value in joint_values(frame, self.kinds) {
+            // Efforts and reactions are drawn by their size.
+            if matches!(value.quantity, Quantity::Force | Quantity::Torque | Quantity::Effort) {
+                continue;
+            }
+            let label =
+                if value.component.is_empty() { value.joint } else { format!("{} {}", value.joint, value.component) };
+            self.add(value.quantity, &label, time, value.value);
+        }
+        let norm = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        for (joint, (force, torque)) in wrenches(&frame.reactions) {
+            self.add(Quantity::Force, joint, time, norm(force));
+            self.add(Quantity::Torque, joint, time, norm(torque));
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn figures(&mut self, figures: &Figures) {
+        let time = figures.nanoseconds as f64 * 1e-9;
+        if let Some([kinetic, _, total]) = figures.energy {
+            let initial = *self.initial.get_or_insert(total);
+            self.largest_kinetic = self.largest_kinetic.max(kinetic);
+            self.add(Quantity::EnergyError, "energy", time, (total - initial).abs());
+        }
+        if let Some([position, velocity]) = figures.violation {
+            self.add(Quantity::Violation, "position [m]", time, position);
+            self.add(Quantity::Violation, "velocity [m/s]", time, velocity);
+        }
+    }
+
+    fn metadata(&mut self, name: &str, entries: &std::collections::BTreeMap<String, String>) {
+        if name == "simulation" {
+            let entry = |name: &str| entries.get(name).filter(|text| !text.is_empty());
+            self.robot = entry("robot").cloned().unwrap_or_default();
+            self.method = [("method", ""), ("stages", " stages"), ("tolerance", " m tolerance"), ("step", " s step")]
+                .iter()
+                .filter_map(|(name, unit)| Some(format!("{}{unit}", short(entry(name)?))))
+                .collect::<Vec<_>>()
+                .join(", ");
+        }
+    }
+}
+
+/// The curves of a log as a figure.
+///
+/// # Errors
+/// [`ReadError`] if it is not a log.
+pub fn curves(log: &Path, kinds: &JointKinds) -> Result<Figure, ReadError> {
+    let mut gatherer = Gatherer {
+        kinds,
+        curves: Vec::new(),
+        initial: None,
+        largest_kinetic: 0.0,
+        robot: String::new(),
+        method: String::new(),
+    };
+    let completeness = visit(log, &mut gatherer)?;
+    let scale = if gatherer.largest_kinetic > 0.0 { gatherer.largest_kinetic } else { 1.0 };
+    let all_points = || gatherer.curves.iter().flat_map(|(_, curves)| curves).flat_map(|curve| &curve.points);
+    let end = all_points().map(|point| point.0).fold(0.0, f64::max);
+    let mut sorted = std::mem::take(&mut gatherer.curves);
+    sorted.sort_by_key(|(quantity, _)| *quantity);
+    let last = sorted.len().saturating_sub(1);
+    let pictures = sorted.into_iter().enumerate().map(|(index, (quantity, mut curves))| {
+        if quantity == Quantity::EnergyError {
+            curves.iter_mut().flat_map(|curve| &mut curve.points).for_each(|point| point.1 /= scale);
+        }
+        picture(quantity, curves, end, index == last)
+    });
+    let truncated = if completeness == Some(Completeness::Complete) { "" } else { " (the log is truncated)" };
+    Ok(Figure {
+        title: format!("{}{truncated}", gatherer.robot),
+        subtitle: gatherer.method.clone(),
+        pictures: pictures.collect(),
+    })
+}
+
+fn picture(quantity: Quantity, curves: Vec<Curve>, end: f64, is_last: bool) -> Picture {
+    let hidden = curves.len().saturating_sub(MOST_CURVES);
+    let shown = curves.into_iter().take(MOST_CURVES).enumerate();
+    let series: Vec<Series> = shown
+        .map(|(index, found)| Series {
+            label: shortened(&found.label),
+            look: curve(index),
+            points: thinned(&found.points, end)
+                .into_iter()
+                .map(|(time, value)| (time, if quantity.is_logarithmic() { value.max(LEAST) } else { value }))
+                .collect(),
+            markers_every: usize::MAX,
+        })
+        .collect();
+    let label = quantity.unit().to_string();
+    let y = if quantity.is_logarithmic() {
+        Scale::Log { label, least: LEAST, most: f64::MAX }
+    } else {
+        let values =
+            || series.iter().flat_map(|series| &series.points).map(|point| point.1).filter(|value| value.is_finite());
+        let (low, high) =
+            values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
+        // Something that does not move is a line in the middle.
+        let air = (0.06 * (high - low)).max(1e-3 * low.abs().max(high.abs())).max(1e-9);
+        Scale::Linear { label, range: (low - air, high + air) }
+    };
+    Picture {
+        title: quantity.title().to_string(),
+        subtitle: String::new(),
+        x: Scale::Linear {
+            label: if is_last { "simulated time [s]".to_string() } else { String::new() },
+            range: (0.0, if end > 0.0 { end } else { 1.0 }),
+        },
+        y,
+        bands: Vec::new(),
+        panels: vec![Panel { heading: String::new(), series }],
+        notes: if hidden > 0 { vec![format!("and {hidden} more, see --csv")] } else { Vec::new() },
+    }
+}
+
+/// What fits into the legend.
+fn shortened(label: &str) -> String {
+    const LETTERS: usize = 20;
+    if label.chars().count() <= LETTERS {
+        return label.to_string();
+    }
+    label.chars().take(LETTERS - 1).chain(['…']).collect()
+}
+
+/// Of every interval of time the first of the smallest and of the largest values, in order of time.
+fn thinned(points: &[(f64, f64)], end: f64) -> Vec<(f64, f64)> {
+    if points.len() <= 2 * INTERVALS {
+        return points.to_vec();
+    }
+    let interval = |point: &(f64, f64)| ((point.0 / end) * INTERVALS as f64) as usize;
+    let mut thin = Vec::with_capacity(2 * INTERVALS + 2);
+    for chunk in points.chunk_by(|a, b| interval(a) == interval(b)) {
+        let extreme = |sign: f64| {
+            chunk
+                .iter()
+                .enumerate()
+                .min_by(|(_, a), (_, b)| (sign * a.1).total_cmp(&(sign * b.1)))
+                .map_or(0, |(place, _)| place)
+        };
+        let (low, high) = (extreme(1.0), extreme(-1.0));
+        thin.push(chunk[low.min(high)]);
+        if low != high {
+            thin.push(chunk[low.max(high)]);
+        }
+    }
+    thin
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{INTERVALS, thinned};
+
+    #[test]
+    fn thinning_keeps_every_peak_and_the_order_of_time() {
+        let mut points: Vec<(f64, f64)> = (0..100_000).map(|k| (f64::from(k), 0.0)).collect();
+        points[77_777].1 = 5.0;
+        points[33_333].1 = -3.0;
+        let thin = thinned(&points, 99_999.0);
+        assert!(thin.len() <= 2 * INTERVALS + 2, "{}", thin.len());
+        assert!(thin.contains(&(77_777.0, 5.0)) && thin.contains(&(33_333.0, -3.0)));
+        assert!(thin.is_sorted_by(|a, b| a.0 < b.0));
+    }
+}

@@ -1,0 +1,10 @@
+//! Looking at logs: what is in them, as words, a table, curves, or the difference of two.
+//!
+//! ```text
+//!     log → frames → summary | table (CSV) | curves → figure (SVG, PNG) | comparison of two
+//! ```
+
+pub mod compare;
+pub mod curves;
+pub mod summary;
+pub mod table;

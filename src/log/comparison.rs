@@ -1,0 +1,187 @@
+//! Holds the messages of a run against those of a log, bit for bit.
+//!
+//! A thread reads the log; what does not depend on the run (descriptions, lines of text) is passed over on both sides.
+
+use super::batch::Batch;
+use super::file::{LogChannels, LogError};
+use super::reader::{Completeness, Item, ReadError, read_log};
+use foxglove::Decode;
+use foxglove::messages::FrameTransforms;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, sync_channel};
+
+/// Messages that are handed over together.
+const PIECE: usize = 256;
+
+/// Topics that are not compared: they hold paths of the machine and words.
+fn is_compared(topic: &str) -> bool {
+    !(topic.ends_with("robot_description") || topic == "/scene" || topic == "/log")
+}
+
+/// The first message of a run that is not that of the log.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Difference {
+    /// They say different things.
+    #[error("{topic} differs at t = {time} s: {what}")]
+    Message { topic: String, time: f64, what: String },
+    /// The log has no more messages.
+    #[error("the log ends at t = {time} s")]
+    LogEnded { time: f64 },
+    /// The log has messages that the run has not.
+    #[error("the log goes on after the end of the run, with {topic} at t = {time} s")]
+    LogGoesOn { topic: String, time: f64 },
+    /// The log cannot be read.
+    #[error("{0}")]
+    Unreadable(String),
+}
+
+/// How much was found to be the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Compared {
+    /// Messages.
+    pub messages: usize,
+    /// Time of the last of them (s).
+    pub time: f64,
+}
+
+struct Message {
+    topic: String,
+    time: u64,
+    data: Vec<u8>,
+}
+
+/// A log that is compared with.
+pub(super) struct Comparison {
+    topics: Vec<String>,
+    piece: Batch,
+    expected: std::vec::IntoIter<Message>,
+    receiver: Receiver<Result<Vec<Message>, ReadError>>,
+    compared: Compared,
+    found: Option<Difference>,
+}
+
+impl Comparison {
+    /// Starts to read a log.
+    pub(super) fn new(path: &Path) -> Result<Self, LogError> {
+        let (sender, receiver) = sync_channel(4);
+        let log: PathBuf = path.to_path_buf();
+        let read = move || {
+            let mut piece = Vec::new();
+            let ended: Result<Option<Completeness>, ReadError> = read_log(&log, |item| {
+                let Item::Message { channel, time, data } = item else { return ControlFlow::Continue(()) };
+                if is_compared(&channel.topic) {
+                    piece.push(Message { topic: channel.topic.clone(), time, data: data.to_vec() });
+                }
+                if piece.len() < PIECE || sender.send(Ok(std::mem::take(&mut piece))).is_ok() {
+                    ControlFlow::Continue(())
+                } else {
+                    // Nobody wants to know any more.
+                    ControlFlow::Break(())
+                }
+            });
+            let _ = sender.send(ended.map(|_| piece));
+        };
+        let thread = std::thread::Builder::new().name("log".to_string()).spawn(read);
+        thread.map_err(|reason| LogError::Write { path: path.to_path_buf(), reason })?;
+        Ok(Comparison {
+            topics: Vec::new(),
+            piece: Batch::default(),
+            expected: Vec::new().into_iter(),
+            receiver,
+            compared: Compared::default(),
+            found: None,
+        })
+    }
+
+    /// The messages of the run that will be compared next.
+    pub(super) fn piece(&mut self) -> &mut Batch {
+        &mut self.piece
+    }
+
+    fn next(&mut self) -> Result<Option<Message>, Difference> {
+        loop {
+            if let Some(message) = self.expected.next() {
+                return Ok(Some(message));
+            }
+            match self.receiver.recv() {
+                Ok(Ok(piece)) => self.expected = piece.into_iter(),
+                Ok(Err(error)) => return Err(Difference::Unreadable(error.to_string())),
+                Err(_) => return Ok(None),
+            }
+        }
+    }
+
+    /// Compares what is in the piece.
+    ///
+    /// # Errors
+    /// The first [`Difference`].
+    pub(super) fn settle(&mut self) -> Result<(), Difference> {
+        let piece = std::mem::take(&mut self.piece);
+        let result = piece.messages().try_for_each(|(header, data)| {
+            let topic = self.topics.get(usize::from(header.channel_id)).cloned().unwrap_or_default();
+            if is_compared(&topic) { self.compare(&topic, header.log_time, data) } else { Ok(()) }
+        });
+        if let Err(difference) = &result {
+            self.found = Some(difference.clone());
+        }
+        result
+    }
+
+    fn compare(&mut self, topic: &str, time: u64, data: &[u8]) -> Result<(), Difference> {
+        let seconds = |nanoseconds: u64| nanoseconds as f64 * 1e-9;
+        let Some(expected) = self.next()? else { return Err(Difference::LogEnded { time: self.compared.time }) };
+        let differs = |what: String| Err(Difference::Message { topic: topic.to_string(), time: seconds(time), what });
+        if (expected.topic.as_str(), expected.time) != (topic, time) {
+            return differs(format!("the log has {} at t = {} s there", expected.topic, seconds(expected.time)));
+        }
+        if expected.data != data {
+            return differs(what_differs(topic, &expected.data, data));
+        }
+        self.compared = Compared { messages: self.compared.messages + 1, time: seconds(time) };
+        Ok(())
+    }
+
+    /// Ends the comparison.
+    pub(super) fn finish(mut self) -> (Compared, Result<(), Difference>) {
+        let ended = match self.found.take() {
+            Some(found) => Err(found),
+            None => self.settle().and_then(|()| match self.next()? {
+                Some(Message { topic, time, .. }) => Err(Difference::LogGoesOn { topic, time: time as f64 * 1e-9 }),
+                None => Ok(()),
+            }),
+        };
+        (self.compared, ended)
+    }
+}
+
+/// Says in words how two messages of a topic differ: for poses which link is how far away.
+fn what_differs(topic: &str, logged: &[u8], run: &[u8]) -> String {
+    let (Some(logged), Some(run)) = (poses(topic, logged), poses(topic, run)) else {
+        let place = logged.iter().zip(run).take_while(|(a, b)| a == b).count();
+        return format!("not the same from byte {place} on");
+    };
+    let distance = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let pairs = logged.iter().zip(&run).filter(|(a, b)| a.0 == b.0).map(|(a, b)| (distance(&a.1, &b.1), &a.0));
+    match pairs.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((distance, link)) => format!("link {link:?} is {distance:.1e} m from where the log has it"),
+        None => "other links".to_string(),
+    }
+}
+
+fn poses(topic: &str, data: &[u8]) -> Option<Vec<(String, [f64; 3])>> {
+    let transforms = (topic == "/tf").then(|| FrameTransforms::decode(data).ok())??.transforms;
+    let pose = |transform: foxglove::messages::FrameTransform| {
+        let translation = transform.translation.unwrap_or_default();
+        (transform.child_frame_id, [translation.x, translation.y, translation.z])
+    };
+    Some(transforms.into_iter().map(pose).collect())
+}
+
+impl LogChannels for Comparison {
+    fn channel(&mut self, topic: &str, _: (&str, &str, &[u8]), _: &str) -> Result<u16, LogError> {
+        self.topics.push(topic.to_string());
+        // There are never more than a few dozen.
+        Ok(self.topics.len() as u16 - 1)
+    }
+}

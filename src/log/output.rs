@@ -1,0 +1,105 @@
+//! Where a log lies on disk while it is written: the result of a finished run is never lost to one that fails.
+//!
+//! A run writes to a neighbour of its output, `NAME.unfinished.mcap`, which becomes the output by renaming:
+//!
+//! | what is at the output           | when the neighbour becomes the output                 | run fails or is killed |
+//! |---------------------------------|-------------------------------------------------------|------------------------|
+//! | nothing                         | when all that is known before the first step is in it | the output is what there is of the run |
+//! | a log of catena without an end, or that says it did not finish | the same               | the same               |
+//! | anything else: a finished log, another file | when the run has finished                 | the output is as it was, the run's log is the neighbour |
+//! | a pipe or device                | it is written directly                                | |
+//!
+//! A file that is being written is locked, so that a second run does not write into it and readers know that there
+//! will be more.
+
+use super::file::LogError;
+use super::reader::is_unfinished;
+use std::ffi::OsString;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The name of the metadata record that says how a run ended.
+pub(super) const END: &str = "end";
+
+/// The entry of [`END`] that says it in a word.
+pub(super) const OUTCOME: &str = "outcome";
+
+/// The word for a run that reached its end.
+pub(super) const FINISHED: &str = "finished";
+
+/// The place of a log that is being written.
+pub(super) struct Output {
+    /// Where the user wants it.
+    wanted: PathBuf,
+    /// Where it is.
+    current: PathBuf,
+    /// Whether what is at the wanted place must stay until the run has finished.
+    protects: bool,
+}
+
+impl Output {
+    /// Makes an empty file for a log that shall be at `path`, and locks it.
+    ///
+    /// # Errors
+    /// [`LogError::Create`] if there can be no such file, [`LogError::Busy`] if another run is writing it.
+    pub(super) fn create(path: &Path) -> Result<(Self, File, bool), LogError> {
+        let refuse = |path: &Path, reason| LogError::Create { path: path.to_path_buf(), reason };
+        // A link stays a link: what it points to is replaced.
+        let wanted = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        let is_special = std::fs::metadata(&wanted).is_ok_and(|metadata| !metadata.is_file());
+        if is_special {
+            let file = OpenOptions::new().write(true).open(&wanted).map_err(|reason| refuse(path, reason))?;
+            let output = Output { current: wanted.clone(), wanted, protects: false };
+            return Ok((output, file, false));
+        }
+        if wanted.exists() && is_locked(&wanted) {
+            return Err(LogError::Busy { path: path.to_path_buf() });
+        }
+        let current = neighbour(&wanted);
+        let open = OpenOptions::new().write(true).create(true).truncate(false).open(&current);
+        let file = open.map_err(|reason| refuse(&current, reason))?;
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(LogError::Busy { path: current });
+        }
+        file.set_len(0).map_err(|reason| refuse(&current, reason))?;
+        let is_empty = std::fs::metadata(&wanted).map_or(true, |metadata| metadata.len() == 0);
+        let protects = !is_empty && !is_unfinished(&wanted);
+        Ok((Output { wanted, current, protects }, file, true))
+    }
+
+    /// Whether something is at the wanted place that only a finished run may replace.
+    pub(super) fn protects(&self) -> bool {
+        self.protects
+    }
+
+    /// Moves the file to its place, if that may be.
+    pub(super) fn settle(&mut self, finished: bool) -> io::Result<()> {
+        if self.current != self.wanted && (finished || !self.protects) {
+            std::fs::rename(&self.current, &self.wanted)?;
+            self.current.clone_from(&self.wanted);
+        }
+        Ok(())
+    }
+
+    /// Where the file is.
+    pub(super) fn current(&self) -> &Path {
+        &self.current
+    }
+}
+
+/// The log of a run that has not finished, when something that must stay has its name.
+pub fn neighbour(path: &Path) -> PathBuf {
+    let mut name = path.file_stem().map_or_else(OsString::new, OsString::from);
+    name.push(".unfinished");
+    if let Some(extension) = path.extension() {
+        name.push(".");
+        name.push(extension);
+    }
+    path.with_file_name(name)
+}
+
+/// Whether a run is writing this file; where files cannot be locked, nothing is known to be written.
+pub fn is_locked(path: &Path) -> bool {
+    File::open(path).is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+}

@@ -1,0 +1,130 @@
+//! Encodes `foxglove.FrameTransforms` by filling in numbers: all else is the same in every message.
+//!
+//! Protobuf writes a field as its number and kind in one byte, a length where the kind needs one, and the content:
+//!
+//! ```text
+//!     FrameTransforms  { repeated FrameTransform transforms = 1 }
+//!     FrameTransform   { Timestamp timestamp = 1; string parent_frame_id = 2; string child_frame_id = 3;
+//!                        Vector3 translation = 4; Quaternion rotation = 5 }
+//!     Timestamp        { int64 seconds = 1; int32 nanos = 2 }        Vector3, Quaternion { double x = 1; y = 2; … }
+//! ```
+//!
+//! Source: Protocol Buffers, "Encoding" (protobuf.dev); foxglove/schemas, FrameTransform.proto.
+
+/// Kinds of fields: a variable-length integer, a double, something with a length.
+const INTEGER: u8 = 0;
+const DOUBLE: u8 = 1;
+const LENGTH: u8 = 2;
+
+const fn key(field: u8, kind: u8) -> u8 {
+    field << 3 | kind
+}
+
+/// Length of a message of `N` doubles.
+const fn doubles_length(count: usize) -> u8 {
+    9 * count as u8
+}
+
+/// Encodes the poses of the same frames again and again.
+pub(super) struct TransformsEncoder {
+    /// For each frame the encoded names of its parent and itself.
+    names: Vec<Vec<u8>>,
+    stamp: Vec<u8>,
+}
+
+impl TransformsEncoder {
+    /// Frames of these names, all in the frame `parent`.
+    pub(super) fn new<'n>(parent: &str, children: impl Iterator<Item = &'n str>) -> Self {
+        let named = |child: &str| {
+            let mut names = Vec::new();
+            for (field, name) in [(2, parent), (3, child)] {
+                names.push(key(field, LENGTH));
+                push_integer(name.len() as u64, &mut names);
+                names.extend_from_slice(name.as_bytes());
+            }
+            names
+        };
+        TransformsEncoder { names: children.map(named).collect(), stamp: Vec::new() }
+    }
+
+    /// Encodes the poses (translation, quaternion w, x, y, z) of all frames into the emptied buffer.
+    pub(super) fn encode(
+        &mut self,
+        nanoseconds: u64,
+        poses: impl Iterator<Item = ([f64; 3], [f64; 4])>,
+        out: &mut Vec<u8>,
+    ) {
+        out.clear();
+        self.encode_stamp(nanoseconds);
+        for (names, (translation, [w, x, y, z])) in self.names.iter().zip(poses) {
+            let length = self.stamp.len() + names.len() + 2 + 27 + 2 + 36;
+            out.push(key(1, LENGTH));
+            push_integer(length as u64, out);
+            out.extend_from_slice(&self.stamp);
+            out.extend_from_slice(names);
+            out.extend_from_slice(&[key(4, LENGTH), doubles_length(3)]);
+            push_doubles(&translation, out);
+            out.extend_from_slice(&[key(5, LENGTH), doubles_length(4)]);
+            push_doubles(&[x, y, z, w], out);
+        }
+    }
+
+    fn encode_stamp(&mut self, nanoseconds: u64) {
+        self.stamp.clear();
+        self.stamp.extend_from_slice(&[key(1, LENGTH), 0, key(1, INTEGER)]);
+        push_integer(nanoseconds / 1_000_000_000, &mut self.stamp);
+        self.stamp.push(key(2, INTEGER));
+        push_integer(nanoseconds % 1_000_000_000, &mut self.stamp);
+        // Two numbers of at most ten bytes each.
+        self.stamp[1] = self.stamp.len() as u8 - 2;
+    }
+}
+
+/// Seven bits a byte, the lowest first; the highest bit says that more follow.
+fn push_integer(mut value: u64, out: &mut Vec<u8>) {
+    while value >= 0x80 {
+        out.push(value as u8 | 0x80);
+        value >>= 7;
+    }
+    out.push(value as u8);
+}
+
+fn push_doubles(values: &[f64], out: &mut Vec<u8>) {
+    for (field, value) in (1..).zip(values) {
+        out.push(key(field, DOUBLE));
+        out.extend_from_slice(&value.to_le_bytes());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::TransformsEncoder;
+    use foxglove::Decode;
+    use foxglove::messages::FrameTransforms;
+
+    #[test]
+    fn what_is_encoded_is_decoded_by_the_generated_code() {
+        let long = "a name with more than one hundred and twenty-seven letters ".repeat(4);
+        let names = ["base", "", "größe", &long];
+        let mut encoder = TransformsEncoder::new("world", names.into_iter());
+        let poses = [
+            ([0.0, -0.0, 1.0], [1.0, 0.0, 0.0, 0.0]),
+            ([1e300, -1e-300, f64::MIN_POSITIVE], [0.5, -0.5, 0.5, -0.5]),
+            ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0, 7.0]),
+            ([-1.0, 0.1, 0.2], [0.3, 0.4, 0.5, 0.6]),
+        ];
+        for nanoseconds in [0, 1, 127, 128, 16_666_667, 999_999_999, 1_000_000_000, 123_456_789_012_345_678] {
+            let mut buffer = vec![7; 3];
+            encoder.encode(nanoseconds, poses.into_iter(), &mut buffer);
+            let decoded = FrameTransforms::decode(&*buffer).expect("a message").transforms;
+            assert_eq!(decoded.len(), names.len());
+            for ((transform, name), (p, q)) in decoded.iter().zip(names).zip(poses) {
+                assert_eq!((&*transform.parent_frame_id, &*transform.child_frame_id), ("world", name));
+                assert_eq!(transform.timestamp.expect("a stamp").total_nanos(), nanoseconds);
+                let (translation, turn) = (transform.translation.expect("there"), transform.rotation.expect("there"));
+                assert_eq!([translation.x, translation.y, translation.z], p);
+                assert_eq!([turn.w, turn.x, turn.y, turn.z], q);
+            }
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! `catena inspect`: what it says of a log is what the run reported.
+
+use serde_json::Value;
+use std::path::Path;
+
+mod common;
+use common::command::{ENDLESS, assert_one_error, catena, folder, run, salvaged_samples, text, wait_for};
+use std::process::Stdio;
+
+fn json(output: &std::process::Output) -> Value {
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+/// Simulates and returns the report.
+fn simulate(folder: &Path, arguments: &[&str]) -> Value {
+    json(&run(folder, &[&["simulate", "pendulum.urdf", "--json", "--duration", "1.5"], arguments].concat()))
+}
+
+fn inspect(folder: &Path, arguments: &[&str]) -> Value {
+    json(&run(folder, &[&["inspect", "--json"], arguments].concat()))
+}
+
+fn assert_near(a: &Value, b: &Value, bound: f64, place: &str) {
+    match (a, b) {
+        (Value::Object(a), Value::Object(b)) => {
+            assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>(), "{place}");
+            a.iter().for_each(|(key, value)| assert_near(value, &b[key], bound, &format!("{place}.{key}")));
+        }
+        (Value::Array(a), Value::Array(b)) => {
+            assert_eq!(a.len(), b.len(), "{place}");
+            a.iter().zip(b).for_each(|(a, b)| assert_near(a, b, bound, place));
+        }
+        _ => {
+            let (a, b) = (a.as_f64().expect("a number"), b.as_f64().expect("a number"));
+            assert!((a - b).abs() <= bound, "{place}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn the_end_of_a_log_is_what_the_report_says_of_it() {
+    let folder = folder("end");
+    let turning = ["--velocity", "hinge=1"];
+    let report = simulate(&folder, &turning);
+    let instant = inspect(&folder, &["pendulum.mcap", "--at", "1e9"]);
+    assert_eq!(instant["time"], 1.5);
+    for what in ["links", "joints"] {
+        // Everything in the log is as it was; link velocities are worked out again from the same numbers.
+        assert_eq!(instant[what], report[what], "{what}");
+    }
+    let floating = ["--base", "floating", "--base-velocity", "1,2,3,0.4,0.5,0.6", "--velocity", "hinge=1"];
+    let report = simulate(&folder, &floating);
+    let instant = inspect(&folder, &["pendulum.mcap", "--at", "1.5"]);
+    for what in ["links", "joints"] {
+        // The base is logged by its link and simulated by its body: two products of rotations, at lengths of some 10 m.
+        assert_near(&instant[what], &report[what], 1e-12, what);
+    }
+}
+
+#[test]
+fn an_instant_is_the_nearest_that_was_logged() {
+    let folder = folder("instant");
+    simulate(&folder, &["--rate", "10"]);
+    for (asked, found) in [("0.349", 0.3), ("0.351", 0.4), ("-5", 0.0), ("0.7", 0.7)] {
+        let instant = inspect(&folder, &["pendulum.mcap", "--at", asked]);
+        assert!((instant["time"].as_f64().expect("a time") - found).abs() < 1e-9, "{asked}: {}", instant["time"]);
+    }
+}
+
+#[test]
+fn the_summary_has_the_figures_of_the_report() {
+    let folder = folder("summary");
+    let report = simulate(&folder, &["--velocity", "hinge=1"]);
+    let summary = inspect(&folder, &["pendulum.mcap"]);
+    assert_eq!(summary["complete"], true);
+    assert_eq!(summary["outcome"], "finished");
+    assert_eq!(summary["duration"], 1.5);
+    assert_eq!(summary["samples"], 91);
+    assert_eq!(summary["energy"], report["energy"]);
+    assert_eq!(summary["constraint"], report["constraint"]);
+    for count in ["steps", "iterations", "rejected_steps"] {
+        assert_eq!(summary["solver"][count].as_f64(), report[count].as_f64(), "{count}");
+    }
+    assert_eq!(summary["warnings"], report["warnings"]);
+    assert_eq!(summary["attachments"]["pendulum.urdf"], common::command::PENDULUM.len());
+    let words = run(&folder, &["inspect", "pendulum.mcap"]);
+    for said in ["complete", "/joint_states", "91 samples", "energy", "constraint"] {
+        assert!(text(&words.stdout).contains(said), "{said}: {}", text(&words.stdout));
+    }
+}
+
+#[test]
+fn a_log_that_was_cut_off_is_shown_up_to_there_and_said_to_be_truncated() {
+    let folder = folder("cut");
+    simulate(&folder, &["--rate", "100"]);
+    let whole = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let (mut samples, mut readable) = (0, 0);
+    for part in 0..=20 {
+        std::fs::write(folder.join("cut.mcap"), &whole[..whole.len() * part / 20]).expect("written");
+        let output = run(&folder, &["inspect", "cut.mcap", "--json"]);
+        if output.status.code() == Some(0) {
+            let summary = json(&output);
+            let now = summary["samples"].as_u64().expect("a count");
+            assert!(now >= samples, "a longer log has no fewer samples");
+            samples = now;
+            readable += 1;
+            assert_eq!(summary["complete"] == true, part == 20, "{part}");
+            let words = run(&folder, &["inspect", "cut.mcap"]);
+            assert_eq!(text(&words.stdout).contains("TRUNCATED"), part < 20, "{}", text(&words.stdout));
+        } else {
+            assert_one_error(&output, 2, "cut");
+        }
+    }
+    assert!(samples == 151 && readable >= 19, "{samples} {readable}");
+}
+
+#[test]
+fn the_table_has_a_row_for_every_sample_and_units_in_its_head() {
+    let folder = folder("table");
+    let report = simulate(&folder, &["--velocity", "hinge=1"]);
+    let output = run(&folder, &["inspect", "pendulum.mcap", "--csv", "out.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let table = std::fs::read_to_string(folder.join("out.csv")).expect("a table");
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 1 + 91);
+    assert!(rows.iter().all(|row| row.len() == rows[0].len()));
+    let last = |column: &str| -> f64 {
+        let place =
+            rows[0].iter().position(|name| *name == column).unwrap_or_else(|| panic!("{column}: {:?}", rows[0]));
+        rows[91][place].parse().expect("a number")
+    };
+    assert_eq!(last("time [s]"), 1.5);
+    assert_eq!(last("hinge.position [rad]"), report["joints"]["hinge"]["position"].as_f64().expect("a number"));
+    assert_eq!(last("hinge.velocity [rad/s]"), report["joints"]["hinge"]["velocity"].as_f64().expect("a number"));
+    assert_eq!(last("tip.z [m]"), report["links"]["tip"]["position"][2].as_f64().expect("a number"));
+    assert_eq!(last("energy.total [J]"), report["energy"]["final"].as_f64().expect("a number"));
+}
+
+#[test]
+fn curves_are_drawn_with_units_and_names() {
+    let folder = folder("plot");
+    simulate(&folder, &["--velocity", "hinge=1"]);
+    let output = run(&folder, &["inspect", "pendulum.mcap", "--plot", "out.svg"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let svg = std::fs::read_to_string(folder.join("out.svg")).expect("a picture");
+    for said in ["hinge", "rad/s", "Energy error", "Constraint violation", "Reaction forces", "simulated time [s]"] {
+        assert!(svg.contains(said), "{said}");
+    }
+    assert_eq!(run(&folder, &["inspect", "pendulum.mcap", "--plot", "out.png"]).status.code(), Some(0));
+    let png = std::fs::read(folder.join("out.png")).expect("a picture");
+    assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000);
+}
+
+#[test]
+fn two_logs_are_compared_link_by_link() {
+    let folder = folder("compare");
+    simulate(&folder, &["-o", "a.mcap"]);
+    simulate(&folder, &["-o", "same.mcap"]);
+    simulate(&folder, &["-o", "turned.mcap", "--base-pose", "0.3,0.4,0,0,0,0.5"]);
+    let same = inspect(&folder, &["a.mcap", "same.mcap"]);
+    assert_eq!((&same["identical"], &same["instants"]), (&Value::Bool(true), &91.into()));
+    let turned = inspect(&folder, &["a.mcap", "turned.mcap"]);
+    assert_eq!(turned["identical"], false);
+    let base = &turned["links"][0];
+    // By construction half a metre and half a radian, at all times.
+    assert!((base["distance"].as_f64().expect("a number") - 0.5).abs() < 1e-12, "{base}");
+    assert!((base["angle"].as_f64().expect("a number") - 0.5).abs() < 1e-12, "{base}");
+    assert_eq!(base["first_difference"], 0.0);
+    let words = run(&folder, &["inspect", "a.mcap", "turned.mcap"]);
+    assert!(text(&words.stdout).contains("different"), "{}", text(&words.stdout));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_log_is_followed_until_its_run_ends() {
+    let folder = folder("follow");
+    let log = folder.join("pendulum.mcap");
+    let arguments = [&["simulate", "pendulum.urdf", "--velocity", "hinge=1"], &ENDLESS[..]].concat();
+    let mut child = catena(&folder, &arguments).spawn().expect("runs");
+    wait_for(&mut child, "a log with samples", || salvaged_samples(&log) > 10);
+    let mut follower = catena(&folder, &["inspect", "pendulum.mcap", "--follow", "--json"])
+        .stdout(Stdio::from(std::fs::File::create(folder.join("followed")).expect("made")))
+        .spawn()
+        .expect("runs");
+    let lines = || std::fs::read_to_string(folder.join("followed")).expect("there").lines().count();
+    wait_for(&mut follower, "three looks", || lines() >= 3);
+    child.kill().expect("killed");
+    child.wait().expect("ends");
+    assert!(follower.wait().expect("ends").success());
+    let followed = std::fs::read_to_string(folder.join("followed")).expect("there");
+    let samples: Vec<u64> = followed
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).expect("JSON")["samples"].as_u64().expect("a count"))
+        .collect();
+    assert!(samples.is_sorted(), "{samples:?}");
+    assert_eq!(*samples.last().expect("a look") as usize, salvaged_samples(&log));
+}
+
+#[test]
+fn bad_usage_is_one_line_and_touches_no_file() {
+    let folder = folder("bad");
+    simulate(&folder, &[]);
+    let before = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    std::fs::write(folder.join("words.mcap"), "not a log at all").expect("written");
+    let cases: &[&[&str]] = &[
+        &["missing.mcap"],
+        &["words.mcap"],
+        &["."],
+        &["pendulum.urdf"],
+        &["pendulum.mcap", "words.mcap"],
+        &["pendulum.mcap", "--at", "soon"],
+        &["pendulum.mcap", "--plot", "picture.gif"],
+        &["pendulum.mcap", "--csv", "pendulum.mcap"],
+        &["pendulum.mcap", "--follow", "--csv", "a.csv"],
+        &["pendulum.mcap", "pendulum.mcap", "--at", "1"],
+        &[],
+    ];
+    for case in cases {
+        assert_one_error(&run(&folder, &[&["inspect"], *case].concat()), 2, &format!("{case:?}"));
+    }
+    assert_one_error(&run(&folder, &["inspect", "pendulum.mcap", "--csv", "no/such/a.csv"]), 1, "no folder");
+    assert!(std::fs::read(folder.join("pendulum.mcap")).expect("a log") == before);
+}

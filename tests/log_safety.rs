@@ -1,0 +1,143 @@
+//! Whatever happens to a run, its log is there, and so is the log of the last run that finished.
+#![cfg(unix)]
+
+use foxglove::Decode;
+use foxglove::messages::Log;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+mod common;
+use common::Numbers;
+use common::command::{ENDLESS, assert_one_error, catena, folder, run, salvaged, salvaged_samples, text, wait_for};
+
+const SIMULATE: [&str; 4] = ["simulate", "pendulum.urdf", "--velocity", "hinge=1"];
+
+fn endless() -> Vec<&'static str> {
+    [&SIMULATE[..], &ENDLESS].concat()
+}
+
+/// Every sample from the first to the last, once, and what viewers need to show them.
+fn assert_whole_up_to_its_end(log: &[u8], least: usize) {
+    let samples = salvaged(log, "/tf");
+    assert!(samples.len() >= least, "{} samples of {least} are left", samples.len());
+    for (index, sample) in samples.iter().enumerate() {
+        assert_eq!(sample.log_time, index as u64 * 1_000_000_000, "no sample is missing before the last");
+    }
+    assert_eq!(salvaged(log, "/robot_description").len(), 1);
+}
+
+#[test]
+fn a_run_killed_at_any_moment_leaves_what_was_readable_before() {
+    let folder = folder("kill");
+    let log = folder.join("pendulum.mcap");
+    let mut numbers = Numbers::new(5);
+    // With a step of 0.01 s chunks fill many times a second; with 1e-5 s in minutes only, which nobody here waits for.
+    for step in ["0.01", "0.01", "0.00001", "0.00001"] {
+        let arguments = endless().into_iter().map(|word| if word == "0.01" { step } else { word }).collect::<Vec<_>>();
+        let mut child = catena(&folder, &arguments).spawn().expect("runs");
+        wait_for(&mut child, "a log with samples", || salvaged_samples(&log) > 3);
+        std::thread::sleep(Duration::from_millis(numbers.next(0.0, 1500.0) as u64));
+        let seen = salvaged_samples(&log);
+        child.kill().expect("killed");
+        child.wait().expect("ends");
+        assert_whole_up_to_its_end(&std::fs::read(&log).expect("a log"), seen);
+        std::fs::remove_file(&log).expect("removed");
+    }
+}
+
+#[test]
+fn a_finished_log_outlives_the_runs_that_do_not_finish() {
+    let folder = folder("precious");
+    let (log, beside) = (folder.join("pendulum.mcap"), folder.join("pendulum.unfinished.mcap"));
+    let finished = [&SIMULATE[..], &["--duration", "0.5"]].concat();
+    assert_eq!(run(&folder, &finished).status.code(), Some(0));
+    let bytes = std::fs::read(&log).expect("a log");
+    // Killed.
+    let mut child = catena(&folder, &endless()).spawn().expect("runs");
+    wait_for(&mut child, "a log with samples", || salvaged_samples(&beside) > 10);
+    child.kill().expect("killed");
+    child.wait().expect("ends");
+    assert!(std::fs::read(&log).expect("a log") == bytes);
+    assert_whole_up_to_its_end(&std::fs::read(&beside).expect("a log"), 11);
+    // Interrupted: the message says where the log is.
+    std::fs::remove_file(&beside).expect("removed");
+    let mut child = catena(&folder, &endless()).spawn().expect("runs");
+    wait_for(&mut child, "a new log", || salvaged_samples(&beside) > 10);
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs").success());
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(130));
+    assert!(text(&output.stderr).contains("pendulum.unfinished.mcap"), "{}", text(&output.stderr));
+    assert!(std::fs::read(&log).expect("a log") == bytes);
+    // Failed: a spin whose kinetic energy is beyond the range of doubles.
+    let output = run(&folder, &["simulate", "pendulum.urdf", "--velocity", "hinge=1e200", "--quiet"]);
+    assert_one_error(&output, 1, "failed");
+    assert!(std::fs::read(&log).expect("a log") == bytes);
+    let failed = std::fs::read(&beside).expect("a log");
+    let lines = salvaged(&failed, "/log");
+    let last = Log::decode(&*lines.last().expect("a line").data).expect("a log line");
+    assert!(text(&output.stderr).contains(&last.message), "{} {}", last.message, text(&output.stderr));
+    // Finished: the output is replaced, and nothing is left beside it.
+    assert_eq!(run(&folder, &[&finished[..], &["--rate", "10"]].concat()).status.code(), Some(0));
+    assert!(std::fs::read(&log).expect("a log") != bytes);
+    assert!(!beside.exists());
+}
+
+#[test]
+fn any_other_file_is_replaced_by_a_finished_run_only() {
+    let folder = folder("foreign");
+    let log = folder.join("pendulum.mcap");
+    std::fs::write(&log, b"not a log at all").expect("written");
+    let output = run(&folder, &["simulate", "pendulum.urdf", "--velocity", "hinge=1e200", "--quiet"]);
+    assert_one_error(&output, 1, "failed");
+    assert_eq!(std::fs::read(&log).expect("still there"), b"not a log at all");
+    assert_eq!(run(&folder, &[&SIMULATE[..], &["--duration", "0.5"]].concat()).status.code(), Some(0));
+    assert!(mcap::Summary::read(&std::fs::read(&log).expect("a log")).is_ok());
+}
+
+#[test]
+fn two_runs_do_not_write_one_log() {
+    let folder = folder("two");
+    let log = folder.join("pendulum.mcap");
+    let mut child = catena(&folder, &endless()).spawn().expect("runs");
+    wait_for(&mut child, "a log with samples", || salvaged_samples(&log) > 10);
+    let output = run(&folder, &endless());
+    child.kill().expect("killed");
+    child.wait().expect("ends");
+    assert_one_error(&output, 2, "second run");
+    assert!(text(&output.stderr).contains("another run"), "{}", text(&output.stderr));
+}
+
+/// The system ends a process that writes more than it may, unless it says otherwise.
+#[test]
+fn a_disk_that_fills_up_is_an_error_with_the_path_and_the_log_is_complete_up_to_there() {
+    let folder = folder("limit");
+    let command = format!("ulimit -f 2000; exec {} {}", env!("CARGO_BIN_EXE_catena"), endless().join(" "));
+    let output =
+        Command::new("sh").current_dir(&folder).args(["-c", &command]).stdin(Stdio::null()).output().expect("runs");
+    assert_ended_by_disk(&output, "pendulum.mcap");
+    let log = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let messages: Result<Vec<_>, _> = mcap::MessageStream::new(&log).expect("a complete log").collect();
+    assert!(messages.expect("every message is readable").len() > 100);
+    assert_whole_up_to_its_end(&log, 100);
+}
+
+fn assert_ended_by_disk(output: &Output, path: &str) {
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    assert!(error.starts_with("catena: error: cannot write") && error.contains(path), "{error}");
+    assert_eq!(error.lines().count(), 1, "{error}");
+}
+
+#[test]
+fn a_pipe_that_is_closed_is_an_error_with_the_path() {
+    if !Path::new("/dev/stdout").exists() {
+        println!("skipped: this system has no /dev/stdout");
+        return;
+    }
+    let folder = folder("pipe");
+    let mut child =
+        catena(&folder, &[&endless()[..], &["-o", "/dev/stdout", "--quiet"]].concat()).spawn().expect("runs");
+    drop(child.stdout.take());
+    assert_ended_by_disk(&child.wait_with_output().expect("ends"), "/dev/stdout");
+}

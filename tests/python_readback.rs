@@ -1,0 +1,62 @@
+//! Logs as the readers of the mcap project see them (`tests/readback.py`), which share no line with ours.
+//!
+//! They are Python packages, which `.ci/run` puts into `target/python`; without them these tests say so and skip.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+mod common;
+use common::command::{ENDLESS, catena, folder, run, salvaged, salvaged_samples, text, wait_for};
+
+/// A Python that has the readers.
+fn python() -> Option<PathBuf> {
+    let python = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/python/bin/python3");
+    let has_readers = Command::new(&python).args(["-c", "import mcap, mcap_protobuf, mcap_ros2"]).output();
+    if has_readers.is_ok_and(|output| output.status.success()) {
+        return Some(python);
+    }
+    println!("skipped: {} has no readers of logs; .ci/run installs them", python.display());
+    None
+}
+
+/// Runs the script and returns the number of messages it has read.
+fn readback(python: &Path, arguments: &[&Path]) -> usize {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/readback.py");
+    let output = Command::new(python).arg(script).args(arguments).output().expect("Python runs");
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    text(&output.stdout).trim().parse().expect("a count")
+}
+
+#[test]
+fn a_log_has_schemas_monotonic_times_and_the_poses_of_report_and_urdf() {
+    let Some(python) = python() else { return };
+    let folder = folder("complete");
+    for robot in ["arm7", "gantry", "double_pendulum"] {
+        let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("robots/{robot}.urdf"));
+        let output = run(&folder, &["simulate", &urdf.to_string_lossy(), "--duration", "1", "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{robot}: {}", text(&output.stderr));
+        let report = folder.join(format!("{robot}.json"));
+        std::fs::write(&report, &output.stdout).expect("written");
+        assert!(readback(&python, &[&folder.join(format!("{robot}.mcap")), &report]) > 180, "{robot}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_run_is_read_up_to_its_end() {
+    let Some(python) = python() else { return };
+    let folder = folder("killed");
+    let log = folder.join("pendulum.mcap");
+    for step in ["0.01", "0.00001"] {
+        let words = [&["simulate", "pendulum.urdf", "--velocity", "hinge=1"], &ENDLESS[..]].concat();
+        let arguments: Vec<&str> = words.into_iter().map(|word| if word == "0.01" { step } else { word }).collect();
+        let mut child = catena(&folder, &arguments).spawn().expect("runs");
+        wait_for(&mut child, "a log with samples", || salvaged_samples(&log) > 3);
+        child.kill().expect("killed");
+        child.wait().expect("ends");
+        let bytes = std::fs::read(&log).expect("a log");
+        let ours = salvaged(&bytes, "/tf").len();
+        assert!(readback(&python, &[&log]) >= 3 * ours, "{step}: every sample is three messages at least");
+        std::fs::remove_file(&log).expect("removed");
+    }
+}

@@ -1,0 +1,153 @@
+"""Reads a log with the readers of the mcap project and checks it against the report of its run and against its URDF.
+
+    readback.py LOG.mcap REPORT.json    a complete log: schemas, times, poses, forward kinematics computed from the URDF
+    readback.py LOG.mcap                a log that may be cut off: every message up to there can be decoded
+"""
+
+import json
+import math
+import sys
+import xml.etree.ElementTree as ElementTree
+
+from mcap.exceptions import EndOfFile
+from mcap.reader import NonSeekingReader, make_reader
+from mcap_protobuf.decoder import DecoderFactory as ProtobufDecoder
+from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
+
+EXPECTED = {
+    "/robot_description": "std_msgs/msg/String",
+    "/scene": "foxglove.SceneUpdate",
+    "/log": "foxglove.Log",
+    "/tf": "foxglove.FrameTransforms",
+    "/joint_states": "sensor_msgs/msg/JointState",
+    "/reactions": "sensor_msgs/msg/MultiDOFJointState",
+    "/energy": "std_msgs/msg/Float64MultiArray",
+    "/constraint": "std_msgs/msg/Float64MultiArray",
+    "/solver": "std_msgs/msg/Float64MultiArray",
+}
+
+
+def decoders():
+    return [ProtobufDecoder(), Ros2Decoder()]
+
+
+def near(a, b, bound):
+    return all(abs(x - y) <= bound for x, y in zip(a, b, strict=True))
+
+
+def times(a, b):
+    return [[sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+
+
+def turned(a, v):
+    return [sum(a[i][k] * v[k] for k in range(3)) for i in range(3)]
+
+
+def about(axis, angle):
+    """Rodrigues' formula."""
+    n = math.sqrt(sum(x * x for x in axis))
+    x, y, z = (c / n for c in axis)
+    c, s, t = math.cos(angle), math.sin(angle), 1 - math.cos(angle)
+    return [
+        [t * x * x + c, t * x * y - s * z, t * x * z + s * y],
+        [t * x * y + s * z, t * y * y + c, t * y * z - s * x],
+        [t * x * z - s * y, t * y * z + s * x, t * z * z + c],
+    ]
+
+
+def matrix(q):
+    w, x, y, z = q
+    return [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+
+
+def numbers(element, name, default):
+    text = element.get(name) if element is not None else None
+    return [float(word) for word in (text or default).split()]
+
+
+def kinematics(urdf, positions):
+    """Position and rotation of every link, by the definition of URDF alone."""
+    joints = {joint.find("child").get("link"): joint for joint in urdf.findall("joint")}
+
+    def pose(link):
+        if link not in joints:
+            return [0.0, 0.0, 0.0], [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        joint = joints[link]
+        at, turn = pose(joint.find("parent").get("link"))
+        roll, pitch, yaw = numbers(joint.find("origin"), "rpy", "0 0 0")
+        step = turned(turn, numbers(joint.find("origin"), "xyz", "0 0 0"))
+        at = [a + b for a, b in zip(at, step)]
+        turn = times(turn, times(about([0, 0, 1], yaw), times(about([0, 1, 0], pitch), about([1, 0, 0], roll))))
+        axis, value = numbers(joint.find("axis"), "xyz", "1 0 0"), positions.get(joint.get("name"), 0.0)
+        if joint.get("type") in ("revolute", "continuous"):
+            turn = times(turn, about(axis, value))
+        elif joint.get("type") == "prismatic":
+            n = math.sqrt(sum(x * x for x in axis))
+            at = [a + b for a, b in zip(at, turned(turn, [x / n * value for x in axis]))]
+        return at, turn
+
+    return {link.get("name"): pose(link.get("name")) for link in urdf.findall("link")}
+
+
+def check_complete(path, report):
+    with open(path, "rb") as stream:
+        reader = make_reader(stream, decoder_factories=decoders(), validate_crcs=True)
+        summary = reader.get_summary()
+        found = {c.topic: summary.schemas[c.schema_id].name for c in summary.channels.values()}
+        assert found == EXPECTED, found
+        attachment = next(reader.iter_attachments())
+        urdf = ElementTree.fromstring(attachment.data)
+        metadata = {record.name: record.metadata for record in reader.iter_metadata()}
+        assert metadata["end"]["outcome"] == "finished", metadata
+        last, counts, joints = 0, {}, {}
+        for _, channel, message, decoded in reader.iter_decoded_messages(log_time_order=False):
+            assert message.log_time >= last, f"{channel.topic} goes back to {message.log_time}"
+            last = message.log_time
+            counts[channel.topic] = counts.get(channel.topic, 0) + 1
+            if channel.topic == "/joint_states":
+                joints = dict(zip(decoded.name, zip(decoded.position, decoded.velocity, strict=True), strict=True))
+                expected = kinematics(urdf, {name: q for name, (q, _) in joints.items()})
+                for link, (at, turn) in expected.items():
+                    position, quaternion = poses[link]
+                    # Products of some ten rotations, at lengths of a few metres.
+                    assert near(position, at, 1e-12), f"{link}: {position} {at}"
+                    rows = matrix(quaternion)
+                    assert all(near(a, b, 1e-12) for a, b in zip(rows, turn)), f"{link}: {rows} {turn}"
+            if channel.topic == "/tf":
+                poses = {}
+                for frame in decoded.transforms:
+                    q, p = frame.rotation, frame.translation
+                    assert abs(math.hypot(q.w, q.x, q.y, q.z) - 1) < 1e-12, f"{frame.child_frame_id} at {last}"
+                    assert frame.parent_frame_id == "world"
+                    poses[frame.child_frame_id] = [p.x, p.y, p.z], [q.w, q.x, q.y, q.z]
+    assert last == round(report["duration"] * 1e9), last
+    assert poses.keys() == report["links"].keys()
+    for link, expected in report["links"].items():
+        assert poses[link] == (expected["position"], expected["orientation"]), f"{link}: {poses[link]} {expected}"
+    for joint, expected in report["joints"].items():
+        assert joints[joint] == (expected["position"], expected["velocity"]), f"{joint}: {joints[joint]} {expected}"
+    assert counts["/tf"] == counts["/joint_states"] == counts["/reactions"] == round(report["duration"] * 60) + 1, counts
+    print(sum(counts.values()))
+
+
+def check_cut(path):
+    count, last = 0, 0
+    with open(path, "rb") as stream:
+        reader = NonSeekingReader(stream, decoder_factories=decoders())
+        try:
+            for _, channel, message, _ in reader.iter_decoded_messages(log_time_order=False):
+                assert message.log_time >= last, f"{channel.topic} goes back to {message.log_time}"
+                count, last = count + 1, message.log_time
+        except EndOfFile:
+            pass
+    print(count)
+
+
+if len(sys.argv) > 2:
+    check_complete(sys.argv[1], json.load(open(sys.argv[2])))
+else:
+    check_cut(sys.argv[1])
