@@ -349,12 +349,11 @@ impl Bookkeeper {
         add(&mut summary.exchange.dissipated, &mut self.rest.dissipated, outcome.exchange.dissipated);
         add(&mut summary.exchange.work, &mut self.rest.work, outcome.exchange.work);
         let exchange = summary.exchange;
-        self.last = StepEnd { time: state.time, energy, exchange, violation, outcome };
         summary.steps += 1;
         summary.iterations += outcome.iterations;
         summary.rejected_steps += outcome.rejected;
         let so_far = Counts { steps: summary.steps, iterations: summary.iterations, rejected: summary.rejected_steps };
-        self.last = StepEnd { time, energy, violation, outcome, so_far };
+        self.last = StepEnd { time: state.time, energy, exchange, violation, outcome, so_far };
         summary.final_energy = energy;
         summary.max_violation.position = summary.max_violation.position.max(violation.position);
         summary.max_violation.velocity = summary.max_violation.velocity.max(violation.velocity);
