@@ -22,6 +22,7 @@ use crate::reactions::Reactions;
 use crate::reduced::Reaction;
 use crate::simulation::Sample;
 use crate::state::quaternion_exponential;
+use nalgebra::Vector3;
 
 /// Writes the joint messages of samples.
 pub(super) struct JointMessages<'m> {
@@ -62,9 +63,11 @@ impl<'m> JointMessages<'m> {
         let body_of = |&joint: &usize| model.joints[joint].body;
         let holds = |joint: &usize| joint_of(*joint).is_some_and(|joint| joint.kind != JointKind::Floating);
         let held: Vec<usize> = (0..model.joints.len()).filter(holds).collect();
+        let loops = model.mechanism.loops.iter().map(|joint| joint.name.as_str());
+        let carriers: Vec<&str> = held.iter().map(name).chain(loops).collect();
         let loads = Loads {
             channel: ros_channel(file, "/reactions", ros::MULTI_DOF_JOINT_STATE)?,
-            header: JointHeader::new(world, held.iter().map(name)),
+            header: JointHeader::new(world, carriers.into_iter()),
             bodies: held.iter().filter_map(body_of).collect(),
         };
         Ok(JointMessages {
@@ -86,7 +89,7 @@ impl<'m> JointMessages<'m> {
     /// Adds the messages of one sample.
     pub(super) fn write(&mut self, sample: &Sample, stamp: u64, buffer: &mut Vec<u8>, messages: &mut Batch) {
         let bodies = &self.model.mechanism.bodies;
-        let (reactions, _) = self.reactions.at(sample.position, sample.velocity);
+        let (reactions, loops) = self.reactions.at(sample.position, sample.velocity);
         let positions = self.bodies.iter().map(|&body| sample.position[bodies[body].joint.position_index]);
         let velocities = self.bodies.iter().map(|&body| sample.velocity[bodies[body].joint.velocity_index]);
         let efforts = self.bodies.iter().map(|&body| {
@@ -97,11 +100,11 @@ impl<'m> JointMessages<'m> {
         });
         self.header.encode_joint_state(stamp, positions, velocities, efforts, buffer);
         messages.push(self.channel, stamp, buffer);
-        let wrenches = self.loads.bodies.iter().map(|&body| {
-            let Reaction { force, torque, .. } = &reactions[body];
-            [force.x, force.y, force.z, torque.x, torque.y, torque.z]
-        });
-        self.loads.header.encode_wrenches(stamp, wrenches, buffer);
+        let wrench =
+            |force: &Vector3<f64>, torque: &Vector3<f64>| [force.x, force.y, force.z, torque.x, torque.y, torque.z];
+        let joints = self.loads.bodies.iter().map(|&body| wrench(&reactions[body].force, &reactions[body].torque));
+        let carried: Vec<[f64; 6]> = joints.chain(loops.iter().map(|one| wrench(&one.force, &one.torque))).collect();
+        self.loads.header.encode_wrenches(stamp, carried.into_iter(), buffer);
         messages.push(self.loads.channel, stamp, buffer);
         if let Some(others) = &self.others {
             let joints = others.joints.iter().map(|&joint| {
