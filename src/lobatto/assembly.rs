@@ -4,6 +4,7 @@
 //! matrix ([`super::projection`]) before t = 0: a defect left in them would stay in the multipliers for the whole run
 //! as defect/h.
 
+use super::limits::{close_within_limits, within_limits};
 use super::projection::{Projected, Projection};
 use super::start::Start;
 use crate::model::Mechanism;
@@ -56,6 +57,12 @@ pub enum AssemblyError {
          nearer to where it closes, or check its frames"
     )]
     Open { closure: String, gap: f64 },
+    /// The loops close, but only beyond the limits of joints.
+    #[error(
+        "the closure {closure:?} cannot be closed within the limits of the joints: {gap:.3e} (m or rad) is left open between its \
+         ends; move the initial joint positions, or widen the limits"
+    )]
+    Limited { closure: String, gap: f64 },
     /// At rest in a singular position.
     #[error(
         "the mechanism starts at rest in a singular position, where its closures leave {extra} more degrees of freedom than beside it: \
@@ -111,7 +118,16 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
     }
     let mut projection = Projection::new(mechanism);
     let mut start = Start::new(mechanism);
-    let Projected { gap, worst, correction: moved } = projection.positions(mechanism, &mut start, state);
+    let wanted = state.clone();
+    let Projected { mut gap, mut worst, correction: mut moved } = projection.positions(mechanism, &mut start, state);
+    if within_limits(mechanism, &wanted) && !within_limits(mechanism, state) {
+        state.copy_from(&wanted);
+        Projected { gap, worst, correction: moved } =
+            close_within_limits(mechanism, &mut projection, &mut start, state);
+        if gap.is_nan() || gap > OPEN {
+            return Err(AssemblyError::Limited { closure: closure_name(mechanism, worst).to_string(), gap });
+        }
+    }
     if gap.is_nan() || gap > OPEN {
         return Err(AssemblyError::Open { closure: closure_name(mechanism, worst).to_string(), gap });
     }

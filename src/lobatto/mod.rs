@@ -24,6 +24,7 @@ mod extended;
 pub mod front;
 pub mod integrator;
 pub mod lanes;
+pub mod limits;
 pub mod literal;
 mod literal_constraints;
 mod literal_forces;

@@ -87,7 +87,8 @@ impl Projection {
         }
     }
 
-    fn largest_gap(&mut self) -> (f64, usize) {
+    /// The largest gap as of the latest evaluation, and the closure that has it.
+    pub(super) fn largest_gap(&mut self) -> (f64, usize) {
         for (gap, value) in self.gaps.iter_mut().zip(&self.coupled.gaps) {
             *gap = value.to_array().as_ref()[0].abs();
         }
@@ -209,6 +210,18 @@ impl Projection {
     /// Number of equations that the others imply, or nearly imply, where the latest solve was.
     pub fn weak(&self) -> usize {
         self.coupled.left_over.iter().filter(|left| left.is_nan() || left.abs() <= WEAK).count()
+    }
+
+    /// The gaps of all equations at the start of a step.
+    pub(super) fn gaps(&mut self, start: &Start) -> Vec<f64> {
+        self.evaluate(start);
+        self.coupled.gaps.iter().map(|gap| gap.to_array().as_ref()[0]).collect()
+    }
+
+    /// The rates of the gaps for velocities of the freedoms, after [`Projection::gaps`].
+    pub(super) fn gap_rates(&mut self, mechanism: &Mechanism, start: &Start, velocity: &[f64]) -> Vec<f64> {
+        self.evaluate_rates(mechanism, start, velocity);
+        self.coupled.gaps.iter().map(|gap| gap.to_array().as_ref()[0]).collect()
     }
 
     /// Number of equations of all closures.

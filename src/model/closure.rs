@@ -123,3 +123,14 @@ pub struct Mimic {
     /// The follower's position where the leader is at zero.
     pub offset: f64,
 }
+
+/// Where a scalar joint coordinate may be (rad or m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointLimit {
+    /// The coordinate.
+    pub coordinate: Coordinate,
+    /// Smallest position.
+    pub lower: f64,
+    /// Largest position.
+    pub upper: f64,
+}

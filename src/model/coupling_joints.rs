@@ -1,6 +1,6 @@
 //! What a URDF says of its joints besides the tree: `<dynamics damping>` and `<mimic>`.
 
-use super::closure::Mimic;
+use super::closure::{JointLimit, Mimic};
 use super::coupling_error::CouplingProblem;
 use super::couplings::{Builder, Stand};
 use super::model_error::ModelError;
@@ -40,6 +40,20 @@ impl Builder<'_> {
             }
         }
         dampers
+    }
+
+    /// The limits of `<limit>`, of joints that turn about or slide along an axis.
+    pub(super) fn urdf_limits(&self) -> Vec<JointLimit> {
+        let limits = self.urdf_joints().filter_map(|(robot, file, joint)| {
+            let limit = joint.limit?;
+            let stand =
+                Stand { file: file.to_path_buf(), line: joint.line, element: Element::Joint(joint.name.clone()) };
+            self.record(robot, &joint.name)?.body?;
+            let coordinate = self.coordinate(robot, &joint.name, &stand).ok()?;
+            let (lower, upper) = (limit.lower.unwrap_or(f64::NEG_INFINITY), limit.upper.unwrap_or(f64::INFINITY));
+            (lower < upper).then_some(JointLimit { coordinate, lower, upper })
+        });
+        limits.collect()
     }
 
     /// The relations of `<mimic>`.

@@ -46,8 +46,10 @@ impl Model {
         let mut warnings = Vec::new();
         forces.joint_dampers.extend(builder.urdf_dampers(&mut warnings));
         let mimics = builder.urdf_mimics(&mut warnings)?;
+        let limits = builder.urdf_limits();
         self.mechanism.loops = loops;
         self.mechanism.mimics = mimics;
+        self.mechanism.limits = limits;
         self.mechanism.forces = forces;
         self.warnings.extend(warnings);
         Ok(())

@@ -4,7 +4,7 @@
 //! Each body's frame sits at its centre of mass with its axes along the principal axes of inertia, so that the
 //! body inertia is `J = diag(J₁, J₂, J₃)` [kg m²] and `Σ = ½ tr(J) 1 − J` is diagonal too.
 
-use super::closure::{LoopJoint, Mimic};
+use super::closure::{JointLimit, LoopJoint, Mimic};
 use super::joint::Joint;
 use crate::forces::Forces;
 use nalgebra::Vector3;
@@ -39,6 +39,8 @@ pub struct Mechanism {
     pub mimics: Vec<Mimic>,
     /// Forces besides gravity.
     pub forces: Forces,
+    /// Limits of joints, which the assembly of closed loops respects; the motion does not.
+    pub limits: Vec<JointLimit>,
     /// Length of the position vector.
     pub position_count: usize,
     /// Number of degrees of freedom: length of the velocity vector.
@@ -90,6 +92,7 @@ impl Mechanism {
             loops: Vec::new(),
             mimics: Vec::new(),
             forces: Forces::default(),
+            limits: Vec::new(),
             position_count,
             velocity_count,
         })

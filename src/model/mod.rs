@@ -20,7 +20,7 @@ mod rigid_groups;
 mod robot_model;
 
 pub use assemble::Start;
-pub use closure::{Attachment, Coordinate, LoopJoint, LoopKind, Mimic};
+pub use closure::{Attachment, Coordinate, JointLimit, LoopJoint, LoopKind, Mimic};
 pub use composite::Composite;
 pub use coordinates::{position_names, velocity_names};
 pub use coupling_error::{CouplingError, CouplingProblem};
