@@ -20,9 +20,9 @@
 
 use super::algebra::{Matrix, Vector};
 use super::closure::{EndStart, Equation, EquationValue, Moved, equations, evaluate};
-use super::elimination::{Elimination, Operation, TWIST, Unknown};
+use super::elimination::{Column, Elimination, Operation, TWIST, Unknown};
 use super::front::{Fronts, Screws};
-use super::lanes::Lanes;
+use super::lanes::{Lanes, in_lanes};
 use super::stage::{MAX_LANES, Stages};
 use super::start::{Plan, Start};
 use super::tableau::Tableau;
@@ -327,140 +327,181 @@ impl<V: Lanes> Coupled<V> {
         }
     }
 
-    /// Factors the system and solves it: fills the increments of the freedoms; returns whether everything is finite.
-    #[inline(always)]
+    /// Factors the system and solves it: fills the increments of the freedoms. Not inlined anywhere: every operation is
+    /// compiled for the vectors on its own, once.
     pub fn solve(&mut self, plan: &Plan, start: &Start, displacement: &[V], increment: &mut [V]) {
         let operations = std::mem::take(&mut self.elimination.operations);
         let mut level = 0;
         let mut opened = false;
         for (index, operation) in operations.iter().enumerate() {
-            let kept_at = self.kept_at[index];
-            match operation {
+            let eliminated = match operation {
                 Operation::Open => {
                     level += usize::from(opened);
                     opened = true;
                     self.fronts.open(level);
+                    None
                 }
                 Operation::Enter { slots, present, gaps } => {
-                    self.fronts.enter(level, slots, present);
-                    let right = self.fronts.right_hand_side();
-                    for &(row, slot) in gaps {
-                        set_right(self.fronts.block(level, slot, right), self.gaps[row]);
-                        if self.equations[row] == Equation::Line {
-                            for k in 0..self.mixing.active {
-                                self.fronts.add(level, slot, slot, k, self.unit[k]);
-                            }
-                        }
-                    }
+                    in_lanes!(V, self.enter(level, slots, present, gaps));
+                    None
                 }
                 Operation::Own { body, ends } => {
-                    let anchors = [0, 1].map(|side| self.anchor(start, *body, side));
-                    own_inertia(
-                        &mut self.fronts,
-                        level,
-                        &self.mixing,
-                        OwnBody {
-                            anchors,
-                            moved: &self.moved[*body],
-                            mass: plan.bodies[*body].mass,
-                            com: start.bodies[*body].com,
-                            sigma: start.bodies[*body].sigma,
-                            bias: self.bias[*body],
-                        },
-                    );
-                    for &(row, slot, sign) in ends {
-                        let mut by_gap = self.unit;
-                        if self.equations[row] == Equation::Line {
-                            let spring = row + self.resistances.len() - self.equations.len();
-                            for k in 0..self.mixing.active {
-                                by_gap[k] = self.resistance(&self.resistances[spring], k);
-                            }
-                        }
-                        let active = self.mixing.active;
-                        couple(
-                            &mut self.fronts,
-                            level,
-                            [&by_gap[..active], &self.unit[..active]],
-                            slot,
-                            sign,
-                            &self.values[row],
-                        );
+                    in_lanes!(V, self.own(level, plan, start, *body));
+                    for &end in ends {
+                        in_lanes!(V, self.end(level, end));
                     }
+                    None
                 }
                 Operation::Freedom { body, freedom, columns, direct } => {
-                    let screws = self.screws_of(plan, start, displacement, *body, *freedom);
+                    let screws = in_lanes!(V, self.screws_of(plan, start, displacement, *body, *freedom));
                     self.screws[*freedom] = screws.columns;
-                    self.fronts.take_freedom(level, &screws, columns);
-                    self.take_efforts(*freedom);
-                    for &(row, slot, coefficient) in direct {
-                        let pushed = self.multipliers[row] * V::splat(coefficient);
-                        let right = self.fronts.right_hand_side();
-                        for (entry, value) in self.fronts.right_block(right).iter_mut().zip(pushed.to_array().as_ref())
-                        {
-                            *entry = *entry + first_lane::<V>(*value);
-                        }
-                        for (k, unit) in self.unit[..self.mixing.active].iter().enumerate() {
-                            let entry = *unit * V::splat(coefficient);
-                            let left = self.fronts.left_block(slot);
-                            left[k] = left[k] + entry;
-                            let right = self.fronts.right_block(slot);
-                            right[k] = right[k] - entry;
-                        }
-                    }
-                    let kept = (columns.len() + 1) * V::COUNT;
-                    self.fronts.eliminate(level, columns, &mut self.kept[kept_at..kept_at + kept]);
+                    in_lanes!(V, self.fronts.take_freedom(level, &screws, columns));
+                    in_lanes!(V, self.take_efforts(*freedom, direct));
+                    Some(columns)
                 }
                 Operation::Multiplier { row, slot, columns, measure } => {
-                    let mut largest = 0.0_f64;
-                    for &(row, slot) in measure {
-                        self.scales[row] = mobility(&mut self.fronts, level, slot, &self.mixing);
-                        largest = largest.max(self.scales[row]);
-                    }
-                    for &(row, _) in measure {
-                        // Nothing moves along this equation: any scale will do, but not zero.
-                        if self.scales[row] <= PROXIMAL * largest {
-                            self.scales[row] = if largest > 0.0 { largest } else { 1.0 };
-                        }
-                    }
-                    self.left_over[*row] = mobility(&mut self.fronts, level, *slot, &self.mixing) / self.scales[*row];
-                    self.fronts.take_multiplier(level, *slot, columns);
-                    if self.equations[*row] != Equation::Line {
-                        let proximal = V::splat(self.proximal * self.scales[*row]);
-                        for (entry, solve) in self.fronts.pivot().iter_mut().zip(&self.mixing.solve) {
-                            *entry = solve.mul_add(proximal, *entry);
-                        }
-                    }
-                    let kept = (columns.len() + 1) * V::COUNT;
-                    self.fronts.eliminate(level, columns, &mut self.kept[kept_at..kept_at + kept]);
+                    in_lanes!(V, self.take_multiplier(level, *row, *slot, columns, measure));
+                    Some(columns)
                 }
                 Operation::Merge { slots, enter, present, twist } => {
                     self.fronts.enter(level - 1, enter, present);
-                    self.fronts.merge(level, slots, *twist);
+                    in_lanes!(V, self.fronts.merge(level, slots, *twist));
                     level -= 1;
+                    None
                 }
+            };
+            if let Some(columns) = eliminated {
+                let kept_at = self.kept_at[index];
+                let kept = &mut self.kept[kept_at..kept_at + (columns.len() + 1) * V::COUNT];
+                let fronts = &mut self.fronts;
+                in_lanes!(V, fronts.eliminate(level, columns, kept));
             }
         }
         for (index, operation) in operations.iter().enumerate().rev() {
-            let kept_at = self.kept_at[index];
-            match operation {
-                Operation::Freedom { body, freedom, columns, .. } => {
-                    if *freedom == plan.bodies[*body].first_axis {
-                        let of_parent = plan.bodies[*body].parent.map(|parent| self.twists[parent]);
-                        self.twists[*body] = of_parent.unwrap_or([V::zero(); TWIST]);
-                    }
-                    let solution = self.substitute(kept_at, columns);
-                    increment[*freedom] = solution;
-                    for (component, twist) in self.twists[*body].iter_mut().enumerate() {
-                        *twist = self.screws[*freedom][component].mul_add(solution, *twist);
-                    }
-                }
-                Operation::Multiplier { row, columns, .. } => {
-                    self.multiplier_increments[*row] = self.substitute(kept_at, columns);
-                }
-                _ => {}
+            if let Operation::Freedom { columns, .. } | Operation::Multiplier { columns, .. } = operation {
+                let kept_at = self.kept_at[index];
+                in_lanes!(V, self.back_substitute(plan, operation, kept_at, columns, increment));
             }
         }
         self.elimination.operations = operations;
+    }
+
+    /// Clears the slots of multipliers that come in, and brings their right-hand sides.
+    #[inline(always)]
+    fn enter(&mut self, level: usize, slots: &[usize], present: &[usize], gaps: &[(usize, usize)]) {
+        self.fronts.enter(level, slots, present);
+        let right = self.fronts.right_hand_side();
+        for &(row, slot) in gaps {
+            let gap = self.gaps[row].to_array();
+            for k in 0..self.mixing.active {
+                self.fronts.block(level, slot, right)[k] = first_lane::<V>(-gap.as_ref()[k]);
+                if self.equations[row] == Equation::Line {
+                    self.fronts.add(level, slot, slot, k, self.unit[k]);
+                }
+            }
+        }
+    }
+
+    /// A body's inertia and residual.
+    #[inline(always)]
+    fn own(&mut self, level: usize, plan: &Plan, start: &Start, body: usize) {
+        let mut anchors = [Vector::zero(); 2];
+        for side in 0..2 {
+            anchors[side] = self.anchor(start, body, side);
+        }
+        let known = &start.bodies[body];
+        own_inertia(
+            &mut self.fronts,
+            level,
+            &self.mixing,
+            OwnBody {
+                anchors,
+                moved: &self.moved[body],
+                mass: plan.bodies[body].mass,
+                com: known.com,
+                sigma: known.sigma,
+                bias: self.bias[body],
+            },
+        );
+    }
+
+    /// One equation at one end of its loop: (row, slot, sign).
+    #[inline(always)]
+    fn end(&mut self, level: usize, (row, slot, sign): (usize, usize, f64)) {
+        let active = self.mixing.active;
+        let mut by_gap = self.unit;
+        if self.equations[row] == Equation::Line {
+            let spring = row + self.resistances.len() - self.equations.len();
+            for k in 0..active {
+                by_gap[k] = self.resistance(&self.resistances[spring], k);
+            }
+        }
+        couple(&mut self.fronts, level, [&by_gap[..active], &self.unit[..active]], slot, sign, &self.values[row]);
+    }
+
+    /// The pivot of a multiplier, with its proximal term.
+    #[inline(always)]
+    fn take_multiplier(
+        &mut self,
+        level: usize,
+        row: usize,
+        slot: usize,
+        columns: &[Column],
+        measure: &[(usize, usize)],
+    ) {
+        let mut largest = 0.0_f64;
+        for &(row, slot) in measure {
+            self.scales[row] = mobility(&mut self.fronts, level, slot, &self.mixing);
+            largest = largest.max(self.scales[row]);
+        }
+        for &(row, _) in measure {
+            // Nothing moves along this equation: any scale will do, but not zero.
+            if self.scales[row] <= PROXIMAL * largest {
+                self.scales[row] = if largest > 0.0 { largest } else { 1.0 };
+            }
+        }
+        self.left_over[row] = mobility(&mut self.fronts, level, slot, &self.mixing) / self.scales[row];
+        self.fronts.take_multiplier(level, slot, columns);
+        if self.equations[row] != Equation::Line {
+            let proximal = V::splat(self.proximal * self.scales[row]);
+            for k in 0..self.mixing.active {
+                let pivot = self.fronts.pivot();
+                pivot[k] = self.mixing.solve[k].mul_add(proximal, pivot[k]);
+            }
+        }
+    }
+
+    /// The value of an eliminated unknown from those that come after it; a freedom moves on the twist of its body.
+    #[inline(always)]
+    fn back_substitute(
+        &mut self,
+        plan: &Plan,
+        operation: &Operation,
+        kept_at: usize,
+        columns: &[Column],
+        increment: &mut [V],
+    ) {
+        match operation {
+            Operation::Freedom { body, freedom, .. } if *freedom == plan.bodies[*body].first_axis => {
+                self.twists[*body] = match plan.bodies[*body].parent {
+                    Some(parent) => self.twists[parent],
+                    None => [V::zero(); TWIST],
+                };
+            }
+            _ => {}
+        }
+        let solution = self.substitute(kept_at, columns);
+        match operation {
+            Operation::Freedom { body, freedom, .. } => {
+                increment[*freedom] = solution;
+                for component in 0..TWIST {
+                    let twist = &mut self.twists[*body][component];
+                    *twist = self.screws[*freedom][component].mul_add(solution, *twist);
+                }
+            }
+            Operation::Multiplier { row, .. } => self.multiplier_increments[*row] = solution,
+            _ => {}
+        }
     }
 
     /// `−h² ∂F_k/∂y_i` of a row k, for a scalar y.
@@ -470,18 +511,31 @@ impl<V: Lanes> Coupled<V> {
         self.mixing.velocity[k].mul_add(V::splat(self.step * resistance.damping), stiffness)
     }
 
-    /// What acts along a freedom itself: efforts, and how joint springs and dampers resist.
+    /// What acts along a freedom itself: efforts, how joint springs and dampers resist, and mimics: (row, slot, coefficient).
     #[inline(always)]
-    fn take_efforts(&mut self, freedom: usize) {
+    fn take_efforts(&mut self, freedom: usize, direct: &[(usize, usize, f64)]) {
+        let active = self.mixing.active;
         let right = self.fronts.right_hand_side();
-        let effort = self.efforts[freedom].to_array();
-        let block = self.fronts.right_block(right);
-        for k in 0..self.mixing.active {
+        let mut effort = self.efforts[freedom];
+        for &(row, slot, coefficient) in direct {
+            let coefficient = V::splat(coefficient);
+            effort = self.multipliers[row].mul_add(coefficient, effort);
+            for k in 0..active {
+                let entry = self.unit[k] * coefficient;
+                let left = self.fronts.left_block(slot);
+                left[k] = left[k] + entry;
+                let right = self.fronts.right_block(slot);
+                right[k] = right[k] - entry;
+            }
+        }
+        let effort = effort.to_array();
+        for k in 0..active {
+            let block = self.fronts.right_block(right);
             block[k] = block[k] + first_lane::<V>(effort.as_ref()[k]);
         }
         let resistance = self.in_joints[freedom];
         if resistance != Resistance::default() {
-            for k in 0..self.mixing.active {
+            for k in 0..active {
                 let entry = self.resistance(&resistance, k);
                 let pivot = self.fronts.pivot();
                 pivot[k] = pivot[k] + entry;
@@ -499,7 +553,7 @@ impl<V: Lanes> Coupled<V> {
 
     /// The value of an eliminated unknown from those that come after it.
     #[inline(always)]
-    fn substitute(&self, kept_at: usize, columns: &[super::elimination::Column]) -> V {
+    fn substitute(&self, kept_at: usize, columns: &[Column]) -> V {
         let active = self.mixing.active;
         let mut sums = [V::zero(); MAX_LANES];
         for (number, column) in columns.iter().enumerate() {
@@ -523,10 +577,11 @@ impl<V: Lanes> Coupled<V> {
     /// The screw of a freedom at the rows' and the columns' stages; without displacements, at the start.
     #[inline(always)]
     fn screws_of(&self, plan: &Plan, start: &Start, displacement: &[V], body: usize, freedom: usize) -> Screws<V> {
-        Screws {
-            columns: self.screw(plan, start, displacement, body, freedom, 0),
-            rows: self.screw(plan, start, displacement, body, freedom, 1),
+        let mut sides = [[V::zero(); TWIST]; 2];
+        for (side, screw) in sides.iter_mut().enumerate() {
+            *screw = self.screw(plan, start, displacement, body, freedom, side);
         }
+        Screws { columns: sides[0], rows: sides[1] }
     }
 
     #[inline(always)]
@@ -675,14 +730,6 @@ fn couple<V: Lanes>(
             fronts.add(level, slot, component, k, column * *by_gap);
             fronts.add(level, component, slot, k, -(row * *unit));
         }
-    }
-}
-
-/// Sets the right-hand side of a closure's equation to minus its gap.
-#[inline(always)]
-fn set_right<V: Lanes>(block: &mut [V], gap: V) {
-    for (entry, gap) in block.iter_mut().zip(gap.to_array().as_ref()) {
-        *entry = first_lane::<V>(-gap);
     }
 }
 

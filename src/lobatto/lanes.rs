@@ -114,6 +114,17 @@ pub trait Lanes:
     }
 }
 
+/// Runs an expression compiled for the vector type: everything in it is inlined there.
+macro_rules! in_lanes {
+    ($vector:ty, $work:expr) => {
+        <$vector>::run(
+            #[inline(always)]
+            || $work,
+        )
+    };
+}
+pub(super) use in_lanes;
+
 /// The vector instructions of a processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Isa {

@@ -1,7 +1,7 @@
 //! The exact Newton method on the stage equations: residual of all bodies and closures, and the coupled solve.
 
 use super::coupled::Coupled;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, in_lanes};
 use super::residual::body_residual;
 use super::stage::Stages;
 use crate::model::{Coordinate, Mechanism};
@@ -25,23 +25,31 @@ impl<V: Lanes> Newton<V> {
         self.coupled.begin(&stages.start);
     }
 
-    /// What all bodies and closures resist with, at the present displacements and multipliers.
-    #[inline(always)]
-    pub fn residual<const REFINED: bool>(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3]) {
-        stages.sweep_poses();
-        stages.sweep_applied(false);
+    /// Where all bodies and closures are at the present displacements, and the forces there.
+    pub fn take_geometry(&mut self, stages: &mut Stages<V>) {
+        in_lanes!(V, stages.sweep_poses());
+        if stages.applied.is_some() {
+            in_lanes!(V, stages.sweep_applied(false));
+        }
         let coupled = &mut self.coupled;
-        coupled.move_bodies(stages);
-        coupled.evaluate_closures();
+        in_lanes!(V, coupled.move_bodies(stages));
+        in_lanes!(V, coupled.evaluate_closures());
         for (row, (&gap, (follower, leader, ratio))) in
             coupled.mimic_rows().zip(stages.start.mimic_gaps.iter().zip(&self.mimics))
         {
             let (follows, leads) = (stages.displacement[follower.freedom], stages.displacement[leader.freedom]);
             coupled.gaps[row] = leads.neg_mul_add(V::splat(*ratio), follows + V::splat(gap));
         }
+    }
+
+    /// What all bodies resist with there, less what the multipliers do: after [`Newton::take_geometry`].
+    #[inline(always)]
+    pub fn residual<const REFINED: bool>(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3]) {
+        let coupled = &mut self.coupled;
         let columns = stages.coefficients.residual;
         let rest = stages.coefficients.residual_rest;
         let sweep = stages.residual_sweep(&columns, &rest, gravity);
+        let square = V::splat(stages.step * stages.step);
         for (index, plan) in stages.plan.bodies.iter().enumerate() {
             let known = &stages.start.bodies[index];
             let (own, _) = body_residual::<V, false, REFINED>(&sweep, plan, known, &stages.poses[index]);
@@ -49,31 +57,25 @@ impl<V: Lanes> Newton<V> {
             let (mut force, mut torque) = (own.force, own.torque);
             if let Some(applied) = &stages.applied {
                 let wrench = applied.wrenches[index];
-                let square = V::splat(stages.step * stages.step);
                 force = wrench.0.times_minus(square, force);
                 torque = wrench.1.times_minus(square, torque);
             }
             coupled.bias[index] = (force, anchor.cross_plus(force, torque));
         }
         if let Some(applied) = &stages.applied {
-            for (scaled, effort) in coupled.efforts.iter_mut().zip(&applied.efforts) {
-                *scaled = *effort * V::splat(stages.step * stages.step);
+            for (index, effort) in applied.efforts.iter().enumerate() {
+                coupled.efforts[index] = *effort * square;
             }
         }
         coupled.step = stages.step;
-        coupled.push();
     }
 
     /// The Newton step: fills the increments of the freedoms, advances the multipliers; returns the largest increment.
-    #[inline(always)]
     pub fn solve(&mut self, stages: &mut Stages<V>) -> f64 {
         let coupled = &mut self.coupled;
+        in_lanes!(V, coupled.push());
         coupled.solve(&stages.plan, &stages.start, &stages.displacement, &mut stages.increment);
-        coupled.advance_multipliers();
-        let mut largest = V::zero();
-        for increment in &stages.increment {
-            largest = increment.max_abs(largest);
-        }
-        largest.largest()
+        in_lanes!(V, coupled.advance_multipliers());
+        in_lanes!(V, stages.largest_increment())
     }
 }

@@ -164,7 +164,18 @@ impl<V: Lanes> Stages<V> {
         }
     }
 
+    /// The largest increment of any freedom at any stage.
+    #[inline(always)]
+    pub fn largest_increment(&self) -> f64 {
+        let mut largest = V::zero();
+        for increment in &self.increment {
+            largest = increment.max_abs(largest);
+        }
+        largest.largest()
+    }
+
     /// Adds the increments to the displacements; returns the largest displacement.
+    #[inline(always)]
     pub fn advance(&mut self) -> f64 {
         let mut largest = V::zero();
         for (displacement, &increment) in self.displacement.iter_mut().zip(&self.increment) {

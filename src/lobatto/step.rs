@@ -16,7 +16,7 @@
 
 use super::anderson::Anderson;
 use super::dynamics::Dynamics;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, in_lanes};
 use super::newton::Newton;
 use super::predictor::Predictor;
 use super::projection::Projection;
@@ -29,16 +29,6 @@ use crate::forces::total::Exchange;
 use crate::invariants::Energy;
 use crate::model::{FreeRotation, Mechanism};
 use crate::state::State;
-
-/// Runs an expression compiled for the vector type: everything in it is inlined there.
-macro_rules! in_lanes {
-    ($vector:ty, $work:expr) => {
-        <$vector>::run(
-            #[inline(always)]
-            || $work,
-        )
-    };
-}
 
 /// Steps iterated further than this use the coefficients' second half of digits: rounded to a double they are
 /// those of a scheme that is not quite symplectic, and the energy drifts by 2e-16 of itself a step.
@@ -191,12 +181,13 @@ impl<V: Lanes> Kernel<V> {
         let stages = &mut self.stages;
         let gravity = &self.gravity;
         if let Some(newton) = self.newton.as_mut().filter(|_| exact) {
+            newton.take_geometry(stages);
             if refined {
                 in_lanes!(V, newton.residual::<true>(stages, gravity));
             } else {
                 in_lanes!(V, newton.residual::<false>(stages, gravity));
             }
-            return in_lanes!(V, newton.solve(stages));
+            return newton.solve(stages);
         }
         in_lanes!(V, stages.sweep_poses());
         if stages.applied.is_some() {
@@ -236,7 +227,8 @@ impl<V: Lanes> Kernel<V> {
             let converged =
                 increment <= wanted * scale || (increment <= rounding * scale && increment > 0.5 * previous);
             if converged {
-                self.stages.advance();
+                let stages = &mut self.stages;
+                in_lanes!(V, stages.advance());
                 // Fixed steps do not ask how accurate they are.
                 let legendre = if rule.legendre.is_finite() { self.legendre() } else { 0.0 };
                 return Attempt::Converged { iterations: iteration, legendre };
@@ -255,7 +247,7 @@ impl<V: Lanes> Kernel<V> {
             recent[(iteration + 4) % 5] = increment;
             let (anderson, stages) = (&mut self.anderson, &mut self.stages);
             let largest = if exact {
-                stages.advance()
+                in_lanes!(V, stages.advance())
             } else {
                 in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest())
             };
