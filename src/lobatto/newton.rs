@@ -42,9 +42,9 @@ impl<V: Lanes> Newton<V> {
         }
     }
 
-    /// What all bodies resist with there, less what the multipliers do: after [`Newton::take_geometry`].
+    /// What all bodies resist with there, after [`Newton::take_geometry`]; always with all digits of the coefficients.
     #[inline(always)]
-    pub fn residual<const REFINED: bool>(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3]) {
+    pub fn residual(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3]) {
         let coupled = &mut self.coupled;
         let columns = stages.coefficients.residual;
         let rest = stages.coefficients.residual_rest;
@@ -52,7 +52,7 @@ impl<V: Lanes> Newton<V> {
         let square = V::splat(stages.step * stages.step);
         for (index, plan) in stages.plan.bodies.iter().enumerate() {
             let known = &stages.start.bodies[index];
-            let (own, _) = body_residual::<V, false, REFINED>(&sweep, plan, known, &stages.poses[index]);
+            let (own, _) = body_residual::<V, false, true>(&sweep, plan, known, &stages.poses[index]);
             let anchor = coupled.row_anchor(&stages.start, index);
             let (mut force, mut torque) = (own.force, own.torque);
             if let Some(applied) = &stages.applied {

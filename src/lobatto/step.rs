@@ -182,18 +182,14 @@ impl<V: Lanes> Kernel<V> {
         let gravity = &self.gravity;
         if let Some(newton) = self.newton.as_mut().filter(|_| exact) {
             newton.take_geometry(stages);
-            if refined {
-                in_lanes!(V, newton.residual::<true>(stages, gravity));
-            } else {
-                in_lanes!(V, newton.residual::<false>(stages, gravity));
-            }
+            in_lanes!(V, newton.residual(stages, gravity));
             return newton.solve(stages);
         }
         in_lanes!(V, stages.sweep_poses());
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(false));
-        }
-        if refined {
+            in_lanes!(V, stages.sweep_forced_residual(gravity));
+        } else if refined {
             in_lanes!(V, stages.sweep_residual::<true>(gravity));
         } else {
             in_lanes!(V, stages.sweep_residual::<false>(gravity));
@@ -306,11 +302,11 @@ impl<V: Lanes> Step for Kernel<V> {
         in_lanes!(V, stages.sweep_poses());
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(true));
-        }
-        if self.refined {
-            in_lanes!(V, stages.sweep_momentum::<true>(gravity));
+            in_lanes!(V, stages.sweep_momentum::<true, true>(gravity));
+        } else if self.refined {
+            in_lanes!(V, stages.sweep_momentum::<true, false>(gravity));
         } else {
-            in_lanes!(V, stages.sweep_momentum::<false>(gravity));
+            in_lanes!(V, stages.sweep_momentum::<false, false>(gravity));
         }
         in_lanes!(V, stages.sweep_velocities(velocity));
         let last = self.stages.coefficients.active - 1;

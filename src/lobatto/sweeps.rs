@@ -43,25 +43,30 @@ impl<V: Lanes> Stages<V> {
         }
     }
 
-    /// Residual and articulated factorisation of all rows, leaf to root, after [`Stages::sweep_poses`] and
-    /// [`Stages::sweep_applied`]; `REFINED` with twice the digits of the coefficients, for the last iterations of a step
+    /// Residual and articulated factorisation of all rows, leaf to root, after [`Stages::sweep_poses`]; `REFINED` with twice the digits of the coefficients, for the last iterations of a step
     /// that is iterated to rounding.
     #[inline(always)]
     pub fn sweep_residual<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
         let columns = self.coefficients.residual;
         let rest = self.coefficients.residual_rest;
         let sweep = self.residual_sweep(&columns, &rest, gravity);
-        if self.applied.is_some() {
-            self.backward::<false, REFINED, true>(&sweep);
-        } else {
-            self.backward::<false, REFINED, false>(&sweep);
-        }
+        self.backward::<false, REFINED, false>(&sweep);
+    }
+
+    /// [`Stages::sweep_residual`] of a mechanism with forces, after [`Stages::sweep_applied`]; always refined, which costs less
+    /// than one more copy of the sweep.
+    #[inline(always)]
+    pub fn sweep_forced_residual(&mut self, gravity: &[f64; 3]) {
+        let columns = self.coefficients.residual;
+        let rest = self.coefficients.residual_rest;
+        let sweep = self.residual_sweep(&columns, &rest, gravity);
+        self.backward::<false, true, true>(&sweep);
     }
 
     /// Momenta and articulated factorisation at the end of the step (in the last active lane), leaf to root, after
-    /// [`Stages::sweep_poses`] and [`Stages::sweep_applied`].
+    /// [`Stages::sweep_poses`]; with forces (`FORCED`) after [`Stages::sweep_applied`].
     #[inline(always)]
-    pub fn sweep_momentum<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
+    pub fn sweep_momentum<const REFINED: bool, const FORCED: bool>(&mut self, gravity: &[f64; 3]) {
         let mut columns = self.coefficients.momentum;
         let mut rest = self.coefficients.momentum_rest;
         let inverse = V::splat(1.0 / self.step);
@@ -82,12 +87,7 @@ impl<V: Lanes> Stages<V> {
             gravity: [factor * gravity[0], factor * gravity[1], factor * gravity[2]],
             forces: factor,
         };
-        if self.applied.is_some() {
-            // Once a step: all digits always cost less than one more copy of the sweep.
-            self.backward::<true, true, true>(&sweep);
-        } else {
-            self.backward::<true, REFINED, false>(&sweep);
-        }
+        self.backward::<true, REFINED, FORCED>(&sweep);
     }
 
     /// What rounding has cut off `h c_i`.
