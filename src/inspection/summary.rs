@@ -122,11 +122,11 @@ impl Visitor for Collector {
     }
 
     fn figures(&mut self, figures: &Figures) {
-        if let Some([kinetic, _, total]) = figures.energy {
-            let initial = *self.initial.get_or_insert(total);
+        if let (Some([kinetic, _, total, ..]), Some(balance)) = (figures.energy, figures.balance()) {
+            let initial = *self.initial.get_or_insert(balance);
             self.last_energy = total;
             self.largest_kinetic = self.largest_kinetic.max(kinetic);
-            self.largest_deviation = self.largest_deviation.max((total - initial).abs());
+            self.largest_deviation = self.largest_deviation.max((balance - initial).abs());
         }
         if let Some([position, velocity]) = figures.violation {
             let worst = self.violation.get_or_insert_default();
