@@ -308,7 +308,8 @@ fn picture(quantity: Quantity, curves: Vec<Curve>, end: f64, is_last: bool) -> P
             values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
         let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
         // Something that does not move is a line in the middle.
-        let air = (0.06 * (high - low)).max(1e-3 * low.abs().max(high.abs())).max(1e-9);
+        let size = low.abs().max(high.abs());
+        let air = if size > 0.0 { (0.06 * (high - low)).max(1e-3 * size) } else { 1.0 };
         Scale::Linear { label, range: (low - air, high + air) }
     };
     Picture {
