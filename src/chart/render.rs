@@ -442,6 +442,15 @@ fn round_ticks((from, to): (f64, f64), labels: i32) -> Vec<(f64, String)> {
     (first..=last).map(|k| k as f64 * step).map(|tick| (tick, tick_label(tick, digits))).collect()
 }
 
+/// A number with so many digits behind the point, or as a power of ten where that would be too long to stand beside an axis.
+fn tick_label(tick: f64, digits: usize) -> String {
+    if digits <= 6 || tick == 0.0 {
+        format!("{tick:.*}", if digits <= 6 { digits } else { 0 })
+    } else {
+        format!("{tick:.1e}")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -485,14 +494,5 @@ mod tests {
             // 36 letters of a font of size 18 take some 290 pixels.
             assert!(numbers("width")[0] >= LEGEND + WORDS + 290);
         }
-    }
-}
-
-/// A number with so many digits behind the point, or as a power of ten where that would be too long to stand beside an axis.
-fn tick_label(tick: f64, digits: usize) -> String {
-    if digits <= 6 || tick == 0.0 {
-        format!("{tick:.*}", if digits <= 6 { digits } else { 0 })
-    } else {
-        format!("{tick:.1e}")
     }
 }
