@@ -243,8 +243,11 @@ fn energy_is_logged_once_a_step_at_the_end_of_the_step() {
         let time = message.log_time as f64 * 1e-9;
         assert!((time - 0.05 * index as f64).abs() < 1e-9, "{index}: {time}");
         let mut cdr = Cdr::new(message);
-        assert_eq!((cdr.unsigned(), cdr.string().as_str()), (1, "kinetic, potential, total [J]"));
-        assert_eq!([cdr.unsigned(), cdr.unsigned(), cdr.unsigned()], [3, 3, 0]);
+        assert_eq!(
+            (cdr.unsigned(), cdr.string().as_str()),
+            (1, "kinetic, potential, total; since the start: dissipated, work put in [J]")
+        );
+        assert_eq!([cdr.unsigned(), cdr.unsigned(), cdr.unsigned()], [5, 5, 0]);
         let figures = cdr.doubles();
         cdr.assert_ended();
         let mut bodies = [WORLD; 2];

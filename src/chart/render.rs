@@ -439,7 +439,16 @@ fn round_ticks((from, to): (f64, f64), labels: i32) -> Vec<(f64, String)> {
     };
     let digits = (-step.log10().floor()).max(0.0) as usize;
     let (first, last) = ((from / step).ceil() as i64, (to / step + 1e-9).floor() as i64);
-    (first..=last).map(|k| k as f64 * step).map(|tick| (tick, format!("{tick:.digits$}"))).collect()
+    (first..=last).map(|k| k as f64 * step).map(|tick| (tick, tick_label(tick, digits))).collect()
+}
+
+/// A number with so many digits behind the point, or as a power of ten where that would be too long to stand beside an axis.
+fn tick_label(tick: f64, digits: usize) -> String {
+    if digits <= 6 || tick == 0.0 {
+        format!("{tick:.*}", if digits <= 6 { digits } else { 0 })
+    } else {
+        format!("{tick:.1e}")
+    }
 }
 
 #[cfg(test)]

@@ -183,10 +183,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(progress) = &progress {
         progress.clear();
     }
+    let method = integrator.description();
+    for (recorder, warning) in recorder.iter_mut().zip(MethodReport::warning(&method)) {
+        recorder.say(Severity::Warning, &warning);
+    }
     let (ended, log) = finish(recorder, ended, &summary, output.as_deref());
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
-    let method = integrator.description();
     let report = Report {
         catena: env!("CARGO_PKG_VERSION"),
         input: arguments.input.input.display().to_string(),

@@ -1,7 +1,8 @@
 //! The curves of a log: joint positions and velocities, energy error, constraint violation, reactions.
 //!
 //! ```text
-//!     energy error  |E − E₀| / max T          no unit; E₀ at the start, T the kinetic energy of all steps in the log
+//!     energy error  |E − E₀ + D − W| / max T          no unit; E₀ at the start, D dissipated, W work put in since,
+//!                                                      T the kinetic energy of all steps in the log
 //! ```
 //!
 //! Long logs are thinned: of every interval of time the smallest and the largest value are drawn.
@@ -225,10 +226,10 @@ impl Visitor for Gatherer<'_> {
 
     fn figures(&mut self, figures: &Figures) {
         let time = figures.nanoseconds as f64 * 1e-9;
-        if let Some([kinetic, _, total]) = figures.energy {
-            let initial = *self.initial.get_or_insert(total);
+        if let (Some([kinetic, ..]), Some(balance)) = (figures.energy, figures.balance()) {
+            let initial = *self.initial.get_or_insert(balance);
             self.largest_kinetic = self.largest_kinetic.max(kinetic);
-            self.add(Quantity::EnergyError, "energy", time, (total - initial).abs());
+            self.add(Quantity::EnergyError, "energy", time, (balance - initial).abs());
         }
         if let Some([position, velocity]) = figures.violation {
             self.add(Quantity::Violation, "position [m]", time, position);
@@ -307,7 +308,8 @@ fn picture(quantity: Quantity, curves: Vec<Curve>, end: f64, is_last: bool) -> P
             values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
         let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
         // Something that does not move is a line in the middle.
-        let air = (0.06 * (high - low)).max(1e-3 * low.abs().max(high.abs())).max(1e-9);
+        let size = low.abs().max(high.abs());
+        let air = if size > 0.0 { (0.06 * (high - low)).max(1e-3 * size) } else { 1.0 };
         Scale::Linear { label, range: (low - air, high + air) }
     };
     Picture {

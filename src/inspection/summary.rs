@@ -58,8 +58,12 @@ pub struct EnergySummary {
     pub initial: f64,
     /// Total energy at the end of the last step.
     pub r#final: f64,
-    /// Largest deviation from the start, relative to the largest kinetic energy; of all steps if the log is complete,
-    /// else of those that are in it.
+    /// Dissipated since the start.
+    pub dissipated: f64,
+    /// Work put in since the start.
+    pub work: f64,
+    /// Largest deviation from the start, less what was exchanged, relative to the largest kinetic energy; of all steps
+    /// if the log is complete, else of those that are in it.
     pub max_relative_error: f64,
 }
 
@@ -106,6 +110,7 @@ struct Collector {
     end: BTreeMap<String, String>,
     initial: Option<f64>,
     last_energy: f64,
+    exchange: [f64; 2],
     largest_kinetic: f64,
     largest_deviation: f64,
     violation: Option<[f64; 2]>,
@@ -122,11 +127,12 @@ impl Visitor for Collector {
     }
 
     fn figures(&mut self, figures: &Figures) {
-        if let Some([kinetic, _, total]) = figures.energy {
-            let initial = *self.initial.get_or_insert(total);
+        if let (Some([kinetic, _, total, dissipated, work]), Some(balance)) = (figures.energy, figures.balance()) {
+            self.exchange = [dissipated, work];
+            let initial = *self.initial.get_or_insert(balance);
             self.last_energy = total;
             self.largest_kinetic = self.largest_kinetic.max(kinetic);
-            self.largest_deviation = self.largest_deviation.max((total - initial).abs());
+            self.largest_deviation = self.largest_deviation.max((balance - initial).abs());
         }
         if let Some([position, velocity]) = figures.violation {
             let worst = self.violation.get_or_insert_default();
@@ -191,6 +197,8 @@ impl Collector {
         summary.energy = self.initial.map(|initial| EnergySummary {
             initial,
             r#final: number("energy_final").unwrap_or(self.last_energy),
+            dissipated: self.exchange[0],
+            work: self.exchange[1],
             max_relative_error: number("energy_max_relative_error").unwrap_or(self.largest_deviation / scale),
         });
         summary.constraint = self.violation.map(|[position, velocity]| ConstraintSummary {

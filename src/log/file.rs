@@ -306,7 +306,7 @@ fn write_options() -> WriteOptions {
         // Chunks end where batches end; no threads, because their number must not change the bytes.
         .chunk_size(None)
         .compression_threads(0)
-        // A tenth of the work of zstd for a third more bytes (benches/README.md).
+        // Half of the work of zstd for 13 % more bytes (benches/README.md).
         .compression(Some(Compression::Lz4))
         .compression_level(0)
         // A chunk is then written in one piece, with its final header.

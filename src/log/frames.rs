@@ -32,12 +32,20 @@ pub struct Frame {
 pub struct Figures {
     /// Time at the end of the step in nanoseconds.
     pub nanoseconds: u64,
-    /// Kinetic, potential and total energy (J).
-    pub energy: Option<[f64; 3]>,
+    /// Kinetic, potential and total energy; since the start dissipated, and work put in (J).
+    pub energy: Option<[f64; 5]>,
     /// Violation of positions [m, rad] and velocities [m/s, rad/s].
     pub violation: Option<[f64; 2]>,
     /// Last step (s), stages, and since the figures before: steps, iterations, rejected steps.
     pub solver: Option<[f64; 5]>,
+}
+
+impl Figures {
+    /// What should be the same in all figures of a run (J): the total energy with what was dissipated and without the
+    /// work that was put in.
+    pub fn balance(&self) -> Option<f64> {
+        self.energy.map(|[_, _, total, dissipated, work]| total + (dissipated - work))
+    }
 }
 
 impl Frame {
@@ -150,7 +158,10 @@ impl Builder<'_> {
                 self.frame.get_or_insert_with(new_frame).reactions = decode::multi_dof_states(data)?;
             }
             ("/energy", "std_msgs/msg/Float64MultiArray") => {
-                let energy = decode::figures(data)?.first_chunk().copied();
+                let mut energy = decode::figures(data)?;
+                // Logs of earlier versions are of runs in which nothing was exchanged.
+                energy.resize(5, 0.0);
+                let energy = energy.first_chunk().copied();
                 self.figures.get_or_insert_with(new_figures).energy = energy;
             }
             ("/constraint", "std_msgs/msg/Float64MultiArray") => {

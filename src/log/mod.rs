@@ -3,22 +3,27 @@
 //! | topic                | schema                                       | when                                     |
 //! |----------------------|----------------------------------------------|------------------------------------------|
 //! | `/robot_description` | `std_msgs/msg/String` (ros2msg, cdr)         | once, at t = 0; of several robots `/NAME/robot_description` |
-//! | `/scene`             | `foxglove.SceneUpdate` (protobuf)            | once, at t = 0                           |
-//! | `/log`               | `foxglove.Log` (protobuf)                    | warnings at t = 0, what ended a run early |
+//! | `/scene`             | `foxglove.SceneUpdate` (protobuf)            | once, at t = 0: primitives, embedded meshes, stand-ins |
+//! | `/log`               | `foxglove.Log` (protobuf)                    | warnings at t = 0, how the run ended     |
 //! | `/tf`                | `foxglove.FrameTransforms` (protobuf)        | every sample: every link, in `world`     |
 //! | `/joint_states`      | `sensor_msgs/msg/JointState` (ros2msg, cdr)  | every sample: joints of one number       |
 //! | `/multi_dof_joint_states` | `sensor_msgs/msg/MultiDOFJointState` (ros2msg, cdr) | every sample: all other joints |
-//! | `/energy`            | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: kinetic, potential, total (J) |
+//! | `/reactions`         | `sensor_msgs/msg/MultiDOFJointState` (ros2msg, cdr) | every sample: wrenches of all joints, in `world` |
+//! | `/energy`            | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: kinetic, potential, total, dissipated, work (J) |
 //! | `/constraint`        | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: position, velocity violation |
+//! | `/solver`            | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: last step (s), stages; steps, iterations, rejected since before |
 //!
 //! The joint messages hold the whole state in the coordinates of the URDF: `/multi_dof_joint_states`, which is there
 //! only if there are such joints, has the child link's frame in the joint's frame on the parent.
 //!
 //! Rerun draws the robot from `/robot_description` and `/tf` and plots the ROS messages by itself; Foxglove and
-//! Lichtblick draw `/scene`; every channel has a schema because PlotJuggler skips those without. A metadata record
-//! `simulation` says how the run was made, and the URDF and scene files as they were read are attachments. Log time and publish time are
-//! both the simulated time in nanoseconds and nothing in the file depends on the clock of the wall, so that the same
-//! run gives the same bytes.
+//! Lichtblick draw `/scene`; every channel has a schema because PlotJuggler skips those without. The metadata record
+//! `simulation` says how the run was made, `inputs` has the hashes of the attachments, which are the URDF and scene files
+//! as they were read, and `end` says how the run ended, with the figures of all its steps. Log time and publish time are
+//! both the simulated time in nanoseconds and nothing in the file depends on the clock of the wall or of the processor
+//! (which is why `/solver` has no CPU time), so that the same run gives the same bytes.
+//!
+//! A log is written by [`Recorder`] and read by [`reader`], [`decode`] and [`frames`].
 //!
 //! [`Recorder`] is the [`crate::simulation::Observer`].
 

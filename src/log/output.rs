@@ -18,6 +18,7 @@ use std::ffi::OsString;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The name of the metadata record that says how a run ended.
 pub(super) const END: &str = "end";
@@ -59,7 +60,7 @@ impl Output {
         let current = neighbour(&wanted);
         let open = OpenOptions::new().write(true).create(true).truncate(false).open(&current);
         let file = open.map_err(|reason| refuse(&current, reason))?;
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+        if !lock(&file) {
             return Err(LogError::Busy { path: current });
         }
         file.set_len(0).map_err(|reason| refuse(&current, reason))?;
@@ -97,6 +98,18 @@ pub fn neighbour(path: &Path) -> PathBuf {
         name.push(extension);
     }
     path.with_file_name(name)
+}
+
+/// Locks a file; `false` if a run is writing it. Where files cannot be locked, nobody is kept out.
+fn lock(file: &File) -> bool {
+    // Those who only ask whether a file is locked hold it for an instant.
+    for _ in 0..5 {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(10)),
+            _ => return true,
+        }
+    }
+    false
 }
 
 /// Whether a run is writing this file; where files cannot be locked, nothing is known to be written.

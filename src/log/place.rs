@@ -286,7 +286,7 @@ mod tests {
 
     #[test]
     fn a_log_that_was_ended_short_is_complete() {
-        let (start, chunks) = parts(&[0..4]);
+        let (start, chunks) = parts(&[0..4, 4..8]);
         let mut tail = Tail::new(History::default());
         tail.extend(&start).expect("memory");
         tail.extend_provisionally(&chunks[0]).expect("memory");

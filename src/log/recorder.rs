@@ -183,8 +183,10 @@ impl<'m> Recorder<'m> {
         let Some(end) = self.waiting.take_if(|end| end.time <= time) else { return };
         let messages = self.sink.piece();
         let stamp = nanoseconds(end.time);
-        let energy = [end.energy.kinetic, end.energy.potential, end.energy.total()];
-        ros::encode_figures("kinetic, potential, total [J]", &energy, &mut self.buffer);
+        let (energy, exchange) = (end.energy, end.exchange);
+        let energies = [energy.kinetic, energy.potential, energy.total(), exchange.dissipated, exchange.work];
+        let label = "kinetic, potential, total; since the start: dissipated, work put in [J]";
+        ros::encode_figures(label, &energies, &mut self.buffer);
         messages.push(self.channels.energy, stamp, &self.buffer);
         let violation = [end.violation.position, end.violation.velocity];
         ros::encode_figures("position [m, rad], velocity [m/s, rad/s]", &violation, &mut self.buffer);
