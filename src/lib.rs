@@ -20,6 +20,7 @@
 //! | the accuracy that a tolerance means | [`mod@distance`], [`calibration`] |
 //! | what joints and loops carry | [`reactions`] |
 //! | the loop and its observers | [`simulation`], [`log`], [`report`] |
+//! | independent mechanisms, each with its own steps, and those that rest | [`islands`], [`rest`] |
 //! | logs, looked at | [`inspection`] |
 //! | speed against accuracy, drawn | [`chart`] |
 
@@ -30,6 +31,7 @@ pub mod distance;
 pub mod forces;
 pub mod inspection;
 pub mod invariants;
+pub mod islands;
 pub mod kinematics;
 pub mod lobatto;
 pub mod log;
@@ -37,6 +39,7 @@ pub mod model;
 pub mod reactions;
 pub mod reduced;
 pub mod report;
+pub mod rest;
 pub mod scene;
 pub mod simulation;
 pub mod state;

@@ -10,14 +10,14 @@
 //! unique; the one with the least `Σ s μ²` is taken, s the mobility of each equation, and what a joint of a loop carries
 //! then depends on that choice as it does on nature's.
 
-use crate::closures::loop_gap_accelerations;
+use crate::closures::{BodyAcceleration, loop_gap_accelerations};
 use crate::forces::total::{BodyWrench, body_wrenches};
 use crate::kinematics::{WORLD, forward_kinematics};
 use crate::lobatto::projection::Projection;
 use crate::lobatto::start::Start;
 use crate::model::Mechanism;
 use crate::reduced::{Reaction, ReducedOde, body_accelerations, joint_reactions, reactions_under};
-use crate::state::State;
+use crate::state::{BodyState, State};
 use nalgebra::Vector3;
 
 /// Works out the reactions of one state after another.
@@ -61,32 +61,50 @@ impl<'m> Reactions<'m> {
         }
     }
 
+    /// The acceleration of each body at these positions and velocities, with all closures and forces.
+    pub fn accelerations(&mut self, position: &[f64], velocity: &[f64]) -> Vec<BodyAcceleration> {
+        let mut bodies = vec![WORLD; self.mechanism.bodies.len()];
+        forward_kinematics(self.mechanism, position, velocity, &mut bodies);
+        self.ode.accelerations(position, velocity, &mut self.accelerations);
+        self.accelerate(&bodies, position, velocity)
+    }
+
+    /// Corrects the tree's joint accelerations for the closures; returns those of the bodies.
+    fn accelerate(&mut self, bodies: &[BodyState], position: &[f64], velocity: &[f64]) -> Vec<BodyAcceleration> {
+        let mechanism = self.mechanism;
+        let mut accelerations = vec![Default::default(); bodies.len()];
+        if let Some(Closing { projection, start, state, multipliers }) = &mut self.closing {
+            state.position.copy_from_slice(position);
+            state.velocity.copy_from_slice(velocity);
+            start.set(mechanism, state);
+            projection.accelerations(start, &mut self.accelerations, multipliers, |joints, out| {
+                body_accelerations(mechanism, bodies, velocity, joints, &mut accelerations);
+                let mut row = 0;
+                for joint in &mechanism.loops {
+                    let (values, count) = loop_gap_accelerations(joint, bodies, &accelerations);
+                    out[row..row + count].copy_from_slice(&values[..count]);
+                    row += count;
+                }
+                for (out, mimic) in out[row..].iter_mut().zip(&mechanism.mimics) {
+                    *out = joints[mimic.follower.freedom] - mimic.multiplier * joints[mimic.leader.freedom];
+                }
+            });
+        }
+        body_accelerations(mechanism, bodies, velocity, &self.accelerations, &mut accelerations);
+        accelerations
+    }
+
     /// What each joint carries at these positions and velocities, one entry a body, and what each loop carries.
     pub fn at(&mut self, position: &[f64], velocity: &[f64]) -> (Vec<Reaction>, Vec<LoopReaction>) {
         let mechanism = self.mechanism;
         self.ode.accelerations(position, velocity, &mut self.accelerations);
-        let Some(Closing { projection, start, state, multipliers }) = &mut self.closing else {
+        if self.closing.is_none() {
             return (joint_reactions(mechanism, position, velocity, &self.accelerations), Vec::new());
-        };
-        state.position.copy_from_slice(position);
-        state.velocity.copy_from_slice(velocity);
-        start.set(mechanism, state);
+        }
         let mut bodies = vec![WORLD; mechanism.bodies.len()];
         forward_kinematics(mechanism, position, velocity, &mut bodies);
-        let mut accelerations = vec![Default::default(); bodies.len()];
-        projection.accelerations(start, &mut self.accelerations, multipliers, |joints, out| {
-            body_accelerations(mechanism, &bodies, velocity, joints, &mut accelerations);
-            let mut row = 0;
-            for joint in &mechanism.loops {
-                let (values, count) = loop_gap_accelerations(joint, &bodies, &accelerations);
-                out[row..row + count].copy_from_slice(&values[..count]);
-                row += count;
-            }
-            for (out, mimic) in out[row..].iter_mut().zip(&mechanism.mimics) {
-                *out = joints[mimic.follower.freedom] - mimic.multiplier * joints[mimic.leader.freedom];
-            }
-        });
-        body_accelerations(mechanism, &bodies, velocity, &self.accelerations, &mut accelerations);
+        let accelerations = self.accelerate(&bodies, position, velocity);
+        let Some(Closing { projection, multipliers, .. }) = &self.closing else { return Default::default() };
         let mut applied = vec![BodyWrench::default(); bodies.len()];
         body_wrenches(mechanism, &bodies, &mut applied);
         let mut loops = Vec::with_capacity(mechanism.loops.len());

@@ -5,6 +5,7 @@
 
 use crate::calibration::Calibration;
 use crate::closures::loop_gaps;
+use crate::islands::{IslandFigures, Plan};
 use crate::kinematics::body_states;
 use crate::lobatto::assembly::Redundancy;
 use crate::model::joint::wxyz_from_rotation;
@@ -58,6 +59,9 @@ pub struct Report {
     /// Every loop joint at the end of the run.
     #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
     pub loops: Vec<(String, LoopReport)>,
+    /// The islands of the mechanism, if there are several or one of them slept.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub islands: Vec<IslandReport>,
     /// What the user should know about the model and the run.
     pub warnings: Vec<String>,
     /// Where the log is; part of the lines for people alone.
@@ -127,6 +131,19 @@ impl AccuracyReport {
         }
     }
 
+    /// What the calibrations of islands say of the whole, in a run that ends at `end`: nothing if one of them says nothing.
+    /// What sleeps is where it should be.
+    pub fn together(wanted: f64, end: f64, islands: &[Option<AccuracyReport>]) -> Option<Self> {
+        let all: Vec<AccuracyReport> = islands.iter().copied().collect::<Option<_>>()?;
+        Some(AccuracyReport {
+            wanted,
+            estimated: all.iter().map(|one| one.estimated).fold(0.0, f64::max),
+            holds_until: all.iter().map(|one| one.holds_until).fold(end, f64::min),
+            reached: all.iter().all(|one| one.reached),
+            pilots: all.iter().map(|one| one.pilots).sum(),
+        })
+    }
+
     /// What the user should know, if the accuracy does not hold to the end.
     pub fn warning(&self) -> Option<String> {
         (!self.reached).then(|| {
@@ -155,6 +172,29 @@ pub struct ModelReport {
     pub loops: usize,
     /// Constraints that say what others say already.
     pub redundant_constraints: usize,
+    /// Parts that nothing connects and that are simulated apart.
+    pub islands: usize,
+    /// Those of them that start at rest in equilibrium and are not simulated.
+    pub sleeping_islands: usize,
+}
+
+/// What became of a part of the mechanism that nothing connects with the rest.
+#[derive(Clone, Debug, Serialize)]
+pub struct IslandReport {
+    /// The bodies of it that hang on the world.
+    pub roots: Vec<String>,
+    /// Its bodies.
+    pub bodies: usize,
+    /// Whether it started at rest in equilibrium and was not simulated.
+    pub asleep: bool,
+    /// Number of stages; null if it slept.
+    pub stages: Option<usize>,
+    /// Its step, or mean step (s); null if it slept.
+    pub step: Option<f64>,
+    /// Accepted steps.
+    pub steps: usize,
+    /// Iterations of all steps.
+    pub iterations: usize,
 }
 
 /// Energy (J) at both ends and its error in between.
@@ -329,8 +369,8 @@ impl ConstraintReport {
 }
 
 impl ModelReport {
-    /// The size of a model whose closures have these redundant equations.
-    pub fn new(model: &Model, redundancy: &Redundancy) -> Self {
+    /// The size of a model whose closures have these redundant equations, and that is simulated after this plan.
+    pub fn new(model: &Model, redundancy: &Redundancy, plan: &Plan) -> Self {
         ModelReport {
             links: model.links.len(),
             bodies: model.mechanism.bodies.len(),
@@ -338,6 +378,23 @@ impl ModelReport {
             degrees_of_freedom: redundancy.degrees_of_freedom(&model.mechanism),
             loops: model.mechanism.loops.len(),
             redundant_constraints: redundancy.count(),
+            islands: plan.islands.len(),
+            sleeping_islands: plan.sleeping(),
+        }
+    }
+}
+
+impl IslandReport {
+    /// What an island did in a run.
+    pub fn new(figures: &IslandFigures) -> Self {
+        IslandReport {
+            roots: figures.island.roots().map(str::to_string).collect(),
+            bodies: figures.island.mechanism.bodies.len(),
+            asleep: figures.method.is_none(),
+            stages: figures.method.as_ref().map(|method| method.stages),
+            step: figures.method.as_ref().map(|method| method.step),
+            steps: figures.steps,
+            iterations: figures.iterations,
         }
     }
 }
@@ -431,6 +488,17 @@ impl fmt::Display for Report {
             (0, _) => writeln!(out)?,
             (loops, redundant) => {
                 writeln!(out, ", {}, {}", counted(loops, "loop"), counted(redundant, "redundant constraint"))?;
+            }
+        }
+        match (model.islands, model.sleeping_islands) {
+            (0 | 1, 0) => {}
+            (1, _) => writeln!(out, "  islands     at rest in equilibrium: not simulated")?,
+            (islands, 0) => writeln!(out, "  islands     {islands}, each with its own steps")?,
+            (islands, all) if islands == all => {
+                writeln!(out, "  islands     {islands}, all at rest in equilibrium: not simulated")?
+            }
+            (islands, asleep) => {
+                writeln!(out, "  islands     {islands}, of which {asleep} at rest in equilibrium: not simulated")?;
             }
         }
         let method = &self.method;

@@ -179,6 +179,9 @@ pub trait Observer {
     /// # Errors
     /// Whatever stops the run, for instance a disk that is full.
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError>;
+
+    /// The end of a step, before the samples inside it.
+    fn step(&mut self, _end: &StepEnd) {}
 }
 
 /// What to run and how to watch it.
@@ -239,69 +242,109 @@ pub fn run(
     options: &RunOptions,
     observers: &mut [&mut dyn Observer],
 ) -> (Summary, Result<(), RunError>) {
-    let mut bookkeeper = Bookkeeper::new(mechanism, state);
-    let ended = drive(mechanism, state, integrator, options, observers, &mut bookkeeper);
-    (bookkeeper.summary, ended)
+    let mut course = Course::new(mechanism, state, options.duration, options.rate);
+    let ended = course
+        .begin(observers)
+        .and_then(|()| course.proceed(mechanism, state, integrator, f64::INFINITY, options.interrupt, observers));
+    (course.summary(), ended)
 }
 
-fn drive(
-    mechanism: &Mechanism,
-    state: &mut State,
-    integrator: &mut dyn Integrator,
-    options: &RunOptions,
-    observers: &mut [&mut dyn Observer],
-    bookkeeper: &mut Bookkeeper,
-) -> Result<(), RunError> {
-    let start = state.time;
-    let end = start + options.duration;
-    let mut position = state.position.clone();
-    let mut velocity = state.velocity.clone();
-    let mut bodies = body_states(mechanism, state);
-    let mut sampled = 0_u64;
-    // The k-th sample is start + k/rate, never an accumulated sum; the last one is the end itself.
-    let sample_time = |k: u64| match options.rate {
-        Some(rate) => (start + k as f64 / rate).min(end),
-        None if k == 0 => start,
-        None => end,
-    };
-    show(
-        observers,
-        &Sample { time: start, position: &position, velocity: &velocity, bodies: &bodies, step: &bookkeeper.last },
-    )?;
-    sampled += 1;
-    while state.time < end {
-        if options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
-            return Err(RunError::Interrupted { time: state.time });
-        }
-        let clock = ThreadTime::now();
-        let outcome = integrator.advance(mechanism, state, end);
-        bookkeeper.summary.solve_cpu_seconds += clock.elapsed().as_secs_f64();
-        let outcome = outcome?;
-        forward_kinematics(mechanism, &state.position, &state.velocity, &mut bodies);
-        bookkeeper.record(mechanism, state, &bodies, outcome);
-        while sample_time(sampled) <= state.time {
-            let time = sample_time(sampled);
-            if time == state.time {
-                position.copy_from_slice(&state.position);
-                velocity.copy_from_slice(&state.velocity);
-            } else {
-                integrator.dense(mechanism, time, &mut position, &mut velocity);
-            }
-            forward_kinematics(mechanism, &position, &velocity, &mut bodies);
-            show(
-                observers,
-                &Sample { time, position: &position, velocity: &velocity, bodies: &bodies, step: &bookkeeper.last },
-            )?;
-            sampled += 1;
-            if time == end {
-                break;
-            }
+/// A run that can be halted between steps and taken up again.
+pub(crate) struct Course {
+    start: f64,
+    end: f64,
+    rate: Option<f64>,
+    /// Samples shown so far.
+    sampled: u64,
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    bodies: Vec<BodyState>,
+    bookkeeper: Bookkeeper,
+}
+
+impl Course {
+    /// A run of `duration` from `state` with `rate` samples a second.
+    pub(crate) fn new(mechanism: &Mechanism, state: &State, duration: f64, rate: Option<f64>) -> Self {
+        Course {
+            start: state.time,
+            end: state.time + duration,
+            rate,
+            sampled: 0,
+            position: state.position.clone(),
+            velocity: state.velocity.clone(),
+            bodies: body_states(mechanism, state),
+            bookkeeper: Bookkeeper::new(mechanism, state),
         }
     }
-    Ok(())
+
+    /// The figures so far.
+    pub(crate) fn summary(&self) -> Summary {
+        self.bookkeeper.summary
+    }
+
+    /// The k-th sample is start + k/rate, never an accumulated sum; the last one is the end itself.
+    fn sample_time(&self, k: u64) -> f64 {
+        match self.rate {
+            Some(rate) => (self.start + k as f64 / rate).min(self.end),
+            None if k == 0 => self.start,
+            None => self.end,
+        }
+    }
+
+    /// Shows the start.
+    pub(crate) fn begin(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
+        self.sampled = 1;
+        self.show(self.start, observers)
+    }
+
+    /// Makes steps from `state`, where the last call left it, until one ends at or after `horizon` or at the end of the run.
+    pub(crate) fn proceed(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        integrator: &mut dyn Integrator,
+        horizon: f64,
+        interrupt: Option<&AtomicBool>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), RunError> {
+        while state.time < self.end && state.time < horizon {
+            if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+                return Err(RunError::Interrupted { time: state.time });
+            }
+            let clock = ThreadTime::now();
+            let outcome = integrator.advance(mechanism, state, self.end);
+            self.bookkeeper.summary.solve_cpu_seconds += clock.elapsed().as_secs_f64();
+            let outcome = outcome?;
+            forward_kinematics(mechanism, &state.position, &state.velocity, &mut self.bodies);
+            self.bookkeeper.record(mechanism, state, &self.bodies, outcome);
+            observers.iter_mut().for_each(|observer| observer.step(&self.bookkeeper.last));
+            while self.sample_time(self.sampled) <= state.time {
+                let time = self.sample_time(self.sampled);
+                if time == state.time {
+                    self.position.copy_from_slice(&state.position);
+                    self.velocity.copy_from_slice(&state.velocity);
+                } else {
+                    integrator.dense(mechanism, time, &mut self.position, &mut self.velocity);
+                }
+                forward_kinematics(mechanism, &self.position, &self.velocity, &mut self.bodies);
+                self.show(time, observers)?;
+                self.sampled += 1;
+                if time == self.end {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn show(&self, time: f64, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
+        let Course { position, velocity, bodies, .. } = self;
+        show(observers, &Sample { time, position, velocity, bodies, step: &self.bookkeeper.last })
+    }
 }
 
-fn show(observers: &mut [&mut dyn Observer], sample: &Sample) -> Result<(), RunError> {
+/// Shows a sample to every observer.
+pub(crate) fn show(observers: &mut [&mut dyn Observer], sample: &Sample) -> Result<(), RunError> {
     observers.iter_mut().try_for_each(|observer| observer.sample(sample)).map_err(RunError::Observer)
 }
 

@@ -6,7 +6,7 @@
 use super::numbers::Assignment;
 use anyhow::{Context, bail};
 use catena::lobatto::assembly::assemble;
-use catena::model::{Base, Model, ModelError, ModelOptions, Pose, Start};
+use catena::model::{Base, Model, ModelError, ModelOptions, Pose, Rule, Start};
 use catena::scene::{PackagePath, SimulationSettings, Warning, read_scene, read_urdf};
 use catena::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -20,6 +20,10 @@ pub struct InputArgs {
 
     #[command(flatten)]
     pub world: WorldArgs,
+
+    /// Switch off a rule that leaves something out: islands or sleep (repeatable); `catena model` shows what each does
+    #[arg(long, value_name = "RULE")]
+    pub keep: Vec<Rule>,
 }
 
 /// Where a robot stands, and where its files are.

@@ -11,6 +11,7 @@
 
 mod chart;
 mod couplings;
+mod engine;
 mod input;
 mod inspect;
 mod model;
@@ -18,6 +19,7 @@ mod numbers;
 mod progress;
 mod recorded;
 mod replay;
+mod rules;
 mod simulate;
 mod table;
 

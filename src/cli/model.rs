@@ -2,9 +2,11 @@
 
 use super::couplings;
 use super::input::InputArgs;
+use super::rules;
 use super::table::{Table, counted, number, triple};
+use catena::islands::Plan;
 use catena::lobatto::assembly::{Redundancy, redundancy};
-use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names, wxyz_from_rotation};
+use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, Rule, position_names, wxyz_from_rotation};
 use catena::report::ModelReport;
 use catena::scene::Warning;
 use serde_json::{Value, json};
@@ -39,9 +41,10 @@ pub fn run(args: &ModelArgs) -> anyhow::Result<()> {
     };
     let model = &loaded.model;
     let redundancy = redundancy(&model.mechanism, &state);
+    let plan = Plan::new(&model.mechanism, &state, &args.input.keep);
     let report = match args.json {
-        true => serde_json::to_string_pretty(&as_json(model, &redundancy))? + "\n",
-        false => as_text(model, &redundancy),
+        true => serde_json::to_string_pretty(&as_json(model, &redundancy, &plan, &args.input.keep))? + "\n",
+        false => as_text(model, &redundancy, &plan, &args.input.keep),
     };
     match std::io::stdout().write_all(report.as_bytes()) {
         // The reader of a pipe may have seen enough.
@@ -50,7 +53,7 @@ pub fn run(args: &ModelArgs) -> anyhow::Result<()> {
     }
 }
 
-fn as_json(model: &Model, redundancy: &Redundancy) -> Value {
+fn as_json(model: &Model, redundancy: &Redundancy, plan: &Plan, kept: &[Rule]) -> Value {
     let mechanism = &model.mechanism;
     let body_name = |body: Option<usize>| body.map(|body| mechanism.bodies[body].name.as_str());
     let mut links_of: Vec<Vec<&LinkFrame>> = vec![Vec::new(); mechanism.bodies.len()];
@@ -125,7 +128,7 @@ fn as_json(model: &Model, redundancy: &Redundancy) -> Value {
         "input": model.path().display().to_string(),
         "robot": mechanism.name,
         "gravity": mechanism.gravity.as_slice(),
-        "model": ModelReport::new(model, redundancy),
+        "model": ModelReport::new(model, redundancy, plan),
         "moving_mass": mechanism.total_mass(),
         "bodies": bodies,
         "joints": joints,
@@ -133,13 +136,13 @@ fn as_json(model: &Model, redundancy: &Redundancy) -> Value {
         "reductions": reductions,
         "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
     });
-    for (key, value) in couplings::as_json(model, redundancy) {
+    for (key, value) in couplings::as_json(model, redundancy).into_iter().chain(rules::as_json(model, plan, kept)) {
         report[key] = value;
     }
     report
 }
 
-fn as_text(model: &Model, redundancy: &Redundancy) -> String {
+fn as_text(model: &Model, redundancy: &Redundancy, plan: &Plan, kept: &[Rule]) -> String {
     let mechanism = &model.mechanism;
     let mut text = String::new();
     // Writing into a String cannot fail.
@@ -194,6 +197,7 @@ fn as_text(model: &Model, redundancy: &Redundancy) -> String {
         }
         table.write(&mut text);
     }
+    rules::write_tables(model, plan, kept, &mut text);
     if !model.warnings.is_empty() {
         let _ = writeln!(text, "\n{}:", counted(model.warnings.len(), "warning", "warnings"));
         for warning in &model.warnings {

@@ -2,12 +2,14 @@
 //!
 //! A log that was cut off or whose run was interrupted is compared up to its end.
 
+use super::engine::Engine;
 use super::recorded::Recorded;
-use super::simulate::{Setup, integrator};
+use super::simulate::Setup;
 use super::{Failure, print};
 use anyhow::anyhow;
+use catena::islands::Plan;
 use catena::log::{Difference, Recorder};
-use catena::simulation::{RunError, RunOptions, run as run_simulation};
+use catena::simulation::{RunError, RunOptions};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -35,11 +37,12 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let made_by = recorded.simulation.get("version").map_or("?", String::as_str);
     let model = &recorded.loaded.model;
     let interrupted = super::watch_for_signals().map_err(Failure::run)?;
-    let (mut integrator, _) = integrator(&model.mechanism, &state, duration, choice, &interrupted)?;
-    let stages = integrator.description().stages as f64;
+    let plan = Plan::new(&model.mechanism, &state, &recorded.arguments.input.keep);
+    let (mut engine, _) = Engine::new(&model.mechanism, &state, duration, choice, plan, &interrupted)?;
+    let stages = engine.description().stages as f64;
     let mut recorder = Recorder::compare(log, model, stages).map_err(Failure::run)?;
     let options = RunOptions { duration, rate: Some(rate), interrupt: Some(&interrupted) };
-    let (_, ended) = run_simulation(&model.mechanism, &mut state, integrator.as_mut(), &options, &mut [&mut recorder]);
+    let (_, ended) = engine.run(&model.mechanism, &mut state, &options, &mut [&mut recorder]);
     let (compared, result) = recorder.compared();
     match ended {
         Err(error @ RunError::Interrupted { .. }) => return Err(Failure::interrupted(error)),

@@ -3,29 +3,28 @@
 //! The output is opened last, when nothing in the input can be wrong any more: a bad input leaves an existing log as
 //! it was. Every way out of the run completes the log.
 
+use super::engine::Engine;
 use super::input::{InputArgs, Loaded, numbers};
 use super::numbers::{Assignment, positive, rate};
 use super::progress::Progress;
 use super::{Failure, print};
 use anyhow::{Context, anyhow};
-use catena::calibration::{CalibrationError, calibrate};
-use catena::lobatto::Lobatto;
+use catena::islands::Plan;
 use catena::lobatto::assembly::redundancy;
 use catena::log::{Ending, LogError, Outcome, Recorder, Severity, sha256};
-use catena::model::{Mechanism, Model, PlacedRobot, Pose};
+use catena::model::{Model, PlacedRobot, Pose};
 use catena::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports,
     loop_reports, singular_warning,
 };
 use catena::scene::SimulationSettings;
-use catena::simulation::{Integrator, Observer, RunError, RunOptions, Summary, run as run_simulation};
+use catena::simulation::{MethodDescription, Observer, RunError, RunOptions, Summary};
 use catena::state::State;
 use clap::{Args, value_parser};
 use cpu_time::ProcessTime;
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 const DEFAULT_DURATION: f64 = 10.0;
@@ -158,11 +157,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // The run ends after the step it is in.
     let interrupted = super::watch_for_signals().map_err(Failure::run)?;
     let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
-    let (mut integrator, accuracy) = integrator(mechanism, &state, duration, choice, &interrupted)?;
+    let plan = Plan::new(mechanism, &state, &arguments.input.keep);
+    let model_report = ModelReport::new(model, &redundancy, &plan);
+    let (mut engine, accuracy) = Engine::new(mechanism, &state, duration, choice, plan, &interrupted)?;
     let unreached = accuracy.as_ref().and_then(AccuracyReport::warning);
     let mut recorder = match &output {
         Some(path) => {
-            let simulation = description(model, duration, rate, choice, integrator.as_ref());
+            let simulation = description(model, duration, rate, choice, engine.description());
             let mut recorder = Recorder::create(path, model, simulation).map_err(log_failure)?;
             unreached.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
             Some(recorder)
@@ -179,11 +180,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut observers: Vec<&mut dyn Observer> = Vec::new();
     observers.extend(recorder.iter_mut().map(|recorder| recorder as &mut dyn Observer));
     observers.extend(progress.iter_mut().map(|progress| progress as &mut dyn Observer));
-    let (summary, ended) = run_simulation(mechanism, &mut state, integrator.as_mut(), &options, &mut observers);
+    let (summary, ended) = engine.run(mechanism, &mut state, &options, &mut observers);
     if let Some(progress) = &progress {
         progress.clear();
     }
-    let method = integrator.description();
+    let method = engine.description();
     for (recorder, warning) in recorder.iter_mut().zip(MethodReport::warning(&method)) {
         recorder.say(Severity::Warning, &warning);
     }
@@ -197,7 +198,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         // The time that was reached, which is less than what was asked for if the run ended early.
         duration: state.time,
         method: MethodReport::new(&method),
-        model: ModelReport::new(model, &redundancy),
+        model: model_report,
         steps: summary.steps,
         iterations: summary.iterations,
         rejected_steps: summary.rejected_steps,
@@ -209,6 +210,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         links: link_reports(model, &state),
         joints: joint_reports(model, &state),
         loops: loop_reports(model, &state),
+        islands: engine.islands(),
         warnings: model
             .warnings
             .iter()
@@ -227,39 +229,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         print(&report)?;
     }
     ended
-}
-
-/// The one place where the integrator is chosen; a tolerance is calibrated for the motion at hand.
-///
-/// # Errors
-/// [`Failure`] for stages and steps that cannot be, and when interrupted.
-pub fn integrator(
-    mechanism: &Mechanism,
-    state: &State,
-    duration: f64,
-    choice: StepChoice,
-    interrupted: &AtomicBool,
-) -> Result<(Box<dyn Integrator>, Option<AccuracyReport>), Failure> {
-    let tolerance = match choice {
-        StepChoice::Fixed { stages, step } => {
-            let lobatto = Lobatto::fixed(mechanism, stages, step).map_err(Failure::input)?;
-            return Ok((Box::new(lobatto), None));
-        }
-        StepChoice::Reversible { stages, step } => {
-            let lobatto = Lobatto::reversible(mechanism, stages, step).map_err(Failure::input)?;
-            return Ok((Box::new(lobatto), None));
-        }
-        StepChoice::Tolerance(tolerance) => tolerance,
-    };
-    match calibrate(mechanism, state, duration, tolerance, Some(interrupted)) {
-        Ok(found) => {
-            let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop);
-            Ok((Box::new(lobatto), Some(AccuracyReport::new(tolerance, state.time + duration, &found))))
-        }
-        Err(CalibrationError::Interrupted) => Err(Failure::interrupted(CalibrationError::Interrupted)),
-        // The run will fail where the pilot did, and leave its log up to there.
-        Err(CalibrationError::Step(_)) => Ok((Box::new(Lobatto::adaptive(mechanism, tolerance)), None)),
-    }
 }
 
 /// Where the log goes, refused early if it cannot go there.
@@ -297,9 +266,8 @@ fn description(
     duration: f64,
     rate: f64,
     choice: StepChoice,
-    integrator: &dyn Integrator,
+    method: MethodDescription,
 ) -> BTreeMap<String, String> {
-    let method = integrator.description();
     let (step, tolerance) = match choice {
         StepChoice::Fixed { step, .. } | StepChoice::Reversible { step, .. } => (step.to_string(), String::new()),
         StepChoice::Tolerance(tolerance) => (String::new(), tolerance.to_string()),

@@ -98,7 +98,7 @@ impl Attempt {
 }
 
 /// A step of the scheme for one number of lanes; what the integrator sees of it.
-pub trait Step {
+pub trait Step: Send {
     /// Takes a state as the start of the next step, when it is not where the last step ended.
     fn begin(&mut self, mechanism: &Mechanism, state: &State);
     /// Energy at the start of the step.

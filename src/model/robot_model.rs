@@ -129,6 +129,14 @@ pub enum ReductionRule {
 }
 
 impl ReductionRule {
+    /// All of them, in the order in which they are tried.
+    pub const ALL: [ReductionRule; 4] = [
+        ReductionRule::MasslessLeaf,
+        ReductionRule::FixedBase,
+        ReductionRule::WeldedToWorld,
+        ReductionRule::FusedWithParent,
+    ];
+
     /// The reason, for people.
     pub fn reason(self) -> &'static str {
         match self {

@@ -1,0 +1,119 @@
+//! What makes the steps of `catena simulate` and `catena replay`: the integrators, for the whole or for each island.
+
+use super::Failure;
+use super::simulate::StepChoice;
+use catena::calibration::{CalibrationError, calibrate};
+use catena::islands::{Islands, Plan, Threads};
+use catena::lobatto::Lobatto;
+use catena::model::Mechanism;
+use catena::report::{AccuracyReport, IslandReport};
+use catena::simulation::{
+    Integrator, MethodDescription, Observer, RunError, RunOptions, Summary, run as run_simulation,
+};
+use catena::state::State;
+use std::sync::atomic::AtomicBool;
+
+/// About what a pilot run takes for each body and simulated second (s): no less than that, for want of knowing it.
+const PILOT_SECONDS: f64 = 5e-6;
+
+/// What makes the steps: one integrator for a mechanism that is one and moves, and one for each island otherwise.
+pub enum Engine {
+    Whole(Box<Lobatto>),
+    Islands {
+        islands: Islands,
+        /// What stands for the method where all sleep.
+        idle: MethodDescription,
+    },
+}
+
+impl Engine {
+    /// Chooses the integrators and calibrates a tolerance for the motions at hand.
+    ///
+    /// # Errors
+    /// [`Failure`] for stages and steps that cannot be, and when interrupted.
+    pub fn new(
+        mechanism: &Mechanism,
+        state: &State,
+        duration: f64,
+        choice: StepChoice,
+        plan: Plan,
+        interrupted: &AtomicBool,
+    ) -> Result<(Self, Option<AccuracyReport>), Failure> {
+        let make = |mechanism: &Mechanism, state: &State| integrator(mechanism, state, duration, choice, interrupted);
+        if plan.is_whole() {
+            let (lobatto, accuracy) = make(mechanism, state)?;
+            return Ok((Engine::Whole(Box::new(lobatto)), accuracy));
+        }
+        let expected = match choice {
+            StepChoice::Tolerance(_) => 2.0 * PILOT_SECONDS * mechanism.bodies.len() as f64 * duration,
+            StepChoice::Fixed { .. } | StepChoice::Reversible { .. } => 0.0,
+        };
+        let nothing = Mechanism::new(&mechanism.name, mechanism.gravity, Vec::new()).map_err(Failure::run)?;
+        let idle = uncalibrated(&nothing, choice)?.description();
+        let (islands, accuracies) = Islands::new(plan, state, Threads::WherePaid, expected, make)?;
+        let accuracy = match choice {
+            StepChoice::Tolerance(tolerance) => AccuracyReport::together(tolerance, state.time + duration, &accuracies),
+            StepChoice::Fixed { .. } | StepChoice::Reversible { .. } => None,
+        };
+        Ok((Engine::Islands { islands, idle }, accuracy))
+    }
+
+    /// Runs as [`run_simulation`] does.
+    pub fn run(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+    ) -> (Summary, Result<(), RunError>) {
+        match self {
+            Engine::Whole(lobatto) => run_simulation(mechanism, state, lobatto.as_mut(), options, observers),
+            Engine::Islands { islands, .. } => islands.run(mechanism, state, options, observers),
+        }
+    }
+
+    /// How steps are made, and how they have gone so far.
+    pub fn description(&self) -> MethodDescription {
+        match self {
+            Engine::Whole(lobatto) => lobatto.description(),
+            Engine::Islands { islands, idle } => islands.description().unwrap_or_else(|| idle.clone()),
+        }
+    }
+
+    /// What each island did; nothing if there is only the whole.
+    pub fn islands(&self) -> Vec<IslandReport> {
+        match self {
+            Engine::Whole(_) => Vec::new(),
+            Engine::Islands { islands, .. } => islands.figures().map(|figures| IslandReport::new(&figures)).collect(),
+        }
+    }
+}
+
+/// The one place where an integrator is chosen; a tolerance is calibrated for the motion at hand.
+fn integrator(
+    mechanism: &Mechanism,
+    state: &State,
+    duration: f64,
+    choice: StepChoice,
+    interrupted: &AtomicBool,
+) -> Result<(Lobatto, Option<AccuracyReport>), Failure> {
+    let StepChoice::Tolerance(tolerance) = choice else { return Ok((uncalibrated(mechanism, choice)?, None)) };
+    match calibrate(mechanism, state, duration, tolerance, Some(interrupted)) {
+        Ok(found) => {
+            let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop);
+            Ok((lobatto, Some(AccuracyReport::new(tolerance, state.time + duration, &found))))
+        }
+        Err(CalibrationError::Interrupted) => Err(Failure::interrupted(CalibrationError::Interrupted)),
+        // The run will fail where the pilot did, and leave its log up to there.
+        Err(CalibrationError::Step(_)) => Ok((uncalibrated(mechanism, choice)?, None)),
+    }
+}
+
+/// The integrator without pilot runs.
+fn uncalibrated(mechanism: &Mechanism, choice: StepChoice) -> Result<Lobatto, Failure> {
+    match choice {
+        StepChoice::Fixed { stages, step } => Lobatto::fixed(mechanism, stages, step).map_err(Failure::input),
+        StepChoice::Reversible { stages, step } => Lobatto::reversible(mechanism, stages, step).map_err(Failure::input),
+        StepChoice::Tolerance(tolerance) => Ok(Lobatto::adaptive(mechanism, tolerance)),
+    }
+}

@@ -1,0 +1,105 @@
+//! The part of `catena model` about what a run leaves out: the rules, what each saves here, and the islands.
+
+use super::table::{Table, counted};
+use catena::islands::Plan;
+use catena::model::{Island, Model, ReductionRule, Rule};
+use serde_json::{Value, json};
+
+/// What a rule does here.
+struct Applied {
+    name: &'static str,
+    condition: &'static str,
+    /// How many links or islands it is about.
+    count: usize,
+    /// In words; empty if it does nothing.
+    saved: String,
+    /// How to switch it off, if that is possible.
+    switch: Option<Rule>,
+}
+
+/// Every rule, in the order in which they are tried.
+fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
+    let reduction = |rule: ReductionRule| {
+        let count = model.reductions.iter().filter(|reduction| reduction.rule == rule).count();
+        let links = counted(count, "link is no body", "links are no bodies");
+        let saved = if count > 0 { links } else { String::new() };
+        Applied { name: rule.name(), condition: rule.reason(), count, saved, switch: None }
+    };
+    let optional = |rule: Rule| {
+        let count = match rule {
+            Rule::Islands if plan.islands.len() > 1 => plan.islands.len(),
+            Rule::Islands => 0,
+            Rule::Sleep => plan.sleeping(),
+        };
+        let saved = match rule {
+            rule if kept.contains(&rule) => "switched off".to_string(),
+            _ if count == 0 => String::new(),
+            Rule::Islands => format!("{count} islands, {}", rule.saving()),
+            Rule::Sleep => {
+                let sleeping = plan.islands.iter().filter(|(_, asleep)| *asleep);
+                let bodies = sleeping.map(|(island, _)| island.mechanism.bodies.len()).sum();
+                format!("{}, {}", counted(bodies, "body", "bodies"), rule.saving())
+            }
+        };
+        Applied { name: rule.name(), condition: rule.condition(), count, saved, switch: Some(rule) }
+    };
+    ReductionRule::ALL.into_iter().map(reduction).chain(Rule::ALL.into_iter().map(optional)).collect()
+}
+
+/// The rules and islands as entries of the JSON report.
+pub fn as_json(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, Value)> {
+    let rules = applied(model, plan, kept).into_iter().map(|rule| {
+        json!({
+            "name": rule.name,
+            "condition": rule.condition,
+            "count": rule.count,
+            "optional": rule.switch.is_some(),
+            "kept": rule.switch.is_some_and(|switch| kept.contains(&switch)),
+        })
+    });
+    let islands = plan.islands.iter().map(|(island, asleep)| {
+        json!({
+            "roots": island.roots().collect::<Vec<_>>(),
+            "bodies": island.mechanism.bodies.len(),
+            "asleep": asleep,
+        })
+    });
+    vec![("rules", rules.collect()), ("islands", islands.collect())]
+}
+
+/// The rules, and the islands if there are several, as tables for people.
+pub fn write_tables(model: &Model, plan: &Plan, kept: &[Rule], text: &mut String) {
+    if plan.islands.len() > 1 {
+        let mut islands = Table::new(&["island", "bodies", "hangs on the world by", "state"]);
+        for (number, (island, asleep)) in plan.islands.iter().enumerate() {
+            islands.row(vec![
+                (number + 1).to_string(),
+                island.mechanism.bodies.len().to_string(),
+                roots(island),
+                if *asleep { "at rest" } else { "moves" }.to_string(),
+            ]);
+        }
+        islands.write(text);
+    }
+    let mut rules = Table::new(&["rule", "applies where", "here", "switched off by"]);
+    for rule in applied(model, plan, kept) {
+        rules.row(vec![
+            rule.name.to_string(),
+            rule.condition.to_string(),
+            if rule.saved.is_empty() { "–".to_string() } else { rule.saved },
+            rule.switch.map_or_else(String::new, |rule| format!("--keep {}", rule.name())),
+        ]);
+    }
+    rules.write(text);
+}
+
+/// The bodies of an island that hang on the world, the first few by name.
+fn roots(island: &Island) -> String {
+    const NAMED: usize = 3;
+    let names: Vec<&str> = island.roots().collect();
+    let mut text = names.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
+    if names.len() > NAMED {
+        text += &format!(" and {} more", names.len() - NAMED);
+    }
+    text
+}

@@ -1,0 +1,57 @@
+//! The rules by which a run does less than the whole mechanism asks for, and that can be switched off by name.
+//!
+//! A run without a rule is the full model, against which the rule is tested. The rules of [`super::ReductionRule`], by
+//! which links are no bodies of their own, cannot be switched off: a joint that leaves nothing free is no joint here.
+
+use std::str::FromStr;
+
+/// A rule that can be switched off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// Parts of the mechanism that nothing connects are simulated apart.
+    Islands,
+    /// An island at rest in equilibrium is not simulated.
+    Sleep,
+}
+
+/// There is no such rule.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no rule {0:?} that can be switched off; there are {list}", list = Rule::ALL.map(Rule::name).join(", "))]
+pub struct UnknownRule(pub String);
+
+impl Rule {
+    /// All of them, in the order in which they are tried.
+    pub const ALL: [Rule; 2] = [Rule::Islands, Rule::Sleep];
+
+    /// The name, for the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Rule::Islands => "islands",
+            Rule::Sleep => "sleep",
+        }
+    }
+
+    /// When it applies, for people.
+    pub fn condition(self) -> &'static str {
+        match self {
+            Rule::Islands => "no joint, loop, mimic relation or spring connects the parts",
+            Rule::Sleep => "starts at rest, and nothing accelerates",
+        }
+    }
+
+    /// What it saves, for people.
+    pub fn saving(self) -> &'static str {
+        match self {
+            Rule::Islands => "each with its own stages and steps, on several cores",
+            Rule::Sleep => "not simulated",
+        }
+    }
+}
+
+impl FromStr for Rule {
+    type Err = UnknownRule;
+
+    fn from_str(name: &str) -> Result<Self, UnknownRule> {
+        Rule::ALL.into_iter().find(|rule| rule.name() == name).ok_or_else(|| UnknownRule(name.to_string()))
+    }
+}
