@@ -1,5 +1,8 @@
 //! Mechanisms with loops, built by hand.
 
+// Every test compiles its own copy of this module and uses some of it.
+#![allow(dead_code)]
+
 use catena::model::{Attachment, Body, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Pose};
 use catena::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
