@@ -1,0 +1,122 @@
+//! One island of a run: its own loop, and what it has shown until the others have come as far.
+
+use crate::forces::total::Exchange;
+use crate::lobatto::Lobatto;
+use crate::model::Island;
+use crate::simulation::{Course, Observer, ObserverError, RunError, RunOptions, Sample, StepEnd};
+use crate::state::{BodyState, State};
+use std::collections::VecDeque;
+
+/// An island and how it is run.
+pub(super) struct Part {
+    pub(super) island: Island,
+    pub(super) state: State,
+    /// `None` if it sleeps.
+    pub(super) awake: Option<Lobatto>,
+    pub(super) course: Option<Course>,
+    /// What it has shown and nobody has taken yet.
+    pub(super) shown: Shown,
+    /// Its kinetic energy, and what its energy balance is off by, at the last step that was taken (J).
+    pub(super) kinetic: f64,
+    pub(super) deviation: f64,
+    /// Its total energy at the start (J).
+    initial: f64,
+    /// Energy dissipated since the start of the run, and work put in, up to that step (J).
+    pub(super) exchange: Exchange,
+    /// Steps that were taken, and their iterations.
+    pub(super) steps: usize,
+    pub(super) iterations: usize,
+    failed: Option<RunError>,
+}
+
+/// Samples and steps of one island, in order.
+#[derive(Default)]
+pub(super) struct Shown {
+    pub(super) samples: VecDeque<Kept>,
+    pub(super) steps: VecDeque<StepEnd>,
+}
+
+/// A sample of one island.
+pub(super) struct Kept {
+    pub(super) time: f64,
+    pub(super) position: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
+    pub(super) bodies: Vec<BodyState>,
+}
+
+impl Observer for Shown {
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        let (position, velocity, bodies) = (sample.position.to_vec(), sample.velocity.to_vec(), sample.bodies.to_vec());
+        self.samples.push_back(Kept { time: sample.time, position, velocity, bodies });
+        Ok(())
+    }
+
+    fn step(&mut self, end: &StepEnd) {
+        self.steps.push_back(*end);
+    }
+}
+
+impl Part {
+    pub(super) fn new(island: Island, whole: &State) -> Self {
+        Part {
+            state: island.state(whole),
+            island,
+            awake: None,
+            course: None,
+            shown: Shown::default(),
+            kinetic: 0.0,
+            deviation: 0.0,
+            initial: 0.0,
+            exchange: Exchange::default(),
+            steps: 0,
+            iterations: 0,
+            failed: None,
+        }
+    }
+
+    /// Prepares a run from where it is.
+    pub(super) fn begin(&mut self, duration: f64, rate: f64) -> Result<(), RunError> {
+        if self.awake.is_none() {
+            return Ok(());
+        }
+        let mut course = Course::new(&self.island.mechanism, &self.state, duration, Some(rate));
+        let initial = course.summary().initial_energy;
+        (self.kinetic, self.deviation, self.initial) = (initial.kinetic, 0.0, initial.total());
+        (self.exchange, self.steps, self.iterations, self.failed) = (Exchange::default(), 0, 0, None);
+        self.shown = Shown::default();
+        course.begin(&mut [&mut self.shown])?;
+        self.course = Some(course);
+        Ok(())
+    }
+
+    /// Makes steps until one ends at or after `horizon`; a failure is kept.
+    pub(super) fn proceed(&mut self, horizon: f64, options: &RunOptions) {
+        let Part { island, state, awake: Some(lobatto), course: Some(course), shown, failed, .. } = self else {
+            return;
+        };
+        let ended = course.proceed(&island.mechanism, state, lobatto, horizon, options.interrupt, &mut [shown]);
+        *failed = ended.err();
+    }
+
+    /// Takes over the figures of its next step.
+    pub(super) fn take(&mut self, end: &StepEnd) {
+        self.kinetic = end.energy.kinetic;
+        self.exchange = end.exchange;
+        self.deviation = end.energy.total() - self.initial + (end.exchange.dissipated - end.exchange.work);
+        self.steps += 1;
+        self.iterations += end.outcome.iterations;
+    }
+}
+
+/// Up to where all islands that are awake have come (s).
+pub(super) fn frontier(awake: &[&mut Part]) -> f64 {
+    awake.iter().map(|part| part.state.time).fold(f64::INFINITY, f64::min)
+}
+
+/// The failure at the earliest time; an interruption counts only if nothing failed.
+pub(super) fn first_error(awake: &mut [&mut Part]) -> Option<RunError> {
+    let interrupted = |part: &Part| matches!(part.failed, Some(RunError::Interrupted { .. }));
+    let failed = awake.iter_mut().filter(|part| part.failed.is_some());
+    let first = failed.min_by(|a, b| interrupted(a).cmp(&interrupted(b)).then(a.state.time.total_cmp(&b.state.time)));
+    first.and_then(|part| part.failed.take())
+}
