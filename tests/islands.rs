@@ -217,10 +217,13 @@ fn two_robots_with_a_spring_between_them_are_one_island() {
     assert_eq!(islands(&model.mechanism).len(), 2);
 }
 
+/// Time, positions, velocities and bodies of a sample.
+type Sampled = (f64, Vec<f64>, Vec<f64>, Vec<BodyState>);
+
 /// What an observer saw.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Seen {
-    samples: Vec<(f64, Vec<f64>, Vec<f64>, Vec<BodyState>)>,
+    samples: Vec<Sampled>,
 }
 
 impl Observer for Seen {

@@ -88,6 +88,9 @@ pub struct IslandFigures<'i> {
     pub iterations: usize,
 }
 
+/// An island, whether it sleeps, and what came of making its integrator.
+type Job<N, E> = (Part, bool, Option<Result<N, E>>);
+
 impl Islands {
     /// Makes the integrators of the islands that are awake, each with a note for the caller; the notes are in the order of these
     /// islands. `expected` is about how long that will take (s), which decides whether it is done on several threads.
@@ -101,7 +104,7 @@ impl Islands {
         expected: f64,
         make: impl Fn(&Mechanism, &State) -> Result<(Lobatto, N), E> + Sync,
     ) -> Result<(Self, Vec<N>), E> {
-        let mut jobs: Vec<(Part, bool, Option<Result<N, E>>)> =
+        let mut jobs: Vec<Job<N, E>> =
             plan.islands.into_iter().map(|(island, asleep)| (Part::new(island, state), asleep, None)).collect();
         spread(&mut jobs, threads.for_work_of(expected), |(part, asleep, note)| {
             if *asleep {
