@@ -1,0 +1,203 @@
+//! The operations of the elimination, one function each, compiled for the vectors on its own.
+
+use super::{Coupled, Mixing, PROXIMAL, Resistance, first_lane};
+use crate::lobatto::closure::{Equation, EquationValue};
+use crate::lobatto::elimination::{Column, Operation, TWIST, Unknown};
+use crate::lobatto::front::Fronts;
+use crate::lobatto::lanes::Lanes;
+use crate::lobatto::stage::MAX_LANES;
+use crate::lobatto::start::Plan;
+
+impl<V: Lanes> Coupled<V> {
+    /// Clears the slots of multipliers that come in, and brings their right-hand sides.
+    #[inline(always)]
+    pub(super) fn enter(&mut self, level: usize, slots: &[usize], present: &[usize], gaps: &[(usize, usize)]) {
+        self.fronts.enter(level, slots, present);
+        let right = self.fronts.right_hand_side();
+        for &(row, slot) in gaps {
+            let gap = self.gaps[row].to_array();
+            for k in 0..self.mixing.active {
+                self.fronts.block(level, slot, right)[k] = first_lane::<V>(-gap.as_ref()[k]);
+                if self.equations[row] == Equation::Line {
+                    self.fronts.add(level, slot, slot, k, self.unit[k]);
+                }
+            }
+        }
+    }
+
+    /// One equation at one end of its loop: (row, slot, sign).
+    #[inline(always)]
+    pub(super) fn end(&mut self, level: usize, (row, slot, sign): (usize, usize, f64)) {
+        let active = self.mixing.active;
+        let mut by_gap = self.unit;
+        if self.equations[row] == Equation::Line {
+            let spring = row + self.resistances.len() - self.equations.len();
+            for k in 0..active {
+                by_gap[k] = self.resistance(&self.resistances[spring], k);
+            }
+        }
+        couple(&mut self.fronts, level, [&by_gap[..active], &self.unit[..active]], slot, sign, &self.values[row]);
+    }
+
+    /// The pivot of a multiplier, with its proximal term.
+    #[inline(always)]
+    pub(super) fn take_multiplier(
+        &mut self,
+        level: usize,
+        row: usize,
+        slot: usize,
+        columns: &[Column],
+        measure: &[(usize, usize)],
+    ) {
+        let mut largest = 0.0_f64;
+        for &(row, slot) in measure {
+            self.scales[row] = mobility(&mut self.fronts, level, slot, &self.mixing);
+            largest = largest.max(self.scales[row]);
+        }
+        for &(row, _) in measure {
+            // Nothing moves along this equation: any scale will do, but not zero.
+            if self.scales[row] <= PROXIMAL * largest {
+                self.scales[row] = if largest > 0.0 { largest } else { 1.0 };
+            }
+        }
+        self.left_over[row] = mobility(&mut self.fronts, level, slot, &self.mixing) / self.scales[row];
+        self.fronts.take_multiplier(level, slot, columns);
+        if self.equations[row] != Equation::Line {
+            let proximal = V::splat(self.proximal * self.scales[row]);
+            for k in 0..self.mixing.active {
+                let pivot = self.fronts.pivot();
+                pivot[k] = self.mixing.solve[k].mul_add(proximal, pivot[k]);
+            }
+        }
+    }
+
+    /// What acts along a freedom itself: efforts, how joint springs and dampers resist, and mimics: (row, slot, coefficient).
+    #[inline(always)]
+    pub(super) fn take_efforts(&mut self, freedom: usize, direct: &[(usize, usize, f64)]) {
+        let active = self.mixing.active;
+        let right = self.fronts.right_hand_side();
+        let mut effort = self.efforts[freedom];
+        for &(row, slot, coefficient) in direct {
+            let coefficient = V::splat(coefficient);
+            effort = self.multipliers[row].mul_add(coefficient, effort);
+            for k in 0..active {
+                let entry = self.unit[k] * coefficient;
+                let left = self.fronts.left_block(slot);
+                left[k] = left[k] + entry;
+                let right = self.fronts.right_block(slot);
+                right[k] = right[k] - entry;
+            }
+        }
+        let effort = effort.to_array();
+        for k in 0..active {
+            let block = self.fronts.right_block(right);
+            block[k] = block[k] + first_lane::<V>(effort.as_ref()[k]);
+        }
+        let resistance = self.in_joints[freedom];
+        if resistance != Resistance::default() {
+            for k in 0..active {
+                let entry = self.resistance(&resistance, k);
+                let pivot = self.fronts.pivot();
+                pivot[k] = pivot[k] + entry;
+            }
+        }
+    }
+
+    /// `−h² ∂F_k/∂y_i` of a row k, for a scalar y.
+    #[inline(always)]
+    fn resistance(&self, resistance: &Resistance, k: usize) -> V {
+        let stiffness = V::splat(self.step * self.step * resistance.stiffness) * self.mixing.moved * self.unit[k];
+        self.mixing.velocity[k].mul_add(V::splat(self.step * resistance.damping), stiffness)
+    }
+
+    /// The value of an eliminated unknown from those that come after it; a freedom moves on the twist of its body.
+    #[inline(always)]
+    pub(super) fn back_substitute(
+        &mut self,
+        plan: &Plan,
+        operation: &Operation,
+        kept_at: usize,
+        columns: &[Column],
+        increment: &mut [V],
+    ) {
+        match operation {
+            Operation::Freedom { body, freedom, .. } if *freedom == plan.bodies[*body].first_axis => {
+                self.twists[*body] = match plan.bodies[*body].parent {
+                    Some(parent) => self.twists[parent],
+                    None => [V::zero(); TWIST],
+                };
+            }
+            _ => {}
+        }
+        let solution = self.substitute(kept_at, columns);
+        match operation {
+            Operation::Freedom { body, freedom, .. } => {
+                increment[*freedom] = solution;
+                for component in 0..TWIST {
+                    let twist = &mut self.twists[*body][component];
+                    *twist = self.screws[*freedom][component].mul_add(solution, *twist);
+                }
+            }
+            Operation::Multiplier { row, .. } => self.multiplier_increments[*row] = solution,
+            _ => {}
+        }
+    }
+
+    /// The value of an eliminated unknown from those that come after it.
+    #[inline(always)]
+    fn substitute(&self, kept_at: usize, columns: &[Column]) -> V {
+        let active = self.mixing.active;
+        let mut sums = [V::zero(); MAX_LANES];
+        for (number, column) in columns.iter().enumerate() {
+            let value = match column.unknown {
+                Unknown::Twist { body, component } => self.twists[body][component],
+                Unknown::Multiplier(row) => self.multiplier_increments[row],
+            };
+            let kept = &self.kept[kept_at + number * V::COUNT..kept_at + (number + 1) * V::COUNT];
+            for k in 0..active {
+                sums[k] = kept[k].mul_add(value, sums[k]);
+            }
+        }
+        let right = &self.kept[kept_at + columns.len() * V::COUNT..kept_at + (columns.len() + 1) * V::COUNT];
+        let mut solution = V::zero_array();
+        for k in 0..active {
+            solution.as_mut()[k] = right[k].to_array().as_ref()[0] - sums[k].sum();
+        }
+        V::from_array(solution)
+    }
+}
+
+/// Couples the multiplier in a slot to the twist of a body at one end of its loop. A closure's row is its gap alone; the
+/// row of a spring's tension is what its length makes of it, `by_gap`.
+#[inline(always)]
+fn couple<V: Lanes>(
+    fronts: &mut Fronts<V>,
+    level: usize,
+    [by_gap, unit]: [&[V]; 2],
+    slot: usize,
+    sign: f64,
+    value: &[EquationValue<V>; 2],
+) {
+    let sign = V::splat(sign);
+    for component in 0..TWIST {
+        let (column, row) = match component {
+            0..3 => (value[0].force.0[component], value[1].force.0[component]),
+            _ => (value[0].torque.0[component - 3], value[1].torque.0[component - 3]),
+        };
+        let (column, row) = (column * sign, row * sign);
+        for (k, (by_gap, unit)) in by_gap.iter().zip(unit).enumerate() {
+            fronts.add(level, slot, component, k, column * *by_gap);
+            fronts.add(level, component, slot, k, -(row * *unit));
+        }
+    }
+}
+
+/// How easily the multiplier in a slot moves its own equation: the size of its block, by that of Â.
+#[inline(always)]
+fn mobility<V: Lanes>(fronts: &mut Fronts<V>, level: usize, slot: usize, mixing: &Mixing<V>) -> f64 {
+    let mut size = (V::zero(), V::zero());
+    for (entry, solve) in fronts.block(level, slot, slot).iter().zip(&mixing.solve) {
+        size = (size.0 + entry.max_abs(V::zero()), size.1 + solve.max_abs(V::zero()));
+    }
+    size.0.sum() / size.1.sum()
+}
