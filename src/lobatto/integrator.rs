@@ -7,15 +7,14 @@ use super::control::{Control, Energies, Verdict};
 use super::dense::DenseRule;
 use super::dispatch::step_for;
 use super::lanes::Isa;
-use super::projection::Projection;
 use super::reversible::Reversible;
+use super::sampling::{Closing, LastStep};
 use super::stability::Watch;
-use super::start::Start;
 use super::step::{Attempt, Step, StopRule};
 use super::tableau::{Tableau, TableauError};
-use crate::model::{FreeRotation, Mechanism};
+use crate::model::Mechanism;
 use crate::simulation::{Integrator, MethodDescription, SingularPosition, StepError, StepOutcome};
-use crate::state::{State, quaternion_exponential, quaternion_product};
+use crate::state::State;
 
 /// A step is halved at most this often before the integrator gives up.
 const HALVINGS: i32 = 14;
@@ -82,13 +81,6 @@ impl Ranks {
         let extra = self.most.saturating_sub(self.fewest?);
         (extra > 0).then_some(SingularPosition { time: self.most_at, extra })
     }
-}
-
-/// A projection, and the state it works on.
-struct Closing {
-    projection: Projection,
-    start: Start,
-    state: State,
 }
 
 /// Where fixed steps end: `origin + points · step`, counted, so that no sum of steps can drift.
@@ -173,11 +165,7 @@ impl Lobatto {
             watch: Watch::new(&tableau),
             tableau,
             ranks: Ranks::default(),
-            closing: mechanism.has_closures().then(|| Closing {
-                projection: Projection::new(mechanism),
-                start: Start::new(mechanism),
-                state: State::zero(mechanism),
-            }),
+            closing: mechanism.has_closures().then(|| Closing::new(mechanism)),
             mode,
             origin: State::zero(mechanism),
             end: State::zero(mechanism),
@@ -389,56 +377,16 @@ impl Integrator for Lobatto {
 
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         let weights = self.dense.weights((time - self.origin.time) / self.last_step);
-        let mut stages = [0.0; super::stage::MAX_LANES];
-        let stages = &mut stages[..self.tableau.stages - 1];
-        let (start_rates, end_rates) = (&self.origin.velocity, &self.end.velocity);
-        position.copy_from_slice(&self.origin.position);
-        for body in &mechanism.bodies {
-            let joint = &body.joint;
-            let ball = joint.kind.rotation() == FreeRotation::Ball;
-            let scalars = joint.kind.velocity_count() - if ball { 3 } else { 0 };
-            for offset in 0..scalars {
-                let freedom = joint.velocity_index + offset;
-                self.kernel.displacement(freedom, stages);
-                let (start, end) = (self.last_step * start_rates[freedom], self.last_step * end_rates[freedom]);
-                let (displacement, slope) = weights.apply(stages, start, end);
-                position[joint.position_index + offset] += displacement;
-                velocity[freedom] = slope / self.last_step;
-            }
-            if ball {
-                let first = joint.velocity_index + scalars;
-                let mut turn = [0.0; 3];
-                let mut rate = [0.0; 3];
-                let mut last = [0.0; 3];
-                for axis in 0..3 {
-                    self.kernel.displacement(first + axis, stages);
-                    last[axis] = stages[stages.len() - 1];
-                }
-                // The slope of the rotation vector at the end belongs to the angular velocity there.
-                let end = inverse_tangent(&last, &[0, 1, 2].map(|axis| end_rates[first + axis]));
-                for axis in 0..3 {
-                    self.kernel.displacement(first + axis, stages);
-                    let ends = (self.last_step * start_rates[first + axis], self.last_step * end[axis]);
-                    (turn[axis], rate[axis]) = weights.apply(stages, ends.0, ends.1);
-                }
-                let slot = joint.position_index + scalars;
-                let turned = quaternion_product(&self.origin.position[slot..slot + 4], &quaternion_exponential(&turn));
-                position[slot..slot + 4].copy_from_slice(&turned);
-                let spin = tangent(&turn, &rate);
-                for axis in 0..3 {
-                    velocity[first + axis] = spin[axis] / self.last_step;
-                }
-            }
-        }
-        if let Some(Closing { projection, start, state }) = &mut self.closing {
-            state.position.copy_from_slice(position);
-            state.velocity.copy_from_slice(velocity);
-            state.compensation.fill(0.0);
-            projection.positions(mechanism, start, state);
-            start.set(mechanism, state);
-            projection.velocities(mechanism, start, &mut state.velocity);
-            position.copy_from_slice(&state.position);
-            velocity.copy_from_slice(&state.velocity);
+        let last = LastStep {
+            kernel: self.kernel.as_ref(),
+            inner: self.tableau.stages - 1,
+            origin: &self.origin,
+            end: &self.end,
+            length: self.last_step,
+        };
+        last.sample(mechanism, &weights, position, velocity);
+        if let Some(closing) = &mut self.closing {
+            closing.project(mechanism, position, velocity);
         }
     }
 
@@ -461,33 +409,6 @@ impl Integrator for Lobatto {
             reversible_resets: resets,
         }
     }
-}
-
-/// Body-frame angular velocity of `exp(θ)` for the rate of θ: `(1 − k₁ θ̂ + k₂ θ̂²) θ̇`.
-fn tangent(theta: &[f64; 3], rate: &[f64; 3]) -> [f64; 3] {
-    // Below 1e-4 rad the quotients lose their digits, and two terms of their series are exact to rounding.
-    let (theta, rate) = (nalgebra::Vector3::from(*theta), nalgebra::Vector3::from(*rate));
-    let angle = theta.norm();
-    let (first, second) = if angle < 1e-4 {
-        (0.5 - angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0)
-    } else {
-        ((1.0 - angle.cos()) / (angle * angle), (angle - angle.sin()) / angle.powi(3))
-    };
-    let once = theta.cross(&rate);
-    (rate - first * once + second * theta.cross(&once)).into()
-}
-
-/// The rate of θ for a body-frame angular velocity of `exp(θ)`: the inverse of [`tangent`].
-fn inverse_tangent(theta: &[f64; 3], spin: &[f64; 3]) -> [f64; 3] {
-    let (theta, spin) = (nalgebra::Vector3::from(*theta), nalgebra::Vector3::from(*spin));
-    let angle = theta.norm();
-    let factor = if angle < 1e-3 {
-        1.0 / 12.0 + angle * angle / 720.0
-    } else {
-        (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
-    };
-    let once = theta.cross(&spin);
-    (spin + 0.5 * once + factor * theta.cross(&once)).into()
 }
 
 fn joint_of_freedom(mechanism: &Mechanism, freedom: usize) -> String {

@@ -33,6 +33,7 @@ pub mod predictor;
 pub mod projection;
 pub mod residual;
 pub mod reversible;
+mod sampling;
 pub mod stability;
 pub mod stage;
 pub mod start;

@@ -1,0 +1,128 @@
+//! Positions and velocities at an instant inside the last step: the rule of [`super::dense`], joint by joint.
+//!
+//! Scalars are interpolated as they are. The rotation of a ball joint since the start of the step is a rotation vector θ, whose
+//! rate belongs to the angular velocity ω in the child's frame by `ω = (1 − k₁ θ̂ + k₂ θ̂²) θ̇`, with
+//! `k₁ = (1 − cos |θ|)/|θ|²`, `k₂ = (|θ| − sin |θ|)/|θ|³`. Loops are not closed by the interpolation; a projection
+//! ([`super::projection`]) closes them.
+
+use super::dense::DenseWeights;
+use super::projection::Projection;
+use super::start::Start;
+use super::step::Step;
+use crate::model::{FreeRotation, Mechanism};
+use crate::state::{State, quaternion_exponential, quaternion_product};
+
+/// The last step, as far as its inside is concerned.
+pub(super) struct LastStep<'s> {
+    /// Holds the displacements at the stages.
+    pub kernel: &'s dyn Step,
+    /// Number of stages after the first.
+    pub inner: usize,
+    /// The state at its start.
+    pub origin: &'s State,
+    /// The state at its end.
+    pub end: &'s State,
+    /// Its length (s).
+    pub length: f64,
+}
+
+impl LastStep<'_> {
+    /// Writes positions and velocities at the point that the weights stand for. Does not allocate.
+    pub fn sample(&self, mechanism: &Mechanism, weights: &DenseWeights, position: &mut [f64], velocity: &mut [f64]) {
+        let mut stages = [0.0; super::stage::MAX_LANES];
+        let stages = &mut stages[..self.inner];
+        let (start_rates, end_rates) = (&self.origin.velocity, &self.end.velocity);
+        position.copy_from_slice(&self.origin.position);
+        for body in &mechanism.bodies {
+            let joint = &body.joint;
+            let ball = joint.kind.rotation() == FreeRotation::Ball;
+            let scalars = joint.kind.velocity_count() - if ball { 3 } else { 0 };
+            for offset in 0..scalars {
+                let freedom = joint.velocity_index + offset;
+                self.kernel.displacement(freedom, stages);
+                let (start, end) = (self.length * start_rates[freedom], self.length * end_rates[freedom]);
+                let (displacement, slope) = weights.apply(stages, start, end);
+                position[joint.position_index + offset] += displacement;
+                velocity[freedom] = slope / self.length;
+            }
+            if ball {
+                let first = joint.velocity_index + scalars;
+                let mut turn = [0.0; 3];
+                let mut rate = [0.0; 3];
+                let mut last = [0.0; 3];
+                for axis in 0..3 {
+                    self.kernel.displacement(first + axis, stages);
+                    last[axis] = stages[stages.len() - 1];
+                }
+                // The slope of the rotation vector at the end belongs to the angular velocity there.
+                let end = inverse_tangent(&last, &[0, 1, 2].map(|axis| end_rates[first + axis]));
+                for axis in 0..3 {
+                    self.kernel.displacement(first + axis, stages);
+                    let ends = (self.length * start_rates[first + axis], self.length * end[axis]);
+                    (turn[axis], rate[axis]) = weights.apply(stages, ends.0, ends.1);
+                }
+                let slot = joint.position_index + scalars;
+                let turned = quaternion_product(&self.origin.position[slot..slot + 4], &quaternion_exponential(&turn));
+                position[slot..slot + 4].copy_from_slice(&turned);
+                let spin = tangent(&turn, &rate);
+                for axis in 0..3 {
+                    velocity[first + axis] = spin[axis] / self.length;
+                }
+            }
+        }
+    }
+}
+
+/// Brings interpolated positions and velocities back on the closures.
+pub(super) struct Closing {
+    projection: Projection,
+    start: Start,
+    state: State,
+}
+
+impl Closing {
+    /// The workspace for a mechanism.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        Closing { projection: Projection::new(mechanism), start: Start::new(mechanism), state: State::zero(mechanism) }
+    }
+
+    /// Projects both.
+    pub fn project(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {
+        let Closing { projection, start, state } = self;
+        state.position.copy_from_slice(position);
+        state.velocity.copy_from_slice(velocity);
+        state.compensation.fill(0.0);
+        projection.positions(mechanism, start, state);
+        start.set(mechanism, state);
+        projection.velocities(mechanism, start, &mut state.velocity);
+        position.copy_from_slice(&state.position);
+        velocity.copy_from_slice(&state.velocity);
+    }
+}
+
+/// Body-frame angular velocity of `exp(θ)` for the rate of θ: `(1 − k₁ θ̂ + k₂ θ̂²) θ̇`.
+fn tangent(theta: &[f64; 3], rate: &[f64; 3]) -> [f64; 3] {
+    // Below 1e-4 rad the quotients lose their digits, and two terms of their series are exact to rounding.
+    let (theta, rate) = (nalgebra::Vector3::from(*theta), nalgebra::Vector3::from(*rate));
+    let angle = theta.norm();
+    let (first, second) = if angle < 1e-4 {
+        (0.5 - angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0)
+    } else {
+        ((1.0 - angle.cos()) / (angle * angle), (angle - angle.sin()) / angle.powi(3))
+    };
+    let once = theta.cross(&rate);
+    (rate - first * once + second * theta.cross(&once)).into()
+}
+
+/// The rate of θ for a body-frame angular velocity of `exp(θ)`: the inverse of [`tangent`].
+fn inverse_tangent(theta: &[f64; 3], spin: &[f64; 3]) -> [f64; 3] {
+    let (theta, spin) = (nalgebra::Vector3::from(*theta), nalgebra::Vector3::from(*spin));
+    let angle = theta.norm();
+    let factor = if angle < 1e-3 {
+        1.0 / 12.0 + angle * angle / 720.0
+    } else {
+        (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
+    };
+    let once = theta.cross(&spin);
+    (spin + 0.5 * once + factor * theta.cross(&once)).into()
+}
