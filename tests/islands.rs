@@ -395,7 +395,8 @@ fn the_first_failure_ends_the_run_there_whatever_the_number_of_threads() {
         })
         .into();
     println!("{}, {} samples", ends[0].2, ends[0].3);
-    assert_eq!(ends[0], ends[1]);
+    // What grew beyond all bounds is not a number, and equal to nothing but in print.
+    assert_eq!(format!("{:?}", ends[0]), format!("{:?}", ends[1]));
     assert!(ends[0].0.time < 20.0 && ends[0].3 > 0);
 }
 

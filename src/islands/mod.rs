@@ -32,8 +32,6 @@ use whole::Whole;
 
 /// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
 const WINDOW: f64 = 0.02;
-/// The first window is this part of the run.
-const FIRST_WINDOW: f64 = 1.0 / 1024.0;
 /// Where nobody wants samples the run is sampled so often all the same, so that one that fails has a last state.
 const CHECKPOINTS: f64 = 16.0;
 
@@ -213,10 +211,11 @@ impl Islands {
             return whole.show_rest(mechanism, options, observers);
         }
         whole.take(mechanism, &mut awake, observers)?;
-        let mut window = FIRST_WINDOW * options.duration;
-        let mut took = 0.0;
+        // At first one step each: nobody knows yet how long that takes.
+        let (mut window, mut took) = (0.0_f64, 0.0);
         while frontier(&awake) < whole.end {
-            let horizon = frontier(&awake) + window;
+            let begin = frontier(&awake);
+            let horizon = (begin + window).max(begin.next_up());
             let clock = Instant::now();
             let threads = self.threads.for_work_of(took);
             // The largest first, so that none of them is left for the end.
@@ -231,7 +230,7 @@ impl Islands {
                     error => error,
                 });
             }
-            window *= if took < 0.5 * WINDOW { 2.0 } else { (WINDOW / took).max(0.25) };
+            window = window.max(frontier(&awake) - begin) * (WINDOW / took).clamp(0.25, 4.0);
         }
         Ok(())
     }
