@@ -9,7 +9,7 @@
 pub type Color = (u8, u8, u8);
 
 const BLACK: Color = (0, 0, 0);
-const ORANGE: Color = (230, 159, 0);
+pub(crate) const ORANGE: Color = (230, 159, 0);
 pub(crate) const SKY_BLUE: Color = (86, 180, 233);
 const GREEN: Color = (0, 158, 115);
 pub(crate) const BLUE: Color = (0, 114, 178);

@@ -11,10 +11,7 @@ use catena::stress::{Map, Problem, StressError, ThinnedProblem, report};
 use clap::Args;
 use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Set by the first Ctrl-C; the map ends after the steps it is in.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+use std::sync::atomic::Ordering;
 
 /// The options of `catena stress`.
 #[derive(Args, Debug)]
@@ -50,7 +47,8 @@ pub fn run(arguments: &StressArgs) -> Result<(), Failure> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))
         .map_err(Failure::input)?;
-    super::watch_for_interrupts(&INTERRUPTED).map_err(Failure::run)?;
+    // Set by the first Ctrl-C; the map ends after the steps it is in.
+    let interrupted = super::watch_for_signals().map_err(Failure::run)?;
 
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let count = problems.len();
@@ -59,7 +57,7 @@ pub fn run(arguments: &StressArgs) -> Result<(), Failure> {
     for (number, problem) in problems.into_iter().enumerate() {
         bar.set_message(problem.problem.title);
         let told = |fraction: f64| bar.set_position((1000.0 * (number as f64 + fraction)) as u64);
-        match Map::run(problem, threads, &INTERRUPTED, &told) {
+        match Map::run(problem, threads, &interrupted, &told) {
             Ok(map) => maps.push(map),
             Err(StressError::Interrupted) => break,
             Err(error) => return Err(Failure::run(error)),
@@ -70,7 +68,7 @@ pub fn run(arguments: &StressArgs) -> Result<(), Failure> {
     if !arguments.quiet && !maps.is_empty() {
         print(summary(&maps))?;
     }
-    if INTERRUPTED.load(Ordering::Relaxed) {
+    if interrupted.load(Ordering::Relaxed) {
         return Err(Failure::interrupted(anyhow!("interrupted; {} of {count} problems are drawn", maps.len())));
     }
     Ok(())

@@ -38,7 +38,9 @@ const ENTRIES: usize = 13;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BaumgarteError {
     /// Equations that the others imply.
-    #[error("at t = {time} s the equations of the constraints depend on each other, and the multipliers are not determined")]
+    #[error(
+        "at t = {time} s the equations of the constraints depend on each other, and the multipliers are not determined"
+    )]
     Singular { time: f64 },
     /// The motion has gone to infinity.
     #[error("at t = {time} s the motion of body {body:?} is not finite")]
@@ -75,8 +77,7 @@ impl<'m> Baumgarte<'m> {
         {
             return Err("it has no joint coordinates, which forces in joints and mimic relations need");
         }
-        let constraints: Vec<LoopJoint> =
-            tree_constraints(mechanism).chain(mechanism.loops.iter().cloned()).collect();
+        let constraints: Vec<LoopJoint> = tree_constraints(mechanism).chain(mechanism.loops.iter().cloned()).collect();
         let rows = constraints.iter().map(|joint| joint.kind.rows()).sum();
         let mut y = DVector::zeros(ENTRIES * mechanism.bodies.len() + 2);
         for (index, body) in body_states(mechanism, start).iter().enumerate() {
@@ -117,11 +118,8 @@ impl<'m> Baumgarte<'m> {
     pub fn advance(&mut self, until: f64) -> Result<(), BaumgarteError> {
         let remaining = until - self.time;
         // A rest that is longer than the step by rounding only is taken whole.
-        let (h, time) = if remaining <= self.step * 1.000_000_1 {
-            (remaining, until)
-        } else {
-            (self.step, self.time + self.step)
-        };
+        let (h, time) =
+            if remaining <= self.step * 1.000_000_1 { (remaining, until) } else { (self.step, self.time + self.step) };
         let k1 = self.derivative(&self.y)?;
         let k2 = self.derivative(&(&self.y + &k1 * (0.5 * h)))?;
         let k3 = self.derivative(&(&self.y + &k2 * (0.5 * h)))?;
@@ -207,8 +205,7 @@ impl<'m> Baumgarte<'m> {
             // With the bodies not accelerated the second derivative is Ġ v.
             let (bias, _) = loop_gap_accelerations(joint, bodies, &still);
             for row in 0..gaps.count {
-                right[first + row] =
-                    -bias[row] - 2.0 * alpha * gaps.velocity[row] - alpha * alpha * gaps.position[row];
+                right[first + row] = -bias[row] - 2.0 * alpha * gaps.velocity[row] - alpha * alpha * gaps.position[row];
             }
             for body in [joint.a.body, joint.b.body].into_iter().flatten() {
                 // ġ is linear in the velocities: a unit velocity gives a column.

@@ -1,12 +1,13 @@
 //! One cell of a map: one run, and what became of it.
 //!
 //! With the error `e` of the watched bodies at the end, the size `L` of the mechanism [m] and the energy error `ε`, the change of all energy
-//! (less what was put in, plus what was dissipated) over the largest kinetic energy of the right motion:
+//! (less what was put in, plus what was dissipated) over the largest kinetic energy of the right motion (of the end, where that is not known):
 //!
 //! ```text
 //!     accurate    e ≤ max(10⁻⁶ L, 3 × the doubt of the answer)
 //!     usable      e ≤ 10⁻² L
-//!     wrong       more, or an end where there is none
+//!     warned      more, but the run says that it was beyond its limit of stability
+//!     wrong       more, without a word, or an end where there is none
 //! ```
 //!
 //! Where there is no answer because motions that start together part (no two runs agree), the energy says what it can: accurate at
@@ -30,9 +31,9 @@ pub const USABLE: f64 = 1e-2;
 pub const GARBAGE: f64 = 0.5;
 
 /// Rough work after which a run is too slow (s); the same steps on every machine.
-pub const BUDGET: f64 = 0.5;
+pub const BUDGET: f64 = 0.2;
 /// CPU time after which it is too slow whatever it has done (s).
-const PATIENCE: f64 = 10.0;
+const PATIENCE: f64 = 3.0;
 
 /// What became of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -41,6 +42,8 @@ pub enum Verdict {
     Accurate,
     /// It came near the right end.
     Usable,
+    /// It came to a wrong end with a warning.
+    Warned,
     /// It came to a wrong end and said nothing.
     Wrong,
     /// It ended with an error.
@@ -53,20 +56,15 @@ pub enum Verdict {
 
 impl Verdict {
     /// All of them, best first, in the order of the legend.
-    pub const ALL: [Verdict; 6] = [
-        Verdict::Accurate,
-        Verdict::Usable,
-        Verdict::Wrong,
-        Verdict::Failed,
-        Verdict::TooSlow,
-        Verdict::NotApplicable,
-    ];
+    pub const ALL: [Verdict; 6] =
+        [Verdict::Accurate, Verdict::Usable, Verdict::Wrong, Verdict::Failed, Verdict::TooSlow, Verdict::NotApplicable];
 
     /// The word for it.
     pub fn word(self) -> &'static str {
         match self {
             Verdict::Accurate => "accurate",
             Verdict::Usable => "usable",
+            Verdict::Warned => "warned",
             Verdict::Wrong => "wrong",
             Verdict::Failed => "failed",
             Verdict::TooSlow => "too slow",
@@ -124,7 +122,7 @@ impl Cell {
     /// energy is none.
     pub fn is_silent_garbage(&self) -> bool {
         let meaningless = !self.energy_error.is_finite() || self.energy_error > GARBAGE;
-        self.ended == Ended::Survived && self.verdict == Verdict::Wrong && meaningless && self.warning.is_none()
+        self.ended == Ended::Survived && self.verdict == Verdict::Wrong && meaningless
     }
 
     /// Makes the run; `None` if interrupted.
@@ -187,7 +185,7 @@ impl Cell {
                 return None;
             }
             // Looking at the clock costs as much as a small step.
-            if spent > BUDGET || (steps.is_multiple_of(64) && clock.elapsed().as_secs_f64() > PATIENCE) {
+            if spent > BUDGET || (steps.is_multiple_of(16) && clock.elapsed().as_secs_f64() > PATIENCE) {
                 if runner.time() < end {
                     self.ended = Ended::TimedOut { time: runner.time() };
                 }
@@ -197,7 +195,8 @@ impl Cell {
         self.warning = runner.warning();
         if self.ended == Ended::Survived {
             let last = runner.energy();
-            let scale = answer.kinetic.max(first.0).max(f64::MIN_POSITIVE);
+            let moving = if answer.kinetic > 0.0 { answer.kinetic } else { last.0 };
+            let scale = moving.max(first.0).max(f64::MIN_POSITIVE);
             self.energy_error = (last.1 - first.1).abs() / scale;
             let found = watched_probes(&case.mechanism, &runner, case.watched);
             self.end_error = answer.probes.as_ref().map_or(f64::NAN, |probes| distance(probes, &found));
@@ -222,6 +221,8 @@ impl Cell {
             Verdict::Accurate
         } else if error <= USABLE {
             Verdict::Usable
+        } else if self.warning.is_some() {
+            Verdict::Warned
         } else {
             Verdict::Wrong
         }

@@ -17,7 +17,7 @@ pub fn page(maps: &[Map], pictures: &[String], machine: &str) -> String {
          <title>catena: where which method fails</title>\n<style>{STYLE}</style></head>\n<body>\n\
          <h1>Where which method fails</h1>\n\
          <p>Every cell is a run to the end of a problem. Blue: it came to the right end, to 10⁻⁶ (dark) or 10⁻² (light) of the size of the \
-         mechanism. Red, crossed: it came to a wrong end and said nothing. Yellow, barred: it stopped with an error. Grey, dotted: it was \
+         mechanism. Red, crossed: it came to a wrong end and said nothing; orange, upright: it warned that the steps were beyond its limit of stability. Yellow, barred: it stopped with an error. Grey, dotted: it was \
          cut after work of about {BUDGET} s of CPU time. White: the method does not know such mechanisms. Right answers are runs with 9 \
          stages to rounding, two of which agree. catena {} on {}.</p>\n",
         env!("CARGO_PKG_VERSION"),

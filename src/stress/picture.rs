@@ -6,7 +6,7 @@ use super::cell::Verdict;
 use super::map::Map;
 use super::method::Method;
 use crate::chart::canvas::{Drawn, INK, QUIET, png_of, svg_of, text, text_at};
-use crate::chart::style::{self, BLUE, SKY_BLUE, VERMILLION, YELLOW};
+use crate::chart::style::{self, BLUE, ORANGE, SKY_BLUE, VERMILLION, YELLOW};
 use crate::chart::{ChartError, Setting};
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -25,10 +25,7 @@ const BELOW: i32 = 74;
 fn size() -> (i32, i32) {
     let rows = Method::ALL.len().div_ceil(COLUMNS) as i32;
     let columns = COLUMNS as i32;
-    (
-        LEFT + columns * PANEL.0 + (columns - 1) * GAP.0 + RIGHT,
-        TOP + rows * PANEL.1 + (rows - 1) * GAP.1 + BELOW + 36,
-    )
+    (LEFT + columns * PANEL.0 + (columns - 1) * GAP.0 + RIGHT, TOP + rows * PANEL.1 + (rows - 1) * GAP.1 + BELOW + 36)
 }
 
 /// The picture as SVG.
@@ -68,7 +65,7 @@ fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, map: &Map) -> Drawn<D
         .map(|(_, &place)| problem.difficulties[place])
         .collect();
     if !judged.is_empty() {
-        let note = format!("no reference, because the motion amplifies every error: judged by the energy alone: {}", judged.join(", "));
+        let note = format!("no two reference runs agree, so judged by the energy alone: {}", judged.join(", "));
         text(area, &note, (24, height - 36), 16, HPos::Left, QUIET)?;
     }
     Ok(())
@@ -127,6 +124,7 @@ fn fill(verdict: Verdict) -> style::Color {
     match verdict {
         Verdict::Accurate => BLUE,
         Verdict::Usable => SKY_BLUE,
+        Verdict::Warned => ORANGE,
         Verdict::Wrong => VERMILLION,
         Verdict::Failed => YELLOW,
         Verdict::TooSlow => (200, 200, 200),
@@ -134,7 +132,7 @@ fn fill(verdict: Verdict) -> style::Color {
     }
 }
 
-/// A cell with its mark: a cross where wrong, a bar where failed, dots where too slow, a thin stroke where not applicable.
+/// A cell with its mark: a cross where wrong, an upright where warned of, a bar where failed, dots where too slow, a thin stroke where not applicable.
 fn swatch<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     [(left, top), (right, bottom)]: [(i32, i32); 2],
@@ -153,6 +151,7 @@ fn swatch<DB: DrawingBackend>(
             area.draw(&line((-arm, -arm), (arm, arm), BLACK, 2))?;
             area.draw(&line((-arm, arm), (arm, -arm), BLACK, 2))?;
         }
+        Verdict::Warned => area.draw(&line((0, -arm), (0, arm), BLACK, 2))?,
         Verdict::Failed => area.draw(&line((-arm, 0), (arm, 0), BLACK, 2))?,
         Verdict::TooSlow => area.draw(&Circle::new((x, y), (arm / 3).max(1), BLACK.filled()))?,
         Verdict::NotApplicable => area.draw(&line((-arm, arm), (arm, -arm), RGBColor(200, 200, 200), 1))?,
@@ -164,6 +163,7 @@ fn legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, top: i32) -> Drawn<
     let words = [
         "accurate: 10⁻⁶ of the size",
         "usable: 10⁻²",
+        "wrong, with a warning",
         "wrong, silently",
         "stopped with an error",
         "too slow",
@@ -174,7 +174,7 @@ fn legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, top: i32) -> Drawn<
         swatch(area, [(left, top), (left + 26, top + 18)], verdict)?;
         area.draw(&Rectangle::new([(left, top), (left + 26, top + 18)], QUIET.stroke_width(1)))?;
         text(area, words, (left + 34, top), 17, HPos::Left, INK)?;
-        left += 34 + words.chars().count() as i32 * 9 + 26;
+        left += 34 + words.chars().count() as i32 * 9 + 10;
     }
     Ok(())
 }

@@ -60,7 +60,9 @@ impl<'m> Runner<'m> {
                 let work = Work::Maximal { integrator: Box::new(integrator), position: start.position.clone() };
                 return Ok(Runner { mechanism, work, unit });
             }
-            (Method::Baumgarte, Setting::Tolerance(_)) => return Err(Refused::NotApplicable("it has fixed steps only")),
+            (Method::Baumgarte, Setting::Tolerance(_)) => {
+                return Err(Refused::NotApplicable("it has fixed steps only"));
+            }
         };
         if !method.is_ours() && mechanism.has_closures() {
             return Err(Refused::NotApplicable("joint coordinates of a tree know no closed loops"));
@@ -71,9 +73,10 @@ impl<'m> Runner<'m> {
         let Some(integrator) = method.integrator(mechanism, setting) else {
             return Err(Refused::NotApplicable("the method does not know such a setting"));
         };
-        // An iteration or evaluation, for each body.
+        // An iteration or evaluation. With forces or loops the stages are coupled, which costs ten times as much.
         let equations: usize = mechanism.loops.iter().map(|joint| joint.kind.rows()).sum();
-        let unit = bodies * if mechanism.forces.is_empty() { 1.5e-7 } else { 4e-7 } + 2e-6 * equations as f64;
+        let coupled = method.is_ours() && !mechanism.is_plain_tree();
+        let unit = 1e-6 + if coupled { 4e-6 * (bodies + equations as f64) } else { 2.5e-7 * bodies };
         Ok(Runner { mechanism, work: Work::Joint { integrator, state, lost: Exchange::default() }, unit })
     }
 

@@ -52,7 +52,11 @@ fn gimbals() -> Result<Mechanism, MechanismError> {
     );
     let top =
         Body { name: "top".to_string(), parent: Some(1), mass: MASS, inertia: box_inertia(MASS, SIZE), joint: spin };
-    Mechanism::new("gimbals", GRAVITY, vec![ring("outer", None, Vector3::z()), ring("middle", Some(0), Vector3::x()), top])
+    Mechanism::new(
+        "gimbals",
+        GRAVITY,
+        vec![ring("outer", None, Vector3::z()), ring("middle", Some(0), Vector3::x()), top],
+    )
 }
 
 fn build(place: usize) -> Result<Case, MechanismError> {

@@ -17,7 +17,18 @@ pub fn problem() -> Problem {
         scene: "Four links along x, every second hinge twists a link about its own axis. No body has a moment that is larger than \
                 the sum of the two others (3 and more); with none at all nothing says how the link twists, and there is no answer.",
         axis: "moment about own axis / others",
-        difficulties: vec!["1", "10⁻²", "10⁻⁴", "10⁻⁶", "10⁻⁸", "10⁻¹²", "3 (no body)", "10 (no body)", "100 (no body)", "0 (no answer)"],
+        difficulties: vec![
+            "1",
+            "10⁻²",
+            "10⁻⁴",
+            "10⁻⁶",
+            "10⁻⁸",
+            "10⁻¹²",
+            "3 (no body)",
+            "10 (no body)",
+            "100 (no body)",
+            "0 (no answer)",
+        ],
         steps: steps(0.1, 2e-4, 9),
         build,
     }

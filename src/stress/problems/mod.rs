@@ -42,8 +42,12 @@ fn chain(count: usize, length: f64, width: f64, mass: f64, along: Vector3<f64>, 
         .map(|index| {
             let axis = axes[index % 2];
             let on_parent = if index == 0 { Vector3::zeros() } else { half };
-            let joint =
-                Joint::new(&format!("joint{}", index + 1), JointKind::Revolute, frame(on_parent, axis), frame(-half, axis));
+            let joint = Joint::new(
+                &format!("joint{}", index + 1),
+                JointKind::Revolute,
+                frame(on_parent, axis),
+                frame(-half, axis),
+            );
             Body {
                 name: format!("link{}", index + 1),
                 parent: index.checked_sub(1),

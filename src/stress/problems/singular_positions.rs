@@ -23,8 +23,8 @@ pub fn problem() -> Problem {
 
 fn build(place: usize) -> Result<Case, MechanismError> {
     let (mechanism, start) = match COUNTS[place] {
-        0 => bricard(),
-        count => four_bars(count),
+        0 => bricard()?,
+        count => four_bars(count)?,
     };
     Ok(Case::new(mechanism, start, 2.0))
 }
