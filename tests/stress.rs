@@ -163,6 +163,15 @@ fn maps_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
+fn every_cell_is_counted_under_one_verdict() {
+    for map in reduced() {
+        let counted: usize =
+            Method::ALL.into_iter().flat_map(|method| Verdict::ALL.map(|verdict| map.count(method, verdict))).sum();
+        assert_eq!(counted, map.cells.len(), "{}", map.thinned.problem.name);
+    }
+}
+
+#[test]
 fn an_interrupted_map_is_none() {
     let thinned = problem("long_time").thinned(1, 1);
     assert!(Map::run(thinned, 2, &AtomicBool::new(true), &|_| ()).is_err());

@@ -56,8 +56,15 @@ pub enum Verdict {
 
 impl Verdict {
     /// All of them, best first, in the order of the legend.
-    pub const ALL: [Verdict; 6] =
-        [Verdict::Accurate, Verdict::Usable, Verdict::Wrong, Verdict::Failed, Verdict::TooSlow, Verdict::NotApplicable];
+    pub const ALL: [Verdict; 7] = [
+        Verdict::Accurate,
+        Verdict::Usable,
+        Verdict::Warned,
+        Verdict::Wrong,
+        Verdict::Failed,
+        Verdict::TooSlow,
+        Verdict::NotApplicable,
+    ];
 
     /// The word for it.
     pub fn word(self) -> &'static str {
@@ -67,6 +74,19 @@ impl Verdict {
             Verdict::Warned => "warned",
             Verdict::Wrong => "wrong",
             Verdict::Failed => "failed",
+            Verdict::TooSlow => "too slow",
+            Verdict::NotApplicable => "not applicable",
+        }
+    }
+
+    /// The words for it in the legend.
+    pub fn legend(self) -> &'static str {
+        match self {
+            Verdict::Accurate => "accurate: 10⁻⁶ of the size",
+            Verdict::Usable => "usable: 10⁻²",
+            Verdict::Warned => "wrong, with a warning",
+            Verdict::Wrong => "wrong, silently",
+            Verdict::Failed => "stopped with an error",
             Verdict::TooSlow => "too slow",
             Verdict::NotApplicable => "not applicable",
         }

@@ -160,21 +160,13 @@ fn swatch<DB: DrawingBackend>(
 }
 
 fn legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, top: i32) -> Drawn<DB> {
-    let words = [
-        "accurate: 10⁻⁶ of the size",
-        "usable: 10⁻²",
-        "wrong, with a warning",
-        "wrong, silently",
-        "stopped with an error",
-        "too slow",
-        "not applicable",
-    ];
     let mut left = 24;
-    for (verdict, words) in Verdict::ALL.into_iter().zip(words) {
+    for verdict in Verdict::ALL {
+        let words = verdict.legend();
         swatch(area, [(left, top), (left + 26, top + 18)], verdict)?;
         area.draw(&Rectangle::new([(left, top), (left + 26, top + 18)], QUIET.stroke_width(1)))?;
         text(area, words, (left + 34, top), 17, HPos::Left, INK)?;
-        left += 34 + words.chars().count() as i32 * 9 + 10;
+        left += 34 + words.chars().count() as i32 * 8 + 18;
     }
     Ok(())
 }
