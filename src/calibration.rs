@@ -13,7 +13,7 @@
 //! mechanism's size have parted and say nothing; the next pair is 10⁴ times finer. If the finest pair cannot hold the
 //! accuracy to the end, the calibration says until when it is held.
 
-use crate::distance::{distance, probes};
+use crate::distance::{distance, probes, size};
 use crate::lobatto::Lobatto;
 use crate::model::Mechanism;
 use crate::simulation::{Integrator, StepError};
@@ -133,11 +133,4 @@ impl<'m> Pilot<'m> {
         }
         Ok(probes(self.mechanism, &self.state))
     }
-}
-
-/// The largest distance between any body's probe and the mean of all probes at the start, at least 1 mm [m].
-fn size(mechanism: &Mechanism, state: &State) -> f64 {
-    let probes = probes(mechanism, state);
-    let mean: Vector3<f64> = probes.iter().sum::<Vector3<f64>>() / probes.len().max(1) as f64;
-    probes.iter().map(|probe| (probe - mean).norm()).fold(1e-3, f64::max)
 }

@@ -12,7 +12,7 @@
 
 use crate::kinematics::body_states;
 use crate::model::Mechanism;
-use crate::state::State;
+use crate::state::{BodyState, State};
 use nalgebra::Vector3;
 
 /// Probes of one body.
@@ -20,8 +20,13 @@ pub const PROBES: usize = 4;
 
 /// The probes of all bodies, in the world (m), [`PROBES`] to a body.
 pub fn probes(mechanism: &Mechanism, state: &State) -> Vec<Vector3<f64>> {
+    probes_of_bodies(mechanism, &body_states(mechanism, state))
+}
+
+/// The probes of bodies wherever they are, whether their joints hold or not (m).
+pub fn probes_of_bodies(mechanism: &Mechanism, bodies: &[BodyState]) -> Vec<Vector3<f64>> {
     let mut probes = Vec::with_capacity(PROBES * mechanism.bodies.len());
-    for (body, pose) in mechanism.bodies.iter().zip(body_states(mechanism, state)) {
+    for (body, pose) in mechanism.bodies.iter().zip(bodies) {
         // A body without mass has no size that would matter.
         let radius = if body.mass > 0.0 { (0.5 * body.inertia.sum() / body.mass).sqrt() } else { 0.0 };
         probes.push(pose.position);
@@ -43,4 +48,11 @@ pub fn mean(answers: &[Vec<Vector3<f64>>]) -> Vec<Vector3<f64>> {
     let share = 1.0 / answers.len() as f64;
     let deviation = |probe: usize| others.iter().map(|other| other[probe] - first[probe]).sum::<Vector3<f64>>();
     first.iter().enumerate().map(|(probe, point)| point + share * deviation(probe)).collect()
+}
+
+/// The largest distance between any body's probe and the mean of all probes, at least 1 mm [m].
+pub fn size(mechanism: &Mechanism, state: &State) -> f64 {
+    let probes = probes(mechanism, state);
+    let mean: Vector3<f64> = probes.iter().sum::<Vector3<f64>>() / probes.len().max(1) as f64;
+    probes.iter().map(|probe| (probe - mean).norm()).fold(1e-3, f64::max)
 }

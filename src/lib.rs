@@ -3,7 +3,7 @@
 //! Data flows one way, and nothing below imports anything to its right:
 //!
 //! ```text
-//!     URDF, scene file → scene → model (reduce) → mechanism → integrator → simulation → log | report | chart
+//!     URDF, scene file → scene → model (reduce) → mechanism → integrator → simulation → log | report | chart, stress
 //!                                                     └→ reduced (joint coordinates: the comparator and a test oracle)
 //! ```
 //!
@@ -23,6 +23,7 @@
 //! | independent mechanisms, each with its own steps, and those that rest | [`islands`], [`rest`] |
 //! | logs, looked at | [`inspection`] |
 //! | speed against accuracy, drawn | [`chart`] |
+//! | where which method fails, drawn | [`stress`] |
 
 pub mod calibration;
 pub mod chart;
@@ -43,3 +44,4 @@ pub mod rest;
 pub mod scene;
 pub mod simulation;
 pub mod state;
+pub mod stress;

@@ -11,6 +11,7 @@
 //!                                    └→ table (CSV) ← measurements of others ────┘
 //! ```
 
+pub(crate) mod canvas;
 pub mod comma_separated;
 pub mod energy;
 mod error;
@@ -18,7 +19,7 @@ pub mod files;
 pub mod ladder;
 pub mod measure;
 pub mod method;
-mod page;
+pub(crate) mod page;
 pub mod picture;
 pub mod ratio;
 pub mod reference;

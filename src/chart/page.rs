@@ -7,7 +7,7 @@ use super::report::{Report, seconds, trust, words};
 use super::table::Measurement;
 use std::fmt::Write;
 
-const STYLE: &str = "
+pub(crate) const STYLE: &str = "
 body { font: 16px/1.5 sans-serif; color: #1e1e1e; max-width: 1320px; margin: 2em auto; padding: 0 1em; }
 h1, h2 { font-weight: 600; line-height: 1.2; } h2 { margin-top: 2.5em; }
 svg { width: 100%; height: auto; }
@@ -71,10 +71,7 @@ fn ratios(html: &mut String, report: &Report) {
 fn scene(html: &mut String, chart: &SceneChart, pictures: &[String], foreign: &[Measurement]) {
     let _ = writeln!(html, "<h2>{}</h2>\n<p>{}.</p>", escape(&chart.name), escape(&trust(chart)));
     for picture in pictures {
-        // A declaration in front of the element belongs to a file of its own only.
-        let start = picture.find("<svg").unwrap_or(0);
-        let fitted = picture[start..].replacen("<svg width=\"1280\" height=\"800\"", "<svg", 1);
-        let _ = writeln!(html, "{fitted}");
+        let _ = writeln!(html, "{}", inline(picture));
     }
     let _ = write!(
         html,
@@ -111,6 +108,18 @@ fn scene(html: &mut String, chart: &SceneChart, pictures: &[String], foreign: &[
     *html += "</tbody>\n</table></details>\n";
 }
 
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// The text of an SVG file as an element of a page, as wide as the page.
+pub(crate) fn inline(picture: &str) -> String {
+    // A declaration in front of the element belongs to a file of its own only, and so does its size.
+    let start = picture.find("<svg").unwrap_or(0);
+    let element = &picture[start..];
+    let sized = element.strip_prefix("<svg width=\"").and_then(|rest| rest.split_once("height=\""));
+    match sized.and_then(|(_, rest)| rest.split_once('"')) {
+        Some((_, rest)) => format!("<svg{rest}"),
+        None => element.to_string(),
+    }
 }

@@ -2,16 +2,15 @@
 //!
 //! Axes are mapped to pixels here, logarithms included, so that every decade down to 1e-17 is where it belongs.
 
+use super::canvas::{Drawn, INK, QUIET, png_of, svg_of, text, text_at};
 use super::error::ChartError;
 use super::picture::{Figure, Picture, Scale, Series};
 use super::style::{Dash, Look, Marker};
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontTransform, register_font};
+use plotters::style::text_anchor::{HPos, VPos};
 use std::path::Path;
-use std::sync::OnceLock;
 
 /// Smallest size of the picture in pixels; a long legend makes it larger.
 const SIZE: (i32, i32) = (1280, 800);
@@ -24,12 +23,8 @@ const BELOW: i32 = 84;
 /// Left edge of the legend.
 const LEGEND: i32 = 976;
 
-const INK: RGBColor = RGBColor(30, 30, 30);
 const GRID: RGBColor = RGBColor(210, 210, 210);
 const FINE_GRID: RGBColor = RGBColor(240, 240, 240);
-
-/// DejaVu Sans, under the licence beside it; without a font of our own a PNG would depend on what is installed.
-static FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
 
 /// Size of a picture and of its data area, in pixels.
 #[derive(Clone, Copy)]
@@ -69,8 +64,8 @@ impl Page {
         }
     }
 
-    fn size(self) -> (u32, u32) {
-        (self.width.unsigned_abs(), self.height.unsigned_abs())
+    fn size(self) -> (i32, i32) {
+        (self.width, self.height)
     }
 
     fn at_x(self, fraction: f64) -> i32 {
@@ -87,47 +82,29 @@ impl Page {
     }
 }
 
-type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
-
 /// The picture as SVG.
 pub fn svg(picture: &Picture) -> Result<String, ChartError> {
-    prepare(&picture.title)?;
     let page = Page::new(picture);
-    let mut text = String::new();
-    {
-        let area = SVGBackend::with_string(&mut text, page.size()).into_drawing_area();
-        draw(&area, page, picture).and_then(|()| area.present()).map_err(|error| failed(&picture.title, &error))?;
-    }
-    Ok(text)
+    svg_of(&picture.title, page.size(), |area| draw(area, page, picture))
 }
 
 /// The picture as a PNG file.
 pub fn png(picture: &Picture, path: &Path) -> Result<(), ChartError> {
-    prepare(&picture.title)?;
     let page = Page::new(picture);
-    let area = BitMapBackend::new(path, page.size()).into_drawing_area();
-    draw(&area, page, picture).and_then(|()| area.present()).map_err(|error| failed(&picture.title, &error))
+    png_of(&picture.title, page.size(), path, |area| draw(area, page, picture))
 }
 
 /// Several pictures one below the other, as SVG.
 pub fn stacked_svg(figure: &Figure) -> Result<String, ChartError> {
-    prepare(&figure.title)?;
-    let mut text = String::new();
-    {
-        let area = SVGBackend::with_string(&mut text, stacked_size(figure)).into_drawing_area();
-        draw_stack(&area, figure).and_then(|()| area.present()).map_err(|error| failed(&figure.title, &error))?;
-    }
-    Ok(text)
+    svg_of(&figure.title, stacked_size(figure), |area| draw_stack(area, figure))
 }
 
 /// Several pictures one below the other, as a PNG file.
 pub fn stacked_png(figure: &Figure, path: &Path) -> Result<(), ChartError> {
-    prepare(&figure.title)?;
-    let area = BitMapBackend::new(path, stacked_size(figure)).into_drawing_area();
-    draw_stack(&area, figure).and_then(|()| area.present()).map_err(|error| failed(&figure.title, &error))
+    png_of(&figure.title, stacked_size(figure), path, |area| draw_stack(area, figure))
 }
 
-fn stacked_size(figure: &Figure) -> (u32, u32) {
+fn stacked_size(figure: &Figure) -> (i32, i32) {
     let others = figure.pictures.len().saturating_sub(1) as i32;
     let page = Page { height: HEADLINE + STACKED.height * others + LAST_HEIGHT, ..STACKED };
     page.size()
@@ -136,7 +113,7 @@ fn stacked_size(figure: &Figure) -> (u32, u32) {
 fn draw_stack<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, figure: &Figure) -> Drawn<DB> {
     area.fill(&WHITE)?;
     text(area, &figure.title, (LEFT, 16), 28, HPos::Left, INK)?;
-    text(area, &figure.subtitle, (LEFT, 54), 18, HPos::Left, RGBColor(90, 90, 90))?;
+    text(area, &figure.subtitle, (LEFT, 54), 18, HPos::Left, QUIET)?;
     let (_, mut rest) = area.split_vertically(HEADLINE);
     for (index, picture) in figure.pictures.iter().enumerate() {
         let is_last = index + 1 == figure.pictures.len();
@@ -145,17 +122,6 @@ fn draw_stack<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, figure: &Figure
         rest = below;
     }
     Ok(())
-}
-
-fn failed(what: &str, reason: &dyn std::fmt::Display) -> ChartError {
-    ChartError::Draw { what: what.to_string(), reason: reason.to_string() }
-}
-
-/// Makes the font known, once.
-fn prepare(what: &str) -> Result<(), ChartError> {
-    static KNOWN: OnceLock<bool> = OnceLock::new();
-    let known = *KNOWN.get_or_init(|| register_font("sans-serif", FontStyle::Normal, FONT).is_ok());
-    if known { Ok(()) } else { Err(failed(what, &"the built-in font cannot be read")) }
 }
 
 /// An axis with its range and ticks settled.
@@ -229,7 +195,7 @@ fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, picture: 
         text(area, &picture.title, (LEFT, page.top - 28), page.letters + 2, HPos::Left, INK)?;
     } else {
         text(area, &picture.title, (LEFT, 20), 28, HPos::Left, INK)?;
-        text(area, &picture.subtitle, (LEFT, 58), 18, HPos::Left, RGBColor(90, 90, 90))?;
+        text(area, &picture.subtitle, (LEFT, 58), 18, HPos::Left, QUIET)?;
     }
     // Ours are drawn last, on top.
     for series in picture.panels.iter().rev().flat_map(|panel| panel.series.iter()) {
@@ -257,13 +223,10 @@ fn draw_axes<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, x: &
     for (tick, label) in &y.ticks {
         let at = page.at_y(y.tick_fraction(*tick));
         area.draw(&PathElement::new(vec![(LEFT - 6, at), (LEFT, at)], INK))?;
-        let style = ("sans-serif", letters).into_font().color(&INK).pos(Pos::new(HPos::Right, VPos::Center));
-        area.draw(&Text::new(label.clone(), (LEFT - 11, at), style))?;
+        text_at(area, label, (LEFT - 11, at), letters, (HPos::Right, VPos::Center), false)?;
     }
     text(area, &x.label, ((LEFT + right) / 2, bottom + letters + 24), letters + 2, HPos::Center, INK)?;
-    let upright = ("sans-serif", letters + 2).into_font().transform(FontTransform::Rotate270).color(&INK);
-    let upright = upright.pos(Pos::new(HPos::Center, VPos::Top));
-    area.draw(&Text::new(y.label.clone(), (16, (top + bottom) / 2), upright))
+    text_at(area, &y.label, (16, (top + bottom) / 2), letters + 2, (HPos::Center, VPos::Top), true)
 }
 
 fn draw_series<DB: DrawingBackend>(
@@ -370,15 +333,14 @@ fn draw_legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, pi
     let mut y = page.top;
     for panel in picture.panels.iter().filter(|panel| !panel.series.is_empty()) {
         if !panel.heading.is_empty() {
-            text(area, &panel.heading, (legend, y), letters, HPos::Left, RGBColor(90, 90, 90))?;
+            text(area, &panel.heading, (legend, y), letters, HPos::Left, QUIET)?;
             y += HEADING;
         }
         for series in &panel.series {
             let middle = y + letters / 2 - 7;
             draw_line(area, &[(legend, middle), (legend + 44, middle)], &series.look)?;
             draw_marker(area, (legend + 22, middle), &series.look)?;
-            let style = ("sans-serif", letters).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
-            area.draw(&Text::new(series.label.clone(), (legend + WORDS, middle), style))?;
+            text_at(area, &series.label, (legend + WORDS, middle), letters, (HPos::Left, VPos::Center), false)?;
             y += CURVE - 18 + letters;
         }
         y += SPACE;
@@ -398,18 +360,6 @@ fn draw_legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, pi
         y += NOTE - 18 + letters;
     }
     Ok(())
-}
-
-fn text<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
-    words: &str,
-    place: (i32, i32),
-    size: i32,
-    anchor: HPos,
-    ink: RGBColor,
-) -> Drawn<DB> {
-    let style = ("sans-serif", size).into_font().color(&ink).pos(Pos::new(anchor, VPos::Top));
-    area.draw(&Text::new(words.to_string(), place, style))
 }
 
 fn grid_color(strong: bool) -> RGBColor {

@@ -186,7 +186,8 @@ fn foreign(files: &[PathBuf], scenes: &[Scene]) -> anyhow::Result<Vec<Measuremen
     Ok(all)
 }
 
-fn progress_bar(visible: bool, scenes: usize) -> ProgressBar {
+/// A bar for so many scenes, a thousand ticks each.
+pub fn progress_bar(visible: bool, scenes: usize) -> ProgressBar {
     let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let bar = ProgressBar::with_draw_target(Some(1000 * scenes as u64), target);
     if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} %  {elapsed}  {wide_msg}") {
@@ -196,7 +197,7 @@ fn progress_bar(visible: bool, scenes: usize) -> ProgressBar {
 }
 
 /// The processor's name, as far as the system tells it.
-fn processor() -> String {
+pub fn processor() -> String {
     let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = cpuinfo.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
     name.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())

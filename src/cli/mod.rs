@@ -21,6 +21,7 @@ mod recorded;
 mod replay;
 mod rules;
 mod simulate;
+mod stress;
 mod table;
 
 use anyhow::Context;
@@ -62,6 +63,8 @@ enum Verb {
     Replay(Box<replay::ReplayArgs>),
     /// Draw what accuracy costs: speed against accuracy, with the reduced-coordinate comparators
     Chart(Box<chart::ChartArgs>),
+    /// Draw where which method fails: step against difficulty, with the comparators
+    Stress(stress::StressArgs),
 }
 
 /// Why a verb did not do what it was asked for.
@@ -100,6 +103,7 @@ pub fn main() -> ExitCode {
         Verb::Inspect(arguments) => inspect::run(&arguments),
         Verb::Replay(arguments) => replay::run(&arguments),
         Verb::Chart(arguments) => chart::run(&arguments),
+        Verb::Stress(arguments) => stress::run(&arguments),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,

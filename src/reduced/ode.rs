@@ -187,8 +187,9 @@ impl ReducedOde {
     }
 }
 
-/// The name of the joint that owns entry `index` of y.
+/// The name of the joint that owns entry `index` of y; the last joint for the energies behind all joints.
 pub(super) fn joint_of_entry(mechanism: &Mechanism, index: usize) -> String {
+    let index = index.min((mechanism.position_count + mechanism.velocity_count).saturating_sub(1));
     let owns = |joint: &crate::model::Joint| match index.checked_sub(mechanism.position_count) {
         Some(velocity) => joint.velocity_range().contains(&velocity),
         None => joint.position_range().contains(&index),

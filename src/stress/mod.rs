@@ -1,0 +1,30 @@
+//! Stability maps: where which method survives, and whether what it then says is right.
+//!
+//! A [`Problem`] is a family of mechanisms that become harder ([`problems`]); each is run by every [`Method`] over a range of steps or
+//! tolerances ([`runner`]; [`baumgarte`] is the integrator of the textbooks), and every run is a [`Cell`] with a
+//! [`Verdict`] against a right answer ([`truth`]). No cell can hold up the others: its work is bounded, and a failure is a
+//! result like any other.
+//!
+//! ```text
+//!     Problem → Case ┬→ Answer ──────────┐
+//!                    └→ Runner (method) ─┴→ Cell → Map → picture (SVG, PNG), table (CSV), page (HTML)
+//! ```
+
+pub mod baumgarte;
+pub mod cell;
+pub mod map;
+pub mod method;
+mod page;
+mod picture;
+pub mod problem;
+pub mod problems;
+pub mod report;
+pub mod runner;
+pub mod table;
+pub mod truth;
+
+pub use cell::{Cell, Ended, Verdict};
+pub use map::{Map, StressError};
+pub use method::Method;
+pub use problem::{Case, Problem, ThinnedProblem};
+pub use truth::Answer;

@@ -1,0 +1,262 @@
+//! Claims about `catena stress`: what survives, that every failure says when and why, and the files it writes.
+//!
+//! A reduced map, a few cells of each problem; `catena stress` draws the whole.
+
+use catena::chart::{Method as ChartMethod, Setting};
+use catena::stress::cell::Cell;
+use catena::stress::problem::steps;
+use catena::stress::table::write_csv;
+use catena::stress::{Answer, Case, Ended, Map, Method, Problem, Verdict, report};
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+use std::sync::atomic::AtomicBool;
+
+/// Problem, and places of the difficulties in the reduced map.
+const REDUCED: [(&str, &[usize]); 10] = [
+    ("mass_ratio", &[0, 4]),
+    ("chain_length", &[0, 2]),
+    ("spin_rate", &[0, 4]),
+    ("stiff_spring", &[0, 2]),
+    ("stiff_damper", &[0, 3]),
+    ("singular_positions", &[0, 1]),
+    ("over_constraint", &[0, 1]),
+    ("inertia", &[0, 4, 7]),
+    ("gimbal_lock", &[0, 2]),
+    ("inconsistent_start", &[3, 6]),
+];
+
+fn problem(name: &str) -> Problem {
+    Problem::all().into_iter().find(|problem| problem.name == name).unwrap()
+}
+
+fn run(name: &str, places: &[usize], threads: usize) -> Map {
+    let mut thinned = problem(name).thinned(1, 4);
+    thinned.places = places.to_vec();
+    // Forty columns are for pictures.
+    thinned.problem.steps.truncate(3);
+    Map::run(thinned, threads, &AtomicBool::new(false), &|_| ()).unwrap()
+}
+
+/// The reduced map, computed once.
+fn reduced() -> &'static [Map] {
+    static MAPS: OnceLock<Vec<Map>> = OnceLock::new();
+    MAPS.get_or_init(|| REDUCED.map(|(name, places)| run(name, places, 2)).into())
+}
+
+fn words(map: &Map, cell: &Cell) -> String {
+    let problem = &map.thinned.problem;
+    format!("{} {}, {} {}: {cell:?}", problem.name, problem.difficulties[cell.place], cell.method.id(), cell.setting)
+}
+
+/// The number of a method's runs that came to an end that is of use, and of all its runs, in a row.
+fn survivors(map: &Map, method: Method, place: usize) -> (usize, usize) {
+    let cells: Vec<&Cell> = map.cells.iter().filter(|cell| cell.method == method && cell.place == place).collect();
+    (cells.iter().filter(|cell| cell.verdict.survived()).count(), cells.len())
+}
+
+#[test]
+fn no_run_of_ours_ends_in_numbers_that_mean_nothing_without_a_word() {
+    for map in reduced() {
+        for cell in map.cells.iter().filter(|cell| cell.method.is_ours() && cell.ended == Ended::Survived) {
+            let refused = map
+                .answers
+                .iter()
+                .zip(&map.thinned.places)
+                .any(|(answer, &place)| place == cell.place && answer.refusal.is_some());
+            assert!(!refused, "invented an end: {}", words(map, cell));
+            assert!(cell.energy_error.is_finite(), "{}", words(map, cell));
+        }
+    }
+}
+
+#[test]
+fn every_failure_has_a_name_a_time_and_a_message() {
+    for map in reduced() {
+        for cell in &map.cells {
+            let Ended::Failed(failure) = &cell.ended else { continue };
+            assert!(failure.time.is_finite() && failure.name != "Panic", "{}", words(map, cell));
+            // No joint, body or closure without a name.
+            assert!(!failure.message.contains("\"\""), "{}", words(map, cell));
+        }
+    }
+}
+
+#[test]
+fn the_tolerance_mode_survives_whatever_any_method_survives() {
+    let tolerance = Method::Chart(ChartMethod::LobattoTolerance);
+    for map in reduced() {
+        for (row, &place) in map.thinned.places.iter().enumerate() {
+            let anybody = Method::ALL.into_iter().any(|method| survivors(map, method, place).0 > 0);
+            let ours = survivors(map, tolerance, place);
+            assert!(
+                !anybody || ours.0 > 0,
+                "{} {}: {}",
+                map.thinned.problem.name,
+                map.thinned.problem.difficulties[place],
+                map.answers[row].source
+            );
+        }
+    }
+}
+
+#[test]
+fn loops_that_cannot_be_closed_are_refused_by_us_at_every_setting() {
+    let map = reduced().iter().find(|map| map.thinned.problem.name == "inconsistent_start").unwrap();
+    for cell in map.cells.iter().filter(|cell| cell.method.is_ours() && cell.place == 6) {
+        assert!(matches!(&cell.ended, Ended::Failed(failure) if failure.name == "Open"), "{}", words(map, cell));
+    }
+}
+
+#[test]
+fn the_right_answers_are_those_of_a_formulation_that_shares_no_code() {
+    let tightest = Setting::Tolerance(1e-10);
+    for (name, place) in [("mass_ratio", 0), ("chain_length", 2), ("spin_rate", 4), ("stiff_spring", 2), ("inertia", 7)]
+    {
+        let map = reduced().iter().find(|map| map.thinned.problem.name == name).unwrap();
+        let rival = Method::Chart(ChartMethod::Dop853);
+        let cell = map
+            .cells
+            .iter()
+            .find(|cell| cell.method == rival && cell.place == place && cell.setting == tightest)
+            .unwrap();
+        // A tolerance of 1e-10 is amplified by these motions a hundredfold at most.
+        assert!(cell.end_error < 1e-7, "{}", words(map, cell));
+    }
+}
+
+#[test]
+fn a_method_that_needs_independent_equations_fails_where_they_are_not_and_ours_does_not() {
+    let map = reduced().iter().find(|map| map.thinned.problem.name == "over_constraint").unwrap();
+    for &place in &map.thinned.places {
+        assert_eq!(survivors(map, Method::Baumgarte, place).0, 0);
+        assert_eq!(survivors(map, Method::Chart(ChartMethod::LobattoTolerance), place), (6, 6));
+    }
+}
+
+#[test]
+fn the_textbook_method_is_right_where_the_textbook_says_so() {
+    // A tree, moderate motion: a fourth-order method at 1e-3 s, whose constraints drift little in 2 s.
+    let case = (problem("mass_ratio").build)(0).unwrap();
+    let interrupt = AtomicBool::new(false);
+    let answer = Answer::of(&case, &interrupt).unwrap();
+    let error = |step: f64| {
+        let cell = Cell::run(&case, &answer, Method::Baumgarte, Setting::Step(step), 0, &interrupt).unwrap();
+        assert_eq!(cell.ended, Ended::Survived);
+        cell.end_error
+    };
+    let (coarse, fine) = (error(0.01), error(0.005));
+    // 16 for order four, but for the next order's share.
+    assert!(fine < 1e-4 && (8.0..32.0).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
+}
+
+#[test]
+fn maps_do_not_depend_on_the_number_of_threads() {
+    let told = |threads| {
+        let map = run("inertia", &[0, 4], threads);
+        let mut maps = vec![map];
+        maps[0].cells.iter_mut().for_each(|cell| cell.cpu_seconds = 0.0);
+        write_csv(&maps)
+    };
+    assert_eq!(told(1), told(3));
+}
+
+#[test]
+fn every_cell_is_counted_under_one_verdict() {
+    for map in reduced() {
+        let counted: usize =
+            Method::ALL.into_iter().flat_map(|method| Verdict::ALL.map(|verdict| map.count(method, verdict))).sum();
+        assert_eq!(counted, map.cells.len(), "{}", map.thinned.problem.name);
+    }
+}
+
+#[test]
+fn an_interrupted_map_is_none() {
+    let thinned = problem("long_time").thinned(1, 1);
+    assert!(Map::run(thinned, 2, &AtomicBool::new(true), &|_| ()).is_err());
+}
+
+#[test]
+fn every_case_can_be_built_and_its_loops_say_whether_they_close() {
+    for problem in Problem::all() {
+        for (place, label) in problem.difficulties.iter().enumerate() {
+            let Case { mechanism, start, duration, watched, .. } = (problem.build)(place).unwrap();
+            assert_eq!(start.velocity.len(), mechanism.velocity_count, "{} {label}", problem.name);
+            assert!(duration > 0.0 && (1..=mechanism.bodies.len()).contains(&watched));
+        }
+        let names: HashSet<&str> = problem.difficulties.iter().copied().collect();
+        assert_eq!(names.len(), problem.difficulties.len(), "{}", problem.name);
+    }
+}
+
+#[test]
+fn no_step_of_a_map_is_a_power_of_two_or_a_round_part_of_the_run() {
+    let steps = steps(0.1, 0.01, 40);
+    assert!((steps[0] - 0.1).abs() < 1e-15 && (steps[39] - 0.01).abs() < 1e-15 && steps.is_sorted_by(|a, b| a > b));
+    let inner = &steps[1..39];
+    assert!(inner.iter().all(|step| (1.0 / step).fract().abs() > 1e-9 && step.log2().fract().abs() > 1e-9));
+}
+
+/// A folder for one test, empty at its start.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("catena-stress-{}-{name}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn catena(arguments: &[&str], folder: &Path) -> Output {
+    let program = env!("CARGO_BIN_EXE_catena");
+    Command::new(program).arg("stress").args(arguments).current_dir(folder).output().unwrap()
+}
+
+#[test]
+fn pictures_numbers_and_the_page_are_written_whole() {
+    let folder = folder("files");
+    report::write(&reduced()[..2], "a processor", &folder).unwrap();
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let csv = read("cells.csv");
+    let cells: usize = reduced()[..2].iter().map(|map| map.cells.len()).sum();
+    assert_eq!(csv.lines().count(), cells + 1);
+    assert!(!csv.contains("NaN") && !csv.contains("inf,"));
+    let page = read("index.html");
+    assert_eq!(page.matches("<svg").count(), 2);
+    assert!(!page.contains("http://") || page.matches("http://").count() == page.matches("http://www.w3.org").count());
+    for name in ["mass_ratio", "chain_length"] {
+        assert!(read(&format!("{name}.svg")).contains("catena, tolerance"));
+        assert!(std::fs::metadata(folder.join(format!("{name}.png"))).unwrap().len() > 10_000);
+    }
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 6);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn wrong_usage_is_one_line_and_touches_nothing() {
+    let folder = folder("usage");
+    std::fs::write(folder.join("file"), "").unwrap();
+    for (arguments, said) in [
+        (vec!["-o", "out", "--only", "mass"], "there is no problem \"mass\"; there are mass_ratio, chain_length"),
+        (vec!["-o", "file"], "it is not a folder"),
+        (vec![], "--output <DIR>"),
+    ] {
+        let output = catena(&arguments, &folder);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains(said) && error.lines().count() == 1, "{error}");
+    }
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn one_problem_can_be_mapped_alone() {
+    let folder = folder("only");
+    let output = catena(&["-o", "out", "--only", "gimbal_lock", "--quick"], &folder);
+    assert!(output.status.success(), "{output:?}");
+    let told = String::from_utf8(output.stdout).unwrap();
+    assert!(told.lines().filter(|line| line.starts_with("gimbal_lock")).count() == Method::ALL.len(), "{told}");
+    assert!(Verdict::ALL.iter().all(|verdict| told.contains(verdict.word())));
+    assert!(folder.join("out/gimbal_lock.png").is_file() && folder.join("out/index.html").is_file());
+    std::fs::remove_dir_all(folder).unwrap();
+}
