@@ -50,7 +50,7 @@ pub fn mean(answers: &[Vec<Vector3<f64>>]) -> Vec<Vector3<f64>> {
     first.iter().enumerate().map(|(probe, point)| point + share * deviation(probe)).collect()
 }
 
-/// The largest distance between any body's probe and the mean of all probes, at least 1 mm [m].
+/// The largest distance between any body's probe and the mean of all probes, at least 1 mm (m).
 pub fn size(mechanism: &Mechanism, state: &State) -> f64 {
     let probes = probes(mechanism, state);
     let mean: Vector3<f64> = probes.iter().sum::<Vector3<f64>>() / probes.len().max(1) as f64;

@@ -425,34 +425,27 @@ fn the_fronts_of_ladders_do_not_grow_with_their_length() {
 
 #[test]
 fn loops_are_closed_within_the_limits_of_joints() {
-    // Crank and rod of 1 m each to a point 1.2 m away: the elbow is up or down. The start is nearer to the elbow that the
-    // limit of its hinge forbids.
-    let (mut mechanism, mut state) = closed::four_bars(1, 5);
-    mechanism.bodies.truncate(2);
-    mechanism = Mechanism::new("elbow", mechanism.gravity, mechanism.bodies).unwrap();
-    let tip = Pose::from_parts(Translation3::new(0.5, 0.0, 0.0), mechanism.bodies[1].joint.on_child.rotation);
-    let foot = Pose::from_parts(Translation3::new(1.2, 0.0, 0.0), mechanism.bodies[0].joint.on_parent.rotation);
-    let (a, b) = (Attachment { body: Some(1), frame: tip }, Attachment { body: None, frame: foot });
-    mechanism.loops.push(LoopJoint { name: "foot".into(), kind: LoopKind::Revolute, a, b });
-    state = State { position: vec![0.3, -0.1], velocity: vec![0.0, 0.0], compensation: vec![0.0, 0.0], ..state };
-    let mut free = state.clone();
+    let mut mechanism = closed::arch(2.0);
+    let mut wanted = State::zero(&mechanism);
+    wanted.position.copy_from_slice(&[0.9, -0.3, -0.3]);
+    let mut free = wanted.clone();
     assemble(&mechanism, &mut free).unwrap();
-    assert!(free.position[1] < -1.0, "without limits the elbow is up: {:?}", free.position);
-    mechanism.limits.push(JointLimit {
-        coordinate: Coordinate { body: 1, position: 1, freedom: 1 },
-        lower: -0.5,
-        upper: 2.5,
-    });
-    assemble(&mechanism, &mut state).unwrap();
-    // The triangle of sides 1, 1, 1.2: the hinge turns by π less twice asin 0.6.
-    let turn = std::f64::consts::PI - 2.0 * 0.6_f64.asin();
-    assert!((state.position[1] - turn).abs() < 1e-12, "{:?}", state.position);
-    let gap = loop_gaps(&mechanism.loops[0], &body_states(&mechanism, &state)).largest().0;
+    assert!(free.position[1] < -0.5, "without limits the second hinge turns further: {:?}", free.position);
+    let limit = |freedom, lower, upper| JointLimit {
+        coordinate: Coordinate { body: freedom, position: freedom, freedom },
+        lower,
+        upper,
+    };
+    mechanism.limits.push(limit(1, -0.4, 1.0));
+    let mut held = wanted.clone();
+    assemble(&mechanism, &mut held).unwrap();
+    // The limit counts, and nothing keeps the hinge from it.
+    assert!((held.position[1] + 0.4).abs() < 1e-6, "{:?}", held.position);
+    let gap = loop_gaps(&mechanism.loops[0], &body_states(&mechanism, &held)).largest().0;
     assert!(gap < 1e-12, "{gap:e}");
-    // No elbow is allowed.
-    mechanism.limits[0].upper = 0.5;
-    let mut stuck = State::zero(&mechanism);
-    let error = assemble(&mechanism, &mut stuck).unwrap_err();
+    // Nearly straight, three rods of 1 m cannot end 2 m away.
+    mechanism.limits = vec![limit(1, -0.35, 0.1), limit(2, -0.35, 0.1)];
+    let error = assemble(&mechanism, &mut wanted).unwrap_err();
     assert!(matches!(&error, AssemblyError::Limited { closure, .. } if closure == "foot"), "{error}");
 }
 

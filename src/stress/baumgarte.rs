@@ -1,7 +1,7 @@
 //! The constrained explicit integrator of the textbooks: multipliers for the accelerations, drift held down by Baumgarte's
 //! stabilisation, RK4 in maximal coordinates. Dense, and meant for comparison only.
 //!
-//! Every joint, of the tree or of a loop, is a set of equations `g(q) = 0` between the coordinates `x` [m], `R` (as a unit
+//! Every joint, of the tree or of a loop, is a set of equations `g(q) = 0` between the coordinates `x` (m), `R` (as a unit
 //! quaternion) of two bodies, with `ġ = G v` for the velocities `v = (ẋ [m/s], ω [rad/s])`. Differentiated twice and with damping and spring
 //! terms that pull a violation back,
 //!
@@ -72,9 +72,9 @@ impl<'m> Baumgarte<'m> {
         if mechanism.bodies.iter().any(|body| body.mass <= 0.0 || body.inertia.min() <= 0.0) {
             return Err("it inverts the mass matrix: every body needs mass and inertia");
         }
-        if !(forces.joint_dampers.is_empty() && forces.joint_springs.is_empty() && forces.joint_loads.is_empty())
-            || !mechanism.mimics.is_empty()
-        {
+        let free_joints =
+            forces.joint_dampers.is_empty() && forces.joint_springs.is_empty() && forces.joint_loads.is_empty();
+        if !free_joints || !mechanism.mimics.is_empty() {
             return Err("it has no joint coordinates, which forces in joints and mimic relations need");
         }
         let constraints: Vec<LoopJoint> = tree_constraints(mechanism).chain(mechanism.loops.iter().cloned()).collect();

@@ -54,6 +54,15 @@ pub fn four_bars(count: usize, rows: usize) -> (Mechanism, State) {
     (mechanism, state)
 }
 
+/// Three rods of 1 m in a row, whose end is to be hinged to the world at `foot` along x.
+pub fn arch(foot: f64) -> Mechanism {
+    let bodies = vec![rod("first", None, 0.0), rod("second", Some(0), 0.5), rod("third", Some(1), 0.5)];
+    let mut mechanism = Mechanism::new("arch", Vector3::new(0.0, 0.0, -9.81), bodies).unwrap();
+    let (a, b) = (Attachment { body: Some(2), frame: frame(0.5) }, Attachment { body: None, frame: frame(foot) });
+    mechanism.loops.push(LoopJoint { name: "foot".into(), kind: LoopKind::Revolute, a, b });
+    mechanism
+}
+
 /// Benchmark A04, Bricard's mechanism: five rods, six hinges, one redundant equation everywhere.
 pub fn bricard() -> (Mechanism, State) {
     let points =

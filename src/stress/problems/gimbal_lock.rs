@@ -7,7 +7,7 @@ use crate::state::State;
 use crate::stress::problem::{Case, Problem, Truth, steps};
 use nalgebra::Vector3;
 
-/// Angle from the locked position [rad]; the first is a ball joint, which knows no such thing.
+/// Angle from the locked position (rad); the first is a ball joint, which knows no such thing.
 const ANGLES: [Option<f64>; 8] =
     [None, Some(1.0), Some(0.1), Some(1e-2), Some(1e-3), Some(1e-4), Some(1e-6), Some(1e-8)];
 

@@ -4,7 +4,7 @@ use super::four_bars;
 use crate::model::{MechanismError, Pose};
 use crate::stress::problem::{Case, Problem, Truth, steps};
 
-/// How far a crank is turned out of its place [rad]; the last is a rod that is too short to close the loop at all.
+/// How far a crank is turned out of its place (rad); the last is a rod that is too short to close the loop at all.
 const ANGLES: [f64; 7] = [1e-12, 1e-9, 1e-6, 1e-3, 0.03, 0.3, f64::INFINITY];
 
 /// The problem.
