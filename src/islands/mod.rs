@@ -175,8 +175,9 @@ impl Islands {
         let mut whole = Whole::new(mechanism, state, options);
         self.parts.iter_mut().for_each(|part| part.state = part.island.state(state));
         let ended = self.drive(mechanism, options, observers, &mut whole);
-        whole.summary.solve_cpu_seconds =
-            self.parts.iter().filter_map(|part| Some(part.course.as_ref()?.summary().solve_cpu_seconds)).sum();
+        let times = self.parts.iter().filter_map(|part| Some(part.course.as_ref()?.summary().solve_cpu_seconds));
+        // A sum of nothing would be −0.
+        whole.summary.solve_cpu_seconds = times.fold(0.0, |sum, time| sum + time);
         if ended.is_ok() {
             for Part { island, state: own, .. } in &self.parts {
                 island.put(&own.position, &mut state.position, |piece| &piece.positions);
