@@ -59,7 +59,7 @@ pub struct Report {
     /// Every loop joint at the end of the run.
     #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
     pub loops: Vec<(String, LoopReport)>,
-    /// The islands of the mechanism, if there are several or one of them slept.
+    /// The islands of the mechanism, if there are several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub islands: Vec<IslandReport>,
     /// What the user should know about the model and the run.

@@ -80,12 +80,13 @@ impl Engine {
         }
     }
 
-    /// What each island did; nothing if there is only the whole.
+    /// What each island did; nothing if there is only one.
     pub fn islands(&self) -> Vec<IslandReport> {
-        match self {
+        let all: Vec<IslandReport> = match self {
             Engine::Whole(_) => Vec::new(),
             Engine::Islands { islands, .. } => islands.figures().map(|figures| IslandReport::new(&figures)).collect(),
-        }
+        };
+        if all.len() > 1 { all } else { Vec::new() }
     }
 }
 
