@@ -36,6 +36,9 @@ pub struct Piece {
 pub fn islands(mechanism: &Mechanism) -> Vec<Island> {
     let of_body = island_of_each_body(mechanism);
     let count = of_body.iter().max().map_or(0, |last| last + 1);
+    if count == 1 {
+        return vec![Island::whole(mechanism)];
+    }
     let mut pieces: Vec<Vec<Piece>> = vec![Vec::new(); count];
     for (index, body) in mechanism.bodies.iter().enumerate() {
         let (positions, velocities) = (body.joint.position_range(), body.joint.velocity_range());
