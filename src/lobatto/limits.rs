@@ -1,4 +1,5 @@
-//! Assembly within joint limits: where the nearest closed configuration lies beyond a limit, the nearest one that does not.
+//! Assembly within joint limits: where the closed configuration that the projection finds lies beyond a limit, one that does
+//! not, by the least motion in every round.
 //!
 //! Newton's method on the gaps with a convex quadratic programme in every round, solved by clarabel,
 //!
