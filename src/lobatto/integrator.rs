@@ -19,6 +19,10 @@ use crate::state::State;
 /// A step is halved at most this often before the integrator gives up.
 const HALVINGS: i32 = 14;
 
+/// A step of a closed mechanism that changes the energy by this part of the kinetic energy has solved its equations on another
+/// branch of a singular position: it is tried again, and shortened.
+const ANOTHER_MOTION: f64 = 0.25;
+
 /// The constrained Lobatto IIIA–IIIB scheme as an [`Integrator`].
 ///
 /// ```
@@ -242,7 +246,14 @@ impl Lobatto {
                     Attempt::Converged { iterations, .. } => {
                         outcome.iterations += iterations;
                         outcome.step = length;
-                        self.finish(mechanism, state);
+                        let before = self.kernel.energy().kinetic;
+                        let energies = self.finish(mechanism, state);
+                        let allowed = ANOTHER_MOTION * before.max(energies.kinetic) + 1e-9 * energies.potential;
+                        let last = halving == HALVINGS && plain;
+                        if mechanism.has_closures() && energies.change.abs() > allowed && !last {
+                            outcome.rejected += 1;
+                            continue;
+                        }
                         outcome.exchange = self.kernel.exchange();
                         finite(mechanism, &self.end, length)?;
                         self.accept(state, length, if halving == 0 { target } else { state.time + length });
