@@ -68,11 +68,11 @@ pub fn loop_gaps(joint: &LoopJoint, bodies: &[BodyState]) -> Gaps {
     let (a, b) = (End::new(&joint.a, bodies), End::new(&joint.b, bodies));
     let (apart, rate) = (b.point - a.point, b.rate - a.rate);
     let mut gaps = Gaps::default();
-    for &axis in slides(joint.kind) {
+    for &axis in joint.kind.slides() {
         let along = a.axis(axis);
         gaps.push(apart.dot(&along), rate.dot(&along) + apart.dot(&a.spin.cross(&along)));
     }
-    for &(on_a, on_b) in squares(joint.kind) {
+    for &(on_a, on_b) in joint.kind.squares() {
         let (first, second) = (a.axis(on_a), b.axis(on_b));
         gaps.push(first.dot(&second), (a.spin - b.spin).dot(&first.cross(&second)));
     }
@@ -117,11 +117,11 @@ pub fn loop_gap_accelerations(
         out[count] = value;
         count += 1;
     };
-    for &slide in slides(joint.kind) {
+    for &slide in joint.kind.slides() {
         let (u, du, ddu) = axis(&a, &angular_a, slide);
         push(acceleration.dot(&u) + 2.0 * rate.dot(&du) + apart.dot(&ddu));
     }
-    for &(on_a, on_b) in squares(joint.kind) {
+    for &(on_a, on_b) in joint.kind.squares() {
         let ((u, du, ddu), (w, dw, ddw)) = (axis(&a, &angular_a, on_a), axis(&b, &angular_b, on_b));
         push(ddu.dot(&w) + 2.0 * du.dot(&dw) + u.dot(&ddw));
     }
@@ -129,26 +129,6 @@ pub fn loop_gap_accelerations(
         push((apart.dot(&acceleration) + rate.norm_squared()) / length);
     }
     (out, count)
-}
-
-/// The axes of a (0 = x, 1 = y, 2 = z) along which the points coincide.
-fn slides(kind: LoopKind) -> &'static [usize] {
-    match kind {
-        LoopKind::Revolute | LoopKind::Universal | LoopKind::Spherical | LoopKind::Fixed => &[0, 1, 2],
-        LoopKind::Prismatic | LoopKind::Cylindrical => &[0, 1],
-        LoopKind::Planar => &[2],
-        LoopKind::Distance(_) => &[],
-    }
-}
-
-/// The axes of a and of b that are square to each other.
-fn squares(kind: LoopKind) -> &'static [(usize, usize)] {
-    match kind {
-        LoopKind::Revolute | LoopKind::Cylindrical | LoopKind::Planar => &[(0, 2), (1, 2)],
-        LoopKind::Prismatic | LoopKind::Fixed => &[(0, 2), (1, 2), (1, 0)],
-        LoopKind::Universal => &[(2, 2)],
-        LoopKind::Spherical | LoopKind::Distance(_) => &[],
-    }
 }
 
 /// The gap of a mimic relation (rad or m) and its rate.

@@ -16,7 +16,7 @@ use crate::kinematics::{WORLD, forward_kinematics};
 use crate::lobatto::projection::Projection;
 use crate::lobatto::start::Start;
 use crate::model::Mechanism;
-use crate::reduced::{Reaction, ReducedOde, body_accelerations, joint_reactions, reactions_under};
+use crate::reduced::{Reaction, ReducedOde, body_accelerations, reactions_under};
 use crate::state::{BodyState, State};
 use nalgebra::Vector3;
 
@@ -98,28 +98,26 @@ impl<'m> Reactions<'m> {
     pub fn at(&mut self, position: &[f64], velocity: &[f64]) -> (Vec<Reaction>, Vec<LoopReaction>) {
         let mechanism = self.mechanism;
         self.ode.accelerations(position, velocity, &mut self.accelerations);
-        if self.closing.is_none() {
-            return (joint_reactions(mechanism, position, velocity, &self.accelerations), Vec::new());
-        }
         let mut bodies = vec![WORLD; mechanism.bodies.len()];
         forward_kinematics(mechanism, position, velocity, &mut bodies);
         let accelerations = self.accelerate(&bodies, position, velocity);
-        let Some(Closing { projection, multipliers, .. }) = &self.closing else { return Default::default() };
         let mut applied = vec![BodyWrench::default(); bodies.len()];
         body_wrenches(mechanism, &bodies, &mut applied);
         let mut loops = Vec::with_capacity(mechanism.loops.len());
-        for (index, joint) in mechanism.loops.iter().enumerate() {
-            let (force, torque) = projection.loop_wrench(index, multipliers);
-            loops.push(LoopReaction { force, torque });
-            let point = match joint.b.body {
-                Some(body) => bodies[body].position + bodies[body].rotation * joint.b.frame.translation.vector,
-                None => joint.b.frame.translation.vector,
-            };
-            for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
-                if let Some(body) = end {
-                    let arm = point - bodies[body].position;
-                    applied[body].0 += sign * force;
-                    applied[body].1 += sign * (torque + arm.cross(&force));
+        if let Some(Closing { projection, multipliers, .. }) = &self.closing {
+            for (index, joint) in mechanism.loops.iter().enumerate() {
+                let (force, torque) = projection.loop_wrench(index, multipliers);
+                loops.push(LoopReaction { force, torque });
+                let point = match joint.b.body {
+                    Some(body) => bodies[body].position + bodies[body].rotation * joint.b.frame.translation.vector,
+                    None => joint.b.frame.translation.vector,
+                };
+                for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
+                    if let Some(body) = end {
+                        let arm = point - bodies[body].position;
+                        applied[body].0 += sign * force;
+                        applied[body].1 += sign * (torque + arm.cross(&force));
+                    }
                 }
             }
         }

@@ -17,6 +17,7 @@ use catena::rest::is_at_rest;
 use catena::simulation::{Observer, ObserverError, RunError, RunOptions, Sample, Summary, run};
 use catena::state::{BodyState, State};
 use common::Numbers;
+use common::command;
 use models::Model;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
@@ -507,13 +508,6 @@ fn a_rule_that_is_switched_off_does_not_apply() {
     assert!(Plan::new(&mechanism, &state, &[]).is_whole(), "one robot that moves is run as it always was");
 }
 
-const PENDULUM: &str = r#"<robot name="pendulum">
-  <link name="base"/>
-  <joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint>
-  <link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
-    <inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-</robot>"#;
-
 const SCENE: &str = r#"
 [scene]
 name = "three"
@@ -536,14 +530,10 @@ duration = 2.0
 
 /// Runs the command line in a folder with the scene; returns exit code, standard output and standard error.
 fn catena(test: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("islands").join(test);
-    std::fs::create_dir_all(&folder).expect("a folder for the test");
-    std::fs::write(folder.join("pendulum.urdf"), PENDULUM).expect("written");
+    let folder = command::folder(test);
     std::fs::write(folder.join("scene.toml"), SCENE).expect("written");
-    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_catena"));
-    let output = command.args(arguments).current_dir(&folder).output().expect("catena runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
-    (output.status.code(), text(output.stdout), text(output.stderr))
+    let output = command::run(&folder, arguments);
+    (output.status.code(), command::text(&output.stdout).to_string(), command::text(&output.stderr).to_string())
 }
 
 fn report(test: &str, arguments: &[&str]) -> serde_json::Value {

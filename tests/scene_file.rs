@@ -1,26 +1,16 @@
 //! Claims about scene files: what they may say, what they may not, and where the command line has the last word.
 
+mod common;
+
 use catena::closures::loop_gaps;
 use catena::kinematics::body_states;
 use catena::model::{LoopKind, Model, Start};
 use catena::scene::{PackagePath, Scene, SceneError, scene_from_text};
 use catena::state::State;
+use common::command::{self, run};
 use nalgebra::Vector3;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-const PENDULUM: &str = r#"<robot name="pendulum">
-  <link name="base"/>
-  <joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint>
-  <link name="rod">
-    <inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
-      <inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
-    <visual><origin xyz="0 0 -0.5"/><geometry><box size="0.1 0.1 1"/></geometry></visual>
-  </link>
-  <joint name="weld" type="fixed"><parent link="rod"/><child link="tip"/><origin xyz="0 0 -1"/></joint>
-  <link name="tip"/>
-</robot>"#;
 
 /// Two rods one below the other, a point mass fixed to the second, and a leaf without mass.
 const DOUBLE: &str = r#"<robot name="double">
@@ -46,11 +36,8 @@ const BALL: &str = r#"<robot name="ball">
 
 /// A folder with the robots in it.
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scene_file").join(name);
-    // It is not there the first time.
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a folder for the test");
-    for (file, text) in [("pendulum.urdf", PENDULUM), ("double.urdf", DOUBLE), ("ball.urdf", BALL)] {
+    let folder = command::folder(name);
+    for (file, text) in [("double.urdf", DOUBLE), ("ball.urdf", BALL)] {
         std::fs::write(folder.join(file), text).expect("written");
     }
     folder
@@ -376,10 +363,6 @@ fn loop_joints_of_a_urdf_close_loops() {
         assert!(refused.contains(message) && refused.contains("closed.urdf:1"), "{refused}");
         assert!(refused.contains("loop \"closure\""), "{refused}");
     }
-}
-
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_catena")).current_dir(folder).args(arguments).output().expect("catena runs")
 }
 
 fn report(folder: &Path, arguments: &[&str]) -> Value {

@@ -38,7 +38,7 @@ use super::algebra::{Matrix, Vector};
 use super::applied_plan::AppliedPlan;
 use super::lanes::Lanes;
 use super::residual::increment_matrix;
-use super::stage::{MAX_LANES, StagePose, Stages, rotate_increment};
+use super::stage::{MAX_LANES, StagePose, Stages, rotate_increment, row_stage};
 use super::sweeps::{tangent, tilted};
 use super::tableau::Tableau;
 use crate::forces::point_spring::NO_LENGTH;
@@ -90,7 +90,7 @@ impl<V: Lanes> Applied<V> {
             let moved = lanes(&|lane| if stage_of_lane(lane) == 0 { 0.0 } else { 1.0 });
             Place { velocity, moved, weights: lanes(weight_of_lane) }
         };
-        let row_stage = |lane: usize| if lane + 1 == active { 0 } else { lane + 1 };
+        let row_stage = |lane: usize| row_stage(lane, active);
         let end_weight = |lane: usize| if lane + 1 == active { tableau.weights[active] } else { 0.0 };
         let share = damper_share(tableau);
         let mut resistance = vec![0.0; mechanism.velocity_count];

@@ -34,21 +34,12 @@ pub enum Equation {
     Line,
 }
 
-/// The equations of a loop joint, as the table of [`LoopKind`] has them.
+/// The equations of a loop joint, in the order of [`LoopKind`]'s table.
 pub fn equations(kind: LoopKind) -> Vec<Equation> {
-    use Equation::{Distance, Slide, Square};
-    let point = [Slide(0), Slide(1), Slide(2)];
-    let parallel = [Square(0, 2), Square(1, 2)];
-    match kind {
-        LoopKind::Revolute => [&point[..], &parallel].concat(),
-        LoopKind::Prismatic => [&point[..2], &parallel, &[Square(1, 0)]].concat(),
-        LoopKind::Cylindrical => [&point[..2], &parallel].concat(),
-        LoopKind::Universal => [&point[..], &[Square(2, 2)]].concat(),
-        LoopKind::Spherical => point.to_vec(),
-        LoopKind::Planar => [&[Slide(2)], &parallel[..]].concat(),
-        LoopKind::Fixed => [&point[..], &parallel, &[Square(1, 0)]].concat(),
-        LoopKind::Distance(length) => vec![Distance(length)],
-    }
+    let slides = kind.slides().iter().map(|&axis| Equation::Slide(axis));
+    let squares = kind.squares().iter().map(|&(on_a, on_b)| Equation::Square(on_a, on_b));
+    let distance = if let LoopKind::Distance(length) = kind { Some(Equation::Distance(length)) } else { None };
+    slides.chain(squares).chain(distance).collect()
 }
 
 /// One end of a loop joint at the start of a step, in world axes.

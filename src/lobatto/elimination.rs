@@ -11,15 +11,6 @@
 
 use crate::model::Mechanism;
 
-/// One equation of a closure or spring: which one it belongs to, and its place there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Row {
-    /// Index of the closure: the loops first, then the mimics, then the point springs.
-    pub closure: usize,
-    /// Number of the equation within it.
-    pub equation: usize,
-}
-
 /// One operation on the front on top of the stack.
 #[derive(Clone, Debug)]
 pub enum Operation {
@@ -31,7 +22,8 @@ pub enum Operation {
     Own { body: usize, ends: Vec<(usize, usize, f64)> },
     /// Eliminate a freedom: the twist of the body becomes the twist of its parent. `direct`: (row, slot, coefficient).
     Freedom { body: usize, freedom: usize, columns: Vec<Column>, direct: Vec<(usize, usize, f64)> },
-    /// Eliminate a multiplier in `slot`; `scales` are the slots of its closure whose blocks it must be measured before.
+    /// Eliminate a multiplier in `slot`; `measure` are the rows of its closure and their slots, whose mobilities are measured
+    /// before the first of them goes.
     Multiplier { row: usize, slot: usize, columns: Vec<Column>, measure: Vec<(usize, usize)> },
     /// Add the top front to the one below and take it off: slots from and to, after clearing those that `enter` there;
     /// without the twist if it is that of the world.
@@ -65,8 +57,8 @@ pub const TWIST: usize = 6;
 pub struct Elimination {
     /// In this order, with a stack of fronts.
     pub operations: Vec<Operation>,
-    /// All equations of all closures.
-    pub rows: Vec<Row>,
+    /// For every equation the closure it belongs to: the loops first, then the mimics, then the point springs.
+    pub closure_of_row: Vec<usize>,
     /// Largest number of slots of any front.
     pub slots: usize,
     /// Largest number of fronts on the stack.
@@ -121,11 +113,6 @@ impl Elimination {
         }
         planner.plan
     }
-
-    /// Number of equations of all closures.
-    pub fn row_count(&self) -> usize {
-        self.rows.len()
-    }
 }
 
 struct Planner<'m> {
@@ -150,7 +137,7 @@ impl<'m> Planner<'m> {
             .map(|closure| (closure.kind.rows(), closure.a.body, closure.b.body))
             .chain(mechanism.mimics.iter().map(|mimic| (1, Some(mimic.follower.body), Some(mimic.leader.body))))
             .chain(mechanism.forces.point_springs.iter().filter(|_| springs).map(|s| (1, s.a.body, s.b.body)));
-        let mut rows = Vec::new();
+        let mut closure_of_row = Vec::new();
         let mut closures = Vec::new();
         for (index, (count, a, b)) in pairs.enumerate() {
             let (up_a, up_b) = (ancestors(a), ancestors(b));
@@ -158,7 +145,7 @@ impl<'m> Planner<'m> {
             let mut path: Vec<usize> = up_a.into_iter().take_while(|&body| Some(body) != meets).collect();
             path.extend(up_b.into_iter().take_while(|&body| Some(body) != meets));
             closures.push(Closure {
-                first_row: rows.len(),
+                first_row: closure_of_row.len(),
                 rows: count,
                 ends: [a, b].into_iter().flatten().collect(),
                 path,
@@ -167,14 +154,14 @@ impl<'m> Planner<'m> {
                 needed: count,
                 done: false,
             });
-            rows.extend((0..count).map(|equation| Row { closure: index, equation }));
+            closure_of_row.extend((0..count).map(|_| index));
         }
-        // A mimic acts on the freedoms of its joints themselves, below the bodies in the tree of eliminations.
         let springs_from = mechanism.loops.len() + mechanism.mimics.len();
         for closure in &mut closures[springs_from..] {
             // The tension of a spring has a block of full rank from the first.
             closure.needed = 0;
         }
+        // A mimic acts on the freedoms of its joints themselves, below the bodies in the tree of eliminations.
         for closure in &mut closures[mechanism.loops.len()..springs_from] {
             let above = closure.ends.iter().filter_map(|&body| mechanism.bodies[body].parent);
             let above: Vec<Vec<usize>> = above.map(|body| ancestors(Some(body))).collect();
@@ -190,8 +177,8 @@ impl<'m> Planner<'m> {
             closures,
             stack: Vec::new(),
             processed: vec![false; mechanism.bodies.len()],
-            gap_taken: vec![false; rows.len()],
-            plan: Elimination { operations: Vec::new(), rows, slots: TWIST, levels: 0 },
+            gap_taken: vec![false; closure_of_row.len()],
+            plan: Elimination { operations: Vec::new(), closure_of_row, slots: TWIST, levels: 0 },
         }
     }
 

@@ -8,7 +8,6 @@
 //! The proximal term of the solve leaves a part ε of every gap, so that it is repeated until nothing is left.
 
 use super::coupled::{Coupled, PROXIMAL};
-use super::elimination::Row;
 use super::lanes::{Lanes, Portable};
 use super::start::{Plan, Start};
 use crate::model::{FreeRotation, Mechanism};
@@ -16,6 +15,11 @@ use crate::state::State;
 use nalgebra::Vector3;
 
 type One = Portable<1>;
+
+/// The number in the only lane.
+fn one(value: One) -> f64 {
+    value.to_array()[0]
+}
 
 /// An equation whose mobility the others of its mechanism reduce to this part says nothing new: it falls with the square of
 /// the distance from where it is implied, so that a mechanism is singular within some 1e-5 rad of the position.
@@ -36,9 +40,6 @@ pub struct Projection {
     increment: Vec<One>,
     displacement: Vec<One>,
     correction: Vec<f64>,
-    /// Largest gap of every closure at the last evaluation.
-    gaps: Vec<f64>,
-    rows: Vec<Row>,
 }
 
 /// How far a projection got.
@@ -55,16 +56,12 @@ pub struct Projected {
 impl Projection {
     /// The workspace for a mechanism.
     pub fn new(mechanism: &Mechanism) -> Self {
-        let coupled = Coupled::of_one(mechanism);
-        let rows = coupled.rows().to_vec();
         Projection {
-            coupled,
+            coupled: Coupled::of_one(mechanism),
             plan: Plan::new(mechanism),
             increment: vec![One::zero(); mechanism.velocity_count],
             displacement: vec![One::zero(); mechanism.velocity_count],
             correction: vec![0.0; mechanism.velocity_count],
-            gaps: vec![0.0; rows.len()],
-            rows,
         }
     }
 
@@ -88,14 +85,12 @@ impl Projection {
     }
 
     /// The largest gap as of the latest evaluation, and the closure that has it.
-    pub(super) fn largest_gap(&mut self) -> (f64, usize) {
-        for (gap, value) in self.gaps.iter_mut().zip(&self.coupled.gaps) {
-            *gap = value.to_array().as_ref()[0].abs();
-        }
+    pub(super) fn largest_gap(&self) -> (f64, usize) {
         let mut worst = (0.0, 0);
-        for (gap, row) in self.gaps.iter().zip(&self.rows) {
-            if *gap > worst.0 || gap.is_nan() {
-                worst = (*gap, row.closure);
+        for (gap, &closure) in self.coupled.gaps.iter().zip(self.coupled.closure_of_row()) {
+            let gap = one(*gap).abs();
+            if gap > worst.0 || gap.is_nan() {
+                worst = (gap, closure);
             }
         }
         worst
@@ -104,7 +99,7 @@ impl Projection {
     fn solve(&mut self, start: &Start) {
         self.coupled.solve(&self.plan, start, &self.displacement, &mut self.increment);
         for (correction, increment) in self.correction.iter_mut().zip(&self.increment) {
-            *correction = increment.to_array().as_ref()[0];
+            *correction = one(*increment);
         }
     }
 
@@ -185,7 +180,7 @@ impl Projection {
     ) {
         self.evaluate(start);
         multipliers.fill(0.0);
-        let mut out = vec![0.0; self.rows.len()];
+        let mut out = vec![0.0; self.coupled.closure_of_row().len()];
         let mut last = f64::INFINITY;
         for _ in 0..ROUNDS {
             second_derivatives(acceleration, &mut out);
@@ -202,7 +197,7 @@ impl Projection {
                 *value += correction;
             }
             for (sum, increment) in multipliers.iter_mut().zip(self.coupled.multiplier_increments()) {
-                *sum += increment.to_array().as_ref()[0];
+                *sum += one(*increment);
             }
         }
     }
@@ -215,25 +210,25 @@ impl Projection {
     /// The gaps of all equations at the start of a step.
     pub(super) fn gaps(&mut self, start: &Start) -> Vec<f64> {
         self.evaluate(start);
-        self.coupled.gaps.iter().map(|gap| gap.to_array().as_ref()[0]).collect()
+        self.coupled.gaps.iter().map(|&gap| one(gap)).collect()
     }
 
     /// The rates of the gaps for velocities of the freedoms, after [`Projection::gaps`].
     pub(super) fn gap_rates(&mut self, mechanism: &Mechanism, start: &Start, velocity: &[f64]) -> Vec<f64> {
         self.evaluate_rates(mechanism, start, velocity);
-        self.coupled.gaps.iter().map(|gap| gap.to_array().as_ref()[0]).collect()
+        self.coupled.gaps.iter().map(|&gap| one(gap)).collect()
     }
 
     /// Number of equations of all closures.
     pub fn row_count(&self) -> usize {
-        self.rows.len()
+        self.coupled.closure_of_row().len()
     }
 
     /// What the multipliers do on the second end of a loop: force (N) and torque [N m] about its point, in the world.
     pub fn loop_wrench(&self, closure: usize, multipliers: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
         let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
         for (row, multiplier) in multipliers.iter().enumerate() {
-            if self.rows[row].closure == closure {
+            if self.coupled.closure_of_row()[row] == closure {
                 let (push, twist) = self.coupled.direction(row);
                 force += Vector3::from(push) * *multiplier;
                 torque += Vector3::from(twist) * *multiplier;
@@ -250,6 +245,11 @@ impl Projection {
         self.solve(start);
         self.coupled.proximal = PROXIMAL;
         let left = self.coupled.left_over.iter();
-        self.rows.iter().zip(left).map(|(row, left)| (row.closure, left.is_nan() || left.abs() <= IMPLIED)).collect()
+        self.coupled
+            .closure_of_row()
+            .iter()
+            .zip(left)
+            .map(|(&closure, left)| (closure, left.is_nan() || left.abs() <= IMPLIED))
+            .collect()
     }
 }

@@ -76,11 +76,22 @@ pub struct Coefficients<V> {
     pub last_weight: f64,
 }
 
+/// The stage (0 is the start) that a lane of a residual stands for, of `active` lanes in use.
+pub fn row_stage(lane: usize, active: usize) -> usize {
+    if lane + 1 == active { 0 } else { lane + 1 }
+}
+
+/// One in the lanes of residuals that have the geometry of their stage, zero in that of the start.
+pub fn moved_rows<V: Lanes>(active: usize) -> V {
+    let moved: Vec<f64> = (0..active).map(|lane| if row_stage(lane, active) == 0 { 0.0 } else { 1.0 }).collect();
+    V::from_slice(&moved)
+}
+
 impl<V: Lanes> Coefficients<V> {
     /// Arranges a tableau in lanes.
     pub fn new(tableau: &Tableau) -> Self {
         let active = tableau.stages - 1;
-        let row_of_lane = |lane: usize| if lane + 1 == active { 0 } else { lane + 1 };
+        let row_of_lane = |lane: usize| row_stage(lane, active);
         let mut residual = [V::zero(); MAX_LANES];
         let mut residual_rest = [V::zero(); MAX_LANES];
         let mut momentum_rest = [V::zero(); MAX_LANES];
@@ -98,7 +109,6 @@ impl<V: Lanes> Coefficients<V> {
             solve[column] = V::from_slice(&rows);
             momentum[column] = V::splat(tableau.momentum_weights[column]);
         }
-        let moved: Vec<f64> = (0..active).map(|lane| if lane + 1 == active { 0.0 } else { 1.0 }).collect();
         Coefficients {
             active,
             residual,
@@ -108,7 +118,7 @@ impl<V: Lanes> Coefficients<V> {
             solve,
             momentum,
             nodes: V::from_slice(&tableau.nodes[1..]),
-            moved: V::from_slice(&moved),
+            moved: moved_rows(active),
             last_weight: tableau.weights[active],
         }
     }

@@ -201,7 +201,7 @@ impl<V: Lanes> Kernel<V> {
     fn iterate_from_guess(&mut self, rule: &StopRule, plain: bool, exact: bool) -> Attempt {
         let (stages, predictor) = (&mut self.stages, &mut self.predictor);
         in_lanes!(V, predictor.guess(stages, plain));
-        if let Some(newton) = &mut self.newton {
+        if exact && let Some(newton) = &mut self.newton {
             newton.begin(&self.stages);
         }
         self.anderson.restart();

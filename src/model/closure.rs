@@ -59,15 +59,29 @@ pub enum LoopKind {
 }
 
 impl LoopKind {
+    /// The axes of a (0 = x, 1 = y, 2 = z) along which the points coincide: the first equations.
+    pub fn slides(self) -> &'static [usize] {
+        match self {
+            LoopKind::Revolute | LoopKind::Universal | LoopKind::Spherical | LoopKind::Fixed => &[0, 1, 2],
+            LoopKind::Prismatic | LoopKind::Cylindrical => &[0, 1],
+            LoopKind::Planar => &[2],
+            LoopKind::Distance(_) => &[],
+        }
+    }
+
+    /// The axes of a and of b that are square to each other: the equations after those.
+    pub fn squares(self) -> &'static [(usize, usize)] {
+        match self {
+            LoopKind::Revolute | LoopKind::Cylindrical | LoopKind::Planar => &[(0, 2), (1, 2)],
+            LoopKind::Prismatic | LoopKind::Fixed => &[(0, 2), (1, 2), (1, 0)],
+            LoopKind::Universal => &[(2, 2)],
+            LoopKind::Spherical | LoopKind::Distance(_) => &[],
+        }
+    }
+
     /// Number of equations.
     pub fn rows(self) -> usize {
-        match self {
-            LoopKind::Fixed => 6,
-            LoopKind::Revolute | LoopKind::Prismatic => 5,
-            LoopKind::Cylindrical | LoopKind::Universal => 4,
-            LoopKind::Spherical | LoopKind::Planar => 3,
-            LoopKind::Distance(_) => 1,
-        }
+        self.slides().len() + self.squares().len() + usize::from(matches!(self, LoopKind::Distance(_)))
     }
 
     /// The name, as scene files write it.

@@ -3,7 +3,7 @@
 use super::Coupled;
 use crate::lobatto::algebra::Vector;
 use crate::lobatto::closure::{EquationValue, evaluate};
-use crate::lobatto::elimination::{Row, TWIST};
+use crate::lobatto::elimination::TWIST;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::start::{Plan, Start};
 
@@ -50,9 +50,9 @@ impl<V: Lanes> Coupled<V> {
         }
     }
 
-    /// The equations of all closures.
-    pub fn rows(&self) -> &[Row] {
-        &self.elimination.rows
+    /// For every equation the closure it belongs to.
+    pub fn closure_of_row(&self) -> &[usize] {
+        &self.elimination.closure_of_row
     }
 
     /// The latest increments of the multipliers.

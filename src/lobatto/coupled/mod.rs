@@ -26,7 +26,7 @@ use super::closure::{EndStart, Equation, EquationValue, Moved, equations};
 use super::elimination::{Elimination, Operation, TWIST};
 use super::front::Fronts;
 use super::lanes::{Lanes, in_lanes};
-use super::stage::{MAX_LANES, Stages};
+use super::stage::{MAX_LANES, Stages, moved_rows, row_stage};
 use super::start::{Plan, Start};
 use super::tableau::Tableau;
 use crate::model::{Attachment, Mechanism};
@@ -102,7 +102,7 @@ impl<V: Lanes> Coupled<V> {
     /// The system of a step of the scheme.
     pub fn of_stages(mechanism: &Mechanism, tableau: &Tableau) -> Self {
         let active = tableau.stages - 1;
-        let row_of_lane = |lane: usize| if lane + 1 == active { 0 } else { lane + 1 };
+        let row_of_lane = |lane: usize| row_stage(lane, active);
         let mut mass = [V::zero(); MAX_LANES];
         let mut solve = [V::zero(); MAX_LANES];
         let mut velocity = [V::zero(); MAX_LANES];
@@ -113,8 +113,7 @@ impl<V: Lanes> Coupled<V> {
             let columns: Vec<f64> = (0..active).map(|k| tableau.a_hat[lane * active + row_of_lane(k)]).collect();
             solve[lane] = V::from_slice(&columns);
         }
-        let moved: Vec<f64> = (0..active).map(|lane| if lane + 1 == active { 0.0 } else { 1.0 }).collect();
-        Self::new(mechanism, Mixing { active, mass, solve, velocity, moved: V::from_slice(&moved) }, true)
+        Self::new(mechanism, Mixing { active, mass, solve, velocity, moved: moved_rows(active) }, true)
     }
 
     /// The system of a projection at one configuration.
@@ -163,7 +162,7 @@ impl<V: Lanes> Coupled<V> {
                 in_joints[spring.coordinate.freedom].stiffness += spring.stiffness;
             }
         }
-        let (bodies, rows) = (mechanism.bodies.len(), elimination.row_count());
+        let (bodies, rows) = (mechanism.bodies.len(), elimination.closure_of_row.len());
         let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
         Coupled {
             fronts: Fronts::new(mixing.active, elimination.slots, elimination.levels),
