@@ -35,12 +35,21 @@ fn integrator(mechanism: &Mechanism, state: &State, duration: f64, way: Way) -> 
 }
 
 /// Runs a scene once; returns CPU and wall time (s).
-fn once(model: &models::Model, duration: f64, way: Way, kept: Option<&[Rule]>, threads: Threads) -> [f64; 2] {
+fn once(
+    model: &models::Model,
+    duration: f64,
+    way: Way,
+    kept: Option<&[Rule]>,
+    smallest: usize,
+    threads: Threads,
+) -> [f64; 2] {
     let (clock, cpu) = (Instant::now(), ProcessTime::now());
     let (mechanism, mut state) = (&model.mechanism, model.state.clone());
     let options = RunOptions { duration, rate: None, interrupt: None };
     // Without a plan at all it is the run as it was before there were rules.
-    let plan = kept.map(|kept| Plan::new(mechanism, &state, kept)).filter(|plan| !plan.is_whole());
+    let plan = kept
+        .map(|kept| Plan::new(mechanism, &state, kept).grouped(mechanism, smallest))
+        .filter(|plan| !plan.is_whole());
     let ended = match plan {
         None => {
             let mut whole = integrator(mechanism, &state, duration, way);
@@ -86,30 +95,39 @@ fn main() {
     println!(
         "medians of {rounds}; whole [ms CPU], islands on one thread over it, [ms wall] whole, islands on two threads over it"
     );
-    let robots = [("double pendulum", models::double_pendulum(), 20.0), ("chain of 10 links", models::chain(10), 1.0)];
+    let robots = [
+        ("double pendulum", models::double_pendulum(), 20.0),
+        ("chain of 10 links", models::chain(10), 1.0),
+        ("chain of 40 links", models::chain(40), 1.0),
+    ];
     for (name, robot, duration) in robots {
         for (label, way) in [("tolerance 1e-6", Way::Tolerance(1e-6)), ("9 stages, 10 ms", Way::Fixed(9, 0.01))] {
             for count in [1, 2, 10] {
                 let model = several(&robot, count);
-                let ways = [(None, 1), (Some(&[][..]), 1), (Some(&[][..]), 2)];
+                let grouped = if let Way::Tolerance(_) = way { 10 } else { 20 };
+                let ways = [
+                    (None, 1, Threads::Exactly(1)),
+                    (Some(&[][..]), 1, Threads::Exactly(1)),
+                    (Some(&[][..]), grouped, Threads::Exactly(1)),
+                    (Some(&[][..]), grouped, Threads::WherePaid),
+                ];
                 let mut times = vec![Vec::new(); ways.len()];
                 for round in 0..rounds {
                     for turn in 0..ways.len() {
                         let index = (turn + round) % ways.len();
-                        let (kept, threads) = ways[index];
-                        times[index].push(once(&model, duration, way, kept, Threads::Exactly(threads)));
+                        let (kept, smallest, threads) = ways[index];
+                        times[index].push(once(&model, duration, way, kept, smallest, threads));
                     }
                 }
-                let of = |index: usize, clock: usize| median(times[index].iter().map(|pair| pair[clock]).collect());
                 let paired = |index: usize, clock: usize| {
                     median(times[index].iter().zip(&times[0]).map(|(own, whole)| own[clock] / whole[clock]).collect())
                 };
                 println!(
-                    "{count:>2} × {name}, {label}: {:.3} ms, {:.3}; {:.3} ms, {:.3}",
-                    1e3 * of(0, 0),
+                    "{count:>2} × {name}, {label}: {:.3} ms, {:.3}, {:.3}; wall {:.3}",
+                    1e3 * median(times[0].iter().map(|pair| pair[0]).collect()),
                     paired(1, 0),
-                    1e3 * of(0, 1),
-                    paired(2, 1)
+                    paired(2, 0),
+                    paired(3, 1)
                 );
             }
         }

@@ -59,7 +59,7 @@ pub struct Report {
     /// Every loop joint at the end of the run.
     #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
     pub loops: Vec<(String, LoopReport)>,
-    /// The islands of the mechanism, if there are several.
+    /// The islands of the mechanism, if there are several; small ones are run together.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub islands: Vec<IslandReport>,
     /// What the user should know about the model and the run.
@@ -178,7 +178,7 @@ pub struct ModelReport {
     pub sleeping_islands: usize,
 }
 
-/// What became of a part of the mechanism that nothing connects with the rest.
+/// What became of a part of the mechanism that nothing connects with the rest, or of several small ones together.
 #[derive(Clone, Debug, Serialize)]
 pub struct IslandReport {
     /// The bodies of it that hang on the world.
@@ -493,7 +493,7 @@ impl fmt::Display for Report {
         match (model.islands, model.sleeping_islands) {
             (0 | 1, 0) => {}
             (1, _) => writeln!(out, "  islands     at rest in equilibrium: not simulated")?,
-            (islands, 0) => writeln!(out, "  islands     {islands}, each with its own steps")?,
+            (islands, 0) => writeln!(out, "  islands     {islands}")?,
             (islands, all) if islands == all => {
                 writeln!(out, "  islands     {islands}, all at rest in equilibrium: not simulated")?
             }

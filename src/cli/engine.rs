@@ -16,6 +16,11 @@ use std::sync::atomic::AtomicBool;
 /// About what a pilot run takes for each body and simulated second (s): no less than that, for want of knowing it.
 const PILOT_SECONDS: f64 = 5e-6;
 
+/// Islands of fewer bodies are run together, where their steps are the same and where each would have its own
+/// (`cargo bench --bench islands`).
+const SMALLEST: usize = 20;
+const SMALLEST_OF_OWN_STEPS: usize = 10;
+
 /// What makes the steps: one integrator for a mechanism that is one and moves, and one for each island otherwise.
 pub enum Engine {
     Whole(Box<Lobatto>),
@@ -39,6 +44,13 @@ impl Engine {
         plan: Plan,
         interrupted: &AtomicBool,
     ) -> Result<(Self, Option<AccuracyReport>), Failure> {
+        let plan = plan.grouped(
+            mechanism,
+            match choice {
+                StepChoice::Fixed { .. } => SMALLEST,
+                StepChoice::Tolerance(_) | StepChoice::Reversible { .. } => SMALLEST_OF_OWN_STEPS,
+            },
+        );
         let make = |mechanism: &Mechanism, state: &State| integrator(mechanism, state, duration, choice, interrupted);
         if plan.is_whole() {
             let (lobatto, accuracy) = make(mechanism, state)?;
@@ -80,7 +92,7 @@ impl Engine {
         }
     }
 
-    /// What each island did; nothing if there is only one.
+    /// What each island, or several that were run together, did; nothing if there is only one.
     pub fn islands(&self) -> Vec<IslandReport> {
         let all: Vec<IslandReport> = match self {
             Engine::Whole(_) => Vec::new(),

@@ -8,7 +8,7 @@
 //!   balances at each island's last step;
 //! - the figures that go with a sample are of that instant, because no step of all islands ends there.
 //!
-//! Islands advance in windows of simulated time, several at once on as many threads as there are. An island sees neither the
+//! Small islands are better run together ([`Plan::grouped`]). Islands advance in windows of simulated time, several at once on as many threads as there are. An island sees neither the
 //! windows nor the others, and the order of putting together is that of time and number; so every result is the same, bit
 //! for bit, whatever the windows and the number of threads.
 
@@ -55,6 +55,37 @@ impl Plan {
             (island, asleep)
         };
         Plan { islands: all.into_iter().map(with_sleep).collect() }
+    }
+
+    /// Puts islands that move and have fewer bodies than `smallest` together until they have as many: a step has a cost of its own,
+    /// which small islands share when they step together. What is left over joins the last that were put together.
+    pub fn grouped(self, mechanism: &Mechanism, smallest: usize) -> Self {
+        let (small, mut parts): (Vec<_>, Vec<_>) =
+            self.islands.into_iter().partition(|(island, asleep)| !asleep && island.mechanism.bodies.len() < smallest);
+        let mut groups: Vec<Vec<Island>> = Vec::new();
+        let mut bodies = smallest;
+        for (island, _) in small {
+            if bodies >= smallest {
+                groups.push(Vec::new());
+                bodies = 0;
+            }
+            bodies += island.mechanism.bodies.len();
+            if let Some(group) = groups.last_mut() {
+                group.push(island);
+            }
+        }
+        if bodies < smallest
+            && groups.len() > 1
+            && let (Some(rest), Some(last)) = (groups.pop(), groups.last_mut())
+        {
+            last.extend(rest);
+        }
+        parts.extend(groups.into_iter().map(|group| match <[Island; 1]>::try_from(group) {
+            Ok([alone]) => (alone, false),
+            Err(group) => (Island::together(mechanism, &group), false),
+        }));
+        parts.sort_by_key(|(island, _)| island.pieces.first().map(|piece| piece.bodies.start));
+        Plan { islands: parts }
     }
 
     /// Whether no rule applies: the mechanism is one, and it moves.

@@ -105,6 +105,28 @@ impl Island {
         Island { mechanism: mechanism.clone(), pieces: vec![piece] }
     }
 
+    /// Several islands of a mechanism as one, to be run together.
+    pub fn together(whole: &Mechanism, islands: &[Island]) -> Self {
+        let mut all: Vec<Piece> = islands.iter().flat_map(|island| island.pieces.clone()).collect();
+        all.sort_by_key(|piece| piece.bodies.start);
+        let mut pieces: Vec<Piece> = Vec::with_capacity(all.len());
+        for piece in all {
+            match pieces.last_mut() {
+                Some(last) if last.bodies.end == piece.bodies.start => {
+                    last.bodies.end = piece.bodies.end;
+                    last.positions.end = piece.positions.end;
+                    last.velocities.end = piece.velocities.end;
+                }
+                _ => pieces.push(piece),
+            }
+        }
+        // The first body is of the first island.
+        let number = usize::from(pieces.first().is_some_and(|piece| piece.bodies.start > 0));
+        let mut of_body = vec![number + 1; whole.bodies.len()];
+        pieces.iter().for_each(|piece| of_body[piece.bodies.clone()].fill(number));
+        Island::cut_out(whole, pieces, &of_body, number)
+    }
+
     fn cut_out(whole: &Mechanism, pieces: Vec<Piece>, of_body: &[usize], number: usize) -> Self {
         let here = |body: usize| of_body[body] == number;
         // What has both ends in the world moves nobody; the first island keeps it.

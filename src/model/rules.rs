@@ -42,7 +42,7 @@ impl Rule {
     /// What it saves, for people.
     pub fn saving(self) -> &'static str {
         match self {
-            Rule::Islands => "each with its own stages and steps, on several cores",
+            Rule::Islands => "each with its own steps, on several cores, small ones together",
             Rule::Sleep => "not simulated",
         }
     }
