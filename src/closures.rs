@@ -8,8 +8,8 @@
 //!     d/dt (d·d − L²)/2L = d · ḋ / L                          [m/s]
 //! ```
 
-use crate::kinematics::WORLD;
-use crate::model::{Attachment, LoopJoint, LoopKind, Mimic};
+use crate::kinematics::{BodyAcceleration, WORLD};
+use crate::model::{Attachment, LoopJoint, LoopKind, Mechanism, Mimic};
 use crate::state::{BodyState, State};
 use nalgebra::{Matrix3, Vector3};
 
@@ -82,9 +82,6 @@ pub fn loop_gaps(joint: &LoopJoint, bodies: &[BodyState]) -> Gaps {
     gaps
 }
 
-/// Linear acceleration of a body's centre of mass [m/s²] and its angular acceleration [rad/s²], in the world.
-pub type BodyAcceleration = (Vector3<f64>, Vector3<f64>);
-
 /// The second derivatives of the equations of a loop joint, for given accelerations of the bodies:
 ///
 /// ```text
@@ -129,6 +126,26 @@ pub fn loop_gap_accelerations(
         push((apart.dot(&acceleration) + rate.norm_squared()) / length);
     }
     (out, count)
+}
+
+/// The second derivatives of the equations of all closures, loops before mimics, for given accelerations of the joints and
+/// of the bodies.
+pub fn gap_accelerations(
+    mechanism: &Mechanism,
+    bodies: &[BodyState],
+    joints: &[f64],
+    accelerations: &[BodyAcceleration],
+    out: &mut [f64],
+) {
+    let mut row = 0;
+    for joint in &mechanism.loops {
+        let (values, count) = loop_gap_accelerations(joint, bodies, accelerations);
+        out[row..row + count].copy_from_slice(&values[..count]);
+        row += count;
+    }
+    for (out, mimic) in out[row..].iter_mut().zip(&mechanism.mimics) {
+        *out = joints[mimic.follower.freedom] - mimic.multiplier * joints[mimic.leader.freedom];
+    }
 }
 
 /// The gap of a mimic relation (rad or m) and its rate.

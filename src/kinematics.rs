@@ -6,7 +6,12 @@
 //! ```
 //!
 //! with the joint's displacement `(t, Rj)`, translation rates `u` [m/s] and rotation rates `w` [rad/s]
-//! ([`crate::model::joint`]).
+//! ([`crate::model::joint`]); and their accelerations, with `r = a − x_p` and `c = a − x`:
+//!
+//! ```text
+//!     ω̇ = ω̇_p + R F_c.R ẇ + ω_p × R F_c.R w
+//!     ẍ = ẍ_p + ω̇_p × r + ω_p × (ω_p × r) + 2 ω_p × R_p F_p.R u + R_p F_p.R u̇ − ω̇ × c − ω × (ω × c)
+//! ```
 
 use crate::model::{FreeRotation, Joint, Mechanism};
 use crate::state::{BodyState, State};
@@ -75,6 +80,41 @@ pub fn forward_kinematics(mechanism: &Mechanism, position: &[f64], velocity: &[f
         let parent = body.parent.map_or(WORLD, |parent| out[parent]);
         let joint = &body.joint;
         out[index] = place(joint, &parent, &position[joint.position_range()], &velocity[joint.velocity_range()]).body;
+    }
+}
+
+/// Linear acceleration of a body's centre of mass [m/s²] and its angular acceleration [rad/s²], in the world.
+pub type BodyAcceleration = (Vector3<f64>, Vector3<f64>);
+
+/// The accelerations of all bodies for those of the joints, written into `accelerations`. Does not allocate.
+pub fn body_accelerations(
+    mechanism: &Mechanism,
+    bodies: &[BodyState],
+    velocity: &[f64],
+    acceleration: &[f64],
+    accelerations: &mut [BodyAcceleration],
+) {
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        let joint = &body.joint;
+        let state = &bodies[index];
+        let (parent, (parent_linear, parent_angular)) =
+            body.parent.map_or((WORLD, Default::default()), |parent| (bodies[parent], accelerations[parent]));
+        let frame_on_parent = parent.rotation * joint.on_parent.rotation.matrix();
+        let frame_on_child = state.rotation * joint.on_child.rotation.matrix();
+        let (slide, turn) = joint_rates(joint, &velocity[joint.velocity_range()]);
+        let (slide_rate, turn_rate) = joint_rates(joint, &acceleration[joint.velocity_range()]);
+        let arm_on_child = state.rotation * joint.on_child.translation.vector;
+        let arm_on_parent = state.position + arm_on_child - parent.position;
+        let angular =
+            parent_angular + frame_on_child * turn_rate + parent.angular_velocity.cross(&(frame_on_child * turn));
+        let linear = parent_linear
+            + parent_angular.cross(&arm_on_parent)
+            + parent.angular_velocity.cross(&parent.angular_velocity.cross(&arm_on_parent))
+            + 2.0 * parent.angular_velocity.cross(&(frame_on_parent * slide))
+            + frame_on_parent * slide_rate
+            - angular.cross(&arm_on_child)
+            - state.angular_velocity.cross(&state.angular_velocity.cross(&arm_on_child));
+        accelerations[index] = (linear, angular);
     }
 }
 

@@ -10,13 +10,13 @@
 //! unique; the one with the least `Σ s μ²` is taken, s the mobility of each equation, and what a joint of a loop carries
 //! then depends on that choice as it does on nature's.
 
-use crate::closures::{BodyAcceleration, loop_gap_accelerations};
+use crate::closures::gap_accelerations;
 use crate::forces::total::{BodyWrench, body_wrenches};
-use crate::kinematics::{WORLD, forward_kinematics};
+use crate::kinematics::{BodyAcceleration, WORLD, body_accelerations, forward_kinematics};
 use crate::lobatto::projection::Projection;
 use crate::lobatto::start::Start;
 use crate::model::Mechanism;
-use crate::reduced::{Reaction, ReducedOde, body_accelerations, reactions_under};
+use crate::reduced::{Reaction, ReducedOde, reactions_under};
 use crate::state::{BodyState, State};
 use nalgebra::Vector3;
 
@@ -79,15 +79,7 @@ impl<'m> Reactions<'m> {
             start.set(mechanism, state);
             projection.accelerations(start, &mut self.accelerations, multipliers, |joints, out| {
                 body_accelerations(mechanism, bodies, velocity, joints, &mut accelerations);
-                let mut row = 0;
-                for joint in &mechanism.loops {
-                    let (values, count) = loop_gap_accelerations(joint, bodies, &accelerations);
-                    out[row..row + count].copy_from_slice(&values[..count]);
-                    row += count;
-                }
-                for (out, mimic) in out[row..].iter_mut().zip(&mechanism.mimics) {
-                    *out = joints[mimic.follower.freedom] - mimic.multiplier * joints[mimic.leader.freedom];
-                }
+                gap_accelerations(mechanism, bodies, joints, &accelerations, out);
             });
         }
         body_accelerations(mechanism, bodies, velocity, &self.accelerations, &mut accelerations);

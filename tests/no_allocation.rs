@@ -1,5 +1,6 @@
 //! A step allocates nothing on the heap.
 
+mod closed;
 mod models;
 
 use catena::lobatto::Lobatto;
@@ -13,7 +14,7 @@ static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 // One test in this file: another one on another thread would be counted too.
 #[test]
-fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_and_any_force() {
+fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_loops() {
     let mut all =
         vec![models::double_pendulum(), models::floating_tree(), models::slow_heavy_top(), models::free_body()];
     all.extend([JointKind::Planar, JointKind::Prismatic].map(models::one_joint));
@@ -21,6 +22,9 @@ fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_and_any_force()
         let every_force = models::every_force(&model.mechanism).pop().unwrap().1;
         models::with_forces(model, every_force)
     }));
+    all.extend(
+        [closed::four_bars(2, 5), closed::bricard()].map(|(mechanism, state)| models::Model { mechanism, state }),
+    );
     for model in all {
         let mechanism = &model.mechanism;
         let integrators = [2, 5, 9]

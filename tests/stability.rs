@@ -1,20 +1,23 @@
 //! Where the scheme becomes unstable, and that it is known how near a step is to it.
 
+mod closed;
 mod common;
 mod models;
 
+use catena::forces::{JointDamper, JointSpring, PointSpring};
 use catena::invariants::energy;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::lobatto::dynamics::Dynamics;
-use catena::lobatto::stability::{Fastest, limit};
+use catena::lobatto::linearised::Linearised;
+use catena::lobatto::stability::{Fastest, damped_limit, limit};
 use catena::lobatto::start::{Plan, Start};
 use catena::lobatto::tableau::Tableau;
 use catena::model::Mechanism;
-use catena::model::{Joint, JointKind, ModelOptions};
+use catena::model::{Coordinate, Joint, JointKind, ModelOptions, Pose};
 use catena::reduced::ReducedOde;
 use catena::scene::{PackagePath, read_urdf};
-use catena::simulation::Integrator;
+use catena::simulation::{Integrator, StepError};
 use catena::state::{BodyState, State};
 use common::shared;
 use models::Model;
@@ -264,4 +267,145 @@ fn a_fixed_step_beyond_the_limit_is_named_and_a_chosen_one_stays_below() {
         println!("{chosen:?}");
         assert!(ended.is_none() && chosen.product < 0.9 * chosen.limit, "tolerance {tolerance}: {chosen:?}");
     }
+}
+
+/// A hinge with a rod of 1 m and 1 kg, and what acts in it.
+fn rod_on_a_hinge(stiffness: f64, damping: f64) -> Model {
+    let joint = Joint::new("hinge", JointKind::Revolute, Pose::identity(), Pose::translation(-0.5, 0.0, 0.0));
+    let rod = models::body("rod", None, 1.0, Vector3::new(0.0, 1.0 / 12.0, 1.0 / 12.0), joint);
+    let mut mechanism = Mechanism::new("rod", Vector3::zeros(), vec![rod]).unwrap();
+    let coordinate = Coordinate { body: 0, position: 0, freedom: 0 };
+    mechanism.forces.joint_springs.push(JointSpring { coordinate, stiffness, rest: 0.0 });
+    mechanism.forces.joint_dampers.push(JointDamper { freedom: 0, coefficient: damping });
+    let mut state = State::zero(&mechanism);
+    state.position[0] = 0.3;
+    Model { mechanism, state }
+}
+
+fn mode(model: &Model, iterations: usize) -> catena::lobatto::stability::Mode {
+    Linearised::new(&model.mechanism).estimate(&model.mechanism, &model.state, iterations)
+}
+
+#[test]
+fn the_mode_of_a_spring_with_a_damper_is_that_of_the_textbook() {
+    for (stiffness, damping) in [(1e3, 0.0), (1e3, 2.0), (1e12, 3e4), (1e-3, 1.0)] {
+        let found = mode(&rod_on_a_hinge(stiffness, damping), 2);
+        let inertia = 1.0_f64 / 3.0;
+        let frequency = (stiffness / inertia).sqrt();
+        // Differences of relative step 1e-6 of a linear function.
+        assert!((found.frequency / frequency - 1.0).abs() < 1e-8, "{found:?}, {frequency}");
+        let ratio = 0.5 * damping / (inertia * frequency);
+        assert!((found.damping - ratio).abs() <= 1e-8 * ratio, "{found:?}, {ratio}");
+    }
+}
+
+#[test]
+fn without_forces_the_mode_is_that_of_the_geometric_stiffness_alone() {
+    // In equilibrium, hanging and upright: elsewhere the one holds the accelerations of the bodies and the other the rates of
+    // the joints.
+    for angle in [0.0, std::f64::consts::PI] {
+        let mut model = taut_chain();
+        model.state.velocity.fill(0.0);
+        model.state.position.copy_from_slice(&[angle, 0.0, 0.0]);
+        let (plan, start) = start_of(&model.mechanism, &model.state);
+        let mut dynamics = Dynamics::new(&plan, model.mechanism.velocity_count);
+        let mut fastest = Fastest::new(model.mechanism.velocity_count);
+        let expected = fastest.estimate(&mut dynamics, &plan, &start, &model.mechanism.gravity.into(), 100);
+        let found = mode(&model, 100).frequency;
+        // Nine digits of differences, some of them lost to the light links.
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found}, {expected}");
+    }
+}
+
+#[test]
+fn the_mode_of_a_closed_mechanism_is_that_of_its_free_motion() {
+    // A parallelogram of three rods hanging straight down and up again: the cranks swing together, the coupler does not turn.
+    let (mut mechanism, mut state) = closed::four_bars(1, 5);
+    state.velocity.fill(0.0);
+    // Upright it falls with (l/2 + l + l/2) m g on 2 m l²/3 + m l², the rods' 1 kg, 1 m.
+    let gravity: f64 = 2.0 * 9.81 / (5.0 / 3.0);
+    let found = mode(&Model { mechanism: mechanism.clone(), state: state.clone() }, 4);
+    assert!((found.frequency / gravity.sqrt() - 1.0).abs() < 1e-6 && found.damping == 0.0, "{found:?}");
+    let coordinate = Coordinate { body: 0, position: 0, freedom: 0 };
+    mechanism.forces.joint_springs.push(JointSpring { coordinate, stiffness: 5e4, rest: 0.0 });
+    let found = mode(&Model { mechanism, state }, 4);
+    let frequency = (5e4 / (5.0 / 3.0) - gravity).sqrt();
+    assert!((found.frequency / frequency - 1.0).abs() < 1e-6, "{found:?} {frequency}");
+}
+
+#[test]
+fn a_spring_beyond_the_limit_is_named_from_the_first_step_and_chosen_steps_stay_below_it() {
+    // 30 rad at a step of 0.1 s without a damper, and 45 with a light one: beyond the limit of 9 stages in both cases.
+    for (stiffness, damping) in [(3e4, 0.0), (6.8e4, 3.0)] {
+        let model = rod_on_a_hinge(stiffness, damping);
+        let mut state = model.state.clone();
+        let mut lobatto = Lobatto::fixed(&model.mechanism, 9, 0.1).unwrap();
+        let ended = lobatto.advance(&model.mechanism, &mut state, 0.1);
+        let seen = lobatto.description().frequency_step;
+        assert!(
+            seen.is_some_and(|seen| seen.is_unstable()) || matches!(ended, Err(StepError::Unstable { .. })),
+            "{seen:?} {ended:?}"
+        );
+        for tolerance in [1e-2, 1e-6] {
+            let mut state = model.state.clone();
+            let mut lobatto = Lobatto::adaptive(&model.mechanism, tolerance);
+            while state.time < 1.0 {
+                lobatto.advance(&model.mechanism, &mut state, 1.0).unwrap();
+            }
+            let seen = lobatto.description().frequency_step.unwrap();
+            assert!(!seen.is_unstable(), "tolerance {tolerance}: {seen:?}");
+        }
+    }
+}
+
+#[test]
+fn a_damped_spring_is_stable_just_below_its_limit_and_grows_just_above() {
+    for stages in [3, 5, 9] {
+        let tableau = Tableau::new(stages).unwrap();
+        for ratio in [0.02, 0.1, 0.5] {
+            let limit = damped_limit(&tableau, ratio);
+            let growth = |product: f64| {
+                let frequency = 100.0;
+                let inertia = 1.0 / 3.0;
+                let mut model = rod_on_a_hinge(inertia * frequency * frequency, 2.0 * ratio * frequency * inertia);
+                model.state.position[0] = 1e-6;
+                let step = product / frequency;
+                let mut lobatto = Lobatto::fixed(&model.mechanism, stages, step).unwrap();
+                let mut largest = [0.0_f64; 2];
+                for index in 0..600 {
+                    let until = model.state.time + step;
+                    if lobatto.advance(&model.mechanism, &mut model.state, until).is_err() {
+                        return f64::INFINITY;
+                    }
+                    let half = &mut largest[index / 300];
+                    *half = half.max(model.state.position[0].abs());
+                }
+                largest[1] / largest[0]
+            };
+            // Found in strides of 0.05; for ½ and more the least limit of all such ratios stands for them, and the true one of ½ lies higher.
+            assert!(growth(0.99 * limit) < 1.0, "{stages} stages, ratio {ratio}: grows below {limit}");
+            if ratio < 0.5 {
+                let grows = (1..=6).any(|hundredths| growth(limit + 0.01 * f64::from(hundredths)) > 1.0);
+                assert!(grows, "{stages} stages, ratio {ratio}: stable above {limit}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_hard_damper_is_not_taken_for_a_spring() {
+    // Its force turns with its line, by 1e10 N s/m times the velocity across it: no spring, since it pulls nothing back.
+    let mut model = rod_on_a_hinge(0.0, 0.0);
+    model.mechanism.gravity = models::gravity();
+    model.mechanism.forces.point_springs.push(PointSpring {
+        name: "damper".to_string(),
+        a: models::point_of(None, [0.8, 0.0, 1.0]),
+        b: models::point_of(Some(0), [0.5, 0.0, 0.0]),
+        stiffness: 0.0,
+        damping: 1e10,
+        rest_length: 1.0,
+    });
+    model.state.velocity[0] = 2.0;
+    let found = mode(&model, 4);
+    assert!(found.frequency < 10.0, "{found:?}");
 }

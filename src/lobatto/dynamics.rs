@@ -10,7 +10,8 @@
 //!     z·T = 0,   t·F = 0                                         for every free rotation z and translation t
 //! ```
 //!
-//! The joint accelerations `q̈` follow from the last line by the articulated recursion. With the wrenches of all bodies
+//! The joint accelerations `q̈` follow from the last line by the articulated recursion; applied wrenches are taken off `f` and
+//! `T` of their bodies, and efforts τ in the joints stand in place of the zeros. With the wrenches of all bodies
 //! held fast, a displacement with the twist `(α, ψ)` of each body changes that line by `K δq`, the geometric stiffness:
 //!
 //! ```text
@@ -21,9 +22,10 @@
 //! and in time the same line, differentiated as it stands, gives the rates of the accelerations.
 
 use super::algebra::{Matrix, Symmetric, Vector};
-use super::articulated::{Articulated, Eliminated};
+use super::articulated::{Articulated, Eliminated, Push};
 use super::lanes::{Lanes, Portable};
 use super::start::{BodyPlan, BodyStart, Plan, Start};
+use crate::forces::total::BodyWrench;
 use crate::model::FreeRotation;
 use nalgebra::{Matrix3, Vector3};
 
@@ -69,10 +71,14 @@ pub struct Dynamics {
     /// What wrenches change by, leaf to root.
     changes: Vec<Pair>,
     accelerations: Vec<f64>,
+    /// Applied to each body: force (N), and torque about its anchor [N m].
+    wrenches: Vec<Pair>,
+    /// In the joints along each degree of freedom [N m or N].
+    efforts: Vec<f64>,
 }
 
 impl Dynamics {
-    /// Room for a mechanism.
+    /// Room for a mechanism on which nothing acts but gravity.
     pub fn new(plan: &Plan, freedoms: usize) -> Self {
         let count = plan.bodies.len();
         Dynamics {
@@ -82,12 +88,27 @@ impl Dynamics {
             pairs: vec![Pair::default(); count],
             changes: vec![Pair::default(); count],
             accelerations: vec![0.0; freedoms],
+            wrenches: vec![Pair::default(); count],
+            efforts: vec![0.0; freedoms],
         }
+    }
+
+    /// Applies wrenches about the centres of mass of the bodies at `start`, and efforts in the joints, from now on.
+    pub fn apply(&mut self, start: &Start, wrenches: &[BodyWrench], efforts: &[f64]) {
+        for ((own, known), (force, torque)) in self.wrenches.iter_mut().zip(&start.bodies).zip(wrenches) {
+            *own = (*force, torque + Vector3::from(known.com).cross(force));
+        }
+        self.efforts.copy_from_slice(efforts);
     }
 
     /// Second derivative of every degree of freedom at the instant of the last [`Dynamics::set`].
     pub fn accelerations(&self) -> &[f64] {
         &self.accelerations
+    }
+
+    /// The same, to be corrected for closures.
+    pub fn accelerations_mut(&mut self) -> &mut [f64] {
+        &mut self.accelerations
     }
 
     /// Takes an instant: factors the joint-space inertia `H` and finds accelerations and wrenches.
@@ -101,16 +122,18 @@ impl Dynamics {
             body.angular = parent.angular + spin.cross(&turn);
             body.linear = parent.linear + parent.angular.cross(&arm) + spin.cross(&(spin.cross(&arm) + 2.0 * slide));
             let (force, torque, _) = body_wrench(own, known, body, &gravity);
+            let (force, torque) = (force - self.wrenches[index].0, torque - self.wrenches[index].1);
             self.inertias[index] = body_inertia(own, known, force, torque);
         }
         for (index, own) in plan.bodies.iter().enumerate().rev() {
             let total = &mut self.inertias[index];
             for freedom in freedoms(own).rev() {
                 let axis = Vector::splat(&start.axes[freedom]);
+                let push = Some(Push { effort: lane(self.efforts[freedom]), inertia: lane(0.0) });
                 let (size, left) = if freedom < own.first_axis + own.translations {
-                    (axis.dot(total.mass.apply(axis)), total.eliminate_translation(axis, None))
+                    (axis.dot(total.mass.apply(axis)), total.eliminate_translation(axis, push))
                 } else {
-                    (axis.dot(total.inertia.apply(axis)), total.eliminate_rotation(axis, None))
+                    (axis.dot(total.inertia.apply(axis)), total.eliminate_rotation(axis, push))
                 };
                 let Eliminated { force_ratio, torque_ratio, bias, .. } = left;
                 self.accelerations[freedom] = scalar(bias);
@@ -134,6 +157,8 @@ impl Dynamics {
             body.linear += linear;
             body.angular += angular;
             (body.own, body.torque, body.turn) = body_wrench(own, known, body, &gravity);
+            body.own -= self.wrenches[index].0;
+            body.torque -= self.wrenches[index].1;
             body.force = body.own;
         }
         for (index, own) in plan.bodies.iter().enumerate().rev() {

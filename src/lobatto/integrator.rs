@@ -166,7 +166,7 @@ impl Lobatto {
         Lobatto {
             kernel: step_for(mechanism, &tableau, isa),
             dense: DenseRule::new(&tableau),
-            watch: Watch::new(&tableau),
+            watch: Watch::new(&tableau, !mechanism.forces.is_empty()),
             tableau,
             ranks: Ranks::default(),
             closing: mechanism.has_closures().then(|| Closing::new(mechanism)),
@@ -194,7 +194,7 @@ impl Lobatto {
     }
 
     /// Accepts the finished step of length `step`: moves `state` to its end, at time `time`.
-    fn accept(&mut self, state: &mut State, step: f64, time: f64) {
+    fn accept(&mut self, mechanism: &Mechanism, state: &mut State, step: f64, time: f64) {
         if let Some(redundant) = self.kernel.redundant() {
             self.ranks.see(redundant, time);
         }
@@ -207,14 +207,14 @@ impl Lobatto {
         self.stepped_time += step;
         self.left_at = Some(time);
         if let Some(iterations) = self.watch.due() {
-            self.look(iterations, step, time);
+            self.look(mechanism, state, iterations, step);
         }
     }
 
     /// Looks how near a step of this length is to the limit of stability.
-    fn look(&mut self, iterations: usize, step: f64, time: f64) {
-        let frequency = self.kernel.frequency(iterations);
-        self.watch.see(frequency, step, time);
+    fn look(&mut self, mechanism: &Mechanism, state: &State, iterations: usize, step: f64) {
+        let mode = self.kernel.fastest_mode(mechanism, state, iterations);
+        self.watch.see(mode, step, state.time);
     }
 
     /// Why a step failed: because of its length alone, if that is beyond the limit of stability.
@@ -256,14 +256,14 @@ impl Lobatto {
                         }
                         outcome.exchange = self.kernel.exchange();
                         finite(mechanism, &self.end, length)?;
-                        self.accept(state, length, if halving == 0 { target } else { state.time + length });
+                        self.accept(mechanism, state, length, if halving == 0 { target } else { state.time + length });
                         return Ok(outcome);
                     }
                     failure => {
                         outcome.iterations += failure.iterations();
                         outcome.rejected += 1;
                         if halving == 0 && plain {
-                            self.look(self.watch.iterations_after_failure(), length, state.time);
+                            self.look(mechanism, state, self.watch.iterations_after_failure(), length);
                         }
                         if halving == HALVINGS && plain {
                             return Err(self.failure(mechanism, state.time, length, &failure));
@@ -305,7 +305,7 @@ impl Lobatto {
                     finite(mechanism, &self.end, length)?;
                     outcome.step = length;
                     outcome.exchange = self.kernel.exchange();
-                    self.accept(state, length, if reaches { until } else { state.time + length });
+                    self.accept(mechanism, state, length, if reaches { until } else { state.time + length });
                     if let Mode::Adaptive(control) = &mut self.mode {
                         control.keep_below(self.watch.safe_step());
                     }
@@ -348,7 +348,7 @@ impl Lobatto {
                     self.finish(mechanism, state);
                     finite(mechanism, &self.end, length)?;
                     outcome.step = length;
-                    self.accept(state, length, if reaches { until } else { state.time + length });
+                    self.accept(mechanism, state, length, if reaches { until } else { state.time + length });
                     // A step that was cut off at the end of the run says nothing about the next.
                     if let (false, Mode::Reversible(rule), Some(pace)) = (reaches, &mut self.mode, self.kernel.pace()) {
                         rule.follow(&pace);
@@ -360,7 +360,7 @@ impl Lobatto {
                 if plain {
                     rule.fail();
                     halvings += 1;
-                    self.look(self.watch.iterations_after_failure(), length, state.time);
+                    self.look(mechanism, state, self.watch.iterations_after_failure(), length);
                     if halvings > HALVINGS {
                         return Err(self.failure(mechanism, state.time, length, &attempt));
                     }

@@ -2,8 +2,8 @@
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`] (the loop of one step), [`start`], [`stage`] (poses of all
 //! stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations
-//! and their solve), [`anderson`], [`predictor`], [`dense`], [`control`] and [`reversible`] (step length), [`stability`]
-//! and [`dynamics`] (what they need to know), [`integrator`] (steps strung together); for closed loops [`newton`],
+//! and their solve), [`anderson`], [`predictor`], [`dense`], [`control`] and [`reversible`] (step length), [`stability`],
+//! [`dynamics`] and [`linearised`] (what they need to know), [`integrator`] (steps strung together); for closed loops [`newton`],
 //! [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`] and [`assembly`]; [`literal`] is the scheme word
 //! for word, the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
@@ -25,6 +25,7 @@ pub mod front;
 pub mod integrator;
 pub mod lanes;
 pub mod limits;
+pub mod linearised;
 pub mod literal;
 mod literal_constraints;
 mod literal_forces;

@@ -40,6 +40,8 @@ pub struct Projection {
     increment: Vec<One>,
     displacement: Vec<One>,
     correction: Vec<f64>,
+    /// Second derivatives of the gaps.
+    curvatures: Vec<f64>,
 }
 
 /// How far a projection got.
@@ -56,8 +58,10 @@ pub struct Projected {
 impl Projection {
     /// The workspace for a mechanism.
     pub fn new(mechanism: &Mechanism) -> Self {
+        let coupled = Coupled::of_one(mechanism);
         Projection {
-            coupled: Coupled::of_one(mechanism),
+            curvatures: vec![0.0; coupled.closure_of_row().len()],
+            coupled,
             plan: Plan::new(mechanism),
             increment: vec![One::zero(); mechanism.velocity_count],
             displacement: vec![One::zero(); mechanism.velocity_count],
@@ -170,7 +174,7 @@ impl Projection {
     }
 
     /// Corrects joint accelerations for what the closures forbid, `H da = Jᵀ μ`, `J a + J̇ v = 0`, where `second_derivatives`
-    /// writes the second derivatives of all equations for accelerations; sums μ [N or N m] in `multipliers`.
+    /// writes the second derivatives of all equations for accelerations; sums μ [N or N m] in `multipliers`. Does not allocate.
     pub fn accelerations(
         &mut self,
         start: &Start,
@@ -180,11 +184,10 @@ impl Projection {
     ) {
         self.evaluate(start);
         multipliers.fill(0.0);
-        let mut out = vec![0.0; self.coupled.closure_of_row().len()];
         let mut last = f64::INFINITY;
         for _ in 0..ROUNDS {
-            second_derivatives(acceleration, &mut out);
-            for (gap, &value) in self.coupled.gaps.iter_mut().zip(&out) {
+            second_derivatives(acceleration, &mut self.curvatures);
+            for (gap, &value) in self.coupled.gaps.iter_mut().zip(&self.curvatures) {
                 *gap = One::splat(value);
             }
             let (gap, _) = self.largest_gap();

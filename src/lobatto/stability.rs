@@ -10,6 +10,15 @@
 //! and beyond that no solver helps: the fastest mode grows by `(hω)²` a step. There are gaps, in which |t| exceeds 1 by
 //! so little that nothing grows before the motion has left them; those below 1 + 10⁻³ are passed over here.
 //!
+//! With a damper of ratio ζ, `y″ = −ω² y − 2ζω y′`, forces enter at all stages and the step is stable further than that:
+//!
+//! ```text
+//!     F = −ω² Y − 2ζω V,   V = v₀ + h Ā F,   Y = y₀ + h A V,   y₁ = y₀ + h bᵀV,   v₁ = v₀ + h bᵀF
+//! ```
+//!
+//! while no eigenvalue of `(y₀, v₀) → (y₁, v₁)` exceeds 1 in size; for ζ ≥ ½ up to `(s − 1) √(2s)`, which is where the limit for
+//! ζ → ∞ is found to lie, and the least for such ζ within 2·10⁻³ (benches/README.md).
+//!
 //! The largest ω of a mechanism at an instant is that of `H δq̈ + K δq = 0` with the joint-space inertia and the geometric
 //! stiffness of [`super::dynamics`]. With `w = H⁻¹ K v` the power iteration finds it from below,
 //!
@@ -18,13 +27,14 @@
 //! ```
 //!
 //! because `H⁻¹ K` is symmetric in the scalar product of H. Negative eigenvalues (an inverted pendulum) count by their size.
-//! The direction is kept from instant to instant, so that one iteration now and then follows the mode.
+//! The direction is kept from instant to instant, so that one iteration now and then follows the mode. With forces and
+//! closures [`super::linearised`] does the same.
 
 use super::dynamics::Dynamics;
 use super::start::{Plan, Start};
 use super::tableau::{MAXIMUM_STAGES, Tableau};
 use crate::simulation::FrequencyStep;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix2};
 use std::sync::OnceLock;
 
 /// Excess of |t| over 1 that is passed over.
@@ -69,16 +79,83 @@ fn half_trace(tableau: &Tableau, frequency: f64) -> f64 {
     1.0 - entry(unknowns, 0) - (0..unknowns).map(|k| entry(unknowns, k + 1) * stages[k]).sum::<f64>()
 }
 
+/// Damping ratios for which limits are found.
+const RATIOS: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
+
+/// The largest hω up to which steps of this scheme are stable for a mode: found for the next lower of some damping
+/// ratios, because the limit grows with it up to ½, and only where the mode comes near to what is stable without damping.
+fn limit_for(tableau: &Tableau, product: f64, damping: f64) -> f64 {
+    static LIMITS: [[OnceLock<f64>; RATIOS.len()]; MAXIMUM_STAGES + 1] =
+        [const { [const { OnceLock::new() }; RATIOS.len()] }; MAXIMUM_STAGES + 1];
+    let undamped = limit(tableau);
+    let Some(ratio) = RATIOS.iter().rposition(|&ratio| ratio <= damping).filter(|_| product > NEAR * undamped) else {
+        return undamped;
+    };
+    *LIMITS[tableau.stages][ratio].get_or_init(|| damped_limit(tableau, RATIOS[ratio]))
+}
+
+/// The largest hω up to which steps of this scheme are stable for `y″ = −ω² y − 2ζω y′`; not less than without damping.
+pub fn damped_limit(tableau: &Tableau, ratio: f64) -> f64 {
+    let undamped = limit(tableau);
+    let stages = tableau.stages as f64;
+    let hard = (stages - 1.0) * (2.0 * stages).sqrt();
+    if ratio >= 0.5 {
+        return hard;
+    }
+    // What is unstable for less than this is passed in few steps, and grows by less than what follows.
+    const STRIDE: f64 = 0.05;
+    let mut frequency = undamped;
+    while frequency < hard && growth(tableau, frequency + STRIDE, ratio) <= 1.0 {
+        frequency += STRIDE;
+    }
+    frequency
+}
+
+/// Growth of the solutions of `y″ = −ω² y − 2ζω y′` in one step with h = 1: the spectral radius of the step.
+fn growth(tableau: &Tableau, omega: f64, ratio: f64) -> f64 {
+    let s = tableau.stages;
+    let (stiffness, damping) = (omega * omega, 2.0 * ratio * omega);
+    let a = DMatrix::from_row_slice(s, s, &tableau.a);
+    let a_bar = DMatrix::from_row_slice(s, s, &tableau.a_bar);
+    let weights = DVector::from_column_slice(&tableau.weights);
+    let ones = DVector::from_element(s, 1.0);
+    let along = &a * &ones;
+    let system = (DMatrix::identity(s, s) + &a * &a_bar * stiffness + &a_bar * damping).lu();
+    let (Some(by_position), Some(by_velocity)) =
+        (system.solve(&(&ones * -stiffness)), system.solve(&(along * -stiffness - &ones * damping)))
+    else {
+        return f64::INFINITY;
+    };
+    let step = Matrix2::new(
+        1.0 + weights.dot(&(&a_bar * &by_position)),
+        1.0 + weights.dot(&(&a_bar * &by_velocity)),
+        weights.dot(&by_position),
+        1.0 + weights.dot(&by_velocity),
+    );
+    step.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+}
+
 /// Steps between two looks at the frequency, each of which costs about half a step.
 const INTERVAL: usize = 40;
-/// Steps between two looks where a step is more than half as long as it may be.
+/// Part of the limit from where a step is near to it.
+const NEAR: f64 = 0.5;
+/// Steps between two looks where a step is near to the limit.
 const CLOSE_INTERVAL: usize = 8;
 /// Part of the limit that chosen steps keep to.
 const SAFE: f64 = 0.8;
 
+/// A mode of the linearised motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mode {
+    /// ω [rad/s].
+    pub frequency: f64,
+    /// ζ.
+    pub damping: f64,
+}
+
 /// When to look at the frequency, and what has been seen.
 pub struct Watch {
-    limit: f64,
+    tableau: Tableau,
     /// Steps until the next look.
     wait: usize,
     latest: Option<FrequencyStep>,
@@ -86,9 +163,13 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// A watch for a scheme. The first look is after some steps, because a run of few steps has no time for it.
-    pub fn new(tableau: &Tableau) -> Self {
-        Watch { limit: limit(tableau), wait: CLOSE_INTERVAL, latest: None, nearest: None }
+    /// A watch for a scheme. The first look is after some steps, because a run of few steps has no time for it; with `forces`
+    /// at once, because springs may leave nothing to look at after a few.
+    pub fn new(tableau: &Tableau, forces: bool) -> Self {
+        let wait = if forces { 1 } else { CLOSE_INTERVAL };
+        // Found here, so that no step has to.
+        limit(tableau);
+        Watch { tableau: tableau.clone(), wait, latest: None, nearest: None }
     }
 
     /// Counts an accepted step; returns the number of power iterations to look with, if it is time to.
@@ -107,12 +188,13 @@ impl Watch {
         4
     }
 
-    /// Takes a look: the frequency at `time`, if it can be known, where steps of `step` are being made.
-    pub fn see(&mut self, frequency: Option<f64>, step: f64, time: f64) {
+    /// Takes a look: the fastest mode at `time`, where steps of `step` are being made.
+    pub fn see(&mut self, mode: Mode, step: f64, time: f64) {
         self.wait = INTERVAL;
-        let Some(frequency) = frequency else { return };
-        let seen = FrequencyStep { product: step * frequency, limit: self.limit, step, time };
-        if seen.product > 0.5 * self.limit {
+        let product = step * mode.frequency;
+        let limit = limit_for(&self.tableau, product, mode.damping);
+        let seen = FrequencyStep { product, limit, step, time };
+        if product > NEAR * limit {
             self.wait = CLOSE_INTERVAL;
         }
         self.latest = Some(seen);
@@ -138,7 +220,12 @@ impl Watch {
     }
 }
 
-/// Follows the frequency of the fastest mode.
+/// A direction that has a part in every mode: these numbers have no symmetry of a mechanism.
+pub(super) fn first_guess(freedom: usize) -> f64 {
+    (1.0 + 2.4 * freedom as f64).cos()
+}
+
+/// Follows the frequency of the fastest mode of a tree under gravity.
 pub struct Fastest {
     /// The mode.
     direction: Vec<f64>,
@@ -155,9 +242,8 @@ impl Fastest {
 
     /// Forgets the mode.
     fn restart(&mut self) {
-        // Any direction will do that has a part in every mode; these numbers have no symmetry of a mechanism.
         for (freedom, value) in self.direction.iter_mut().enumerate() {
-            *value = (1.0 + 2.4 * freedom as f64).cos();
+            *value = first_guess(freedom);
         }
     }
 

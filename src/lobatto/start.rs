@@ -164,6 +164,11 @@ impl Start {
         }
     }
 
+    /// Poses and velocities of all bodies.
+    pub fn body_states(&self) -> &[BodyState] {
+        &self.states
+    }
+
     /// Pose and velocity of a body.
     pub fn body_state(&self, body: usize) -> &BodyState {
         &self.states[body]

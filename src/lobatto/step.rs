@@ -17,11 +17,12 @@
 use super::anderson::Anderson;
 use super::dynamics::Dynamics;
 use super::lanes::{Lanes, in_lanes};
+use super::linearised::Linearised;
 use super::newton::Newton;
 use super::predictor::Predictor;
 use super::projection::Projection;
 use super::reversible::Pace;
-use super::stability::Fastest;
+use super::stability::{Fastest, Mode};
 use super::stage::{MAX_TURN, Stages};
 use super::start::Start;
 use super::tableau::Tableau;
@@ -115,9 +116,8 @@ pub trait Step: Send {
     fn accept(&mut self);
     /// Displacement of a degree of freedom at the stages 2 … s of the last solved step.
     fn displacement(&self, freedom: usize, stages: &mut [f64]);
-    /// Frequency of the fastest mode at the start of the step, from some power iterations [rad/s]; `None` where forces and
-    /// loops play a part that the estimate does not know.
-    fn frequency(&mut self, iterations: usize) -> Option<f64>;
+    /// The fastest mode at `state`, the start of the step, from some power iterations.
+    fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode;
     /// Pace of the motion at the start of the step; `None` where forces and loops play a part that it does not know.
     fn pace(&mut self) -> Option<Pace>;
     /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length.
@@ -150,6 +150,8 @@ pub struct Kernel<V: Lanes> {
     /// What steers the steps, for plain trees.
     dynamics: Option<Dynamics>,
     fastest: Fastest,
+    /// What looks at the fastest mode of all others.
+    linearised: Option<Box<Linearised>>,
 }
 
 impl<V: Lanes> Kernel<V> {
@@ -159,6 +161,7 @@ impl<V: Lanes> Kernel<V> {
         Kernel {
             dynamics: mechanism.is_plain_tree().then(|| Dynamics::new(&stages.plan, mechanism.velocity_count)),
             fastest: Fastest::new(mechanism.velocity_count),
+            linearised: (!mechanism.is_plain_tree()).then(|| Box::new(Linearised::new(mechanism))),
             stages,
             anderson: Anderson::new(mechanism.velocity_count),
             predictor: Predictor::new(mechanism.velocity_count, tableau),
@@ -341,10 +344,15 @@ impl<V: Lanes> Step for Kernel<V> {
         stages.copy_from_slice(&self.stages.displacement[freedom].to_array().as_ref()[..stages.len()]);
     }
 
-    fn frequency(&mut self, iterations: usize) -> Option<f64> {
+    fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
         let Stages { plan, start, .. } = &self.stages;
         let (fastest, gravity) = (&mut self.fastest, &self.gravity);
-        self.dynamics.as_mut().map(|dynamics| fastest.estimate(dynamics, plan, start, gravity, iterations))
+        let of_tree = self.dynamics.as_mut().map(|dynamics| Mode {
+            frequency: fastest.estimate(dynamics, plan, start, gravity, iterations),
+            damping: 0.0,
+        });
+        let of_others = || self.linearised.as_mut().map(|linearised| linearised.estimate(mechanism, state, iterations));
+        of_tree.or_else(of_others).unwrap_or_default()
     }
 
     fn pace(&mut self) -> Option<Pace> {

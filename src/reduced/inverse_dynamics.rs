@@ -3,20 +3,17 @@
 //! ```text
 //!     f = Σ m (ẍ − g) − F                                          [N]    over the bodies of the subtree
 //!     n = Σ R J Rᵀ ω̇ + ω × R J Rᵀ ω − N + (x − a) × (m (ẍ − g) − F)  [N m]  about the anchor a of its joint
-//!
-//!     ω̇ = ω̇_p + R F_c.R ẇ + ω_p × R F_c.R w
-//!     ẍ = ẍ_p + ω̇_p × r + ω_p × (ω_p × r) + 2 ω_p × u + u̇ − ω̇ × c − ω × (ω × c),   r = a − x_p,   c = a − x
 //! ```
 //!
-//! with the wrench (F, N) of springs and loads on the body, the joint's sliding velocity u = R_p F_p.R ṫ [m/s] and turning rate w [rad/s], all in the axes of the world.
+//! with the accelerations of [`crate::kinematics`] and the wrench (F, N) of springs and loads on the body, all in the axes of the
+//! world.
 //! The wrench is the whole of what the parent exerts on the child: along a free direction it is the effort of dampers,
 //! springs and loads in the joint, across it the force of constraint.
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
-use crate::closures::BodyAcceleration;
 use crate::forces::total::{BodyWrench, body_wrenches};
-use crate::kinematics::{WORLD, forward_kinematics, joint_rates};
+use crate::kinematics::{BodyAcceleration, WORLD, body_accelerations, forward_kinematics};
 use crate::model::Mechanism;
 use crate::state::BodyState;
 use nalgebra::Vector3;
@@ -30,38 +27,6 @@ pub struct Reaction {
     pub force: Vector3<f64>,
     /// Torque about the anchor [N m].
     pub torque: Vector3<f64>,
-}
-
-/// The accelerations of all bodies for those of the joints, written into `accelerations`.
-pub fn body_accelerations(
-    mechanism: &Mechanism,
-    bodies: &[BodyState],
-    velocity: &[f64],
-    acceleration: &[f64],
-    accelerations: &mut [BodyAcceleration],
-) {
-    for (index, body) in mechanism.bodies.iter().enumerate() {
-        let joint = &body.joint;
-        let state = &bodies[index];
-        let (parent, (parent_linear, parent_angular)) =
-            body.parent.map_or((WORLD, Default::default()), |parent| (bodies[parent], accelerations[parent]));
-        let frame_on_parent = parent.rotation * joint.on_parent.rotation.matrix();
-        let frame_on_child = state.rotation * joint.on_child.rotation.matrix();
-        let (slide, turn) = joint_rates(joint, &velocity[joint.velocity_range()]);
-        let (slide_rate, turn_rate) = joint_rates(joint, &acceleration[joint.velocity_range()]);
-        let arm_on_child = state.rotation * joint.on_child.translation.vector;
-        let arm_on_parent = state.position + arm_on_child - parent.position;
-        let angular =
-            parent_angular + frame_on_child * turn_rate + parent.angular_velocity.cross(&(frame_on_child * turn));
-        let linear = parent_linear
-            + parent_angular.cross(&arm_on_parent)
-            + parent.angular_velocity.cross(&parent.angular_velocity.cross(&arm_on_parent))
-            + 2.0 * parent.angular_velocity.cross(&(frame_on_parent * slide))
-            + frame_on_parent * slide_rate
-            - angular.cross(&arm_on_child)
-            - state.angular_velocity.cross(&state.angular_velocity.cross(&arm_on_child));
-        accelerations[index] = (linear, angular);
-    }
 }
 
 /// The reactions in all joints, one for each body, for joint accelerations that follow from the state.

@@ -20,6 +20,6 @@ mod small;
 pub use articulated_body::ArticulatedBody;
 pub use dop853::Dop853;
 pub use euler::Euler;
-pub use inverse_dynamics::{Reaction, body_accelerations, joint_reactions, reactions_under};
+pub use inverse_dynamics::{Reaction, joint_reactions, reactions_under};
 pub use ode::ReducedOde;
 pub use rk4::Rk4;
