@@ -51,10 +51,10 @@ pub struct Placed {
     pub translation: Vector3<f64>,
 }
 
-/// Places a body on its parent for the positions and velocities of its joint.
+/// Places a body on its parent for the positions of its joint, what their roundings left out (or nothing), and the velocities.
 #[inline]
-pub fn place(joint: &Joint, parent: &BodyState, position: &[f64], velocity: &[f64]) -> Placed {
-    let (translation, turn) = joint.displacement(position);
+pub fn place(joint: &Joint, parent: &BodyState, position: &[f64], rest: &[f64], velocity: &[f64]) -> Placed {
+    let (translation, turn) = joint.displacement(position, rest);
     let (translation_rate, turn_rate) = joint_rates(joint, velocity);
     let frame_on_parent = joint.on_parent.rotation.matrix();
     let arm_on_parent = parent.rotation * (joint.on_parent.translation.vector + frame_on_parent * translation);
@@ -79,7 +79,8 @@ pub fn forward_kinematics(mechanism: &Mechanism, position: &[f64], velocity: &[f
     for (index, body) in mechanism.bodies.iter().enumerate() {
         let parent = body.parent.map_or(WORLD, |parent| out[parent]);
         let joint = &body.joint;
-        out[index] = place(joint, &parent, &position[joint.position_range()], &velocity[joint.velocity_range()]).body;
+        let (position, velocity) = (&position[joint.position_range()], &velocity[joint.velocity_range()]);
+        out[index] = place(joint, &parent, position, &[], velocity).body;
     }
 }
 
@@ -118,9 +119,14 @@ pub fn body_accelerations(
     }
 }
 
-/// The bodies' poses and velocities of a state, in a new vector.
+/// The bodies' poses and velocities of a state, with all digits of its positions, in a new vector.
 pub fn body_states(mechanism: &Mechanism, state: &State) -> Vec<BodyState> {
-    let mut out = vec![WORLD; mechanism.bodies.len()];
-    forward_kinematics(mechanism, &state.position, &state.velocity, &mut out);
+    let mut out: Vec<BodyState> = Vec::with_capacity(mechanism.bodies.len());
+    for body in &mechanism.bodies {
+        let parent = body.parent.map_or(WORLD, |parent| out[parent]);
+        let own = body.joint.position_range();
+        let (position, rest) = (&state.position[own.clone()], &state.compensation[own]);
+        out.push(place(&body.joint, &parent, position, rest, &state.velocity[body.joint.velocity_range()]).body);
+    }
     out
 }

@@ -12,8 +12,12 @@ use std::alloc::System;
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-// One test in this file: another one on another thread would be counted too.
-#[test]
+// A program of its own, without the test harness, whose own thread would be counted too.
+fn main() {
+    a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_loops();
+    println!("test a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_loops ... ok");
+}
+
 fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_loops() {
     let mut all =
         vec![models::double_pendulum(), models::floating_tree(), models::slow_heavy_top(), models::free_body()];

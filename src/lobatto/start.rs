@@ -187,9 +187,10 @@ impl Start {
         for (index, body) in mechanism.bodies.iter().enumerate() {
             let joint = &body.joint;
             let parent = body.parent.map_or(WORLD, |parent| self.states[parent]);
-            let (position, velocity) =
-                (&state.position[joint.position_range()], &state.velocity[joint.velocity_range()]);
-            let Placed { body: own, frame, translation } = place(joint, &parent, position, velocity);
+            let slots = joint.position_range();
+            let (position, rest) = (&state.position[slots.clone()], &state.compensation[slots]);
+            let velocity = &state.velocity[joint.velocity_range()];
+            let Placed { body: own, frame, translation } = place(joint, &parent, position, rest, velocity);
             self.states[index] = own;
             let com = -(own.rotation * joint.on_child.translation.vector);
             // The anchor on the parent, from the parent's own anchor, without a difference of world positions.
