@@ -16,10 +16,9 @@
 use crate::distance::{distance, probes, size};
 use crate::lobatto::Lobatto;
 use crate::model::Mechanism;
-use crate::simulation::{Integrator, StepError};
+use crate::simulation::{Integrator, StepError, StepOutcome};
 use crate::state::State;
 use nalgebra::Vector3;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Instants at which two pilots are compared.
 const INSTANTS: usize = 32;
@@ -55,7 +54,7 @@ pub enum CalibrationError {
     /// A pilot failed, and so will the run.
     #[error(transparent)]
     Step(#[from] StepError),
-    /// The interrupt flag was set.
+    /// The caller did not want to go on.
     #[error("interrupted during the pilot runs that calibrate the tolerance")]
     Interrupted,
 }
@@ -63,13 +62,13 @@ pub enum CalibrationError {
 /// Finds the iteration stop with which a run of `duration` from `state` is accurate to `tolerance` (m).
 ///
 /// # Errors
-/// [`CalibrationError`] if a pilot fails or the flag is set.
+/// [`CalibrationError`] if a pilot fails or `go_on`, which sees every step of the pilots, says no.
 pub fn calibrate(
     mechanism: &Mechanism,
     state: &State,
     duration: f64,
     tolerance: f64,
-    interrupt: Option<&AtomicBool>,
+    go_on: &mut dyn FnMut(&StepOutcome) -> bool,
 ) -> Result<Calibration, CalibrationError> {
     let size = size(mechanism, state);
     let end = state.time + duration;
@@ -86,7 +85,7 @@ pub fn calibrate(
         // Pilots that have parted need no following.
         while worst.len() < INSTANTS && apart <= SATURATED * size {
             let until = if worst.len() + 1 == INSTANTS { end } else { instant(worst.len() + 1) };
-            let seen = distance(&coarse.advance(until, interrupt)?, &fine.advance(until, interrupt)?);
+            let seen = distance(&coarse.advance(until, go_on)?, &fine.advance(until, go_on)?);
             apart = if seen.is_nan() { f64::INFINITY } else { apart.max(seen) };
             worst.push(apart);
         }
@@ -124,12 +123,16 @@ impl<'m> Pilot<'m> {
     }
 
     /// The probes at `until`, where a step ends, so that no interpolation error is taken for an error of the run.
-    fn advance(&mut self, until: f64, interrupt: Option<&AtomicBool>) -> Result<Vec<Vector3<f64>>, CalibrationError> {
+    fn advance(
+        &mut self,
+        until: f64,
+        go_on: &mut dyn FnMut(&StepOutcome) -> bool,
+    ) -> Result<Vec<Vector3<f64>>, CalibrationError> {
         while self.state.time < until {
-            if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            let outcome = self.lobatto.advance(self.mechanism, &mut self.state, until)?;
+            if !go_on(&outcome) {
                 return Err(CalibrationError::Interrupted);
             }
-            self.lobatto.advance(self.mechanism, &mut self.state, until)?;
         }
         Ok(probes(self.mechanism, &self.state))
     }

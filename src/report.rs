@@ -342,6 +342,23 @@ pub fn singular_warning(description: &MethodDescription) -> Option<String> {
     ))
 }
 
+/// Energy errors beyond this part of the kinetic energy are said to the user: a digit or two are right at best.
+pub const COARSE: f64 = 1e-2;
+
+/// What the user should know, if the energy does not balance.
+pub fn energy_warning(description: &MethodDescription, relative_error: f64) -> Option<String> {
+    // What is not a number does not balance either.
+    if relative_error <= COARSE {
+        return None;
+    }
+    let remedy =
+        if description.adaptive { "a smaller --tolerance" } else { "a smaller --step, more --stages, or --tolerance" };
+    Some(format!(
+        "the energy balance is off by {} % of the largest kinetic energy: the steps are too long for this motion; use {remedy}",
+        rounded(100.0 * relative_error)
+    ))
+}
+
 impl EnergyReport {
     /// The energies of a run.
     pub fn new(summary: &Summary) -> Self {

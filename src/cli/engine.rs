@@ -11,7 +11,7 @@ use catena::simulation::{
     Integrator, MethodDescription, Observer, RunError, RunOptions, Summary, run as run_simulation,
 };
 use catena::state::State;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// About what a pilot run takes for each body and simulated second (s): no less than that, for want of knowing it.
 const PILOT_SECONDS: f64 = 5e-6;
@@ -111,7 +111,7 @@ fn integrator(
     interrupted: &AtomicBool,
 ) -> Result<(Lobatto, Option<AccuracyReport>), Failure> {
     let StepChoice::Tolerance(tolerance) = choice else { return Ok((uncalibrated(mechanism, choice)?, None)) };
-    match calibrate(mechanism, state, duration, tolerance, Some(interrupted)) {
+    match calibrate(mechanism, state, duration, tolerance, &mut |_| !interrupted.load(Ordering::Relaxed)) {
         Ok(found) => {
             let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop);
             Ok((lobatto, Some(AccuracyReport::new(tolerance, state.time + duration, &found))))

@@ -14,8 +14,8 @@ use catena::lobatto::assembly::redundancy;
 use catena::log::{Ending, LogError, Outcome, Recorder, Severity, sha256};
 use catena::model::{Model, PlacedRobot, Pose};
 use catena::report::{
-    AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, joint_reports, link_reports,
-    loop_reports, singular_warning,
+    AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, energy_warning, joint_reports,
+    link_reports, loop_reports, singular_warning,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{MethodDescription, Observer, RunError, RunOptions, Summary};
@@ -185,8 +185,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         progress.clear();
     }
     let method = engine.description();
-    for (recorder, warning) in recorder.iter_mut().zip(MethodReport::warning(&method)) {
-        recorder.say(Severity::Warning, &warning);
+    let of_method: Vec<String> = MethodReport::warning(&method)
+        .into_iter()
+        .chain(energy_warning(&method, summary.max_relative_energy_error))
+        .chain(singular_warning(&method))
+        .collect();
+    if let Some(recorder) = &mut recorder {
+        of_method.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
     }
     let (ended, log) = finish(recorder, ended, &summary, output.as_deref());
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
@@ -211,14 +216,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         joints: joint_reports(model, &state),
         loops: loop_reports(model, &state),
         islands: engine.islands(),
-        warnings: model
-            .warnings
-            .iter()
-            .map(ToString::to_string)
-            .chain(unreached)
-            .chain(MethodReport::warning(&method))
-            .chain(singular_warning(&method))
-            .collect(),
+        warnings: model.warnings.iter().map(ToString::to_string).chain(unreached).chain(of_method).collect(),
         accuracy,
         log,
     };

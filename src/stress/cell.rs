@@ -5,8 +5,9 @@
 //!
 //! ```text
 //!     accurate    e ≤ max(10⁻⁶ L, 3 × the doubt of the answer)
-//!     usable      e ≤ 10⁻² L
-//!     warned      more, but the run says that it was beyond its limit of stability
+//!     usable      e ≤ 10⁻² L, or the tolerance that was asked for
+//!     warned      more, but the run says that it was beyond its limit of stability, that its energy does not balance, or until when it
+//!                 is accurate
 //!     wrong       more, without a word, or an end where there is none
 //! ```
 //!
@@ -30,10 +31,13 @@ pub const USABLE: f64 = 1e-2;
 /// An energy error beyond this is garbage, not coarseness.
 pub const GARBAGE: f64 = 0.5;
 
-/// Rough work after which a run is too slow (s); the same steps on every machine.
-pub const BUDGET: f64 = 0.2;
-/// CPU time after which it is too slow whatever it has done (s).
-const PATIENCE: f64 = 3.0;
+/// CPU time after which a run is too slow whatever it has done, as a multiple of its budget of rough work.
+const PATIENCE: f64 = 15.0;
+/// Part of the budget after which it shows whether a run will keep to it.
+const FORESIGHT: f64 = 0.05;
+/// A run is given up then if at its pace so far it would take so many times its budget: fixed steps are all alike, chosen ones are
+/// short where the motion begins.
+const HOPELESS: [f64; 2] = [2.0, 20.0];
 
 /// What became of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -179,7 +183,7 @@ impl Cell {
     }
 
     fn go(&mut self, case: &Case, answer: &Answer, clock: &ThreadTime, interrupt: &AtomicBool) -> Option<()> {
-        let mut runner = match Runner::new(&case.mechanism, &case.start, self.method, self.setting) {
+        let mut runner = match Runner::new(case, self.method, self.setting, interrupt) {
             Ok(runner) => runner,
             Err(Refused::NotApplicable(reason)) => {
                 self.ended = Ended::NotApplicable(reason);
@@ -189,9 +193,15 @@ impl Cell {
                 self.ended = Ended::Failed(failure);
                 return Some(());
             }
+            Err(Refused::TooSlow) => {
+                self.ended = Ended::TimedOut { time: case.start.time };
+                return Some(());
+            }
+            Err(Refused::Interrupted) => return None,
         };
         let (first, end) = (runner.energy(), case.start.time + case.duration);
         let (mut spent, mut steps) = (0.0, 0_usize);
+        let hopeless = HOPELESS[usize::from(self.method.is_adaptive())] * case.budget / case.duration;
         while runner.time() < end {
             match runner.advance(end) {
                 Ok(work) => spent += work,
@@ -205,7 +215,9 @@ impl Cell {
                 return None;
             }
             // Looking at the clock costs as much as a small step.
-            if spent > BUDGET || (steps.is_multiple_of(16) && clock.elapsed().as_secs_f64() > PATIENCE) {
+            let impatient = steps.is_multiple_of(16) && clock.elapsed().as_secs_f64() > PATIENCE * case.budget;
+            let behind = runner.time() - case.start.time;
+            if spent > case.budget || impatient || (spent > FORESIGHT * case.budget && spent > hopeless * behind) {
                 if runner.time() < end {
                     self.ended = Ended::TimedOut { time: runner.time() };
                 }
@@ -219,6 +231,9 @@ impl Cell {
             let scale = moving.max(first.0).max(f64::MIN_POSITIVE);
             self.energy_error = (last.1 - first.1).abs() / scale;
             let found = watched_probes(&case.mechanism, &runner, case.watched);
+            if self.warning.is_none() {
+                self.warning = runner.energy_warning(self.energy_error);
+            }
             self.end_error = answer.probes.as_ref().map_or(f64::NAN, |probes| distance(probes, &found));
         }
         Some(())
@@ -236,10 +251,14 @@ impl Cell {
             (Some(_), None) => (self.end_error / answer.size, ACCURATE.max(3.0 * answer.doubt)),
             (None, None) => (self.energy_error, ACCURATE),
         };
+        let usable = match self.setting {
+            Setting::Tolerance(tolerance) if answer.probes.is_some() => USABLE.max(tolerance / answer.size),
+            _ => USABLE,
+        };
         // What is not a number is wrong.
         if error <= accurate {
             Verdict::Accurate
-        } else if error <= USABLE {
+        } else if error <= usable {
             Verdict::Usable
         } else if self.warning.is_some() {
             Verdict::Warned

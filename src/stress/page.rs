@@ -1,8 +1,9 @@
 //! The page: all maps in one HTML file that needs no other file and no network.
 
-use super::cell::{BUDGET, Ended, Verdict};
+use super::cell::{Ended, Verdict};
 use super::map::Map;
 use super::method::Method;
+use super::problem::BUDGET;
 use crate::chart::page::{STYLE, escape, inline};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -17,8 +18,9 @@ pub fn page(maps: &[Map], pictures: &[String], machine: &str) -> String {
          <title>catena: where which method fails</title>\n<style>{STYLE}</style></head>\n<body>\n\
          <h1>Where which method fails</h1>\n\
          <p>Every cell is a run to the end of a problem. Blue: it came to the right end, to 10⁻⁶ (dark) or 10⁻² (light) of the size of the \
-         mechanism. Red, crossed: it came to a wrong end and said nothing; orange, upright: it warned that the steps were beyond its limit of stability. Yellow, barred: it stopped with an error. Grey, dotted: it was \
-         cut after work of about {BUDGET} s of CPU time. White: the method does not know such mechanisms. Right answers are runs with 9 \
+         mechanism. Red, crossed: it came to a wrong end and said nothing; orange, upright: it warned that the steps were beyond its \
+         limit of stability, that its energy does not balance, or until when its accuracy would hold. Yellow, barred: it stopped with an error. Grey, dotted: it was \
+         cut after work of about {BUDGET} s of CPU time (more for large and long problems), or when that much was foreseeable. White: the method does not know such mechanisms. Right answers are runs with 9 \
          stages to rounding, two of which agree. catena {} on {}.</p>\n",
         env!("CARGO_PKG_VERSION"),
         escape(machine)

@@ -4,6 +4,9 @@ use super::problems;
 use crate::model::{Mechanism, MechanismError};
 use crate::state::State;
 
+/// Rough work after which a run of most cases is too slow (s).
+pub const BUDGET: f64 = 0.2;
+
 /// A family of cases of growing difficulty.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -36,6 +39,8 @@ pub struct Case {
     pub truth: Truth,
     /// How many of the last bodies are compared with the answer.
     pub watched: usize,
+    /// Rough work after which a run is too slow (s); the same steps on every machine.
+    pub budget: f64,
 }
 
 /// Where the right answer of a case comes from.
@@ -55,7 +60,7 @@ impl Case {
     /// A case whose answer is its own converged motion, and all of whose bodies are looked at.
     pub fn new(mechanism: Mechanism, start: State, duration: f64) -> Self {
         let watched = mechanism.bodies.len();
-        Case { mechanism, start, duration, truth: Truth::Converged, watched }
+        Case { mechanism, start, duration, truth: Truth::Converged, watched, budget: BUDGET }
     }
 }
 

@@ -2,14 +2,19 @@
 
 use super::baumgarte::{Baumgarte, BaumgarteError};
 use super::method::Method;
-use crate::chart::Setting;
+use super::problem::Case;
+use crate::calibration::{CalibrationError, calibrate};
+use crate::chart::{Method as ChartMethod, Setting};
 use crate::forces::total::Exchange;
 use crate::invariants::energy_with_forces;
 use crate::kinematics::body_states;
+use crate::lobatto::Lobatto;
 use crate::lobatto::assembly::{AssemblyError, assemble};
 use crate::model::Mechanism;
-use crate::simulation::{Integrator, StepError};
+use crate::report::{AccuracyReport, energy_warning};
+use crate::simulation::{Integrator, StepError, StepOutcome};
 use crate::state::{BodyState, State};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How a run failed.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +34,10 @@ pub enum Refused {
     NotApplicable(&'static str),
     /// The start was refused.
     Failed(Failure),
+    /// The pilot runs of a tolerance cost too much.
+    TooSlow,
+    /// The user asked to stop.
+    Interrupted,
 }
 
 /// A method at work.
@@ -37,7 +46,14 @@ pub struct Runner<'m> {
     work: Work<'m>,
     /// What a unit of the method's work takes, very roughly (s).
     unit: f64,
+    /// What the user is told before the run.
+    foretold: Option<String>,
 }
+
+/// The pilot runs of a tolerance may cost so many times the budget of the run.
+const PILOTS: f64 = 5.0;
+/// Rows of multipliers from which a dense matrix of theirs is too large for memory.
+const DENSE: usize = 10_000;
 
 enum Work<'m> {
     Joint { integrator: Box<dyn Integrator>, state: State, lost: Exchange },
@@ -45,20 +61,62 @@ enum Work<'m> {
 }
 
 impl<'m> Runner<'m> {
-    /// Sets up a method; ours close all loops first, as `catena simulate` does.
+    /// Sets up a method; ours close all loops first and calibrate a tolerance, as `catena simulate` does.
     ///
     /// # Errors
     /// [`Refused`].
-    pub fn new(mechanism: &'m Mechanism, start: &State, method: Method, setting: Setting) -> Result<Self, Refused> {
+    pub fn new(case: &'m Case, method: Method, setting: Setting, interrupt: &AtomicBool) -> Result<Self, Refused> {
+        let mut runner = Self::uncalibrated(&case.mechanism, &case.start, method, setting)?;
+        if let (
+            Method::Chart(ChartMethod::LobattoTolerance),
+            Setting::Tolerance(tolerance),
+            Work::Joint { integrator, state, .. },
+        ) = (method, setting, &mut runner.work)
+        {
+            let (mut spent, unit) = (0.0, runner.unit);
+            let go_on = &mut |outcome: &StepOutcome| {
+                spent += unit * outcome.iterations.max(1) as f64;
+                spent < PILOTS * case.budget && !interrupt.load(Ordering::Relaxed)
+            };
+            match calibrate(&case.mechanism, state, case.duration, tolerance, go_on) {
+                Ok(found) => {
+                    *integrator = Box::new(Lobatto::adaptive_with_stop(&case.mechanism, tolerance, found.stop));
+                    let end = state.time + case.duration;
+                    runner.foretold = AccuracyReport::new(tolerance, end, &found).warning();
+                }
+                Err(CalibrationError::Interrupted) if interrupt.load(Ordering::Relaxed) => {
+                    return Err(Refused::Interrupted);
+                }
+                Err(CalibrationError::Interrupted) => return Err(Refused::TooSlow),
+                // The run will fail where the pilot did.
+                Err(CalibrationError::Step(_)) => {}
+            }
+        }
+        Ok(runner)
+    }
+
+    /// Sets up a method without pilot runs.
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub fn uncalibrated(
+        mechanism: &'m Mechanism,
+        start: &State,
+        method: Method,
+        setting: Setting,
+    ) -> Result<Self, Refused> {
         let bodies = mechanism.bodies.len() as f64;
         let method = match (method, setting) {
             (Method::Chart(method), _) => method,
             (Method::Baumgarte, Setting::Step(step)) => {
+                if 5 * mechanism.bodies.len() > DENSE {
+                    return Err(Refused::NotApplicable("its dense matrix would not fit in memory"));
+                }
                 let integrator = Baumgarte::new(mechanism, start, step).map_err(Refused::NotApplicable)?;
                 let rows = integrator.rows() as f64;
                 let unit = 4.0 * (2e-6 * bodies + 1e-9 * rows * rows * (rows + 6.0 * bodies));
                 let work = Work::Maximal { integrator: Box::new(integrator), position: start.position.clone() };
-                return Ok(Runner { mechanism, work, unit });
+                return Ok(Runner { mechanism, work, unit, foretold: None });
             }
             (Method::Baumgarte, Setting::Tolerance(_)) => {
                 return Err(Refused::NotApplicable("it has fixed steps only"));
@@ -77,7 +135,8 @@ impl<'m> Runner<'m> {
         let equations: usize = mechanism.loops.iter().map(|joint| joint.kind.rows()).sum();
         let coupled = method.is_ours() && !mechanism.is_plain_tree();
         let unit = 1e-6 + if coupled { 4e-6 * (bodies + equations as f64) } else { 2.5e-7 * bodies };
-        Ok(Runner { mechanism, work: Work::Joint { integrator, state, lost: Exchange::default() }, unit })
+        let work = Work::Joint { integrator, state, lost: Exchange::default() };
+        Ok(Runner { mechanism, work, unit, foretold: None })
     }
 
     /// One step towards `until` (s); returns a rough measure of its work (s), the same on every machine.
@@ -128,9 +187,18 @@ impl<'m> Runner<'m> {
     /// What the user would be warned of.
     pub fn warning(&self) -> Option<String> {
         let Work::Joint { integrator, .. } = &self.work else { return None };
-        let seen = integrator.description().frequency_step.filter(|seen| seen.is_unstable())?;
-        let (product, limit, time) = (seen.product, seen.limit, seen.time);
-        Some(format!("unstable: step times frequency {product:.1} at t = {time} s, limit {limit:.2}"))
+        let unstable = integrator.description().frequency_step.filter(|seen| seen.is_unstable()).map(|seen| {
+            let (product, limit, time) = (seen.product, seen.limit, seen.time);
+            format!("unstable: step times frequency {product:.1} at t = {time} s, limit {limit:.2}")
+        });
+        unstable.or_else(|| self.foretold.clone())
+    }
+
+    /// What the user of ours would be warned of for an energy error relative to the largest kinetic energy.
+    pub fn energy_warning(&self, relative_error: f64) -> Option<String> {
+        let Work::Joint { integrator, .. } = &self.work else { return None };
+        let description = integrator.description();
+        (description.name == "lobatto").then(|| energy_warning(&description, relative_error)).flatten()
     }
 }
 

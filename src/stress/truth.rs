@@ -17,8 +17,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub const WORST_DOUBT: f64 = 1e-3;
 /// Agreement that cannot be bettered, as a part of the size.
 const ROUNDING: f64 = 1e-13;
-/// Rough work of all runs for one answer (s).
-const BUDGET: f64 = 1.5;
+/// Rough work of all runs for one answer, as a multiple of the budget of a run.
+const BUDGET: f64 = 7.5;
 /// Steps of the first run, and factor from run to run.
 const FIRST: f64 = 14.0;
 const FACTOR: f64 = 1.7;
@@ -57,21 +57,19 @@ impl Answer {
         };
         match &case.truth {
             Truth::None(reason) => answer.refusal = Some(reason),
-            Truth::Converged => {
-                answer.converge(&case.mechanism, &case.start, case.duration, case.watched, interrupt)?
-            }
+            Truth::Converged => answer.converge(&case.mechanism, &case.start, case.duration, case, interrupt)?,
             Truth::Periodic(period) => {
                 // The kinetic energy of a whole period, which the rest of the last one may not contain.
-                answer.converge(&case.mechanism, &case.start, *period, case.watched, interrupt)?;
+                answer.converge(&case.mechanism, &case.start, *period, case, interrupt)?;
                 let rest = case.duration % period;
-                answer.converge(&case.mechanism, &case.start, rest, case.watched, interrupt)?;
+                answer.converge(&case.mechanism, &case.start, rest, case, interrupt)?;
                 // The period is known to a rounding, which every period repeats.
                 answer.doubt = answer.doubt.max(case.duration / period * 1e-15);
                 answer.source = format!("period {period:.15} s, then {}", answer.source);
             }
             Truth::Same(other) => {
                 let (mechanism, start) = other.as_ref();
-                answer.converge(mechanism, start, case.duration, case.watched, interrupt)?;
+                answer.converge(mechanism, start, case.duration, case, interrupt)?;
                 answer.source = format!("{}: {}", mechanism.name, answer.source);
             }
         }
@@ -84,9 +82,10 @@ impl Answer {
         mechanism: &Mechanism,
         start: &State,
         duration: f64,
-        watched: usize,
+        case: &Case,
         interrupt: &AtomicBool,
     ) -> Option<()> {
+        let (watched, budget) = (case.watched, BUDGET * case.budget);
         let mut spent = 0.0;
         let mut before: Option<Vec<Vector3<f64>>> = None;
         self.doubt = f64::INFINITY;
@@ -94,7 +93,7 @@ impl Answer {
             let wanted = FIRST * FACTOR.powi(rung);
             let step = duration / wanted;
             let method = Method::Chart(ChartMethod::Lobatto(9));
-            let Ok(mut runner) = Runner::new(mechanism, start, method, Setting::Step(step)) else { break };
+            let Ok(mut runner) = Runner::uncalibrated(mechanism, start, method, Setting::Step(step)) else { break };
             let end = start.time + duration;
             let (mut kinetic, mut steps) = (0.0_f64, 0.0);
             while runner.time() < end {
@@ -110,7 +109,7 @@ impl Answer {
                 };
                 kinetic = kinetic.max(runner.energy().0);
                 spent += work;
-                if spent > BUDGET {
+                if spent > budget {
                     break 'runs;
                 }
             }

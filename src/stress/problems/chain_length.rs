@@ -3,10 +3,10 @@
 use super::{GRAVITY, chain};
 use crate::model::{Mechanism, MechanismError};
 use crate::state::State;
-use crate::stress::problem::{Case, Problem, steps};
+use crate::stress::problem::{BUDGET, Case, Problem, steps};
 use nalgebra::Vector3;
 
-const LENGTHS: [usize; 9] = [2, 5, 10, 20, 50, 100, 200, 500, 1000];
+const LENGTHS: [usize; 11] = [2, 5, 10, 20, 50, 100, 200, 500, 1000, 3000, 10_000];
 
 /// The problem.
 pub fn problem() -> Problem {
@@ -15,7 +15,7 @@ pub fn problem() -> Problem {
         title: "Long chains",
         scene: "Links of 0.1 m and 0.1 kg, hinged about y and x by turns, hang straight and swing down from 45°.",
         axis: "number of links",
-        difficulties: vec!["2", "5", "10", "20", "50", "100", "200", "500", "1000"],
+        difficulties: vec!["2", "5", "10", "20", "50", "100", "200", "500", "1000", "3000", "10 000"],
         steps: steps(0.1, 5e-4, 8),
         build,
     }
@@ -26,5 +26,8 @@ fn build(place: usize) -> Result<Case, MechanismError> {
     let mechanism = Mechanism::new("chain_length", GRAVITY, bodies)?;
     let mut start = State::zero(&mechanism);
     start.position[0] = std::f64::consts::FRAC_PI_4;
-    Ok(Case::new(mechanism, start, 1.0))
+    let mut case = Case::new(mechanism, start, 1.0);
+    // The cost of a step grows with the chain.
+    case.budget = (4e-4 * LENGTHS[place] as f64).max(BUDGET);
+    Ok(case)
 }

@@ -16,7 +16,7 @@ pub fn problem() -> Problem {
                 the parallelogram; and Bricard's mechanism, one of whose equations is redundant everywhere.",
         axis: "parallelograms",
         difficulties: vec!["Bricard", "1", "2", "5", "10", "20"],
-        steps: steps(0.1, 0.01, 40),
+        steps: steps(0.1, 0.01, 200),
         build,
     }
 }
