@@ -270,7 +270,7 @@ fn mechanisms_with_springs_dampers_and_loads_move_as_published_from_their_files(
 fn the_gaps_of_every_closed_scene_are_rounding_over_a_million_steps() {
     for file in scene_files() {
         let name = stem(&file);
-        let (_, model, mut state) = load(&name);
+        let (_, model, mut state) = load(name);
         let mechanism = &model.mechanism;
         if !mechanism.has_closures() {
             continue;
