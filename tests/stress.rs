@@ -3,6 +3,8 @@
 //! A reduced map, a few cells of each problem; `catena stress` draws the whole.
 
 use catena::chart::{Method as ChartMethod, Setting};
+use catena::lobatto::Lobatto;
+use catena::simulation::Integrator;
 use catena::stress::cell::Cell;
 use catena::stress::problem::steps;
 use catena::stress::table::write_csv;
@@ -261,4 +263,21 @@ fn one_problem_can_be_mapped_alone() {
     assert!(Verdict::ALL.iter().all(|verdict| told.contains(verdict.word())));
     assert!(folder.join("out/gimbal_lock.png").is_file() && folder.join("out/index.html").is_file());
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_tight_tolerance_passes_gimbals_near_lock_where_rates_are_ten_thousand_times_those_of_the_body() {
+    // Their roundings change the energy by more than the tolerance allows a step, however short: that must not end the run.
+    let problem = Problem::all().into_iter().find(|problem| problem.name == "gimbal_lock").unwrap();
+    for (label, tolerance) in [("10⁻²", 1e-10), ("10⁻³", 1e-6), ("10⁻⁶", 1e-10)] {
+        let place = problem.difficulties.iter().position(|&difficulty| difficulty == label).unwrap();
+        let case = (problem.build)(place).unwrap();
+        let mut lobatto = Lobatto::adaptive(&case.mechanism, tolerance);
+        let mut state = case.start.clone();
+        while state.time < case.duration {
+            lobatto
+                .advance(&case.mechanism, &mut state, case.duration)
+                .unwrap_or_else(|error| panic!("{label}: {error}"));
+        }
+    }
 }

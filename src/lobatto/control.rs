@@ -25,6 +25,11 @@ const WANTED_ITERATIONS: f64 = 12.0;
 /// changes of some hundred steps, of either sign, then stay below the tolerance.
 const ENERGY_SHARE: f64 = 0.03;
 
+/// No rounding changes the energy by a larger part of the kinetic energy in a step.
+const ROUNDED: f64 = 1e-6;
+/// The part of a rounding that is expected to come again after each step.
+const FORGOTTEN: f64 = 0.9;
+
 /// What to do with an attempt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
@@ -60,6 +65,10 @@ pub struct Control {
     previous: Option<f64>,
     /// Largest kinetic energy so far.
     kinetic: f64,
+    /// Length and change of energy of the first attempt at this step that changed the energy too much.
+    refused: Option<(f64, f64)>,
+    /// What rounding alone was seen to change the energy by (J).
+    rounding: f64,
 }
 
 impl Control {
@@ -68,7 +77,17 @@ impl Control {
         let stop = stop.clamp(1e-16, 1e-3);
         let stages = if isa == Isa::Avx512 { 9 } else { 5 };
         let factor = if stages == 9 { 0.3 } else { 1.0 };
-        Control { tolerance, stages, stop, wanted: factor * stop.sqrt(), step: 0.0, previous: None, kinetic: 0.0 }
+        Control {
+            tolerance,
+            stages,
+            stop,
+            wanted: factor * stop.sqrt(),
+            step: 0.0,
+            previous: None,
+            kinetic: 0.0,
+            refused: None,
+            rounding: 0.0,
+        }
     }
 
     /// The scheme: nine stages fill the eight lanes of AVX-512, five the four lanes of anything less.
@@ -149,15 +168,16 @@ impl Control {
                 if let Some(energies) = energies {
                     self.kinetic = self.kinetic.max(energies.kinetic);
                     // Each of the two is rounded, also where they cancel.
-                    let rounding = 1e-13 * (energies.kinetic + energies.potential);
-                    let allowed = ENERGY_SHARE * self.tolerance * self.kinetic + rounding;
-                    let change = energies.change.abs();
+                    let rounding = self.rounding.max(1e-13 * (energies.kinetic + energies.potential));
+                    let allowed = ENERGY_SHARE * self.tolerance * self.kinetic;
+                    // What rounding changes does not fall with the step.
+                    let change = (energies.change.abs() - rounding).max(0.0);
                     // At rest nothing is allowed and nothing changes.
                     if change > 0.0 {
                         by_energy = 0.9 * (allowed / change).powf(1.0 / (2.0 * order + 1.0));
                     }
                     // A step in which the energy is not finite fails this test too.
-                    if energies.change.is_nan() || change > allowed {
+                    if energies.change.is_nan() || change > allowed && !self.is_rounding(step, change + rounding) {
                         self.step = step * by_energy.clamp(0.2, 0.9);
                         return Verdict::Retry { without_past: false };
                     }
@@ -167,10 +187,26 @@ impl Control {
                 let by_iterations = ((WANTED_ITERATIONS + 1.0) / (iterations as f64 + 1.0)).sqrt();
                 let factor = by_error.min(by_iterations).min(by_energy).clamp(0.3, 2.0);
                 self.previous = Some(error);
+                self.refused = None;
+                self.rounding *= FORGOTTEN;
                 // A truncated last step must not shorten what follows.
                 self.step = if step < 0.999 * self.step { self.step.max(step * factor) } else { step * factor };
                 Verdict::Accept
             }
         }
+    }
+
+    /// Whether a change of energy is one of rounding alone: a step half as long changes it as much, where truncation would fall to
+    /// nothing. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their roundings.
+    fn is_rounding(&mut self, step: f64, change: f64) -> bool {
+        let Some((first_step, first_change)) = self.refused else {
+            self.refused = Some((step, change));
+            return false;
+        };
+        let rounding = step <= 0.5 * first_step && change >= 0.1 * first_change && change <= ROUNDED * self.kinetic;
+        if rounding {
+            self.rounding = 3.0 * change;
+        }
+        rounding
     }
 }
