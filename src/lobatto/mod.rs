@@ -23,6 +23,7 @@ pub mod elimination;
 mod extended;
 pub mod front;
 pub mod integrator;
+mod iteration;
 pub mod lanes;
 pub mod limits;
 pub mod linearised;
