@@ -31,6 +31,7 @@ pub mod literal;
 mod literal_constraints;
 mod literal_forces;
 pub mod newton;
+pub mod planar;
 pub mod predictor;
 pub mod projection;
 pub mod residual;

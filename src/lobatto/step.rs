@@ -34,14 +34,14 @@ use crate::state::State;
 
 /// Steps iterated further than this use the coefficients' second half of digits: rounded to a double they are
 /// those of a scheme that is not quite symplectic, and the energy drifts by 2e-16 of itself a step.
-const REFINED_BELOW: f64 = 1e-14;
+pub(super) const REFINED_BELOW: f64 = 1e-14;
 
 /// Steps of mechanisms with loops are iterated at least this far, so that the gaps are at rounding whatever the tolerance: what
 /// an iteration leaves of them is of the order of its increment times the one before.
 const CLOSED: f64 = 1e-10;
 
 /// Once the exact Newton method was needed, it comes first for so many steps: what made it necessary seldom ends at once.
-const EXACT_STEPS: usize = 50;
+pub(super) const EXACT_STEPS: usize = 50;
 
 /// When to stop iterating and when to give up.
 #[derive(Clone, Copy, Debug)]
@@ -78,7 +78,7 @@ pub enum Attempt {
 
 impl Attempt {
     /// The same attempt after iterations that led nowhere.
-    fn after(mut self, spent: usize) -> Self {
+    pub(super) fn after(mut self, spent: usize) -> Self {
         match &mut self {
             Attempt::Converged { iterations, .. }
             | Attempt::Inaccurate { iterations, .. }
@@ -127,7 +127,7 @@ pub trait Step: Send {
 
 /// [`Step`] with the lanes of `V`.
 pub struct Kernel<V: Lanes> {
-    stages: Stages<V>,
+    pub(super) stages: Stages<V>,
     anderson: Anderson<V>,
     predictor: Predictor<V>,
     /// The exact Newton method, from when it is needed first.
@@ -143,7 +143,7 @@ pub struct Kernel<V: Lanes> {
     first_legendre: f64,
     /// Whether this step is iterated so far that the rounding of the coefficients counts.
     refined: bool,
-    gravity: [f64; 3],
+    pub(super) gravity: [f64; 3],
     velocity: Vec<f64>,
     displaced: Vec<f64>,
     /// The end of the finished step.

@@ -1,0 +1,116 @@
+//! Planar motion: three coordinates a body say the same as six, step by step.
+
+mod common;
+mod models;
+
+use catena::lobatto::Lobatto;
+use catena::model::{Body, Joint, JointKind, Mechanism, Plane, Pose, Rule};
+use catena::simulation::{Integrator, StepOutcome};
+use catena::state::State;
+use common::Numbers;
+use models::Model;
+use nalgebra::{Rotation3, Translation3, Vector3};
+
+/// A random rotation.
+fn turn(numbers: &mut Numbers) -> Rotation3<f64> {
+    Rotation3::new(Vector3::from_fn(|_, _| numbers.next(-2.0, 2.0)))
+}
+
+fn place(numbers: &mut Numbers, size: f64) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| numbers.next(-size, size))
+}
+
+/// A branching tree with hinges, slides and planar joints in the plane across `normal`, its bodies with inertia about axes that are
+/// aligned with nothing, their centres of mass and anchors at all heights, in a generic state.
+fn random_tree(seed: u64, count: usize, normal: Vector3<f64>) -> Model {
+    let mut numbers = Numbers::new(seed);
+    let upright = Rotation3::rotation_between(&Vector3::z(), &normal).expect("the normal is not −z");
+    let mut bodies: Vec<Body> = Vec::new();
+    let mut branch: Vec<usize> = Vec::new();
+    // Each body's axes at zero displacement, so that joints can be laid across the plane.
+    let mut axes: Vec<Rotation3<f64>> = Vec::new();
+    for index in 0..count {
+        branch.truncate((numbers.next(0.3, 1.0) * (branch.len() + 1) as f64) as usize);
+        let parent = branch.last().copied();
+        let spin = Rotation3::from_axis_angle(&Vector3::z_axis(), numbers.next(-3.0, 3.0));
+        let over = Rotation3::from_axis_angle(&Vector3::x_axis(), if index % 3 == 1 { std::f64::consts::PI } else { 0.0 });
+        let lying = Rotation3::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2);
+        let (kind, frame) = match index % 7 {
+            3 => (JointKind::Prismatic, upright * spin * lying),
+            5 => (JointKind::Planar, upright * spin * over),
+            _ => (JointKind::Revolute, upright * spin * over),
+        };
+        let own = turn(&mut numbers);
+        let under = parent.map_or(Rotation3::identity(), |parent| axes[parent]);
+        let on_parent = Pose::from_parts(Translation3::from(place(&mut numbers, 0.6)), under.inverse() * frame);
+        let on_child = Pose::from_parts(Translation3::from(place(&mut numbers, 0.4)), own.inverse() * frame);
+        let mass = numbers.next(0.5, 2.0);
+        let inertia = models::box_inertia(mass, Vector3::new(0.3, 0.5, 0.9));
+        let joint = Joint::new(&format!("joint{index}"), kind, on_parent, on_child);
+        bodies.push(models::body(&format!("body{index}"), parent, mass, inertia, joint));
+        axes.push(own);
+        branch.push(index);
+    }
+    let mechanism = Mechanism::new("random tree", Vector3::new(1.0, -2.0, -9.0), bodies).expect("depth first");
+    let mut state = State::zero(&mechanism);
+    state.position.iter_mut().for_each(|entry| *entry = numbers.next(-1.0, 1.0));
+    state.velocity.iter_mut().for_each(|entry| *entry = numbers.next(-1.0, 1.0));
+    Model { mechanism, state }
+}
+
+/// Two links of different shape on parallel hinges.
+fn double_pendulum() -> Model {
+    let mut model = models::planar_chain(2);
+    model.state.position = vec![1.2, -0.7];
+    model
+}
+
+fn everything() -> Vec<(&'static str, Model)> {
+    vec![
+        ("double pendulum", double_pendulum()),
+        ("chain", models::planar_chain(6)),
+        ("level tree", random_tree(1, 9, Vector3::y())),
+        ("inclined tree", random_tree(2, 12, Vector3::new(0.3, -0.5, 0.7))),
+        ("one slide", models::one_joint(JointKind::Prismatic)),
+    ]
+}
+
+/// Largest difference of positions and velocities.
+fn apart(a: &State, b: &State) -> f64 {
+    let differences = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    differences(&a.position, &b.position).max(differences(&a.velocity, &b.velocity))
+}
+
+/// The plane's run and the full model's, side by side: states and outcomes after each step.
+fn side_by_side(
+    model: &Model,
+    steps: usize,
+    make: impl Fn() -> Lobatto,
+) -> Vec<(State, StepOutcome, State, StepOutcome)> {
+    let Model { mechanism, state } = model;
+    let (mut planar, mut spatial) = (make(), make().keeping(mechanism, &[Rule::Planar]));
+    let (mut flat, mut full) = (state.clone(), state.clone());
+    (0..steps)
+        .map(|_| {
+            let ours = planar.advance(mechanism, &mut flat, f64::INFINITY).expect("a step");
+            let theirs = spatial.advance(mechanism, &mut full, f64::INFINITY).expect("a step");
+            (flat.clone(), ours, full.clone(), theirs)
+        })
+        .collect()
+}
+
+#[test]
+fn fixed_steps_in_the_plane_are_those_in_space() {
+    for (name, model) in everything() {
+        assert!(Plane::of(&model.mechanism).is_some() || name == "one slide", "{name} has a plane");
+        for stages in 2..=9 {
+            let step = if stages < 4 { 0.005 } else { 0.02 };
+            let steps = side_by_side(&model, 25, || Lobatto::fixed(&model.mechanism, stages, step).expect("stages"));
+            for (index, (flat, ours, full, theirs)) in steps.iter().enumerate() {
+                let gap = apart(flat, full);
+                println!("{name}, {stages} stages, step {index}: {gap:e}, {ours:?} {theirs:?}");
+                assert!(gap < 1e-12, "{name}, {stages} stages, step {index}: {gap:e}");
+            }
+        }
+    }
+}
