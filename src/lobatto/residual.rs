@@ -60,7 +60,7 @@ impl<'s, V: Lanes> Sweep<'s, V> {
             times_rest: coefficients.times_rest(step),
             moved: coefficients.moved,
             gravity: [square * gravity[0], square * gravity[1], square * gravity[2]],
-            forces: square,
+            forces: -square,
         }
     }
 }

@@ -187,9 +187,7 @@ impl<V: Lanes> Kernel<V> {
         let newton = self.newton.get_or_insert_with(|| Box::new(Newton::new(mechanism, &self.tableau)));
         newton.begin(&self.stages);
         let rule = match self.projection {
-            Some(_) => {
-                StopRule { increment: rule.increment.min(CLOSED), rounding: rule.rounding.min(CLOSED), ..*rule }
-            }
+            Some(_) => StopRule { increment: rule.increment.min(CLOSED), rounding: rule.rounding.min(CLOSED), ..*rule },
             None => *rule,
         };
         iteration::solve(&mut Exact(self), &rule)
@@ -199,7 +197,6 @@ impl<V: Lanes> Kernel<V> {
         let (stages, predictor) = (&mut self.stages, &mut self.predictor);
         in_lanes!(V, predictor.guess(stages.unknowns(), plain));
     }
-
 }
 
 /// The degree of freedom with the largest increment; a NaN counts as largest.

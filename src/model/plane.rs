@@ -25,7 +25,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane of a mechanism; `None` if it has none, or has more than joints and gravity.
+    /// The plane of a mechanism; `None` if it has none, or has more than a tree of joints, forces in them, and gravity.
     pub fn of(mechanism: &Mechanism) -> Option<Plane> {
         let axes = joint_axes(mechanism)?;
         let normal = normal(&axes)?;
@@ -54,7 +54,8 @@ impl Plane {
 /// there is anything that has no such direction, or nothing at all.
 fn joint_axes(mechanism: &Mechanism) -> Option<Vec<(Vector3<f64>, bool)>> {
     let planar = |kind| matches!(kind, JointKind::Revolute | JointKind::Prismatic | JointKind::Planar);
-    let possible = mechanism.is_plain_tree() && mechanism.bodies.iter().all(|body| planar(body.joint.kind));
+    let alone = !mechanism.has_closures() && mechanism.forces.are_in_joints();
+    let possible = alone && mechanism.bodies.iter().all(|body| planar(body.joint.kind));
     if !possible || mechanism.bodies.is_empty() {
         return None;
     }

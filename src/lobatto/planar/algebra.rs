@@ -54,10 +54,7 @@ impl<V: Lanes> Vector2<V> {
     #[inline(always)]
     pub fn turned_plus(self, along: V, across: V, start: Self) -> Self {
         let [x, y] = self.0;
-        Vector2([
-            across.neg_mul_add(y, along.mul_add(x, start.0[0])),
-            across.mul_add(x, along.mul_add(y, start.0[1])),
-        ])
+        Vector2([across.neg_mul_add(y, along.mul_add(x, start.0[0])), across.mul_add(x, along.mul_add(y, start.0[1]))])
     }
     /// `start + self · other`.
     #[inline(always)]

@@ -155,8 +155,10 @@ impl<V: Lanes> Articulated2<V> {
         let across = arm.quarter_turn();
         let [xx, xy, yy] = self.mass;
         let [x, y] = across.0;
-        let coupling =
-            Vector2([xy.mul_add(y, xx.mul_add(x, self.coupling.0[0])), yy.mul_add(y, xy.mul_add(x, self.coupling.0[1]))]);
+        let coupling = Vector2([
+            xy.mul_add(y, xx.mul_add(x, self.coupling.0[0])),
+            yy.mul_add(y, xy.mul_add(x, self.coupling.0[1])),
+        ]);
         Articulated2 {
             mass: self.mass,
             coupling,

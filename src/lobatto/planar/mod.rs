@@ -1,11 +1,12 @@
 //! A step of the scheme for mechanisms that move in a plane: three coordinates a body instead of six.
 //!
 //! The same scheme and the same iteration as in space ([`super::step`]), with SO(2) embedded in R² where space has SO(3) in R⁹: what
-//! it leaves out is zero there, so that both take the same steps, but for rounding. In reading order: [`start`], [`articulated`],
-//! [`sweeps`]. Where the recursion does not converge, the exact Newton method of space takes over, in the axes of the plane.
+//! it leaves out is zero there, so that both take the same steps, but for rounding. In reading order: [`start`], [`stage`],
+//! [`articulated`], [`sweeps`]. Where the recursion does not converge, the exact Newton method of space takes over, in the axes of the plane.
 
 mod algebra;
 mod articulated;
+mod stage;
 mod start;
 mod sweeps;
 
@@ -13,19 +14,20 @@ use super::anderson::Anderson;
 use super::dynamics::Dynamics;
 use super::iteration::{self, Equations};
 use super::lanes::{Lanes, in_lanes};
+use super::linearised::Linearised;
 use super::predictor::Predictor;
 use super::reversible::Pace;
-use super::stability::Fastest;
+use super::stability::{Fastest, Mode};
 use super::stage::{Coefficients, MAX_TURN};
-use super::start::{Plan, Start};
+use super::start::Start;
 use super::step::{Attempt, EXACT_STEPS, Kernel, REFINED_BELOW, Step, StopRule, worst_freedom};
 use super::tableau::Tableau;
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
 use crate::model::{Mechanism, Plane};
 use crate::state::State;
-use start::{PlanarPlan, PlanarStart};
-use sweeps::PlanarStages;
+use stage::PlanarStages;
+use start::PlanarStart;
 
 /// [`Step`] in a plane, with the lanes of `V`.
 pub struct PlanarKernel<V: Lanes> {
@@ -52,19 +54,20 @@ pub struct PlanarKernel<V: Lanes> {
 
 /// The start of a step in space, for those who ask now and then.
 struct Space {
-    plan: Plan,
     start: Start,
-    dynamics: Dynamics,
+    /// Without forces.
+    dynamics: Option<Dynamics>,
     fastest: Fastest,
+    /// What looks at the fastest mode with forces.
+    linearised: Option<Box<Linearised>>,
     gravity: [f64; 3],
 }
 
 impl<V: Lanes> PlanarKernel<V> {
     /// The workspace for a mechanism in its plane and a scheme.
     pub fn new(mechanism: &Mechanism, plane: &Plane, tableau: &Tableau) -> Self {
-        let plan = PlanarPlan::new(mechanism, plane);
+        let stages = PlanarStages::new(mechanism, plane, tableau);
         let freedoms = mechanism.velocity_count;
-        let tree = Plan::new(mechanism);
         PlanarKernel {
             coefficients: Coefficients::new(tableau),
             anderson: Anderson::new(freedoms),
@@ -76,21 +79,24 @@ impl<V: Lanes> PlanarKernel<V> {
             refined: false,
             velocity: vec![0.0; freedoms],
             displaced: vec![0.0; freedoms],
-            end: PlanarStart::new(&plan, freedoms),
+            end: PlanarStart::new(mechanism),
             space: Space {
-                dynamics: Dynamics::new(&tree, freedoms),
+                dynamics: mechanism.is_plain_tree().then(|| Dynamics::new(&stages.plan.tree, freedoms)),
                 fastest: Fastest::new(freedoms),
+                linearised: (!mechanism.is_plain_tree()).then(|| Box::new(Linearised::new(mechanism))),
                 start: Start::new(mechanism),
-                gravity: plan.gravity_in_space(),
-                plan: tree,
+                gravity: stages.plan.gravity_in_space(),
             },
-            stages: PlanarStages::new(plan, freedoms),
+            stages,
         }
     }
 
     fn guess(&mut self, plain: bool) {
         let (stages, predictor, coefficients) = (&mut self.stages, &mut self.predictor, &self.coefficients);
-        in_lanes!(V, predictor.guess(stages.unknowns(coefficients), plain));
+        in_lanes!(V, {
+            predictor.guess(stages.unknowns(coefficients), plain);
+            stages.measure();
+        });
     }
 
     /// The exact Newton method from the guess at hand.
@@ -106,6 +112,7 @@ impl<V: Lanes> PlanarKernel<V> {
         exact.stages.displacement.copy_from_slice(&self.stages.displacement);
         let attempt = exact.attempt_exactly(mechanism, rule);
         self.stages.displacement.copy_from_slice(&exact.stages.displacement);
+        self.stages.largest = f64::INFINITY;
         attempt
     }
 
@@ -120,16 +127,19 @@ impl<V: Lanes> Equations for PlanarKernel<V> {
     fn iterate(&mut self, settled: bool) -> f64 {
         let (stages, coefficients) = (&mut self.stages, &self.coefficients);
         let gravity = &self.space.gravity;
-        if self.refined && settled {
-            in_lanes!(V, stages.increments::<true>(coefficients, gravity))
+        if stages.applied.is_some() {
+            in_lanes!(V, stages.increments::<true, true>(coefficients, gravity))
+        } else if self.refined && settled {
+            in_lanes!(V, stages.increments::<true, false>(coefficients, gravity))
         } else {
-            in_lanes!(V, stages.increments::<false>(coefficients, gravity))
+            in_lanes!(V, stages.increments::<false, false>(coefficients, gravity))
         }
     }
 
     fn advance(&mut self) -> f64 {
         let (anderson, stages) = (&mut self.anderson, &mut self.stages);
-        in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest())
+        stages.largest = in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest());
+        stages.largest
     }
 
     fn complete(&mut self) {
@@ -187,10 +197,12 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let (stages, velocity, coefficients) = (&mut self.stages, &mut self.velocity, &self.coefficients);
         let gravity = &self.space.gravity;
-        if self.refined {
-            in_lanes!(V, stages.end_velocities::<true>(coefficients, gravity, velocity));
+        if stages.applied.is_some() {
+            in_lanes!(V, stages.end_velocities::<true, true>(coefficients, gravity, velocity));
+        } else if self.refined {
+            in_lanes!(V, stages.end_velocities::<true, false>(coefficients, gravity, velocity));
         } else {
-            in_lanes!(V, stages.end_velocities::<false>(coefficients, gravity, velocity));
+            in_lanes!(V, stages.end_velocities::<false, false>(coefficients, gravity, velocity));
         }
         let last = coefficients.active - 1;
         for (end, displacement) in self.displaced.iter_mut().zip(&stages.displacement) {
@@ -203,7 +215,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     }
 
     fn exchange(&self) -> Exchange {
-        Exchange::default()
+        self.stages.applied.as_ref().map_or(Exchange::default(), |applied| applied.exchange)
     }
 
     fn redundant(&self) -> Option<usize> {
@@ -220,16 +232,22 @@ impl<V: Lanes> Step for PlanarKernel<V> {
         stages.copy_from_slice(&self.stages.displacement[freedom].to_array().as_ref()[..stages.len()]);
     }
 
-    fn frequency(&mut self, iterations: usize) -> Option<f64> {
+    fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
         self.raise();
-        let Space { plan, start, dynamics, fastest, gravity } = &mut self.space;
-        Some(fastest.estimate(dynamics, plan, start, gravity, iterations))
+        let (plan, Space { start, dynamics, fastest, linearised, gravity }) = (&self.stages.plan.tree, &mut self.space);
+        let of_tree = dynamics.as_mut().map(|dynamics| Mode {
+            frequency: fastest.estimate(dynamics, plan, start, gravity, iterations),
+            damping: 0.0,
+        });
+        let of_others = || linearised.as_mut().map(|linearised| linearised.estimate(mechanism, state, iterations));
+        of_tree.or_else(of_others).unwrap_or_default()
     }
 
     fn pace(&mut self) -> Option<Pace> {
         self.raise();
-        let Space { plan, start, dynamics, gravity, .. } = &mut self.space;
-        Some(Pace::at(dynamics, plan, start, gravity, &mut self.velocity))
+        let (plan, Space { start, dynamics, gravity, .. }) = (&self.stages.plan.tree, &mut self.space);
+        let jerks = &mut self.velocity;
+        dynamics.as_mut().map(|dynamics| Pace::at(dynamics, plan, start, gravity, jerks))
     }
 
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {

@@ -13,8 +13,10 @@
 //!
 //! where the height along n, `x_n`, never changes.
 
+use crate::forces::total::stored;
 use crate::invariants::Energy;
 use crate::kinematics::body_states;
+use crate::lobatto::applied_plan::AppliedStart;
 use crate::lobatto::start::{Plan, Start};
 use crate::model::{FreeRotation, Mechanism, Plane};
 use crate::state::State;
@@ -76,6 +78,8 @@ pub(super) struct PlanarStart {
     pub axes: Vec<[f64; 2]>,
     /// Velocity of each degree of freedom.
     pub rates: Vec<f64>,
+    /// What forces need.
+    pub applied: AppliedStart,
     /// Energy of the state.
     pub energy: Energy,
 }
@@ -126,11 +130,12 @@ impl PlanarPlan {
 
 impl PlanarStart {
     /// Room for the start of a step.
-    pub fn new(plan: &PlanarPlan, freedoms: usize) -> Self {
+    pub fn new(mechanism: &Mechanism) -> Self {
         PlanarStart {
-            bodies: vec![PlanarBody::default(); plan.bodies.len()],
-            axes: vec![[0.0; 2]; freedoms],
-            rates: vec![0.0; freedoms],
+            bodies: vec![PlanarBody::default(); mechanism.bodies.len()],
+            axes: vec![[0.0; 2]; mechanism.velocity_count],
+            rates: vec![0.0; mechanism.velocity_count],
+            applied: AppliedStart::new(mechanism),
             energy: Energy::default(),
         }
     }
@@ -169,12 +174,18 @@ impl PlanarStart {
             ];
             let position = [parent.position[0] + arm[0], parent.position[1] + arm[1]];
             let moving = [velocity[0] - spin * com[1], velocity[1] + spin * com[0]];
-            energy.kinetic += 0.5 * flat.mass * (moving[0] * moving[0] + moving[1] * moving[1])
-                + 0.5 * flat.central * spin * spin;
-            energy.potential -= flat.mass
-                * (plan.gravity[0] * (position[0] + com[0]) + plan.gravity[1] * (position[1] + com[1]));
+            energy.kinetic +=
+                0.5 * flat.mass * (moving[0] * moving[0] + moving[1] * moving[1]) + 0.5 * flat.central * spin * spin;
+            energy.potential -=
+                flat.mass * (plan.gravity[0] * (position[0] + com[0]) + plan.gravity[1] * (position[1] + com[1]));
             let heavy = [flat.mass * com[0], flat.mass * com[1]];
             self.bodies[index] = PlanarBody { arm, heavy, spin, sliding, com, turn, position, velocity };
+        }
+        if !mechanism.forces.is_empty() {
+            // No force in a joint asks where the bodies are.
+            self.applied.set(mechanism, state, &[]);
+            let stored = stored(mechanism, &state.position, &[]);
+            (energy.spring, energy.load) = (stored.spring, stored.load);
         }
         self.energy = energy;
     }
@@ -183,6 +194,7 @@ impl PlanarStart {
     pub fn in_space(&self, plan: &PlanarPlan, start: &mut Start) {
         start.rates.copy_from_slice(&self.rates);
         start.energy = self.energy;
+        start.applied.extensions.copy_from_slice(&self.applied.extensions);
         for (index, (tree, flat)) in plan.tree.bodies.iter().zip(&plan.bodies).enumerate() {
             let body = &self.bodies[index];
             let moving = [body.velocity[0] - body.spin * body.com[1], body.velocity[1] + body.spin * body.com[0]];

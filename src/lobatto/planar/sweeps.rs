@@ -21,134 +21,20 @@
 //! [`crate::lobatto::sweeps`]; so is the momentum at the end of the step, with the momentum weights in place of B.
 
 use super::algebra::Vector2;
-use super::articulated::{Articulated2, Eliminated2};
-use super::start::{PlanarPlan, PlanarStart};
+use super::articulated::Articulated2;
+use super::stage::{PlanarStages, Turned};
+use crate::lobatto::articulated::Push;
 use crate::lobatto::lanes::Lanes;
-use crate::lobatto::predictor::Unknowns;
 use crate::lobatto::residual::Sweep;
-use crate::lobatto::stage::{Coefficients, half_angle};
+use crate::lobatto::stage::{FEW, half_angle, half_angle_of_few};
 use crate::lobatto::start::Children;
 use crate::model::FreeRotation;
 
-/// Turn and path of a body at the stages, and mixed.
-#[derive(Clone, Copy)]
-pub(super) struct Turned<V> {
-    /// κ and σ.
-    pub cosine: V,
-    pub sine: V,
-    /// p and q.
-    mixed_cosine: V,
-    mixed_sine: V,
-    /// a.
-    path: Vector2<V>,
-}
-
-impl<V: Lanes> Turned<V> {
-    fn zero() -> Self {
-        let zero = V::zero();
-        Turned { cosine: zero, sine: zero, mixed_cosine: zero, mixed_sine: zero, path: Vector2::zero() }
-    }
-}
-
-/// The workspace of a step.
-pub(super) struct PlanarStages<V> {
-    pub plan: PlanarPlan,
-    /// The known start of the step.
-    pub start: PlanarStart,
-    /// Displacement of every degree of freedom since the start: the unknowns.
-    pub displacement: Vec<V>,
-    /// Their latest increments.
-    pub increment: Vec<V>,
-    /// One entry a body.
-    pub turned: Vec<Turned<V>>,
-    /// Arm from the parent's anchor at the rows' stages.
-    arms: Vec<Vector2<V>>,
-    eliminated: Vec<Eliminated2<V>>,
-    /// Direction of each slide at the rows' stages.
-    axes: Vec<Vector2<V>>,
-    /// Where the children of branching bodies meet.
-    slots: Vec<Articulated2<V>>,
-    /// Twist of the branching bodies on the way back.
-    twists: Vec<(Vector2<V>, V)>,
-    /// Length of the step (s).
-    pub step: f64,
-}
-
 impl<V: Lanes> PlanarStages<V> {
-    /// A workspace for a mechanism.
-    pub fn new(plan: PlanarPlan, freedoms: usize) -> Self {
-        let (bodies, slots) = (plan.bodies.len(), plan.tree.slots);
-        PlanarStages {
-            start: PlanarStart::new(&plan, freedoms),
-            displacement: vec![V::zero(); freedoms],
-            increment: vec![V::zero(); freedoms],
-            turned: vec![Turned::zero(); bodies],
-            arms: vec![Vector2::zero(); bodies],
-            eliminated: vec![Eliminated2::zero(); freedoms],
-            axes: vec![Vector2::zero(); freedoms],
-            slots: vec![Articulated2::zero(); slots],
-            twists: vec![(Vector2::zero(), V::zero()); slots],
-            plan,
-            step: 0.0,
-        }
-    }
-
-    /// What the predictor is to guess.
-    pub fn unknowns<'s>(&'s mut self, coefficients: &'s Coefficients<V>) -> Unknowns<'s, V> {
-        Unknowns { displacement: &mut self.displacement, rates: &self.start.rates, step: self.step, coefficients }
-    }
-
-    /// Adds the increments to the displacements; returns the largest displacement.
-    #[inline(always)]
-    pub fn advance(&mut self) -> f64 {
-        let mut largest = V::zero();
-        for (displacement, &increment) in self.displacement.iter_mut().zip(&self.increment) {
-            *displacement = *displacement + increment;
-            largest = displacement.max_abs(largest);
-        }
-        largest.largest()
-    }
-
-    /// One iteration: finds the increments, returns the largest; `REFINED` with twice the digits of the coefficients.
-    #[inline(always)]
-    pub fn increments<const REFINED: bool>(&mut self, coefficients: &Coefficients<V>, gravity: &[f64; 3]) -> f64 {
-        let sweep = coefficients.residual_sweep(self.step, gravity);
-        self.sweep_paths::<false, REFINED>(&sweep);
-        self.sweep_back::<false>(&sweep);
-        let mut largest = V::zero();
-        self.forward(
-            #[inline(always)]
-            |stages, freedom, alpha| {
-                let increment = alpha.mix(&coefficients.solve);
-                stages.increment[freedom] = increment;
-                largest = increment.max_abs(largest);
-            },
-        );
-        largest.largest()
-    }
-
-    /// The velocities at the end of the solved step.
-    #[inline(always)]
-    pub fn end_velocities<const REFINED: bool>(
-        &mut self,
-        coefficients: &Coefficients<V>,
-        gravity: &[f64; 3],
-        velocity: &mut [f64],
-    ) {
-        let (columns, rest) = coefficients.momentum_columns(self.step);
-        let sweep = coefficients.momentum_sweep(&columns, &rest, self.step, gravity);
-        self.sweep_paths::<true, REFINED>(&sweep);
-        self.sweep_back::<true>(&sweep);
-        let last = coefficients.active - 1;
-        self.forward(
-            #[inline(always)]
-            |_, freedom, rate| velocity[freedom] = rate.to_array().as_ref()[last],
-        );
-    }
-
     /// Root to leaf: turns and paths of all bodies.
     #[inline(always)]
-    fn sweep_paths<const MOMENTUM: bool, const REFINED: bool>(&mut self, sweep: &Sweep<V>) {
+    pub(super) fn sweep_paths<const MOMENTUM: bool, const REFINED: bool>(&mut self, sweep: &Sweep<V>) {
+        let few = self.largest <= FEW;
         let start = &self.start;
         for (index, (tree, flat)) in self.plan.tree.bodies.iter().zip(&self.plan.bodies).enumerate() {
             let known = &start.bodies[index];
@@ -182,7 +68,8 @@ impl<V: Lanes> PlanarStages<V> {
             }
             if tree.rotation != FreeRotation::None {
                 let angle = self.displacement[rotation] * V::splat(flat.sign);
-                let (half_cosine, half_sine) = half_angle(angle * angle);
+                let square = angle * angle;
+                let (half_cosine, half_sine) = if few { half_angle_of_few(square) } else { half_angle(square) };
                 let half_sine = half_sine * angle;
                 let twice = half_sine + half_sine;
                 let (cosine, sine) = (-(twice * half_sine), twice * half_cosine);
@@ -202,7 +89,7 @@ impl<V: Lanes> PlanarStages<V> {
     /// Leaf to root, after [`PlanarStages::sweep_paths`] with the same sweep: residuals or momenta, and the articulated
     /// factorisation of all rows.
     #[inline(always)]
-    fn sweep_back<const MOMENTUM: bool>(&mut self, sweep: &Sweep<V>) {
+    pub(super) fn sweep_back<const MOMENTUM: bool, const FORCED: bool>(&mut self, sweep: &Sweep<V>) {
         let one = V::splat(1.0);
         let mut carried = Articulated2::zero();
         for index in (0..self.plan.bodies.len()).rev() {
@@ -229,10 +116,11 @@ impl<V: Lanes> PlanarStages<V> {
 
             let rotation = tree.first_axis + tree.translations;
             if tree.rotation != FreeRotation::None {
+                let push = self.push::<MOMENTUM, FORCED>(sweep, rotation, flat.sign);
                 self.eliminated[rotation] = if tree.parent.is_none() && tree.translations == 0 {
-                    total.solve_rotation(None)
+                    total.solve_rotation(push)
                 } else {
-                    total.eliminate_rotation(None)
+                    total.eliminate_rotation(push)
                 };
             }
             let parent = match tree.parent {
@@ -246,7 +134,8 @@ impl<V: Lanes> PlanarStages<V> {
                     None => axis,
                 };
                 self.axes[freedom] = axis;
-                self.eliminated[freedom] = total.eliminate_translation(axis, None);
+                let push = self.push::<MOMENTUM, FORCED>(sweep, freedom, 1.0);
+                self.eliminated[freedom] = total.eliminate_translation(axis, push);
             }
             if let Some((along, across)) = parent {
                 let arm = Vector2::splat(&known.arm).turned(along, across);
@@ -266,7 +155,7 @@ impl<V: Lanes> PlanarStages<V> {
 
     /// Root to leaf: `α` of every degree of freedom.
     #[inline(always)]
-    fn forward(&mut self, mut take: impl FnMut(&mut Self, usize, V)) {
+    pub(super) fn forward(&mut self, mut take: impl FnMut(&mut Self, usize, V)) {
         let mut twist = (Vector2::zero(), V::zero());
         for index in 0..self.plan.bodies.len() {
             let tree = &self.plan.tree.bodies[index];
@@ -299,28 +188,21 @@ impl<V: Lanes> PlanarStages<V> {
         }
     }
 
-    /// The largest top Legendre coefficient of the displacements, and of the sines and cosines of the turns.
+    /// What a force does along a degree of freedom, in the sense of the plane.
     #[inline(always)]
-    pub fn largest_coefficient(&self, top: V) -> f64 {
-        let mut largest = 0.0_f64;
-        for displacement in &self.displacement {
-            largest = largest.max((*displacement * top).sum().abs());
+    fn push<const MOMENTUM: bool, const FORCED: bool>(
+        &self,
+        sweep: &Sweep<V>,
+        freedom: usize,
+        sign: f64,
+    ) -> Option<Push<V>> {
+        match &self.applied {
+            Some(applied) if FORCED => Some(Push {
+                effort: applied.efforts[freedom] * V::splat(sign * sweep.forces),
+                inertia: V::splat(if MOMENTUM { 0.0 } else { self.step * applied.resistance[freedom] }),
+            }),
+            _ => None,
         }
-        for turned in &self.turned {
-            largest = largest.max(self.plan.share * (turned.sine * top).sum().abs());
-            largest = largest.max((turned.cosine * top).sum().abs());
-        }
-        largest
-    }
-
-    /// The first degree of freedom that has turned further than `limit`.
-    #[inline(always)]
-    pub fn turned_too_far(&self, limit: f64) -> Option<usize> {
-        self.plan.tree.bodies.iter().find_map(|tree| {
-            let freedom = tree.first_axis + tree.translations;
-            let turns = tree.rotation != FreeRotation::None;
-            (turns && self.displacement[freedom].max_abs(V::zero()).largest() > limit).then_some(freedom)
-        })
     }
 }
 
