@@ -10,6 +10,7 @@ use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::lobatto::dispatch::step_for;
 use catena::lobatto::lanes::Isa;
+use catena::lobatto::literal::Literal;
 use catena::lobatto::step::StopRule;
 use catena::lobatto::tableau::Tableau;
 use catena::model::{Body, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Plane, Pose, Rule};
@@ -135,6 +136,27 @@ fn fixed_steps_in_the_plane_are_those_in_space() {
                 assert!((lost - expected).abs() <= 1e-12 * expected, "{name}: dissipated {lost} J, not {expected} J");
                 assert_eq!(expected > 0.0, name == "tree with forces", "{name}");
             }
+        }
+    }
+}
+
+#[test]
+fn one_step_in_the_plane_is_that_of_the_literal_scheme() {
+    for (seed, with_forces) in [(11, false), (12, true), (13, false)] {
+        let tree = random_tree(seed, 4, Vector3::new(0.4, 0.2, 0.9));
+        let model = if with_forces { forced(tree) } else { tree };
+        for stages in 2..=4 {
+            let tableau = Tableau::new(stages).expect("stages");
+            let step = 0.02;
+            let literal = Literal::new(&model.mechanism, &tableau).expect("second moments that can be inverted");
+            let expected = literal.step(&model.bodies(), step).expect("a step").bodies;
+            let (state, _) = run(&model, Lobatto::fixed(&model.mechanism, stages, step).expect("stages"), step);
+            let bodies = body_states(&model.mechanism, &state);
+            // As in `tests/literal_equality.rs`: the dense oracle rounds at entries of size one to ten.
+            let (position, velocity) =
+                (models::pose_distance(&bodies, &expected), models::velocity_distance(&bodies, &expected));
+            assert!(position < 1e-12, "tree {seed}, {stages} stages: poses differ by {position:.1e}");
+            assert!(velocity < 1e-11, "tree {seed}, {stages} stages: velocities differ by {velocity:.1e}");
         }
     }
 }
