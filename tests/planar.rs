@@ -141,6 +141,32 @@ fn fixed_steps_in_the_plane_are_those_in_space() {
 }
 
 #[test]
+fn random_forests_in_the_plane_move_as_in_space() {
+    let (mut roots, mut branches, mut kinds) = (0, 0, [0; 3]);
+    for seed in 100..160 {
+        let normal = Vector3::new(0.1 * (seed % 7) as f64, 0.2 * (seed % 5) as f64 - 0.3, 0.6);
+        let mut model = random_tree(seed, 2 + (seed as usize % 17), normal);
+        let bodies = &mut model.mechanism.bodies;
+        roots += bodies.iter().filter(|body| body.parent.is_none()).count() - 1;
+        let children = |index| bodies.iter().filter(|body| body.parent == Some(index)).count();
+        branches += (0..bodies.len()).filter(|&index| children(index) > 1).count();
+        for body in bodies.iter() {
+            kinds[body.joint.kind.translation_axes().len()] += 1;
+        }
+        // A link without mass has to be carried by what hangs on it.
+        if let Some(massless) = (0..bodies.len()).find(|&index| children(index) == 1 && index % 7 < 3) {
+            (bodies[massless].mass, bodies[massless].inertia) = (0.0, Vector3::zeros());
+        }
+        let make = || Lobatto::fixed(&model.mechanism, 5, 0.01).expect("stages");
+        let [(flat, ours), (full, theirs)] = both(&model, make, 0.1);
+        let gap = apart(&flat, &full);
+        assert!(gap < 1e-11, "forest {seed}: {gap:e}");
+        assert_eq!(ours.len(), theirs.len(), "forest {seed}");
+    }
+    assert!(roots > 10 && branches > 10 && kinds.iter().all(|&count| count > 10), "{roots} {branches} {kinds:?}");
+}
+
+#[test]
 fn one_step_in_the_plane_is_that_of_the_literal_scheme() {
     for (seed, with_forces) in [(11, false), (12, true), (13, false)] {
         let tree = random_tree(seed, 4, Vector3::new(0.4, 0.2, 0.9));
