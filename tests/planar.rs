@@ -3,7 +3,6 @@
 mod common;
 mod models;
 
-use catena::forces::Forces;
 use catena::invariants::energy_with_forces;
 use catena::islands::Plan as IslandPlan;
 use catena::kinematics::body_states;
@@ -75,11 +74,10 @@ fn double_pendulum() -> Model {
     model
 }
 
-/// With dampers, springs and loads in every joint.
+/// With every kind of force: in the joints, between points at different heights, and on the bodies.
 fn forced(model: Model) -> Model {
-    let Forces { joint_dampers, joint_springs, joint_loads, .. } =
-        models::every_force(&model.mechanism).pop().expect("all forces").1;
-    models::with_forces(model, Forces { joint_dampers, joint_springs, joint_loads, ..Forces::default() })
+    let all = models::every_force(&model.mechanism).pop().expect("all forces").1;
+    models::with_forces(model, all)
 }
 
 fn everything() -> Vec<(&'static str, Model)> {
@@ -90,6 +88,7 @@ fn everything() -> Vec<(&'static str, Model)> {
         ("inclined tree", random_tree(2, 12, Vector3::new(0.3, -0.5, 0.7))),
         ("two slides", models::one_joint(JointKind::Prismatic)),
         ("tree with forces", forced(random_tree(3, 12, Vector3::new(-0.2, 0.4, 0.6)))),
+        ("slides with forces", forced(models::one_joint(JointKind::Prismatic))),
     ]
 }
 
@@ -134,7 +133,11 @@ fn fixed_steps_in_the_plane_are_those_in_space() {
                     |outcomes: &[StepOutcome]| outcomes.iter().map(|one| one.exchange.dissipated).sum::<f64>();
                 let (lost, expected) = (exchanged(&ours), exchanged(&theirs));
                 assert!((lost - expected).abs() <= 1e-12 * expected, "{name}: dissipated {lost} J, not {expected} J");
-                assert_eq!(expected > 0.0, name == "tree with forces", "{name}");
+                assert_eq!(expected > 0.0, name.ends_with("with forces"), "{name}");
+                let put_in = |outcomes: &[StepOutcome]| outcomes.iter().map(|one| one.exchange.work).sum::<f64>();
+                let (work, expected) = (put_in(&ours), put_in(&theirs));
+                assert!((work - expected).abs() <= 1e-12, "{name}: work of {work} J, not {expected} J");
+                assert_eq!(expected != 0.0, name == "tree with forces", "{name}");
             }
         }
     }
@@ -303,9 +306,8 @@ fn only_what_joints_keep_in_a_plane_has_one() {
 
     let chain = models::planar_chain(3).mechanism;
     assert!(has(&chain));
-    let with = |forces: Forces| Mechanism { forces, ..chain.clone() };
     for (name, forces) in models::every_force(&chain) {
-        assert_eq!(has(&with(forces.clone())), forces.are_in_joints(), "{name}");
+        assert!(has(&Mechanism { forces, ..chain.clone() }), "{name}");
     }
     let ends = [Some(2), None].map(|body| models::point_of(body, [0.0; 3]));
     let [a, b] = ends;

@@ -96,9 +96,4 @@ impl Forces {
     pub fn is_empty(&self) -> bool {
         *self == Forces::default()
     }
-
-    /// Whether whatever acts does so in the joints.
-    pub fn are_in_joints(&self) -> bool {
-        self.point_springs.is_empty() && self.wrenches.is_empty()
-    }
 }

@@ -37,7 +37,6 @@
 use super::algebra::{Matrix, Vector};
 use super::applied_plan::AppliedPlan;
 use super::lanes::Lanes;
-use super::predictor::Unknowns;
 use super::residual::increment_matrix;
 use super::stage::{MAX_LANES, StagePose, Stages, rotate_increment, row_stage};
 use super::sweeps::{tangent, tilted};
@@ -59,37 +58,37 @@ pub struct Applied<V> {
     pub exchange: Exchange,
     plan: AppliedPlan,
     /// Where the rows take their velocities from.
-    rows: Place<V>,
+    pub(super) rows: Place<V>,
     /// The same with the end of the step in the last lane.
-    end: Place<V>,
+    pub(super) end: Place<V>,
 }
 
 /// Which stage each lane stands for, and what makes velocities of displacements there.
 #[derive(Clone, Copy)]
-struct Place<V> {
+pub(super) struct Place<V> {
     /// `Ā B` by columns.
-    velocity: [V; MAX_LANES],
+    pub(super) velocity: [V; MAX_LANES],
     /// One where a lane has the geometry of its stage, zero where it has that of the start.
-    moved: V,
+    pub(super) moved: V,
     /// Weights b of the stages whose power this place has to account for.
-    weights: V,
+    pub(super) weights: V,
 }
 
 /// The scalar coordinates in a step, as far as forces see them.
-struct Motion<'s, V> {
-    displacement: &'s [V],
-    rates: &'s [f64],
+pub(super) struct Motion<'s, V> {
+    pub(super) displacement: &'s [V],
+    pub(super) rates: &'s [f64],
     /// Of the joint springs, at the start.
-    extensions: &'s [f64],
+    pub(super) extensions: &'s [f64],
     /// `h c_i` and `1/h`.
-    times: V,
-    inverse: V,
+    pub(super) times: V,
+    pub(super) inverse: V,
 }
 
 impl<V: Lanes> Motion<'_, V> {
     /// Rate of a scalar at the places, from its displacements at the stages.
     #[inline(always)]
-    fn rate(&self, place: &Place<V>, displacement: V, start_rate: f64) -> V {
+    pub(super) fn rate(&self, place: &Place<V>, displacement: V, start_rate: f64) -> V {
         let start_rate = V::splat(start_rate);
         start_rate.neg_mul_add(self.times, displacement).mix(&place.velocity).mul_add(self.inverse, start_rate)
     }
@@ -158,7 +157,7 @@ impl<V: Lanes> Stages<V> {
 impl<V: Lanes> Applied<V> {
     /// The forces on scalar coordinates in one place; returns the power they dissipate.
     #[inline(always)]
-    fn evaluate_scalars(&mut self, motion: &Motion<V>, place: &Place<V>) -> V {
+    pub(super) fn evaluate_scalars(&mut self, motion: &Motion<V>, place: &Place<V>) -> V {
         let mut dissipated = V::zero();
         self.efforts.fill(V::zero());
         for &(freedom, coefficient) in &self.plan.dampers {
@@ -175,24 +174,6 @@ impl<V: Lanes> Applied<V> {
             self.efforts[freedom] = self.efforts[freedom] + V::splat(effort);
         }
         dissipated
-    }
-
-    /// [`Stages::sweep_applied`] where all forces act on scalar coordinates.
-    #[inline(always)]
-    pub(super) fn sweep_scalars(&mut self, unknowns: &Unknowns<V>, extensions: &[f64], end: bool) {
-        let motion = Motion {
-            displacement: unknowns.displacement,
-            rates: unknowns.rates,
-            extensions,
-            times: unknowns.coefficients.nodes * V::splat(unknowns.step),
-            inverse: V::splat(1.0 / unknowns.step),
-        };
-        let (rows, at_end) = (self.rows, self.end);
-        let mut power = self.evaluate_scalars(&motion, &rows) * rows.weights;
-        if end {
-            power = self.evaluate_scalars(&motion, &at_end).mul_add(at_end.weights, power);
-            self.exchange = Exchange { dissipated: unknowns.step * power.sum(), work: 0.0 };
-        }
     }
 
     /// The forces in one place; where one has to `account` for them, their powers, weighted. At the `end` of the step efforts on

@@ -346,7 +346,7 @@ impl Lobatto {
         loop {
             let Mode::Reversible(rule) = &mut self.mode else { return Ok(outcome) };
             if !rule.started()
-                && let Some(pace) = self.kernel.pace()
+                && let Some(pace) = self.kernel.pace(mechanism, state)
             {
                 rule.start(&pace);
             }
@@ -362,7 +362,9 @@ impl Lobatto {
                     outcome.step = length;
                     self.accept(mechanism, state, length, if reaches { until } else { state.time + length });
                     // A step that was cut off at the end of the run says nothing about the next.
-                    if let (false, Mode::Reversible(rule), Some(pace)) = (reaches, &mut self.mode, self.kernel.pace()) {
+                    if let (false, Mode::Reversible(rule), Some(pace)) =
+                        (reaches, &mut self.mode, self.kernel.pace(mechanism, state))
+                    {
                         rule.follow(&pace);
                     }
                     return Ok(outcome);

@@ -186,11 +186,6 @@ impl Start {
         [position.x - com[0], position.y - com[1], position.z - com[2]]
     }
 
-    /// Puts the centre of mass of a body somewhere (m), for those who need no more of it than that.
-    pub fn place(&mut self, body: usize, position: [f64; 3]) {
-        self.states[body].position = position.into();
-    }
-
     /// Takes the state at the start of a step. Does not allocate.
     pub fn set(&mut self, mechanism: &Mechanism, state: &State) {
         self.rates.copy_from_slice(&state.velocity);

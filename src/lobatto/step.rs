@@ -119,8 +119,8 @@ pub trait Step: Send {
     fn displacement(&self, freedom: usize, stages: &mut [f64]);
     /// The fastest mode at `state`, the start of the step, from some power iterations.
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode;
-    /// Pace of the motion at the start of the step; `None` where forces and loops play a part that it does not know.
-    fn pace(&mut self) -> Option<Pace>;
+    /// Pace of the motion at `state`, the start of the step; `None` where forces and loops play a part that it does not know.
+    fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace>;
     /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length.
     fn accelerations(&mut self, step: f64, out: &mut [f64]);
 }
@@ -143,7 +143,7 @@ pub struct Kernel<V: Lanes> {
     first_legendre: f64,
     /// Whether this step is iterated so far that the rounding of the coefficients counts.
     refined: bool,
-    pub(super) gravity: [f64; 3],
+    gravity: [f64; 3],
     velocity: Vec<f64>,
     displaced: Vec<f64>,
     /// The end of the finished step.
@@ -369,7 +369,7 @@ impl<V: Lanes> Step for Kernel<V> {
         of_tree.or_else(of_others).unwrap_or_default()
     }
 
-    fn pace(&mut self) -> Option<Pace> {
+    fn pace(&mut self, _: &Mechanism, _: &State) -> Option<Pace> {
         let Stages { plan, start, .. } = &self.stages;
         let (gravity, jerks) = (&self.gravity, &mut self.velocity);
         self.dynamics.as_mut().map(|dynamics| Pace::at(dynamics, plan, start, gravity, jerks))

@@ -6,7 +6,7 @@
 //!     ω = ψ̇ n,      ẋ · n = 0
 //! ```
 //!
-//! for every body, whatever its inertia and wherever its centre of mass is. What gravity, products of inertia and offsets along n do
+//! for every body, whatever its inertia and wherever its centre of mass is. What forces, products of inertia and offsets along n do
 //! is carried by the joints and moves nothing. Three coordinates a body say all there is to say.
 
 use super::joint::{FreeRotation, JointKind};
@@ -25,7 +25,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane of a mechanism; `None` if it has none, or has more than a tree of joints, forces in them, and gravity.
+    /// The plane of a mechanism; `None` if it has none, or if loops or mimic relations close it.
     pub fn of(mechanism: &Mechanism) -> Option<Plane> {
         let axes = joint_axes(mechanism)?;
         let normal = normal(&axes)?;
@@ -54,8 +54,7 @@ impl Plane {
 /// there is anything that has no such direction, or nothing at all.
 fn joint_axes(mechanism: &Mechanism) -> Option<Vec<(Vector3<f64>, bool)>> {
     let planar = |kind| matches!(kind, JointKind::Revolute | JointKind::Prismatic | JointKind::Planar);
-    let alone = !mechanism.has_closures() && mechanism.forces.are_in_joints();
-    let possible = alone && mechanism.bodies.iter().all(|body| planar(body.joint.kind));
+    let possible = !mechanism.has_closures() && mechanism.bodies.iter().all(|body| planar(body.joint.kind));
     if !possible || mechanism.bodies.is_empty() {
         return None;
     }

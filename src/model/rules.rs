@@ -39,7 +39,7 @@ impl Rule {
         match self {
             Rule::Islands => "no joint, loop, mimic relation or spring connects the parts",
             Rule::Sleep => "starts at rest, and nothing accelerates",
-            Rule::Planar => "a tree, forces in joints alone, all hinges about one direction, all slides across it",
+            Rule::Planar => "a tree, all hinges about one direction, all slides across it",
         }
     }
 

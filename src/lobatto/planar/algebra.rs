@@ -24,6 +24,11 @@ impl<V: Lanes> Vector2<V> {
     pub fn plus(self, other: Self) -> Self {
         Vector2([self.0[0] + other.0[0], self.0[1] + other.0[1]])
     }
+    /// `self − other`.
+    #[inline(always)]
+    pub fn minus(self, other: Self) -> Self {
+        Vector2([self.0[0] - other.0[0], self.0[1] - other.0[1]])
+    }
     /// `self · factor`.
     #[inline(always)]
     pub fn times(self, factor: V) -> Self {

@@ -2,9 +2,11 @@
 //!
 //! The same scheme and the same iteration as in space ([`super::step`]), with SO(2) embedded in R² where space has SO(3) in R⁹: what
 //! it leaves out is zero there, so that both take the same steps, but for rounding. In reading order: [`start`], [`stage`],
-//! [`articulated`], [`sweeps`]. Where the recursion does not converge, the exact Newton method of space takes over, in the axes of the plane.
+//! [`articulated`], [`sweeps`], [`applied_plan`], [`applied`]. Where the recursion does not converge, the exact Newton method of space takes over.
 
 mod algebra;
+mod applied;
+mod applied_plan;
 mod articulated;
 mod stage;
 mod start;
@@ -48,6 +50,9 @@ pub struct PlanarKernel<V: Lanes> {
     displaced: Vec<f64>,
     /// The end of the finished step.
     end: PlanarStart,
+    /// The states at both ends.
+    origin: State,
+    end_state: State,
     /// What steers the steps knows space alone.
     space: Space,
 }
@@ -60,7 +65,6 @@ struct Space {
     fastest: Fastest,
     /// What looks at the fastest mode with forces.
     linearised: Option<Box<Linearised>>,
-    gravity: [f64; 3],
 }
 
 impl<V: Lanes> PlanarKernel<V> {
@@ -80,12 +84,13 @@ impl<V: Lanes> PlanarKernel<V> {
             velocity: vec![0.0; freedoms],
             displaced: vec![0.0; freedoms],
             end: PlanarStart::new(mechanism),
+            origin: State::zero(mechanism),
+            end_state: State::zero(mechanism),
             space: Space {
                 dynamics: mechanism.is_plain_tree().then(|| Dynamics::new(&stages.plan.tree, freedoms)),
                 fastest: Fastest::new(freedoms),
                 linearised: (!mechanism.is_plain_tree()).then(|| Box::new(Linearised::new(mechanism))),
                 start: Start::new(mechanism),
-                gravity: stages.plan.gravity_in_space(),
             },
             stages,
         }
@@ -101,13 +106,8 @@ impl<V: Lanes> PlanarKernel<V> {
 
     /// The exact Newton method from the guess at hand.
     fn attempt_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
-        let gravity = self.space.gravity;
-        let exact = self.exact.get_or_insert_with(|| {
-            let mut kernel = Kernel::new(mechanism, &self.tableau);
-            kernel.gravity = gravity;
-            Box::new(kernel)
-        });
-        self.stages.start.in_space(&self.stages.plan, &mut exact.stages.start);
+        let exact = self.exact.get_or_insert_with(|| Box::new(Kernel::new(mechanism, &self.tableau)));
+        exact.stages.start.set(mechanism, &self.origin);
         exact.stages.step = self.stages.step;
         exact.stages.displacement.copy_from_slice(&self.stages.displacement);
         let attempt = exact.attempt_exactly(mechanism, rule);
@@ -115,24 +115,19 @@ impl<V: Lanes> PlanarKernel<V> {
         self.stages.largest = f64::INFINITY;
         attempt
     }
-
-    /// Puts the start of the step into space.
-    fn raise(&mut self) {
-        self.stages.start.in_space(&self.stages.plan, &mut self.space.start);
-    }
 }
 
 /// The simplified iteration, with Anderson's acceleration.
 impl<V: Lanes> Equations for PlanarKernel<V> {
     fn iterate(&mut self, settled: bool) -> f64 {
         let (stages, coefficients) = (&mut self.stages, &self.coefficients);
-        let gravity = &self.space.gravity;
+        let gravity = stages.plan.gravity;
         if stages.applied.is_some() {
-            in_lanes!(V, stages.increments::<true, true>(coefficients, gravity))
+            in_lanes!(V, stages.increments::<true, true>(coefficients, &gravity))
         } else if self.refined && settled {
-            in_lanes!(V, stages.increments::<true, false>(coefficients, gravity))
+            in_lanes!(V, stages.increments::<true, false>(coefficients, &gravity))
         } else {
-            in_lanes!(V, stages.increments::<false, false>(coefficients, gravity))
+            in_lanes!(V, stages.increments::<false, false>(coefficients, &gravity))
         }
     }
 
@@ -165,6 +160,7 @@ impl<V: Lanes> Equations for PlanarKernel<V> {
 impl<V: Lanes> Step for PlanarKernel<V> {
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.stages.start.set(&self.stages.plan, mechanism, state);
+        self.origin.copy_from(state);
         self.predictor.forget();
     }
 
@@ -196,13 +192,13 @@ impl<V: Lanes> Step for PlanarKernel<V> {
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let (stages, velocity, coefficients) = (&mut self.stages, &mut self.velocity, &self.coefficients);
-        let gravity = &self.space.gravity;
+        let gravity = stages.plan.gravity;
         if stages.applied.is_some() {
-            in_lanes!(V, stages.end_velocities::<true, true>(coefficients, gravity, velocity));
+            in_lanes!(V, stages.end_velocities::<true, true>(coefficients, &gravity, velocity));
         } else if self.refined {
-            in_lanes!(V, stages.end_velocities::<true, false>(coefficients, gravity, velocity));
+            in_lanes!(V, stages.end_velocities::<true, false>(coefficients, &gravity, velocity));
         } else {
-            in_lanes!(V, stages.end_velocities::<false, false>(coefficients, gravity, velocity));
+            in_lanes!(V, stages.end_velocities::<false, false>(coefficients, &gravity, velocity));
         }
         let last = coefficients.active - 1;
         for (end, displacement) in self.displaced.iter_mut().zip(&stages.displacement) {
@@ -211,6 +207,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(velocity);
         self.end.set(&stages.plan, mechanism, state);
+        self.end_state.copy_from(state);
         self.end.energy
     }
 
@@ -226,6 +223,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
         let (stages, predictor, coefficients) = (&mut self.stages, &mut self.predictor, &self.coefficients);
         in_lanes!(V, predictor.learn(stages.unknowns(coefficients)));
         std::mem::swap(&mut self.stages.start, &mut self.end);
+        std::mem::swap(&mut self.origin, &mut self.end_state);
     }
 
     fn displacement(&self, freedom: usize, stages: &mut [f64]) {
@@ -233,21 +231,23 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     }
 
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
-        self.raise();
-        let (plan, Space { start, dynamics, fastest, linearised, gravity }) = (&self.stages.plan.tree, &mut self.space);
-        let of_tree = dynamics.as_mut().map(|dynamics| Mode {
-            frequency: fastest.estimate(dynamics, plan, start, gravity, iterations),
-            damping: 0.0,
+        let (plan, Space { start, dynamics, fastest, linearised }) = (&self.stages.plan.tree, &mut self.space);
+        let of_tree = dynamics.as_mut().map(|dynamics| {
+            start.set(mechanism, state);
+            let frequency = fastest.estimate(dynamics, plan, start, &mechanism.gravity.into(), iterations);
+            Mode { frequency, damping: 0.0 }
         });
         let of_others = || linearised.as_mut().map(|linearised| linearised.estimate(mechanism, state, iterations));
         of_tree.or_else(of_others).unwrap_or_default()
     }
 
-    fn pace(&mut self) -> Option<Pace> {
-        self.raise();
-        let (plan, Space { start, dynamics, gravity, .. }) = (&self.stages.plan.tree, &mut self.space);
+    fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace> {
+        let (plan, Space { start, dynamics, .. }) = (&self.stages.plan.tree, &mut self.space);
         let jerks = &mut self.velocity;
-        dynamics.as_mut().map(|dynamics| Pace::at(dynamics, plan, start, gravity, jerks))
+        dynamics.as_mut().map(|dynamics| {
+            start.set(mechanism, state);
+            Pace::at(dynamics, plan, start, &mechanism.gravity.into(), jerks)
+        })
     }
 
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {

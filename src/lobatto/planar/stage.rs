@@ -52,8 +52,12 @@ pub(super) struct PlanarStages<V> {
     pub slots: Vec<Articulated2<V>>,
     /// Twist of the branching bodies on the way back.
     pub twists: Vec<(Vector2<V>, V)>,
-    /// Forces in joints, if there are any.
+    /// Forces, if there are any.
     pub applied: Option<Box<Applied<V>>>,
+    /// Displacement of each anchor since the start (m), and force (N) and torque about it [N m] of what does not act in joints; empty
+    /// where there is nothing of the kind.
+    pub anchors: Vec<Vector2<V>>,
+    pub acting: Vec<(Vector2<V>, V)>,
     /// Length of the step (s).
     pub step: f64,
 }
@@ -63,6 +67,7 @@ impl<V: Lanes> PlanarStages<V> {
     pub fn new(mechanism: &Mechanism, plane: &Plane, tableau: &Tableau) -> Self {
         let plan = PlanarPlan::new(mechanism, plane);
         let (bodies, freedoms, slots) = (plan.bodies.len(), mechanism.velocity_count, plan.tree.slots);
+        let pushed = if plan.forces.is_empty() { 0 } else { bodies };
         PlanarStages {
             start: PlanarStart::new(mechanism),
             displacement: vec![V::zero(); freedoms],
@@ -75,6 +80,8 @@ impl<V: Lanes> PlanarStages<V> {
             slots: vec![Articulated2::zero(); slots],
             twists: vec![(Vector2::zero(), V::zero()); slots],
             applied: Applied::new(mechanism, tableau),
+            anchors: vec![Vector2::zero(); pushed],
+            acting: vec![(Vector2::zero(), V::zero()); pushed],
             plan,
             step: 0.0,
         }
@@ -105,7 +112,7 @@ impl<V: Lanes> PlanarStages<V> {
     }
 
     /// One iteration: finds the increments, returns the largest; `REFINED` with twice the digits of the coefficients, `FORCED` with
-    /// forces in joints.
+    /// forces.
     #[inline(always)]
     pub fn increments<const REFINED: bool, const FORCED: bool>(
         &mut self,
@@ -113,10 +120,10 @@ impl<V: Lanes> PlanarStages<V> {
         gravity: &[f64; 3],
     ) -> f64 {
         let sweep = coefficients.residual_sweep(self.step, gravity);
+        self.sweep_paths::<false, REFINED>(&sweep);
         if FORCED {
             self.sweep_applied(coefficients, false);
         }
-        self.sweep_paths::<false, REFINED>(&sweep);
         self.sweep_back::<false, FORCED>(&sweep);
         let mut largest = V::zero();
         self.forward(
@@ -140,27 +147,16 @@ impl<V: Lanes> PlanarStages<V> {
     ) {
         let (columns, rest) = coefficients.momentum_columns(self.step);
         let sweep = coefficients.momentum_sweep(&columns, &rest, self.step, gravity);
+        self.sweep_paths::<true, REFINED>(&sweep);
         if FORCED {
             self.sweep_applied(coefficients, true);
         }
-        self.sweep_paths::<true, REFINED>(&sweep);
         self.sweep_back::<true, FORCED>(&sweep);
         let last = coefficients.active - 1;
         self.forward(
             #[inline(always)]
             |_, freedom, rate| velocity[freedom] = rate.to_array().as_ref()[last],
         );
-    }
-
-    /// The forces in joints at the rows' stages; for a solved step, those at its `end`.
-    #[inline(always)]
-    fn sweep_applied(&mut self, coefficients: &Coefficients<V>, end: bool) {
-        if let Some(mut applied) = self.applied.take() {
-            let extensions = std::mem::take(&mut self.start.applied.extensions);
-            applied.sweep_scalars(&self.unknowns(coefficients), &extensions, end);
-            self.start.applied.extensions = extensions;
-            self.applied = Some(applied);
-        }
     }
 
     /// The largest top Legendre coefficient of the displacements, and of the sines and cosines of the turns.

@@ -13,11 +13,10 @@
 //!
 //! where the height along n, `x_n`, never changes.
 
-use crate::forces::total::stored;
+use super::applied_plan::{ForcesPlan, ForcesStart};
 use crate::invariants::Energy;
 use crate::kinematics::body_states;
-use crate::lobatto::applied_plan::AppliedStart;
-use crate::lobatto::start::{Plan, Start};
+use crate::lobatto::start::Plan;
 use crate::model::{FreeRotation, Mechanism, Plane};
 use crate::state::State;
 use nalgebra::Vector3;
@@ -43,8 +42,10 @@ pub(super) struct PlanarPlan {
     pub tree: Plan,
     /// One entry a body.
     pub bodies: Vec<BodyPlane>,
-    /// Gravity in the plane [m/s²].
-    pub gravity: [f64; 2],
+    /// Gravity in the plane [m/s²]; nothing along the normal.
+    pub gravity: [f64; 3],
+    /// Forces between points, and on bodies.
+    pub forces: ForcesPlan,
     /// Largest component of the normal: what the sine of a turn counts for in the rotation matrix.
     pub share: f64,
     /// Potential energy of the heights along n (J).
@@ -62,12 +63,11 @@ pub(super) struct PlanarBody {
     pub spin: f64,
     /// Velocity of the anchor against the parent, by the slides [m/s].
     pub sliding: [f64; 2],
-    com: [f64; 2],
     /// Cosine and sine of the turn since zero displacement.
-    turn: [f64; 2],
-    /// Of the anchor.
-    position: [f64; 2],
-    velocity: [f64; 2],
+    pub turn: [f64; 2],
+    /// Place (m) and velocity [m/s] of the anchor.
+    pub position: [f64; 2],
+    pub velocity: [f64; 2],
 }
 
 /// The start of a step.
@@ -79,7 +79,7 @@ pub(super) struct PlanarStart {
     /// Velocity of each degree of freedom.
     pub rates: Vec<f64>,
     /// What forces need.
-    pub applied: AppliedStart,
+    pub applied: ForcesStart,
     /// Energy of the state.
     pub energy: Energy,
 }
@@ -118,13 +118,15 @@ impl PlanarPlan {
             }
         });
         let bodies = bodies.collect();
-        let gravity = flat(&mechanism.gravity);
-        PlanarPlan { tree: Plan::new(mechanism), bodies, gravity, share: normal.amax(), offset }
-    }
-
-    /// Gravity as that of a mechanism in the plane of x and y.
-    pub fn gravity_in_space(&self) -> [f64; 3] {
-        [self.gravity[0], self.gravity[1], 0.0]
+        let [x, y] = flat(&mechanism.gravity);
+        PlanarPlan {
+            tree: Plan::new(mechanism),
+            forces: ForcesPlan::new(mechanism, plane, &zero),
+            bodies,
+            gravity: [x, y, 0.0],
+            share: normal.amax(),
+            offset,
+        }
     }
 }
 
@@ -135,7 +137,7 @@ impl PlanarStart {
             bodies: vec![PlanarBody::default(); mechanism.bodies.len()],
             axes: vec![[0.0; 2]; mechanism.velocity_count],
             rates: vec![0.0; mechanism.velocity_count],
-            applied: AppliedStart::new(mechanism),
+            applied: ForcesStart::new(mechanism),
             energy: Energy::default(),
         }
     }
@@ -179,49 +181,17 @@ impl PlanarStart {
             energy.potential -=
                 flat.mass * (plan.gravity[0] * (position[0] + com[0]) + plan.gravity[1] * (position[1] + com[1]));
             let heavy = [flat.mass * com[0], flat.mass * com[1]];
-            self.bodies[index] = PlanarBody { arm, heavy, spin, sliding, com, turn, position, velocity };
+            self.bodies[index] = PlanarBody { arm, heavy, spin, sliding, turn, position, velocity };
         }
         if !mechanism.forces.is_empty() {
-            // No force in a joint asks where the bodies are.
-            self.applied.set(mechanism, state, &[]);
-            let stored = stored(mechanism, &state.position, &[]);
+            let stored = self.applied.set(&plan.forces, mechanism, state, &self.bodies);
             (energy.spring, energy.load) = (stored.spring, stored.load);
         }
         self.energy = energy;
     }
-
-    /// The same start in space, with the plane as that of x and y: as bodies that could leave it, but do not.
-    pub fn in_space(&self, plan: &PlanarPlan, start: &mut Start) {
-        start.rates.copy_from_slice(&self.rates);
-        start.energy = self.energy;
-        start.applied.extensions.copy_from_slice(&self.applied.extensions);
-        for (index, (tree, flat)) in plan.tree.bodies.iter().zip(&plan.bodies).enumerate() {
-            let body = &self.bodies[index];
-            let moving = [body.velocity[0] - body.spin * body.com[1], body.velocity[1] + body.spin * body.com[0]];
-            // Second moments of a body that resists as much about every axis.
-            let half = 0.5 * flat.central;
-            let known = &mut start.bodies[index];
-            known.arm = raised(&body.arm);
-            known.com = raised(&body.com);
-            known.sigma = [half, 0.0, 0.0, half, 0.0, half];
-            known.velocity = raised(&moving);
-            known.spin = [0.0, 0.0, body.spin];
-            start.place(index, [body.position[0] + body.com[0], body.position[1] + body.com[1], 0.0]);
-            for freedom in tree.freedoms() {
-                start.axes[freedom] = match freedom < tree.first_axis + tree.translations {
-                    true => raised(&self.axes[freedom]),
-                    false => [0.0, 0.0, flat.sign],
-                };
-            }
-        }
-    }
 }
 
 /// `(C + S J) v`.
-fn turned([cosine, sine]: &[f64; 2], [x, y]: &[f64; 2]) -> [f64; 2] {
+pub(super) fn turned([cosine, sine]: &[f64; 2], [x, y]: &[f64; 2]) -> [f64; 2] {
     [cosine * x - sine * y, sine * x + cosine * y]
-}
-
-fn raised([x, y]: &[f64; 2]) -> [f64; 3] {
-    [*x, *y, 0.0]
 }

@@ -105,7 +105,12 @@ impl<V: Lanes> PlanarStages<V> {
             let torque = heavy.cross_plus(path, across.neg_mul_add(cosine, along * sine) * inertia);
             // Known exactly, the inertia would round differently from the momentum, and always to the same side.
             let inertia = if MOMENTUM { across.mul_add(across, along * along) * inertia } else { inertia };
-            let (force, torque) = if MOMENTUM { (force.times(-one), -torque) } else { (force, torque) };
+            let (mut force, mut torque) = if MOMENTUM { (force.times(-one), -torque) } else { (force, torque) };
+            if FORCED && let Some((pull, turn)) = self.acting.get(index) {
+                let scale = V::splat(sweep.forces);
+                force = pull.times_minus(scale, force);
+                torque = turn.neg_mul_add(scale, torque);
+            }
             let zero = V::zero();
             let own = Articulated2 { mass: [mass, zero, mass], coupling: heavy.quarter_turn(), inertia, force, torque };
             let mut total = match tree.children {
