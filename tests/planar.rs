@@ -248,6 +248,19 @@ fn steps_that_need_the_exact_newton_method_or_are_too_long_are_those_in_space() 
 }
 
 #[test]
+fn bodies_that_turn_far_within_a_step_do_so_as_in_space() {
+    // The rods turn by 1.1 and 1.7 rad a step.
+    let mut model = double_pendulum();
+    model.state.velocity = vec![55.0, 30.0];
+    let make = || Lobatto::fixed(&model.mechanism, 9, 0.02).expect("stages");
+    let [(flat, ours), (full, _)] = both(&model, make, 0.1);
+    assert!(ours.iter().all(|one| one.rejected == 0), "{:?}", counts(&ours));
+    // Rounding of velocities of a hundred.
+    let gap = apart(&flat, &full);
+    assert!(gap < 1e-11, "{gap:e}");
+}
+
+#[test]
 fn every_vector_type_makes_the_same_steps_in_the_plane() {
     for (name, model) in everything() {
         for stages in [2, 3, 4, 5, 6, 9, 10, 16] {
