@@ -29,21 +29,25 @@ fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_l
     );
     for model in all {
         let mechanism = &model.mechanism;
-        let integrators = [2, 5, 9]
-            .map(|stages| Lobatto::fixed(mechanism, stages, 0.01).unwrap())
-            .into_iter()
-            .chain([Lobatto::adaptive(mechanism, 1e-6)]);
-        for mut lobatto in integrators {
-            let mut state = model.state.clone();
-            // The first step sets up the controller.
-            lobatto.advance(mechanism, &mut state, f64::INFINITY).unwrap();
-            let region = Region::new(ALLOCATOR);
-            for _ in 0..50 {
+        for stages in [Some(2), Some(5), Some(9), None] {
+            let allocations = || {
+                let mut lobatto = match stages {
+                    Some(stages) => Lobatto::fixed(mechanism, stages, 0.01).unwrap(),
+                    None => Lobatto::adaptive(mechanism, 1e-6),
+                };
+                let mut state = model.state.clone();
+                // The first step sets up the controller.
                 lobatto.advance(mechanism, &mut state, f64::INFINITY).unwrap();
-            }
-            let change = region.change();
-            let count = change.allocations + change.reallocations + change.deallocations;
-            assert_eq!(count, 0, "{}, {:?}: {change:?}", mechanism.name, lobatto.description());
+                let region = Region::new(ALLOCATOR);
+                for _ in 0..50 {
+                    lobatto.advance(mechanism, &mut state, f64::INFINITY).unwrap();
+                }
+                let change = region.change();
+                change.allocations + change.reallocations + change.deallocations
+            };
+            // The test harness has a thread of its own, which is seen here once in a hundred runs; a step that allocates does so every time.
+            let free = (0..3).any(|_| allocations() == 0);
+            assert!(free, "{}, {stages:?} stages", mechanism.name);
         }
     }
 }
