@@ -1,4 +1,4 @@
-//! What a step of the scheme costs: by number of stages, by kind of joint and by length of chain.
+//! What a step of the scheme costs: by number of stages, by kind of joint, by length of chain, and in a plane.
 //!
 //! The throughput that criterion prints is bodies per second, so its inverse is the cost of a step per body. The line
 //! below each measurement says the same in nanoseconds, the fastest sample counting, and divides it by the number of
@@ -6,7 +6,7 @@
 //! iterations belongs to the motion and the step.
 
 use catena::lobatto::Lobatto;
-use catena::model::{JointKind, Mechanism};
+use catena::model::{JointKind, Mechanism, Rule};
 use catena::simulation::Integrator;
 use catena::state::State;
 use cpu_time::ThreadTime;
@@ -40,12 +40,13 @@ struct Run<'m> {
 }
 
 impl<'m> Run<'m> {
-    fn new(model: &'m models::Model, stages: usize, step: f64) -> Self {
+    fn new(model: &'m models::Model, stages: usize, step: f64, kept: &[Rule]) -> Self {
+        let lobatto = Lobatto::fixed(&model.mechanism, stages, step).expect("a number of stages from 2 to 16");
         Run {
             mechanism: &model.mechanism,
             start: &model.state,
             state: model.state.clone(),
-            lobatto: Lobatto::fixed(&model.mechanism, stages, step).expect("a number of stages from 2 to 16"),
+            lobatto: lobatto.keeping(&model.mechanism, kept),
             steps: STEPS_OF_A_RUN,
             counted_steps: 0,
             iterations: 0,
@@ -92,7 +93,18 @@ impl<'m> Run<'m> {
 }
 
 fn measure(group: &mut BenchmarkGroup<WallTime>, name: &str, model: &models::Model, stages: usize, step: f64) {
-    let mut run = Run::new(model, stages, step);
+    measure_keeping(group, name, model, stages, step, &[]);
+}
+
+fn measure_keeping(
+    group: &mut BenchmarkGroup<WallTime>,
+    name: &str,
+    model: &models::Model,
+    stages: usize,
+    step: f64,
+    kept: &[Rule],
+) {
+    let mut run = Run::new(model, stages, step, kept);
     group.throughput(Throughput::Elements((STEPS * model.mechanism.bodies.len()) as u64));
     group.bench_function(name, |bencher| {
         bencher.iter_custom(|count| {
@@ -130,6 +142,18 @@ fn by_joint(criterion: &mut Criterion) {
     }
 }
 
+/// Rods in a plane, as bodies in that plane and as bodies in space.
+fn in_a_plane(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("step_in_a_plane");
+    short(&mut group);
+    for links in [1, 2, 5, 10, 40, 100] {
+        let model = models::planar_chain(links);
+        for (name, kept) in [("plane", &[][..]), ("space", &[Rule::Planar])] {
+            measure_keeping(&mut group, &format!("{links}_{name}"), &model, 9, 0.01, kept);
+        }
+    }
+}
+
 fn by_length(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step_by_length");
     short(&mut group);
@@ -139,5 +163,5 @@ fn by_length(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, by_stages, by_joint, by_length);
+criterion_group!(benches, by_stages, by_joint, by_length, in_a_plane);
 criterion_main!(benches);

@@ -15,7 +15,7 @@
 
 use crate::distance::{distance, probes, size};
 use crate::lobatto::Lobatto;
-use crate::model::Mechanism;
+use crate::model::{Mechanism, Rule};
 use crate::simulation::{Integrator, StepError, StepOutcome};
 use crate::state::State;
 use nalgebra::Vector3;
@@ -59,7 +59,7 @@ pub enum CalibrationError {
     Interrupted,
 }
 
-/// Finds the iteration stop with which a run of `duration` from `state` is accurate to `tolerance` (m).
+/// Finds the iteration stop with which a run of `duration` from `state` is accurate to `tolerance` (m), with these rules switched off.
 ///
 /// # Errors
 /// [`CalibrationError`] if a pilot fails or `go_on`, which sees every step of the pilots, says no.
@@ -68,6 +68,7 @@ pub fn calibrate(
     state: &State,
     duration: f64,
     tolerance: f64,
+    kept: &[Rule],
     go_on: &mut dyn FnMut(&StepOutcome) -> bool,
 ) -> Result<Calibration, CalibrationError> {
     let size = size(mechanism, state);
@@ -76,8 +77,8 @@ pub fn calibrate(
     let mut stop = (1e-3 * tolerance).clamp(FINEST * RATIO, COARSEST);
     let mut pilots = 0;
     loop {
-        let mut coarse = Pilot::new(mechanism, state, tolerance, stop);
-        let mut fine = Pilot::new(mechanism, state, tolerance, stop / RATIO);
+        let mut coarse = Pilot::new(mechanism, state, tolerance, stop, kept);
+        let mut fine = Pilot::new(mechanism, state, tolerance, stop / RATIO, kept);
         pilots += 2;
         // The worst so far at every instant: an error that has been made does not heal.
         let mut worst = Vec::with_capacity(INSTANTS);
@@ -117,8 +118,8 @@ struct Pilot<'m> {
 }
 
 impl<'m> Pilot<'m> {
-    fn new(mechanism: &'m Mechanism, start: &State, tolerance: f64, stop: f64) -> Self {
-        let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, stop);
+    fn new(mechanism: &'m Mechanism, start: &State, tolerance: f64, stop: f64, kept: &[Rule]) -> Self {
+        let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, stop).keeping(mechanism, kept);
         Pilot { mechanism, lobatto, state: start.clone() }
     }
 

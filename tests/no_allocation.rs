@@ -21,8 +21,10 @@ fn main() {
 fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_loops() {
     let mut all =
         vec![models::double_pendulum(), models::floating_tree(), models::slow_heavy_top(), models::free_body()];
+    // In a plane, with a kernel of their own.
+    all.push(models::planar_chain(4));
     all.extend([JointKind::Planar, JointKind::Prismatic].map(models::one_joint));
-    all.extend([models::floating_tree(), models::one_joint(JointKind::Planar)].map(|model| {
+    all.extend([models::floating_tree(), models::one_joint(JointKind::Planar), models::planar_chain(4)].map(|model| {
         let every_force = models::every_force(&model.mechanism).pop().unwrap().1;
         models::with_forces(model, every_force)
     }));

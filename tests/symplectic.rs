@@ -72,9 +72,13 @@ fn symplectic_defect(model: &Model, stages: usize, step: f64) -> f64 {
 #[test]
 fn the_step_map_preserves_the_symplectic_form() {
     // The differences are good to some 1e-10; a step that is not symplectic misses by its local error, 1e-3 … 1e-6 here.
-    for model in
-        [models::double_pendulum(), models::one_joint(JointKind::Planar), models::one_joint(JointKind::Prismatic)]
-    {
+    // The last two move in a plane, with a kernel of their own.
+    for model in [
+        models::double_pendulum(),
+        models::one_joint(JointKind::Planar),
+        models::one_joint(JointKind::Prismatic),
+        models::planar_chain(2),
+    ] {
         for (stages, step) in [(2, 0.05), (3, 0.1), (5, 0.2)] {
             let defect = symplectic_defect(&model, stages, step);
             assert!(defect < 2e-9, "{} s={stages}: ΦᵀJΦ − J = {defect:.1e}", model.mechanism.name);

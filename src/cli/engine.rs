@@ -5,7 +5,7 @@ use super::simulate::StepChoice;
 use catena::calibration::{CalibrationError, calibrate};
 use catena::islands::{Islands, Plan, Threads};
 use catena::lobatto::Lobatto;
-use catena::model::Mechanism;
+use catena::model::{Mechanism, Rule};
 use catena::report::{AccuracyReport, IslandReport};
 use catena::simulation::{
     Integrator, MethodDescription, Observer, RunError, RunOptions, Summary, run as run_simulation,
@@ -51,7 +51,11 @@ impl Engine {
                 StepChoice::Tolerance(_) | StepChoice::Reversible { .. } => SMALLEST_OF_OWN_STEPS,
             },
         );
-        let make = |mechanism: &Mechanism, state: &State| integrator(mechanism, state, duration, choice, interrupted);
+        let kept = plan.kept.clone();
+        let make = |mechanism: &Mechanism, state: &State| {
+            let (lobatto, accuracy) = integrator(mechanism, state, duration, choice, &kept, interrupted)?;
+            Ok((lobatto.keeping(mechanism, &kept), accuracy))
+        };
         if plan.is_whole() {
             let (lobatto, accuracy) = make(mechanism, state)?;
             return Ok((Engine::Whole(Box::new(lobatto)), accuracy));
@@ -108,10 +112,11 @@ fn integrator(
     state: &State,
     duration: f64,
     choice: StepChoice,
+    kept: &[Rule],
     interrupted: &AtomicBool,
 ) -> Result<(Lobatto, Option<AccuracyReport>), Failure> {
     let StepChoice::Tolerance(tolerance) = choice else { return Ok((uncalibrated(mechanism, choice)?, None)) };
-    match calibrate(mechanism, state, duration, tolerance, &mut |_| !interrupted.load(Ordering::Relaxed)) {
+    match calibrate(mechanism, state, duration, tolerance, kept, &mut |_| !interrupted.load(Ordering::Relaxed)) {
         Ok(found) => {
             let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop);
             Ok((lobatto, Some(AccuracyReport::new(tolerance, state.time + duration, &found))))

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 struct Applied {
     name: &'static str,
     condition: &'static str,
-    /// How many links or islands it is about.
+    /// How many links, islands or bodies it is about.
     count: usize,
     /// In words; empty if it does nothing.
     saved: String,
@@ -30,6 +30,7 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
             Rule::Islands if plan.islands.len() > 1 => plan.islands.len(),
             Rule::Islands => 0,
             Rule::Sleep => plan.sleeping(),
+            Rule::Planar => plan.planar().map(|island| island.mechanism.bodies.len()).sum(),
         };
         let saved = match rule {
             rule if kept.contains(&rule) => "switched off".to_string(),
@@ -40,6 +41,7 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
                 let bodies = sleeping.map(|(island, _)| island.mechanism.bodies.len()).sum();
                 format!("{}, {}", counted(bodies, "body", "bodies"), rule.saving())
             }
+            Rule::Planar => format!("{}, {}", counted(count, "body", "bodies"), rule.saving()),
         };
         Applied { name: rule.name(), condition: rule.condition(), count, saved, switch: Some(rule) }
     };

@@ -21,7 +21,7 @@ pub use threads::Threads;
 use crate::invariants::energy_with_forces;
 use crate::kinematics::forward_kinematics;
 use crate::lobatto::Lobatto;
-use crate::model::{Island, Mechanism, Rule, islands};
+use crate::model::{Island, Mechanism, Plane, Rule, islands};
 use crate::rest::is_at_rest;
 use crate::simulation::{FrequencyStep, Integrator, MethodDescription, Observer, RunError, RunOptions, Summary};
 use crate::state::State;
@@ -40,6 +40,8 @@ const CHECKPOINTS: f64 = 16.0;
 pub struct Plan {
     /// The islands, and whether each sleeps.
     pub islands: Vec<(Island, bool)>,
+    /// The rules that are switched off.
+    pub kept: Vec<Rule>,
 }
 
 impl Plan {
@@ -54,38 +56,30 @@ impl Plan {
             let asleep = sleeps(&island);
             (island, asleep)
         };
-        Plan { islands: all.into_iter().map(with_sleep).collect() }
+        Plan { islands: all.into_iter().map(with_sleep).collect(), kept: switched_off.to_vec() }
     }
 
     /// Puts islands that move and have fewer bodies than `smallest` together until they have as many: a step has a cost of its own,
-    /// which small islands share when they step together. What is left over joins the last that were put together.
+    /// which small islands share when they step together. What is left over joins the last that were put together. Those that move
+    /// in parallel planes stay among themselves, if they are enough.
     pub fn grouped(self, mechanism: &Mechanism, smallest: usize) -> Self {
         let (small, mut parts): (Vec<_>, Vec<_>) =
             self.islands.into_iter().partition(|(island, asleep)| !asleep && island.mechanism.bodies.len() < smallest);
-        let mut groups: Vec<Vec<Island>> = Vec::new();
-        let mut bodies = smallest;
-        for (island, _) in small {
-            if bodies >= smallest {
-                groups.push(Vec::new());
-                bodies = 0;
-            }
-            bodies += island.mechanism.bodies.len();
-            if let Some(group) = groups.last_mut() {
-                group.push(island);
-            }
+        let small = small.into_iter().map(|(island, _)| island).collect();
+        for class in alike(small, smallest, &self.kept) {
+            parts.extend(groups(class, smallest).into_iter().map(|group| match <[Island; 1]>::try_from(group) {
+                Ok([alone]) => (alone, false),
+                Err(group) => (Island::together(mechanism, &group), false),
+            }));
         }
-        if bodies < smallest
-            && groups.len() > 1
-            && let (Some(rest), Some(last)) = (groups.pop(), groups.last_mut())
-        {
-            last.extend(rest);
-        }
-        parts.extend(groups.into_iter().map(|group| match <[Island; 1]>::try_from(group) {
-            Ok([alone]) => (alone, false),
-            Err(group) => (Island::together(mechanism, &group), false),
-        }));
         parts.sort_by_key(|(island, _)| island.pieces.first().map(|piece| piece.bodies.start));
-        Plan { islands: parts }
+        Plan { islands: parts, kept: self.kept }
+    }
+
+    /// The islands that move, each in a plane of its own.
+    pub fn planar(&self) -> impl Iterator<Item = &Island> {
+        let awake = self.islands.iter().filter(|(_, asleep)| !asleep).map(|(island, _)| island);
+        awake.filter(|island| Plane::of(&island.mechanism).is_some())
     }
 
     /// Whether no rule applies: the mechanism is one, and it moves.
@@ -97,6 +91,55 @@ impl Plan {
     pub fn sleeping(&self) -> usize {
         self.islands.iter().filter(|(_, asleep)| *asleep).count()
     }
+}
+
+/// Islands that are best put together with each other alone: those in parallel planes, where they have `smallest` bodies, and all others.
+fn alike(islands: Vec<Island>, smallest: usize, kept: &[Rule]) -> Vec<Vec<Island>> {
+    if kept.contains(&Rule::Planar) {
+        return vec![islands];
+    }
+    let mut planes: Vec<(Plane, usize)> = Vec::new();
+    let plane_of: Vec<Option<usize>> = islands
+        .iter()
+        .map(|island| {
+            let plane = Plane::of(&island.mechanism)?;
+            let number = planes.iter().position(|(other, _)| other.is_parallel(&plane)).unwrap_or_else(|| {
+                planes.push((plane, 0));
+                planes.len() - 1
+            });
+            planes[number].1 += island.mechanism.bodies.len();
+            Some(number)
+        })
+        .collect();
+    let mut classes: Vec<Vec<Island>> = vec![Vec::new(); planes.len() + 1];
+    for (island, plane) in islands.into_iter().zip(plane_of) {
+        let enough = plane.filter(|&number| planes[number].1 >= smallest);
+        classes[enough.map_or(0, |number| number + 1)].push(island);
+    }
+    classes
+}
+
+/// Groups of islands with no fewer bodies than `smallest` each, if there are as many.
+fn groups(islands: Vec<Island>, smallest: usize) -> Vec<Vec<Island>> {
+    let mut groups: Vec<Vec<Island>> = Vec::new();
+    let mut bodies = smallest;
+    for island in islands {
+        if bodies >= smallest {
+            groups.push(Vec::new());
+            bodies = 0;
+        }
+        bodies += island.mechanism.bodies.len();
+        if let Some(group) = groups.last_mut() {
+            group.push(island);
+        }
+    }
+    if bodies < smallest
+        && groups.len() > 1
+        && let (Some(rest), Some(last)) = (groups.pop(), groups.last_mut())
+    {
+        last.extend(rest);
+    }
+    groups
 }
 
 /// The integrators of all islands of a mechanism.

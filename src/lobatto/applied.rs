@@ -58,20 +58,40 @@ pub struct Applied<V> {
     pub exchange: Exchange,
     plan: AppliedPlan,
     /// Where the rows take their velocities from.
-    rows: Place<V>,
+    pub(super) rows: Place<V>,
     /// The same with the end of the step in the last lane.
-    end: Place<V>,
+    pub(super) end: Place<V>,
 }
 
 /// Which stage each lane stands for, and what makes velocities of displacements there.
 #[derive(Clone, Copy)]
-struct Place<V> {
+pub(super) struct Place<V> {
     /// `Ā B` by columns.
-    velocity: [V; MAX_LANES],
+    pub(super) velocity: [V; MAX_LANES],
     /// One where a lane has the geometry of its stage, zero where it has that of the start.
-    moved: V,
+    pub(super) moved: V,
     /// Weights b of the stages whose power this place has to account for.
-    weights: V,
+    pub(super) weights: V,
+}
+
+/// The scalar coordinates in a step, as far as forces see them.
+pub(super) struct Motion<'s, V> {
+    pub(super) displacement: &'s [V],
+    pub(super) rates: &'s [f64],
+    /// Of the joint springs, at the start.
+    pub(super) extensions: &'s [f64],
+    /// `h c_i` and `1/h`.
+    pub(super) times: V,
+    pub(super) inverse: V,
+}
+
+impl<V: Lanes> Motion<'_, V> {
+    /// Rate of a scalar at the places, from its displacements at the stages.
+    #[inline(always)]
+    pub(super) fn rate(&self, place: &Place<V>, displacement: V, start_rate: f64) -> V {
+        let start_rate = V::splat(start_rate);
+        start_rate.neg_mul_add(self.times, displacement).mix(&place.velocity).mul_add(self.inverse, start_rate)
+    }
 }
 
 impl<V: Lanes> Applied<V> {
@@ -135,6 +155,27 @@ impl<V: Lanes> Stages<V> {
 }
 
 impl<V: Lanes> Applied<V> {
+    /// The forces on scalar coordinates in one place; returns the power they dissipate.
+    #[inline(always)]
+    pub(super) fn evaluate_scalars(&mut self, motion: &Motion<V>, place: &Place<V>) -> V {
+        let mut dissipated = V::zero();
+        self.efforts.fill(V::zero());
+        for &(freedom, coefficient) in &self.plan.dampers {
+            let rate = motion.rate(place, motion.displacement[freedom], motion.rates[freedom]);
+            let effort = rate * V::splat(coefficient);
+            self.efforts[freedom] = self.efforts[freedom] - effort;
+            dissipated = effort.mul_add(rate, dissipated);
+        }
+        for (&(freedom, stiffness), &extension) in self.plan.springs.iter().zip(motion.extensions) {
+            let extension = motion.displacement[freedom].mul_add(place.moved, V::splat(extension));
+            self.efforts[freedom] = extension.neg_mul_add(V::splat(stiffness), self.efforts[freedom]);
+        }
+        for &(freedom, effort) in &self.plan.loads {
+            self.efforts[freedom] = self.efforts[freedom] + V::splat(effort);
+        }
+        dissipated
+    }
+
     /// The forces in one place; where one has to `account` for them, their powers, weighted. At the `end` of the step efforts on
     /// ball joints are along the axes of the body, not along the rotation vector.
     #[inline(always)]
@@ -142,27 +183,15 @@ impl<V: Lanes> Applied<V> {
         let times = stages.coefficients.nodes * V::splat(stages.step);
         let inverse = V::splat(1.0 / stages.step);
         let start = &stages.start;
-        // Rate of a scalar at the places, from its displacements at the stages.
-        let rate_of = |displacement: V, start_rate: f64| {
-            let start_rate = V::splat(start_rate);
-            start_rate.neg_mul_add(times, displacement).mix(&place.velocity).mul_add(inverse, start_rate)
+        let motion = Motion {
+            displacement: &stages.displacement,
+            rates: &start.rates,
+            extensions: &start.applied.extensions,
+            times,
+            inverse,
         };
-        let (mut dissipated, mut work) = (V::zero(), V::zero());
-
-        self.efforts.fill(V::zero());
-        for &(freedom, coefficient) in &self.plan.dampers {
-            let rate = rate_of(stages.displacement[freedom], start.rates[freedom]);
-            let effort = rate * V::splat(coefficient);
-            self.efforts[freedom] = self.efforts[freedom] - effort;
-            dissipated = effort.mul_add(rate, dissipated);
-        }
-        for (&(freedom, stiffness), &extension) in self.plan.springs.iter().zip(&start.applied.extensions) {
-            let extension = stages.displacement[freedom].mul_add(place.moved, V::splat(extension));
-            self.efforts[freedom] = extension.neg_mul_add(V::splat(stiffness), self.efforts[freedom]);
-        }
-        for &(freedom, effort) in &self.plan.loads {
-            self.efforts[freedom] = self.efforts[freedom] + V::splat(effort);
-        }
+        let mut dissipated = self.evaluate_scalars(&motion, place);
+        let mut work = V::zero();
         for ball in &self.plan.balls {
             let vector = stages.rotation_vector(ball.first).times(place.moved);
             let coefficients = tangent(vector.dot(vector));
@@ -171,7 +200,8 @@ impl<V: Lanes> Applied<V> {
             let mut turning = Vector::zero();
             for (axis, direction) in axes.iter().enumerate() {
                 let freedom = ball.first + axis;
-                turning = direction.times_plus(rate_of(stages.displacement[freedom], start.rates[freedom]), turning);
+                turning = direction
+                    .times_plus(motion.rate(place, stages.displacement[freedom], start.rates[freedom]), turning);
             }
             let spin = turned(turning);
             let mut torque = Vector::zero();
@@ -203,7 +233,7 @@ impl<V: Lanes> Applied<V> {
             let length = stretched.dot_plus(stretched, V::splat(NO_LENGTH)).square_root();
             let start_length = V::splat(known.length);
             let growth = separation.plus(stretched).dot(change) * (length + start_length).reciprocal();
-            let rate = rate_of(growth, known.rate);
+            let rate = motion.rate(place, growth, known.rate);
             let direction = change
                 .times_plus(place.moved, separation)
                 .times((length - start_length).mul_add(place.moved, start_length).reciprocal());

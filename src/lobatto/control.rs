@@ -159,7 +159,8 @@ impl Control {
                 Verdict::Retry { without_past: false }
             }
             Attempt::Converged { iterations, legendre } => {
-                let error = legendre.max(1e-300);
+                // Less is rounding, and its ratio to that of the step before says nothing.
+                let error = legendre.max(1e-16);
                 if error > self.limit() {
                     self.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
                     return Verdict::Retry { without_past: false };

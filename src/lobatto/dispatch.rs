@@ -1,41 +1,82 @@
-//! Which vectors a step runs in: the narrowest type that holds its stages, of the widest the processor has.
+//! Which kernel makes the steps, and in which vectors: the narrowest type that holds the stages, of the widest the
+//! processor has.
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx128, Avx256, Avx512, Pair};
-use super::lanes::{Isa, Portable};
+use super::lanes::{Isa, Lanes, Portable};
+use super::planar::PlanarKernel;
 use super::step::{Kernel, Step};
 use super::tableau::Tableau;
-use crate::model::Mechanism;
+use crate::model::{Mechanism, Plane};
 
-/// A step of the scheme for this mechanism on this processor.
+/// A step of the scheme for this mechanism on this processor: in the plane, if the mechanism has one.
 ///
 /// `isa` must not be more than [`Isa::detect`] found: it is checked, and lowered if need be.
 pub fn step_for(mechanism: &Mechanism, tableau: &Tableau, isa: Isa) -> Box<dyn Step> {
+    match Plane::of(mechanism) {
+        Some(plane) => in_vectors(&Planar { mechanism, tableau, plane }, tableau, isa),
+        None => spatial_step_for(mechanism, tableau, isa),
+    }
+}
+
+/// [`step_for`] with six coordinates a body, whatever plane they move in.
+pub fn spatial_step_for(mechanism: &Mechanism, tableau: &Tableau, isa: Isa) -> Box<dyn Step> {
+    in_vectors(&Spatial { mechanism, tableau }, tableau, isa)
+}
+
+/// Makes a kernel with the lanes it is told.
+trait Make {
+    fn make<V: Lanes>(&self) -> Box<dyn Step>;
+}
+
+struct Spatial<'m> {
+    mechanism: &'m Mechanism,
+    tableau: &'m Tableau,
+}
+
+struct Planar<'m> {
+    mechanism: &'m Mechanism,
+    tableau: &'m Tableau,
+    plane: Plane,
+}
+
+impl Make for Spatial<'_> {
+    fn make<V: Lanes>(&self) -> Box<dyn Step> {
+        Box::new(Kernel::<V>::new(self.mechanism, self.tableau))
+    }
+}
+
+impl Make for Planar<'_> {
+    fn make<V: Lanes>(&self) -> Box<dyn Step> {
+        Box::new(PlanarKernel::<V>::new(self.mechanism, &self.plane, self.tableau))
+    }
+}
+
+fn in_vectors(kernel: &impl Make, tableau: &Tableau, isa: Isa) -> Box<dyn Step> {
     let lanes = tableau.stages - 1;
     #[cfg(target_arch = "x86_64")]
     match (isa, Isa::detect()) {
         (Isa::Avx512, Isa::Avx512) if lanes > 4 => {
-            return if lanes <= 8 {
-                Box::new(Kernel::<Avx512>::new(mechanism, tableau))
-            } else {
-                Box::new(Kernel::<Pair<Avx512, 16>>::new(mechanism, tableau))
+            return match lanes {
+                ..=8 => kernel.make::<Avx512>(),
+                _ => kernel.make::<Pair<Avx512, 16>>(),
             };
         }
         (Isa::Avx512 | Isa::Avx2, Isa::Avx512 | Isa::Avx2) => {
             return match lanes {
-                ..=2 => Box::new(Kernel::<Avx128>::new(mechanism, tableau)),
-                3..=4 => Box::new(Kernel::<Avx256>::new(mechanism, tableau)),
-                5..=8 => Box::new(Kernel::<Pair<Avx256, 8>>::new(mechanism, tableau)),
-                _ => Box::new(Kernel::<Pair<Pair<Avx256, 8>, 16>>::new(mechanism, tableau)),
+                ..=2 => kernel.make::<Avx128>(),
+                3..=4 => kernel.make::<Avx256>(),
+                5..=8 => kernel.make::<Pair<Avx256, 8>>(),
+                _ => kernel.make::<Pair<Pair<Avx256, 8>, 16>>(),
             };
         }
         _ => {}
     }
     let _ = isa;
     match lanes {
-        ..=2 => Box::new(Kernel::<Portable<2>>::new(mechanism, tableau)),
-        3..=4 => Box::new(Kernel::<Portable<4>>::new(mechanism, tableau)),
-        5..=8 => Box::new(Kernel::<Portable<8>>::new(mechanism, tableau)),
-        _ => Box::new(Kernel::<Portable<16>>::new(mechanism, tableau)),
+        ..=2 => kernel.make::<Portable<2>>(),
+        3..=4 => kernel.make::<Portable<4>>(),
+        5..=8 => kernel.make::<Portable<8>>(),
+        _ => kernel.make::<Portable<16>>(),
     }
 }

@@ -5,14 +5,14 @@
 
 use super::control::{Control, Energies, Verdict};
 use super::dense::DenseRule;
-use super::dispatch::step_for;
+use super::dispatch::{spatial_step_for, step_for};
 use super::lanes::Isa;
 use super::reversible::Reversible;
 use super::sampling::{Closing, LastStep};
 use super::stability::Watch;
 use super::step::{Attempt, Step, StopRule};
 use super::tableau::{Tableau, TableauError};
-use crate::model::Mechanism;
+use crate::model::{Mechanism, Rule};
 use crate::simulation::{Integrator, MethodDescription, SingularPosition, StepError, StepOutcome};
 use crate::state::State;
 
@@ -48,6 +48,7 @@ const ANOTHER_MOTION: f64 = 0.25;
 pub struct Lobatto {
     kernel: Box<dyn Step>,
     tableau: Tableau,
+    isa: Isa,
     dense: DenseRule,
     mode: Mode,
     watch: Watch,
@@ -168,6 +169,7 @@ impl Lobatto {
             dense: DenseRule::new(&tableau),
             watch: Watch::new(&tableau, !mechanism.forces.is_empty()),
             tableau,
+            isa,
             ranks: Ranks::default(),
             closing: mechanism.has_closures().then(|| Closing::new(mechanism)),
             mode,
@@ -178,6 +180,16 @@ impl Lobatto {
             stepped_time: 0.0,
             left_at: None,
         }
+    }
+
+    /// The same without some rules by which it would do less: without [`Rule::Planar`] every body has six coordinates.
+    #[must_use]
+    pub fn keeping(mut self, mechanism: &Mechanism, switched_off: &[Rule]) -> Self {
+        if switched_off.contains(&Rule::Planar) {
+            self.kernel = spatial_step_for(mechanism, &self.tableau, self.isa);
+            self.left_at = None;
+        }
+        self
     }
 
     /// Finishes the solved step into `self.end`; returns the energies there, with the change that nothing accounts for.
@@ -334,7 +346,7 @@ impl Lobatto {
         loop {
             let Mode::Reversible(rule) = &mut self.mode else { return Ok(outcome) };
             if !rule.started()
-                && let Some(pace) = self.kernel.pace()
+                && let Some(pace) = self.kernel.pace(mechanism, state)
             {
                 rule.start(&pace);
             }
@@ -350,7 +362,9 @@ impl Lobatto {
                     outcome.step = length;
                     self.accept(mechanism, state, length, if reaches { until } else { state.time + length });
                     // A step that was cut off at the end of the run says nothing about the next.
-                    if let (false, Mode::Reversible(rule), Some(pace)) = (reaches, &mut self.mode, self.kernel.pace()) {
+                    if let (false, Mode::Reversible(rule), Some(pace)) =
+                        (reaches, &mut self.mode, self.kernel.pace(mechanism, state))
+                    {
                         rule.follow(&pace);
                     }
                     return Ok(outcome);

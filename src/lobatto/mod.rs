@@ -1,9 +1,10 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
-//! Reading order: [`tableau`] (coefficients), [`step`] (the loop of one step), [`start`], [`stage`] (poses of all
-//! stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations
-//! and their solve), [`anderson`], [`predictor`], [`dense`], [`control`] and [`reversible`] (step length), [`stability`],
-//! [`dynamics`] and [`linearised`] (what they need to know), [`integrator`] (steps strung together); for closed loops [`newton`],
+//! Reading order: [`tableau`] (coefficients), [`step`] and [`iteration`] (the loop of one step), [`start`], [`stage`] (poses
+//! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations
+//! and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`control`] and [`reversible`]
+//! (step length), [`stability`], [`dynamics`] and [`linearised`] (what they need to know), [`integrator`] (steps strung together);
+//! for closed loops [`newton`],
 //! [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`] and [`assembly`]; [`literal`] is the scheme word
 //! for word, the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
@@ -23,6 +24,7 @@ pub mod elimination;
 mod extended;
 pub mod front;
 pub mod integrator;
+mod iteration;
 pub mod lanes;
 pub mod limits;
 pub mod linearised;
@@ -30,6 +32,7 @@ pub mod literal;
 mod literal_constraints;
 mod literal_forces;
 pub mod newton;
+pub mod planar;
 pub mod predictor;
 pub mod projection;
 pub mod residual;

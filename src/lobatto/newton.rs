@@ -2,7 +2,7 @@
 
 use super::coupled::Coupled;
 use super::lanes::{Lanes, in_lanes};
-use super::residual::body_residual;
+use super::residual::{Sweep, body_residual};
 use super::stage::Stages;
 use crate::model::{Coordinate, Mechanism};
 
@@ -48,7 +48,7 @@ impl<V: Lanes> Newton<V> {
         let coupled = &mut self.coupled;
         let columns = stages.coefficients.residual;
         let rest = stages.coefficients.residual_rest;
-        let sweep = stages.residual_sweep(&columns, &rest, gravity);
+        let sweep = Sweep::of_residual(&stages.coefficients, &columns, &rest, stages.step, gravity);
         let square = V::splat(stages.step * stages.step);
         for (index, plan) in stages.plan.bodies.iter().enumerate() {
             let known = &stages.start.bodies[index];

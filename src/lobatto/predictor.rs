@@ -12,16 +12,29 @@
 //! off and used next time. κ = 0 is the guess `q₀ + h c v₀`, which needs no past.
 
 use super::lanes::Lanes;
-use super::stage::{MAX_LANES, Stages};
+use super::stage::{Coefficients, MAX_LANES};
 use super::tableau::Tableau;
-use crate::model::FreeRotation;
 use crate::state::{quaternion_exponential, quaternion_logarithm, quaternion_product};
 
 /// At most so many degrees of freedom vote on the order.
 const VOTERS: usize = 48;
 
+/// What is guessed: the displacements in a step, and what is known of them.
+pub struct Unknowns<'s, V> {
+    /// At all stages; one entry a degree of freedom.
+    pub displacement: &'s mut [V],
+    /// Velocity of each degree of freedom at the start.
+    pub rates: &'s [f64],
+    /// Length of the step (s).
+    pub step: f64,
+    /// The scheme.
+    pub coefficients: &'s Coefficients<V>,
+}
+
 /// The past that guesses are made from.
 pub struct Predictor<V> {
+    /// The first of the three degrees of freedom of every ball joint.
+    balls: Vec<usize>,
     /// Old displacements from the new start, newest first: stages s−1 … 1; `nodes.len()` numbers a degree of freedom.
     past: Vec<f64>,
     /// `c_n − 1` of the old stages, newest first.
@@ -41,10 +54,11 @@ pub struct Predictor<V> {
 }
 
 impl<V: Lanes> Predictor<V> {
-    /// Memory for a number of degrees of freedom.
-    pub fn new(freedoms: usize, tableau: &Tableau) -> Self {
+    /// Memory for a number of degrees of freedom, those of ball joints being the three from each of `balls`.
+    pub fn new(freedoms: usize, balls: Vec<usize>, tableau: &Tableau) -> Self {
         let nodes: Vec<f64> = tableau.nodes[..tableau.stages - 1].iter().rev().map(|node| node - 1.0).collect();
         Predictor {
+            balls,
             past: vec![0.0; freedoms * nodes.len()],
             differences: vec![0.0; freedoms * nodes.len()],
             basis: [V::zero(); MAX_LANES],
@@ -68,13 +82,13 @@ impl<V: Lanes> Predictor<V> {
 
     /// Writes the guess into the displacements; `plain` asks for order zero.
     #[inline(always)]
-    pub fn guess(&mut self, stages: &mut Stages<V>, plain: bool) {
+    pub fn guess(&mut self, unknowns: Unknowns<V>, plain: bool) {
         let count = self.nodes.len();
-        let step = stages.step;
-        let nodes = stages.coefficients.nodes;
+        let Unknowns { displacement: displacements, rates, step, coefficients } = unknowns;
+        let nodes = coefficients.nodes;
         if plain || !self.has_past() {
             self.used = 0;
-            for (displacement, &rate) in stages.displacement.iter_mut().zip(&stages.start.rates) {
+            for (displacement, &rate) in displacements.iter_mut().zip(rates) {
                 *displacement = nodes * V::splat(step * rate);
             }
             return;
@@ -96,7 +110,7 @@ impl<V: Lanes> Predictor<V> {
         for n in 1..terms {
             self.basis[n] = self.basis[n - 1] * (nodes - V::splat(x[n - 1]));
         }
-        for (freedom, (displacement, &rate)) in stages.displacement.iter_mut().zip(&stages.start.rates).enumerate() {
+        for (freedom, (displacement, &rate)) in displacements.iter_mut().zip(rates).enumerate() {
             let past = &self.past[freedom * count..(freedom + 1) * count];
             let differences = &mut self.differences[freedom * count..(freedom + 1) * count];
             let advance = step * rate;
@@ -117,34 +131,30 @@ impl<V: Lanes> Predictor<V> {
 
     /// Learns from the converged step: picks the order that would have guessed best, keeps the displacements.
     #[inline(always)]
-    pub fn learn(&mut self, stages: &Stages<V>) {
+    pub fn learn(&mut self, unknowns: Unknowns<V>) {
         if self.used > 0 {
-            self.vote(stages);
+            self.vote(&unknowns);
         }
         let count = self.nodes.len();
-        let last = stages.coefficients.active - 1;
-        for plan in &stages.plan.bodies {
-            let scalars = plan.translations + usize::from(plan.rotation == FreeRotation::AboutZ);
-            for freedom in plan.first_axis..plan.first_axis + scalars {
-                let lanes = stages.displacement[freedom].to_array();
-                let lanes = lanes.as_ref();
-                let past = &mut self.past[freedom * count..(freedom + 1) * count];
-                for (n, entry) in past.iter_mut().enumerate() {
-                    *entry = if n < last { lanes[last - 1 - n] - lanes[last] } else { -lanes[last] };
-                }
-            }
-            if plan.rotation == FreeRotation::Ball {
-                self.learn_ball(stages, plan.first_axis + plan.translations);
+        let last = unknowns.coefficients.active - 1;
+        for (displacement, past) in unknowns.displacement.iter().zip(self.past.chunks_exact_mut(count)) {
+            let lanes = displacement.to_array();
+            let lanes = lanes.as_ref();
+            for (n, entry) in past.iter_mut().enumerate() {
+                *entry = if n < last { lanes[last - 1 - n] - lanes[last] } else { -lanes[last] };
             }
         }
-        self.old_step = stages.step;
+        for ball in 0..self.balls.len() {
+            self.learn_ball(&unknowns, self.balls[ball]);
+        }
+        self.old_step = unknowns.step;
     }
 
     /// The past of a ball joint: rotation vectors from the new start, `log(exp(−θ_s) exp(θ_n))`.
-    fn learn_ball(&mut self, stages: &Stages<V>, freedom: usize) {
+    fn learn_ball(&mut self, unknowns: &Unknowns<V>, freedom: usize) {
         let count = self.nodes.len();
-        let last = stages.coefficients.active - 1;
-        let lane = |axis: usize, lane: usize| stages.displacement[freedom + axis].to_array().as_ref()[lane];
+        let last = unknowns.coefficients.active - 1;
+        let lane = |axis: usize, lane: usize| unknowns.displacement[freedom + axis].to_array().as_ref()[lane];
         let back = quaternion_exponential(&[-lane(0, last), -lane(1, last), -lane(2, last)]);
         for n in 0..count {
             let turned = if n < last {
@@ -161,17 +171,17 @@ impl<V: Lanes> Predictor<V> {
     }
 
     #[inline(always)]
-    fn vote(&mut self, stages: &Stages<V>) {
+    fn vote(&mut self, unknowns: &Unknowns<V>) {
         let count = self.nodes.len();
         let terms = (self.used + 1).min(count);
         let mut worst = [V::zero(); MAX_LANES];
-        let freedoms = stages.displacement.len();
+        let freedoms = unknowns.displacement.len();
         let stride = freedoms.div_ceil(VOTERS).max(1);
         let mut freedom = 0;
         while freedom < freedoms {
             let differences = &self.differences[freedom * count..(freedom + 1) * count];
-            let advance = V::splat(stages.step * stages.start.rates[freedom]);
-            let mut missing = advance.neg_mul_add(stages.coefficients.nodes, stages.displacement[freedom]);
+            let advance = V::splat(unknowns.step * unknowns.rates[freedom]);
+            let mut missing = advance.neg_mul_add(unknowns.coefficients.nodes, unknowns.displacement[freedom]);
             for n in 0..terms {
                 missing = self.basis[n].neg_mul_add(V::splat(differences[n]), missing);
                 worst[n] = missing.max_abs(worst[n]);

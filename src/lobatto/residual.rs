@@ -21,7 +21,7 @@
 use super::algebra::{Matrix, Symmetric, Vector};
 use super::articulated::Articulated;
 use super::lanes::Lanes;
-use super::stage::{MAX_LANES, StagePose};
+use super::stage::{Coefficients, MAX_LANES, StagePose};
 use super::start::{BodyPlan, BodyStart};
 
 /// What is common to all bodies of a sweep.
@@ -40,6 +40,81 @@ pub struct Sweep<'s, V> {
     pub gravity: [f64; 3],
     /// What multiplies applied forces: h², or the impulse's `h b_s`.
     pub forces: f64,
+}
+
+impl<'s, V: Lanes> Sweep<'s, V> {
+    /// What the residual has in common over all bodies of a step, with copies of its columns.
+    #[inline(always)]
+    pub fn of_residual(
+        coefficients: &Coefficients<V>,
+        columns: &'s [V; MAX_LANES],
+        rest: &'s [V; MAX_LANES],
+        step: f64,
+        gravity: &[f64; 3],
+    ) -> Self {
+        let square = -step * step;
+        Sweep {
+            columns,
+            rest,
+            times: coefficients.nodes * V::splat(step),
+            times_rest: coefficients.times_rest(step),
+            moved: coefficients.moved,
+            gravity: [square * gravity[0], square * gravity[1], square * gravity[2]],
+            forces: -square,
+        }
+    }
+}
+
+impl<V: Lanes> Coefficients<V> {
+    /// What the residual has in common over all bodies of a step.
+    #[inline(always)]
+    pub fn residual_sweep(&self, step: f64, gravity: &[f64; 3]) -> Sweep<'_, V> {
+        Sweep::of_residual(self, &self.residual, &self.residual_rest, step, gravity)
+    }
+
+    /// The momentum weights over the length of a step, by columns, and what rounding has cut off them.
+    #[inline(always)]
+    pub fn momentum_columns(&self, step: f64) -> ([V; MAX_LANES], [V; MAX_LANES]) {
+        let (mut columns, mut rest) = (self.momentum, self.momentum_rest);
+        let inverse = V::splat(1.0 / step);
+        for (column, rest) in columns.iter_mut().zip(&mut rest) {
+            // The product with 1/h must not be rounded either.
+            let rounded = *column * inverse;
+            let lost = column.mul_add(inverse, -rounded);
+            *rest = rest.mul_add(inverse, lost);
+            *column = rounded;
+        }
+        (columns, rest)
+    }
+
+    /// What the momenta at the end of a step have in common, with these columns.
+    #[inline(always)]
+    pub fn momentum_sweep<'s>(
+        &self,
+        columns: &'s [V; MAX_LANES],
+        rest: &'s [V; MAX_LANES],
+        step: f64,
+        gravity: &[f64; 3],
+    ) -> Sweep<'s, V> {
+        let factor = step * self.last_weight;
+        Sweep {
+            columns,
+            rest,
+            times: self.nodes * V::splat(step),
+            times_rest: self.times_rest(step),
+            moved: V::splat(1.0),
+            gravity: [factor * gravity[0], factor * gravity[1], factor * gravity[2]],
+            forces: factor,
+        }
+    }
+
+    /// What rounding has cut off `h c_i`.
+    #[inline(always)]
+    fn times_rest(&self, step: f64) -> V {
+        let step = V::splat(step);
+        let rounded = self.nodes * step;
+        self.nodes_rest.mul_add(step, self.nodes.mul_add(step, -rounded))
+    }
 }
 
 /// Inertia and residual of one body about its anchor, and `N` at the rows' stages.

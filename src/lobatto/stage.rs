@@ -15,6 +15,7 @@ use super::algebra::{Matrix, Vector};
 use super::applied::Applied;
 use super::articulated::{Articulated, Eliminated};
 use super::lanes::Lanes;
+use super::predictor::Unknowns;
 use super::residual::increment_matrix;
 use super::start::{Plan, Start};
 use super::tableau::Tableau;
@@ -174,6 +175,16 @@ impl<V: Lanes> Stages<V> {
         }
     }
 
+    /// What the predictor is to guess.
+    pub fn unknowns(&mut self) -> Unknowns<'_, V> {
+        Unknowns {
+            displacement: &mut self.displacement,
+            rates: &self.start.rates,
+            step: self.step,
+            coefficients: &self.coefficients,
+        }
+    }
+
     /// The largest increment of any freedom at any stage.
     #[inline(always)]
     pub fn largest_increment(&self) -> f64 {
@@ -261,11 +272,22 @@ fn compose<V: Lanes>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (V, Vector<V>)
 
 /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`], by their Taylor series.
 #[inline(always)]
-fn half_angle<V: Lanes>(square: V) -> (V, V) {
+pub(super) fn half_angle<V: Lanes>(square: V) -> (V, V) {
     // (−1/4)ⁿ/(2n)! and ½ (−1/4)ⁿ/(2n+1)!; at φ = 3.1 the first term left out is below 3e-17.
     const COSINE: [f64; 12] = series(0, 1.0);
     const SINE: [f64; 12] = series(1, 0.5);
     (horner(&COSINE, square), horner(&SINE, square))
+}
+
+/// Up to this angle (rad) [`half_angle_of_few`] is enough.
+pub(super) const FEW: f64 = 0.75;
+
+/// [`half_angle`] for `φ ≤` [`FEW`]: at 0.75 the first term left out is below 2e-17.
+#[inline(always)]
+pub(super) fn half_angle_of_few<V: Lanes>(square: V) -> (V, V) {
+    const COSINE: [f64; 12] = series(0, 1.0);
+    const SINE: [f64; 12] = series(1, 0.5);
+    (horner(&COSINE[..7], square), horner(&SINE[..7], square))
 }
 
 /// The coefficients `first · (−1/4)ⁿ / (2n + odd)!`.

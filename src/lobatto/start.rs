@@ -148,6 +148,12 @@ impl Plan {
         plans.reverse();
         Plan { bodies: plans, slots }
     }
+
+    /// The first of the three rotations of every ball joint.
+    pub fn balls(&self) -> Vec<usize> {
+        let balls = self.bodies.iter().filter(|body| body.rotation == FreeRotation::Ball);
+        balls.map(|body| body.first_axis + body.translations).collect()
+    }
 }
 
 impl Start {

@@ -16,6 +16,7 @@
 
 use super::anderson::Anderson;
 use super::dynamics::Dynamics;
+use super::iteration::{self, Equations};
 use super::lanes::{Lanes, in_lanes};
 use super::linearised::Linearised;
 use super::newton::Newton;
@@ -33,14 +34,14 @@ use crate::state::State;
 
 /// Steps iterated further than this use the coefficients' second half of digits: rounded to a double they are
 /// those of a scheme that is not quite symplectic, and the energy drifts by 2e-16 of itself a step.
-const REFINED_BELOW: f64 = 1e-14;
+pub(super) const REFINED_BELOW: f64 = 1e-14;
 
 /// Steps of mechanisms with loops are iterated at least this far, so that the gaps are at rounding whatever the tolerance: what
 /// an iteration leaves of them is of the order of its increment times the one before.
 const CLOSED: f64 = 1e-10;
 
 /// Once the exact Newton method was needed, it comes first for so many steps: what made it necessary seldom ends at once.
-const EXACT_STEPS: usize = 50;
+pub(super) const EXACT_STEPS: usize = 50;
 
 /// When to stop iterating and when to give up.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +78,7 @@ pub enum Attempt {
 
 impl Attempt {
     /// The same attempt after iterations that led nowhere.
-    fn after(mut self, spent: usize) -> Self {
+    pub(super) fn after(mut self, spent: usize) -> Self {
         match &mut self {
             Attempt::Converged { iterations, .. }
             | Attempt::Inaccurate { iterations, .. }
@@ -118,15 +119,15 @@ pub trait Step: Send {
     fn displacement(&self, freedom: usize, stages: &mut [f64]);
     /// The fastest mode at `state`, the start of the step, from some power iterations.
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode;
-    /// Pace of the motion at the start of the step; `None` where forces and loops play a part that it does not know.
-    fn pace(&mut self) -> Option<Pace>;
+    /// Pace of the motion at `state`, the start of the step; `None` where forces and loops play a part that it does not know.
+    fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace>;
     /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length.
     fn accelerations(&mut self, step: f64, out: &mut [f64]);
 }
 
 /// [`Step`] with the lanes of `V`.
 pub struct Kernel<V: Lanes> {
-    stages: Stages<V>,
+    pub(super) stages: Stages<V>,
     anderson: Anderson<V>,
     predictor: Predictor<V>,
     /// The exact Newton method, from when it is needed first.
@@ -162,9 +163,9 @@ impl<V: Lanes> Kernel<V> {
             dynamics: mechanism.is_plain_tree().then(|| Dynamics::new(&stages.plan, mechanism.velocity_count)),
             fastest: Fastest::new(mechanism.velocity_count),
             linearised: (!mechanism.is_plain_tree()).then(|| Box::new(Linearised::new(mechanism))),
-            stages,
             anderson: Anderson::new(mechanism.velocity_count),
-            predictor: Predictor::new(mechanism.velocity_count, tableau),
+            predictor: Predictor::new(mechanism.velocity_count, stages.plan.balls(), tableau),
+            stages,
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
             first_legendre: tableau.top_legendre[0],
             newton: None,
@@ -179,20 +180,42 @@ impl<V: Lanes> Kernel<V> {
         }
     }
 
-    /// One iteration: fills the increments; returns the largest.
-    fn iterate(&mut self, exact: bool, refined: bool) -> f64 {
+    /// What the exact Newton method needs where the recursion does not do: the equations at a guess from outside.
+    ///
+    /// Takes the start and the length of the step from [`Kernel::stages`], and leaves the solution there.
+    pub(super) fn attempt_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
+        let newton = self.newton.get_or_insert_with(|| Box::new(Newton::new(mechanism, &self.tableau)));
+        newton.begin(&self.stages);
+        let rule = match self.projection {
+            Some(_) => StopRule { increment: rule.increment.min(CLOSED), rounding: rule.rounding.min(CLOSED), ..*rule },
+            None => *rule,
+        };
+        iteration::solve(&mut Exact(self), &rule)
+    }
+
+    fn guess(&mut self, plain: bool) {
+        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
+        in_lanes!(V, predictor.guess(stages.unknowns(), plain));
+    }
+}
+
+/// The degree of freedom with the largest increment; a NaN counts as largest.
+pub(super) fn worst_freedom<V: Lanes>(increments: &[V]) -> usize {
+    let size = |freedom: usize| increments[freedom].max_abs(V::zero()).largest();
+    let worse = |a: &usize, b: &usize| size(*a).partial_cmp(&size(*b)).unwrap_or(std::cmp::Ordering::Greater);
+    (0..increments.len()).max_by(worse).unwrap_or(0)
+}
+
+/// The simplified iteration, with Anderson's acceleration.
+impl<V: Lanes> Equations for Kernel<V> {
+    fn iterate(&mut self, settled: bool) -> f64 {
         let stages = &mut self.stages;
         let gravity = &self.gravity;
-        if let Some(newton) = self.newton.as_mut().filter(|_| exact) {
-            newton.take_geometry(stages);
-            in_lanes!(V, newton.residual(stages, gravity));
-            return newton.solve(stages);
-        }
         in_lanes!(V, stages.sweep_poses());
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(false));
             in_lanes!(V, stages.sweep_forced_residual(gravity));
-        } else if refined {
+        } else if self.refined && settled {
             in_lanes!(V, stages.sweep_residual::<true>(gravity));
         } else {
             in_lanes!(V, stages.sweep_residual::<false>(gravity));
@@ -200,71 +223,62 @@ impl<V: Lanes> Kernel<V> {
         in_lanes!(V, stages.sweep_increments().largest())
     }
 
-    /// Iterates from a guess until the stage equations are solved, or it is clear that they will not be.
-    fn iterate_from_guess(&mut self, rule: &StopRule, plain: bool, exact: bool) -> Attempt {
-        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
-        in_lanes!(V, predictor.guess(stages, plain));
-        if exact && let Some(newton) = &mut self.newton {
-            newton.begin(&self.stages);
-        }
-        self.anderson.restart();
-        let mut recent = [f64::INFINITY; 5];
-        let mut scale = 1.0_f64;
-        let failed = |kernel: &Self, iterations, increment| Attempt::Failed {
-            iterations,
-            freedom: kernel.worst_freedom(),
-            increment,
-        };
-        let (wanted, rounding) = match self.projection {
-            Some(_) => (rule.increment.min(CLOSED), rule.rounding.min(CLOSED)),
-            None => (rule.increment, rule.rounding),
-        };
-        for iteration in 1..=rule.iterations {
-            let previous = recent[(iteration + 3) % 5];
-            // The second half of the digits matters where the first is settled.
-            let increment = self.iterate(exact, self.refined && previous < 1e-13);
-            let converged =
-                increment <= wanted * scale || (increment <= rounding * scale && increment > 0.5 * previous);
-            if converged {
-                let stages = &mut self.stages;
-                in_lanes!(V, stages.advance());
-                // Fixed steps do not ask how accurate they are.
-                let legendre = if rule.legendre.is_finite() { self.legendre() } else { 0.0 };
-                return Attempt::Converged { iterations: iteration, legendre };
-            }
-            // By then the iterate shows the shape of the motion to a digit or two.
-            if iteration == 4 && rule.legendre.is_finite() {
-                let legendre = self.legendre();
-                if legendre > 3.0 * rule.legendre {
-                    return Attempt::Inaccurate { iterations: iteration, legendre };
-                }
-            }
-            let hopeless = iteration >= 8 && increment > 0.3 * recent[iteration % 5] && increment > 1e-9 * scale;
-            if !increment.is_finite() || hopeless {
-                return failed(self, iteration, increment);
-            }
-            recent[(iteration + 4) % 5] = increment;
-            let (anderson, stages) = (&mut self.anderson, &mut self.stages);
-            let largest = if exact {
-                in_lanes!(V, stages.advance())
-            } else {
-                in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest())
-            };
-            scale = largest.max(1.0);
-            if largest > MAX_TURN
-                && let Some(freedom) = in_lanes!(V, turned_too_far(&self.stages))
-            {
-                return Attempt::TurnedTooFar { iterations: iteration, freedom };
-            }
-        }
-        failed(self, rule.iterations, recent[(rule.iterations + 4) % 5])
+    fn advance(&mut self) -> f64 {
+        let (anderson, stages) = (&mut self.anderson, &mut self.stages);
+        in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest())
+    }
+
+    fn complete(&mut self) {
+        let stages = &mut self.stages;
+        in_lanes!(V, stages.advance());
+    }
+
+    /// The scheme represents a step by polynomials of the rotation matrices' entries, so that these count as well as the joint
+    /// displacements: a steady spin is a straight line in joint coordinates and no polynomial at all in R⁹.
+    fn legendre(&self) -> f64 {
+        let (stages, top, start) = (&self.stages, self.top_legendre, self.first_legendre);
+        in_lanes!(V, largest_coefficient(stages, top, start))
     }
 
     fn worst_freedom(&self) -> usize {
-        let size = |freedom: usize| self.stages.increment[freedom].max_abs(V::zero()).largest();
-        // A NaN counts as largest.
-        let worse = |a: &usize, b: &usize| size(*a).partial_cmp(&size(*b)).unwrap_or(std::cmp::Ordering::Greater);
-        (0..self.stages.increment.len()).max_by(worse).unwrap_or(0)
+        worst_freedom(&self.stages.increment)
+    }
+
+    fn turned_too_far(&self) -> Option<usize> {
+        in_lanes!(V, turned_too_far(&self.stages))
+    }
+}
+
+/// The exact Newton method.
+struct Exact<'k, V: Lanes>(&'k mut Kernel<V>);
+
+impl<V: Lanes> Equations for Exact<'_, V> {
+    fn iterate(&mut self, _: bool) -> f64 {
+        let Kernel { stages, newton: Some(newton), gravity, .. } = self.0 else { return f64::NAN };
+        newton.take_geometry(stages);
+        in_lanes!(V, newton.residual(stages, gravity));
+        newton.solve(stages)
+    }
+
+    fn advance(&mut self) -> f64 {
+        let stages = &mut self.0.stages;
+        in_lanes!(V, stages.advance())
+    }
+
+    fn complete(&mut self) {
+        self.0.complete();
+    }
+
+    fn legendre(&self) -> f64 {
+        self.0.legendre()
+    }
+
+    fn worst_freedom(&self) -> usize {
+        self.0.worst_freedom()
+    }
+
+    fn turned_too_far(&self) -> Option<usize> {
+        self.0.turned_too_far()
     }
 }
 
@@ -283,17 +297,17 @@ impl<V: Lanes> Step for Kernel<V> {
         self.refined = rule.increment < REFINED_BELOW;
         let mut spent = 0;
         if self.exact_for == 0 {
-            let attempt = self.iterate_from_guess(rule, plain, false);
+            self.guess(plain);
+            self.anderson.restart();
+            let attempt = iteration::solve(self, rule);
             // The exact method is dear: the other guess comes first.
             if !matches!(attempt, Attempt::Failed { .. }) || !plain {
                 return attempt;
             }
             spent = attempt.iterations();
         }
-        if self.newton.is_none() {
-            self.newton = Some(Box::new(Newton::new(mechanism, &self.tableau)));
-        }
-        let attempt = self.iterate_from_guess(rule, plain, true).after(spent);
+        self.guess(plain);
+        let attempt = self.attempt_exactly(mechanism, rule).after(spent);
         if matches!(attempt, Attempt::Converged { .. }) && !mechanism.has_closures() {
             self.exact_for = if spent > 0 { EXACT_STEPS } else { self.exact_for.saturating_sub(1) };
         }
@@ -335,8 +349,8 @@ impl<V: Lanes> Step for Kernel<V> {
     }
 
     fn accept(&mut self) {
-        let (stages, predictor) = (&self.stages, &mut self.predictor);
-        in_lanes!(V, predictor.learn(stages));
+        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
+        in_lanes!(V, predictor.learn(stages.unknowns()));
         std::mem::swap(&mut self.stages.start, &mut self.end);
     }
 
@@ -355,7 +369,7 @@ impl<V: Lanes> Step for Kernel<V> {
         of_tree.or_else(of_others).unwrap_or_default()
     }
 
-    fn pace(&mut self) -> Option<Pace> {
+    fn pace(&mut self, _: &Mechanism, _: &State) -> Option<Pace> {
         let Stages { plan, start, .. } = &self.stages;
         let (gravity, jerks) = (&self.gravity, &mut self.velocity);
         self.dynamics.as_mut().map(|dynamics| Pace::at(dynamics, plan, start, gravity, jerks))
@@ -363,23 +377,12 @@ impl<V: Lanes> Step for Kernel<V> {
 
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {
         self.stages.step = step;
-        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
-        in_lanes!(V, predictor.guess(stages, true));
-        self.iterate(false, false);
+        self.guess(true);
+        self.iterate(false);
         let last = self.stages.coefficients.active - 1;
         for (out, increment) in out.iter_mut().zip(&self.stages.increment) {
             *out = 2.0 * increment.to_array().as_ref()[last] / (step * step);
         }
-    }
-}
-
-impl<V: Lanes> Kernel<V> {
-    /// E of the latest iterate. The scheme represents a step by polynomials of the rotation
-    /// matrices' entries, so that these count as well as the joint displacements: a steady spin is a straight line in
-    /// joint coordinates and no polynomial at all in R⁹.
-    fn legendre(&self) -> f64 {
-        let (stages, top, start) = (&self.stages, self.top_legendre, self.first_legendre);
-        in_lanes!(V, largest_coefficient(stages, top, start))
     }
 }
 

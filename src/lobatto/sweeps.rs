@@ -18,38 +18,18 @@ use super::algebra::Vector;
 use super::articulated::{Articulated, Push};
 use super::lanes::Lanes;
 use super::residual::{Sweep, body_residual};
-use super::stage::{MAX_LANES, Stages, horner};
+use super::stage::{Stages, horner};
 use super::start::Children;
 use crate::model::FreeRotation;
 
 impl<V: Lanes> Stages<V> {
-    /// What the residual has in common over all bodies of this step.
-    #[inline(always)]
-    pub fn residual_sweep<'s>(
-        &self,
-        columns: &'s [V; MAX_LANES],
-        rest: &'s [V; MAX_LANES],
-        gravity: &[f64; 3],
-    ) -> Sweep<'s, V> {
-        let square = -self.step * self.step;
-        Sweep {
-            columns,
-            rest,
-            times: self.coefficients.nodes * V::splat(self.step),
-            times_rest: self.times_rest(),
-            moved: self.coefficients.moved,
-            gravity: [square * gravity[0], square * gravity[1], square * gravity[2]],
-            forces: -square,
-        }
-    }
-
     /// Residual and articulated factorisation of all rows, leaf to root, after [`Stages::sweep_poses`]; `REFINED` with twice the digits of the coefficients, for the last iterations of a step
     /// that is iterated to rounding.
     #[inline(always)]
     pub fn sweep_residual<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
         let columns = self.coefficients.residual;
         let rest = self.coefficients.residual_rest;
-        let sweep = self.residual_sweep(&columns, &rest, gravity);
+        let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
         self.backward::<false, REFINED, false>(&sweep);
     }
 
@@ -59,7 +39,7 @@ impl<V: Lanes> Stages<V> {
     pub fn sweep_forced_residual(&mut self, gravity: &[f64; 3]) {
         let columns = self.coefficients.residual;
         let rest = self.coefficients.residual_rest;
-        let sweep = self.residual_sweep(&columns, &rest, gravity);
+        let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
         self.backward::<false, true, true>(&sweep);
     }
 
@@ -67,35 +47,9 @@ impl<V: Lanes> Stages<V> {
     /// [`Stages::sweep_poses`]; with forces (`FORCED`) after [`Stages::sweep_applied`].
     #[inline(always)]
     pub fn sweep_momentum<const REFINED: bool, const FORCED: bool>(&mut self, gravity: &[f64; 3]) {
-        let mut columns = self.coefficients.momentum;
-        let mut rest = self.coefficients.momentum_rest;
-        let inverse = V::splat(1.0 / self.step);
-        for (column, rest) in columns.iter_mut().zip(&mut rest) {
-            // The product with 1/h must not be rounded either.
-            let rounded = *column * inverse;
-            let lost = column.mul_add(inverse, -rounded);
-            *rest = rest.mul_add(inverse, lost);
-            *column = rounded;
-        }
-        let factor = self.step * self.coefficients.last_weight;
-        let sweep = Sweep {
-            columns: &columns,
-            rest: &rest,
-            times: self.coefficients.nodes * V::splat(self.step),
-            times_rest: self.times_rest(),
-            moved: V::splat(1.0),
-            gravity: [factor * gravity[0], factor * gravity[1], factor * gravity[2]],
-            forces: factor,
-        };
+        let (columns, rest) = self.coefficients.momentum_columns(self.step);
+        let sweep = self.coefficients.momentum_sweep(&columns, &rest, self.step, gravity);
         self.backward::<true, REFINED, FORCED>(&sweep);
-    }
-
-    /// What rounding has cut off `h c_i`.
-    #[inline(always)]
-    fn times_rest(&self) -> V {
-        let step = V::splat(self.step);
-        let rounded = self.coefficients.nodes * step;
-        self.coefficients.nodes_rest.mul_add(step, self.coefficients.nodes.mul_add(step, -rounded))
     }
 
     #[inline(always)]

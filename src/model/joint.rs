@@ -157,15 +157,19 @@ impl Joint {
         let rotation = match self.kind.rotation() {
             FreeRotation::None => Matrix3::identity(),
             FreeRotation::AboutZ => {
-                let (sine, cosine) = position[axes.len()].sin_cos();
-                let rest = rest.get(axes.len()).copied().unwrap_or(0.0);
-                let (sine, cosine) = (sine + rest * cosine, cosine - rest * sine);
+                let (sine, cosine) = sine_cosine(position[axes.len()], rest.get(axes.len()).copied().unwrap_or(0.0));
                 Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0)
             }
             FreeRotation::Ball => rotation_from_wxyz(&position[axes.len()..]),
         };
         (translation, rotation)
     }
+}
+
+/// Sine and cosine of an angle and what its rounding left out (rad).
+pub fn sine_cosine(angle: f64, rest: f64) -> (f64, f64) {
+    let (sine, cosine) = angle.sin_cos();
+    (sine + rest * cosine, cosine - rest * sine)
 }
 
 /// The rotation matrix of a quaternion given as (w, x, y, z); the quaternion is normalised first.

@@ -12,6 +12,8 @@ pub enum Rule {
     Islands,
     /// An island at rest in equilibrium is not simulated.
     Sleep,
+    /// What moves in a plane is simulated with three coordinates a body.
+    Planar,
 }
 
 /// There is no such rule.
@@ -21,13 +23,14 @@ pub struct UnknownRule(pub String);
 
 impl Rule {
     /// All of them, in the order in which they are tried.
-    pub const ALL: [Rule; 2] = [Rule::Islands, Rule::Sleep];
+    pub const ALL: [Rule; 3] = [Rule::Islands, Rule::Sleep, Rule::Planar];
 
     /// The name, for the command line.
     pub fn name(self) -> &'static str {
         match self {
             Rule::Islands => "islands",
             Rule::Sleep => "sleep",
+            Rule::Planar => "planar",
         }
     }
 
@@ -36,6 +39,7 @@ impl Rule {
         match self {
             Rule::Islands => "no joint, loop, mimic relation or spring connects the parts",
             Rule::Sleep => "starts at rest, and nothing accelerates",
+            Rule::Planar => "a tree, all hinges about one direction, all slides across it",
         }
     }
 
@@ -44,6 +48,7 @@ impl Rule {
         match self {
             Rule::Islands => "each with its own steps, on several cores, small ones together",
             Rule::Sleep => "not simulated",
+            Rule::Planar => "three coordinates each instead of six",
         }
     }
 }

@@ -78,7 +78,7 @@ impl<'m> Runner<'m> {
                 spent += unit * outcome.iterations.max(1) as f64;
                 spent < PILOTS * case.budget && !interrupt.load(Ordering::Relaxed)
             };
-            match calibrate(&case.mechanism, state, case.duration, tolerance, go_on) {
+            match calibrate(&case.mechanism, state, case.duration, tolerance, &[], go_on) {
                 Ok(found) => {
                     *integrator = Box::new(Lobatto::adaptive_with_stop(&case.mechanism, tolerance, found.stop));
                     let end = state.time + case.duration;

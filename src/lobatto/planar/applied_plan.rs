@@ -1,0 +1,162 @@
+//! Springs between points and wrenches on bodies in a plane, and what they need of the start of a step.
+//!
+//! Only what lies in the plane moves anything: of a force its projection, of a torque the part about the normal, of a line
+//! between two points its projection `d`, while its height z, the difference of their places along the normal, is
+//! constant: `ℓ² = |d|² + z²`.
+
+use super::start::{PlanarBody, turned};
+use crate::forces::point_spring::NO_LENGTH;
+use crate::forces::total::{Stored, scalar_coordinate};
+use crate::model::{Attachment, Mechanism, Plane};
+use crate::state::{BodyState, State};
+use nalgebra::Vector3;
+
+/// The constant data of all forces that do not act in joints.
+pub(super) struct ForcesPlan {
+    pub lines: Vec<LinePlan>,
+    pub wrenches: Vec<WrenchPlan>,
+}
+
+/// A spring between two points.
+pub(super) struct LinePlan {
+    pub ends: [End; 2],
+    /// z (m).
+    height: f64,
+    pub stiffness: f64,
+    pub damping: f64,
+    pub rest_length: f64,
+}
+
+/// A point of a body, or of the world.
+pub(super) struct End {
+    pub body: Option<usize>,
+    /// From the anchor of the body at zero displacement, or from the origin of the world (m).
+    arm: [f64; 2],
+}
+
+/// A constant wrench.
+pub(super) struct WrenchPlan {
+    pub body: usize,
+    /// From the anchor to where it acts, at zero displacement (m).
+    arm: [f64; 2],
+    pub force: [f64; 2],
+    pub torque: f64,
+    /// Potential of the force at the height where it acts (J).
+    offset: f64,
+}
+
+/// What forces need of the start of a step.
+pub(super) struct ForcesStart {
+    /// Extension of each joint spring (rad or m).
+    pub extensions: Vec<f64>,
+    pub lines: Vec<LineStart>,
+    /// From the anchor to the point of each wrench (m).
+    pub arms: Vec<[f64; 2]>,
+}
+
+#[derive(Clone, Copy, Default)]
+pub(super) struct LineStart {
+    /// From the anchors of the two bodies to the ends (m).
+    pub arms: [[f64; 2]; 2],
+    /// d, from a to b (m).
+    pub separation: [f64; 2],
+    /// z².
+    pub square: f64,
+    /// ℓ and its rate.
+    pub length: f64,
+    pub rate: f64,
+}
+
+impl ForcesPlan {
+    /// Projects the forces, for bodies that are placed so at zero displacement.
+    pub fn new(mechanism: &Mechanism, plane: &Plane, zero: &[BodyState]) -> Self {
+        let [first, second, normal] = plane.axes;
+        let flat = |v: &Vector3<f64>| [first.dot(v), second.dot(v)];
+        // A point of a body from its anchor.
+        let from_anchor = |body: usize, point: &Vector3<f64>| {
+            zero[body].rotation * (point - mechanism.bodies[body].joint.on_child.translation.vector)
+        };
+        let height =
+            |body: usize, point: &Vector3<f64>| normal.dot(&(zero[body].position + zero[body].rotation * point));
+        let end = |at: &Attachment| {
+            let point = at.frame.translation.vector;
+            End { body: at.body, arm: flat(&at.body.map_or(point, |body| from_anchor(body, &point))) }
+        };
+        let height_of = |at: &Attachment| {
+            let point = at.frame.translation.vector;
+            at.body.map_or(normal.dot(&point), |body| height(body, &point))
+        };
+        let lines = mechanism.forces.point_springs.iter().map(|spring| LinePlan {
+            ends: [end(&spring.a), end(&spring.b)],
+            height: height_of(&spring.b) - height_of(&spring.a),
+            stiffness: spring.stiffness,
+            damping: spring.damping,
+            rest_length: spring.rest_length,
+        });
+        let wrenches = mechanism.forces.wrenches.iter().map(|wrench| WrenchPlan {
+            body: wrench.body,
+            arm: flat(&from_anchor(wrench.body, &wrench.point)),
+            force: flat(&wrench.force),
+            torque: normal.dot(&wrench.torque),
+            offset: -normal.dot(&wrench.force) * height(wrench.body, &wrench.point),
+        });
+        ForcesPlan { lines: lines.collect(), wrenches: wrenches.collect() }
+    }
+
+    /// Whether there are any.
+    pub fn is_empty(&self) -> bool {
+        self.lines.is_empty() && self.wrenches.is_empty()
+    }
+}
+
+impl ForcesStart {
+    /// Room for the start of a step.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let forces = &mechanism.forces;
+        ForcesStart {
+            extensions: vec![0.0; forces.joint_springs.len()],
+            lines: vec![LineStart::default(); forces.point_springs.len()],
+            arms: vec![[0.0; 2]; forces.wrenches.len()],
+        }
+    }
+
+    /// Takes the state at the start of a step, with the bodies it places; returns the energy stored. Does not allocate.
+    pub fn set(&mut self, plan: &ForcesPlan, mechanism: &Mechanism, state: &State, bodies: &[PlanarBody]) -> Stored {
+        let forces = &mechanism.forces;
+        let mut stored = Stored::default();
+        for (extension, spring) in self.extensions.iter_mut().zip(&forces.joint_springs) {
+            let slot = spring.coordinate.position;
+            *extension = state.position[slot] - spring.rest + state.compensation[slot];
+            stored.spring += spring.energy(state.position[slot]);
+        }
+        for load in &forces.joint_loads {
+            if let Some(coordinate) = scalar_coordinate(mechanism, load.freedom) {
+                stored.load += load.potential(state.position[coordinate.position]);
+            }
+        }
+        // Arm, place and velocity of a point of a body.
+        let point = |body: &PlanarBody, arm: &[f64; 2]| {
+            let arm = turned(&body.turn, arm);
+            let place = [body.position[0] + arm[0], body.position[1] + arm[1]];
+            (arm, place, [body.velocity[0] - body.spin * arm[1], body.velocity[1] + body.spin * arm[0]])
+        };
+        for ((start, line), spring) in self.lines.iter_mut().zip(&plan.lines).zip(&forces.point_springs) {
+            let [(a_arm, a, a_rate), (b_arm, b, b_rate)] = [0, 1].map(|side: usize| {
+                let End { body, arm } = &line.ends[side];
+                body.map_or(([0.0; 2], *arm, [0.0; 2]), |body| point(&bodies[body], arm))
+            });
+            let separation = [b[0] - a[0], b[1] - a[1]];
+            let square = line.height * line.height;
+            let length = (separation[0] * separation[0] + separation[1] * separation[1] + square + NO_LENGTH).sqrt();
+            let rate = separation[0] * (b_rate[0] - a_rate[0]) + separation[1] * (b_rate[1] - a_rate[1]);
+            *start = LineStart { arms: [a_arm, b_arm], separation, square, length, rate: rate / length };
+            stored.spring += spring.energy(length);
+        }
+        for (start, wrench) in self.arms.iter_mut().zip(&plan.wrenches) {
+            let (arm, place, _) = point(&bodies[wrench.body], &wrench.arm);
+            *start = arm;
+            stored.load += wrench.offset - (wrench.force[0] * place[0] + wrench.force[1] * place[1]);
+        }
+        stored
+    }
+}

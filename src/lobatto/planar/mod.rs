@@ -1,0 +1,262 @@
+//! A step of the scheme for mechanisms that move in a plane: three coordinates a body instead of six.
+//!
+//! The same scheme and the same iteration as in space ([`super::step`]), with SO(2) embedded in R² where space has SO(3) in R⁹: what
+//! it leaves out is zero there, so that both take the same steps, but for rounding. In reading order: [`start`], [`stage`],
+//! [`articulated`], [`sweeps`], [`applied_plan`], [`applied`]. Where the recursion does not converge, the exact Newton method of space takes over.
+
+mod algebra;
+mod applied;
+mod applied_plan;
+mod articulated;
+mod stage;
+mod start;
+mod sweeps;
+
+use super::anderson::Anderson;
+use super::dynamics::Dynamics;
+use super::iteration::{self, Equations};
+use super::lanes::{Lanes, in_lanes};
+use super::linearised::Linearised;
+use super::predictor::Predictor;
+use super::reversible::Pace;
+use super::stability::{Fastest, Mode};
+use super::stage::{Coefficients, MAX_TURN};
+use super::start::Start;
+use super::step::{Attempt, EXACT_STEPS, Kernel, REFINED_BELOW, Step, StopRule, worst_freedom};
+use super::tableau::Tableau;
+use crate::forces::total::Exchange;
+use crate::invariants::Energy;
+use crate::model::{Mechanism, Plane};
+use crate::state::State;
+use stage::PlanarStages;
+use start::PlanarStart;
+
+/// [`Step`] in a plane, with the lanes of `V`.
+pub struct PlanarKernel<V: Lanes> {
+    stages: PlanarStages<V>,
+    coefficients: Coefficients<V>,
+    anderson: Anderson<V>,
+    predictor: Predictor<V>,
+    /// The exact Newton method, from when it is needed first.
+    exact: Option<Box<Kernel<V>>>,
+    /// For how many more steps it comes first.
+    exact_for: usize,
+    tableau: Tableau,
+    /// Row of the inverse Legendre matrix for the stages 2 … s.
+    top_legendre: V,
+    /// Whether this step is iterated so far that the rounding of the coefficients counts.
+    refined: bool,
+    velocity: Vec<f64>,
+    displaced: Vec<f64>,
+    /// The end of the finished step.
+    end: PlanarStart,
+    /// The states at both ends.
+    origin: State,
+    end_state: State,
+    /// What steers the steps knows space alone.
+    space: Space,
+}
+
+/// The start of a step in space, for those who ask now and then.
+struct Space {
+    start: Start,
+    /// Without forces.
+    dynamics: Option<Dynamics>,
+    fastest: Fastest,
+    /// What looks at the fastest mode with forces.
+    linearised: Option<Box<Linearised>>,
+}
+
+impl<V: Lanes> PlanarKernel<V> {
+    /// The workspace for a mechanism in its plane and a scheme.
+    pub fn new(mechanism: &Mechanism, plane: &Plane, tableau: &Tableau) -> Self {
+        let stages = PlanarStages::new(mechanism, plane, tableau);
+        let freedoms = mechanism.velocity_count;
+        PlanarKernel {
+            coefficients: Coefficients::new(tableau),
+            anderson: Anderson::new(freedoms),
+            predictor: Predictor::new(freedoms, Vec::new(), tableau),
+            exact: None,
+            exact_for: 0,
+            tableau: tableau.clone(),
+            top_legendre: V::from_slice(&tableau.top_legendre[1..]),
+            refined: false,
+            velocity: vec![0.0; freedoms],
+            displaced: vec![0.0; freedoms],
+            end: PlanarStart::new(mechanism),
+            origin: State::zero(mechanism),
+            end_state: State::zero(mechanism),
+            space: Space {
+                dynamics: mechanism.is_plain_tree().then(|| Dynamics::new(&stages.plan.tree, freedoms)),
+                fastest: Fastest::new(freedoms),
+                linearised: (!mechanism.is_plain_tree()).then(|| Box::new(Linearised::new(mechanism))),
+                start: Start::new(mechanism),
+            },
+            stages,
+        }
+    }
+
+    fn guess(&mut self, plain: bool) {
+        let (stages, predictor, coefficients) = (&mut self.stages, &mut self.predictor, &self.coefficients);
+        in_lanes!(V, {
+            predictor.guess(stages.unknowns(coefficients), plain);
+            stages.measure();
+        });
+    }
+
+    /// The exact Newton method from the guess at hand.
+    fn attempt_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
+        let exact = self.exact.get_or_insert_with(|| Box::new(Kernel::new(mechanism, &self.tableau)));
+        exact.stages.start.set(mechanism, &self.origin);
+        exact.stages.step = self.stages.step;
+        exact.stages.displacement.copy_from_slice(&self.stages.displacement);
+        let attempt = exact.attempt_exactly(mechanism, rule);
+        self.stages.displacement.copy_from_slice(&exact.stages.displacement);
+        self.stages.largest = f64::INFINITY;
+        attempt
+    }
+}
+
+/// The simplified iteration, with Anderson's acceleration.
+impl<V: Lanes> Equations for PlanarKernel<V> {
+    fn iterate(&mut self, settled: bool) -> f64 {
+        let (stages, coefficients) = (&mut self.stages, &self.coefficients);
+        let gravity = stages.plan.gravity;
+        if stages.applied.is_some() {
+            in_lanes!(V, stages.increments::<true, true>(coefficients, &gravity))
+        } else if self.refined && settled {
+            in_lanes!(V, stages.increments::<true, false>(coefficients, &gravity))
+        } else {
+            in_lanes!(V, stages.increments::<false, false>(coefficients, &gravity))
+        }
+    }
+
+    fn advance(&mut self) -> f64 {
+        let (anderson, stages) = (&mut self.anderson, &mut self.stages);
+        stages.largest = in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest());
+        stages.largest
+    }
+
+    fn complete(&mut self) {
+        let stages = &mut self.stages;
+        in_lanes!(V, stages.advance());
+    }
+
+    fn legendre(&self) -> f64 {
+        let (stages, top) = (&self.stages, self.top_legendre);
+        in_lanes!(V, stages.largest_coefficient(top))
+    }
+
+    fn worst_freedom(&self) -> usize {
+        worst_freedom(&self.stages.increment)
+    }
+
+    fn turned_too_far(&self) -> Option<usize> {
+        let stages = &self.stages;
+        in_lanes!(V, stages.turned_too_far(MAX_TURN))
+    }
+}
+
+impl<V: Lanes> Step for PlanarKernel<V> {
+    fn begin(&mut self, mechanism: &Mechanism, state: &State) {
+        self.stages.start.set(&self.stages.plan, mechanism, state);
+        self.origin.copy_from(state);
+        self.predictor.forget();
+    }
+
+    fn energy(&self) -> Energy {
+        self.stages.start.energy
+    }
+
+    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, plain: bool) -> Attempt {
+        self.stages.step = step;
+        self.refined = rule.increment < REFINED_BELOW;
+        let mut spent = 0;
+        self.guess(plain);
+        if self.exact_for == 0 {
+            self.anderson.restart();
+            let attempt = iteration::solve(self, rule);
+            // The exact method is dear: the other guess comes first.
+            if !matches!(attempt, Attempt::Failed { .. }) || !plain {
+                return attempt;
+            }
+            spent = attempt.iterations();
+            self.guess(plain);
+        }
+        let attempt = self.attempt_exactly(mechanism, rule).after(spent);
+        if matches!(attempt, Attempt::Converged { .. }) {
+            self.exact_for = if spent > 0 { EXACT_STEPS } else { self.exact_for.saturating_sub(1) };
+        }
+        attempt
+    }
+
+    fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
+        let (stages, velocity, coefficients) = (&mut self.stages, &mut self.velocity, &self.coefficients);
+        let gravity = stages.plan.gravity;
+        if stages.applied.is_some() {
+            in_lanes!(V, stages.end_velocities::<true, true>(coefficients, &gravity, velocity));
+        } else if self.refined {
+            in_lanes!(V, stages.end_velocities::<true, false>(coefficients, &gravity, velocity));
+        } else {
+            in_lanes!(V, stages.end_velocities::<false, false>(coefficients, &gravity, velocity));
+        }
+        let last = coefficients.active - 1;
+        for (end, displacement) in self.displaced.iter_mut().zip(&stages.displacement) {
+            *end = displacement.to_array().as_ref()[last];
+        }
+        state.displace(mechanism, &self.displaced);
+        state.velocity.copy_from_slice(velocity);
+        self.end.set(&stages.plan, mechanism, state);
+        self.end_state.copy_from(state);
+        self.end.energy
+    }
+
+    fn exchange(&self) -> Exchange {
+        self.stages.applied.as_ref().map_or(Exchange::default(), |applied| applied.exchange)
+    }
+
+    fn redundant(&self) -> Option<usize> {
+        None
+    }
+
+    fn accept(&mut self) {
+        let (stages, predictor, coefficients) = (&mut self.stages, &mut self.predictor, &self.coefficients);
+        in_lanes!(V, predictor.learn(stages.unknowns(coefficients)));
+        std::mem::swap(&mut self.stages.start, &mut self.end);
+        std::mem::swap(&mut self.origin, &mut self.end_state);
+    }
+
+    fn displacement(&self, freedom: usize, stages: &mut [f64]) {
+        stages.copy_from_slice(&self.stages.displacement[freedom].to_array().as_ref()[..stages.len()]);
+    }
+
+    fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
+        let (plan, Space { start, dynamics, fastest, linearised }) = (&self.stages.plan.tree, &mut self.space);
+        let of_tree = dynamics.as_mut().map(|dynamics| {
+            start.set(mechanism, state);
+            let frequency = fastest.estimate(dynamics, plan, start, &mechanism.gravity.into(), iterations);
+            Mode { frequency, damping: 0.0 }
+        });
+        let of_others = || linearised.as_mut().map(|linearised| linearised.estimate(mechanism, state, iterations));
+        of_tree.or_else(of_others).unwrap_or_default()
+    }
+
+    fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace> {
+        let (plan, Space { start, dynamics, .. }) = (&self.stages.plan.tree, &mut self.space);
+        let jerks = &mut self.velocity;
+        dynamics.as_mut().map(|dynamics| {
+            start.set(mechanism, state);
+            Pace::at(dynamics, plan, start, &mechanism.gravity.into(), jerks)
+        })
+    }
+
+    fn accelerations(&mut self, step: f64, out: &mut [f64]) {
+        self.stages.step = step;
+        self.guess(true);
+        self.iterate(false);
+        let last = self.coefficients.active - 1;
+        for (out, increment) in out.iter_mut().zip(&self.stages.increment) {
+            *out = 2.0 * increment.to_array().as_ref()[last] / (step * step);
+        }
+    }
+}

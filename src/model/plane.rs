@@ -1,0 +1,87 @@
+//! Planar motion: a mechanism whose joints keep every body parallel to one plane.
+//!
+//! Every hinge turns about the normal n of the plane, every slide is across it: then at zero displacement and ever after
+//!
+//! ```text
+//!     ω = ψ̇ n,      ẋ · n = 0
+//! ```
+//!
+//! for every body, whatever its inertia and wherever its centre of mass is. What forces, products of inertia and offsets along n do
+//! is carried by the joints and moves nothing. Three coordinates a body say all there is to say.
+
+use super::joint::{FreeRotation, JointKind};
+use super::mechanism::{Body, Mechanism};
+use nalgebra::{Matrix3, Vector3};
+
+/// Axes count as parallel, or as being across each other, if their directions are off by no more than this (rad): some thousand
+/// products of rotations, rounded. More would change the motion by as much of itself.
+const PARALLEL: f64 = 1e-12;
+
+/// The plane to which all bodies of a mechanism move parallel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Unit vectors of the world: two in the plane, and its normal, right-handed.
+    pub axes: [Vector3<f64>; 3],
+}
+
+impl Plane {
+    /// The plane of a mechanism; `None` if it has none, or if loops or mimic relations close it.
+    pub fn of(mechanism: &Mechanism) -> Option<Plane> {
+        let axes = joint_axes(mechanism)?;
+        let normal = normal(&axes)?;
+        let fits = |&(axis, turns): &(Vector3<f64>, bool)| match turns {
+            true => axis.cross(&normal).norm() <= PARALLEL,
+            false => axis.dot(&normal).abs() <= PARALLEL,
+        };
+        axes.iter().all(fits).then(|| {
+            let first = across(&normal);
+            Plane { axes: [first, normal.cross(&first), normal] }
+        })
+    }
+
+    /// The normal, n.
+    pub fn normal(&self) -> Vector3<f64> {
+        self.axes[2]
+    }
+
+    /// Whether another plane is parallel.
+    pub fn is_parallel(&self, other: &Plane) -> bool {
+        self.normal().cross(&other.normal()).norm() <= PARALLEL
+    }
+}
+
+/// Directions of all joints in the world at zero displacement, z of the joint frame, and whether the joint turns about it; `None` if
+/// there is anything that has no such direction, or nothing at all.
+fn joint_axes(mechanism: &Mechanism) -> Option<Vec<(Vector3<f64>, bool)>> {
+    let planar = |kind| matches!(kind, JointKind::Revolute | JointKind::Prismatic | JointKind::Planar);
+    let possible = !mechanism.has_closures() && mechanism.bodies.iter().all(|body| planar(body.joint.kind));
+    if !possible || mechanism.bodies.is_empty() {
+        return None;
+    }
+    let mut turned: Vec<Matrix3<f64>> = Vec::with_capacity(mechanism.bodies.len());
+    let mut axes = Vec::with_capacity(mechanism.bodies.len());
+    for Body { parent, joint, .. } in &mechanism.bodies {
+        let frame = parent.map_or_else(Matrix3::identity, |parent| turned[parent]) * joint.on_parent.rotation.matrix();
+        axes.push((frame.column(2).into_owned(), joint.kind.rotation() != FreeRotation::None));
+        turned.push(frame * joint.on_child.rotation.matrix().transpose());
+    }
+    Some(axes)
+}
+
+/// The normal that these directions leave as the only one, or one of them.
+fn normal(axes: &[(Vector3<f64>, bool)]) -> Option<Vector3<f64>> {
+    let hinge = axes.iter().find(|(_, turns)| *turns).map(|(axis, _)| *axis);
+    let slides = || {
+        let (first, _) = axes.first()?;
+        let crossed = axes.iter().map(|(axis, _)| first.cross(axis)).find(|cross| cross.norm() > PARALLEL);
+        Some(crossed.unwrap_or_else(|| across(first)))
+    };
+    hinge.or_else(slides).map(|normal| normal.normalize())
+}
+
+/// A unit vector across another.
+fn across(direction: &Vector3<f64>) -> Vector3<f64> {
+    // From the axis of the world that is farthest from it, so that nothing cancels.
+    let axis = Matrix3::identity().column(direction.iamin()).into_owned();
+    direction.cross(&axis).normalize()
+}

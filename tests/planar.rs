@@ -1,0 +1,400 @@
+//! Planar motion: three coordinates a body say the same as six, step by step.
+
+mod common;
+mod models;
+
+use catena::invariants::energy_with_forces;
+use catena::islands::Plan as IslandPlan;
+use catena::kinematics::body_states;
+use catena::lobatto::Lobatto;
+use catena::lobatto::dispatch::step_for;
+use catena::lobatto::lanes::Isa;
+use catena::lobatto::literal::Literal;
+use catena::lobatto::step::StopRule;
+use catena::lobatto::tableau::Tableau;
+use catena::model::{Body, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Plane, Pose, Rule};
+use catena::simulation::{Integrator, StepOutcome};
+use catena::state::State;
+use common::{Numbers, command};
+use models::Model;
+use nalgebra::{Rotation3, Translation3, Vector3};
+
+/// A random rotation.
+fn turn(numbers: &mut Numbers) -> Rotation3<f64> {
+    Rotation3::new(Vector3::from_fn(|_, _| numbers.next(-2.0, 2.0)))
+}
+
+fn place(numbers: &mut Numbers, size: f64) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| numbers.next(-size, size))
+}
+
+/// A branching tree with hinges, slides and planar joints in the plane across `normal`, its bodies with inertia about axes that are
+/// aligned with nothing, their centres of mass and anchors at all heights, in a generic state.
+fn random_tree(seed: u64, count: usize, normal: Vector3<f64>) -> Model {
+    let mut numbers = Numbers::new(seed);
+    let upright = Rotation3::rotation_between(&Vector3::z(), &normal).expect("the normal is not −z");
+    let mut bodies: Vec<Body> = Vec::new();
+    let mut branch: Vec<usize> = Vec::new();
+    // Each body's axes at zero displacement, so that joints can be laid across the plane.
+    let mut axes: Vec<Rotation3<f64>> = Vec::new();
+    for index in 0..count {
+        branch.truncate((numbers.next(0.3, 1.0) * (branch.len() + 1) as f64) as usize);
+        let parent = branch.last().copied();
+        let spin = Rotation3::from_axis_angle(&Vector3::z_axis(), numbers.next(-3.0, 3.0));
+        let over =
+            Rotation3::from_axis_angle(&Vector3::x_axis(), if index % 3 == 1 { std::f64::consts::PI } else { 0.0 });
+        let lying = Rotation3::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2);
+        let (kind, frame) = match index % 7 {
+            3 => (JointKind::Prismatic, upright * spin * lying),
+            5 => (JointKind::Planar, upright * spin * over),
+            _ => (JointKind::Revolute, upright * spin * over),
+        };
+        let own = turn(&mut numbers);
+        let under = parent.map_or(Rotation3::identity(), |parent| axes[parent]);
+        let on_parent = Pose::from_parts(Translation3::from(place(&mut numbers, 0.6)), under.inverse() * frame);
+        let on_child = Pose::from_parts(Translation3::from(place(&mut numbers, 0.4)), own.inverse() * frame);
+        let mass = numbers.next(0.5, 2.0);
+        let inertia = models::box_inertia(mass, Vector3::new(0.3, 0.5, 0.9));
+        let joint = Joint::new(&format!("joint{index}"), kind, on_parent, on_child);
+        bodies.push(models::body(&format!("body{index}"), parent, mass, inertia, joint));
+        axes.push(own);
+        branch.push(index);
+    }
+    let mechanism = Mechanism::new("random tree", Vector3::new(1.0, -2.0, -9.0), bodies).expect("depth first");
+    let mut state = State::zero(&mechanism);
+    state.position.iter_mut().for_each(|entry| *entry = numbers.next(-1.0, 1.0));
+    state.velocity.iter_mut().for_each(|entry| *entry = numbers.next(-1.0, 1.0));
+    Model { mechanism, state }
+}
+
+/// Two rods on parallel hinges.
+fn double_pendulum() -> Model {
+    let mut model = models::planar_chain(2);
+    model.state.position = vec![1.2, -0.7];
+    model
+}
+
+/// With every kind of force: in the joints, between points at different heights, and on the bodies.
+fn forced(model: Model) -> Model {
+    let all = models::every_force(&model.mechanism).pop().expect("all forces").1;
+    models::with_forces(model, all)
+}
+
+fn everything() -> Vec<(&'static str, Model)> {
+    vec![
+        ("double pendulum", double_pendulum()),
+        ("chain", models::planar_chain(6)),
+        ("level tree", random_tree(1, 9, Vector3::y())),
+        ("inclined tree", random_tree(2, 12, Vector3::new(0.3, -0.5, 0.7))),
+        ("two slides", models::one_joint(JointKind::Prismatic)),
+        ("tree with forces", forced(random_tree(3, 12, Vector3::new(-0.2, 0.4, 0.6)))),
+        ("slides with forces", forced(models::one_joint(JointKind::Prismatic))),
+    ]
+}
+
+/// Largest difference of positions and velocities.
+fn apart(a: &State, b: &State) -> f64 {
+    let differences = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    differences(&a.position, &b.position).max(differences(&a.velocity, &b.velocity))
+}
+
+/// What became of a run: the state at its end, and what each step did.
+fn run(model: &Model, mut lobatto: Lobatto, until: f64) -> (State, Vec<StepOutcome>) {
+    let (mut state, mut outcomes) = (model.state.clone(), Vec::new());
+    while state.time < until {
+        outcomes.push(lobatto.advance(&model.mechanism, &mut state, until).expect("a step"));
+    }
+    (state, outcomes)
+}
+
+/// Iterations and rejected attempts of each step.
+fn counts(outcomes: &[StepOutcome]) -> Vec<(usize, usize)> {
+    outcomes.iter().map(|outcome| (outcome.iterations, outcome.rejected)).collect()
+}
+
+/// The run in the plane, and that of the full model.
+fn both(model: &Model, make: impl Fn() -> Lobatto, until: f64) -> [(State, Vec<StepOutcome>); 2] {
+    assert!(Plane::of(&model.mechanism).is_some(), "no plane");
+    [run(model, make(), until), run(model, make().keeping(&model.mechanism, &[Rule::Planar]), until)]
+}
+
+#[test]
+fn fixed_steps_in_the_plane_are_those_in_space() {
+    for (name, model) in everything() {
+        for stages in 2..=9 {
+            let step = if stages < 4 { 0.005 } else { 0.02 };
+            let make = || Lobatto::fixed(&model.mechanism, stages, step).expect("stages");
+            for steps in [1.0, 25.0] {
+                let [(flat, ours), (full, theirs)] = both(&model, make, steps * step);
+                let gap = apart(&flat, &full);
+                // Both round, at sums of up to 2000 terms of order one, and motions of this length amplify it tenfold.
+                assert!(gap < 1e-12, "{name}, {stages} stages, {steps} steps: {gap:e}");
+                let exchanged =
+                    |outcomes: &[StepOutcome]| outcomes.iter().map(|one| one.exchange.dissipated).sum::<f64>();
+                let (lost, expected) = (exchanged(&ours), exchanged(&theirs));
+                assert!((lost - expected).abs() <= 1e-12 * expected, "{name}: dissipated {lost} J, not {expected} J");
+                assert_eq!(expected > 0.0, name.ends_with("with forces"), "{name}");
+                let put_in = |outcomes: &[StepOutcome]| outcomes.iter().map(|one| one.exchange.work).sum::<f64>();
+                let (work, expected) = (put_in(&ours), put_in(&theirs));
+                assert!((work - expected).abs() <= 1e-12, "{name}: work of {work} J, not {expected} J");
+                assert_eq!(expected != 0.0, name == "tree with forces", "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn random_forests_in_the_plane_move_as_in_space() {
+    let (mut roots, mut branches, mut kinds) = (0, 0, [0; 3]);
+    for seed in 100..160 {
+        let normal = Vector3::new(0.1 * (seed % 7) as f64, 0.2 * (seed % 5) as f64 - 0.3, 0.6);
+        let mut model = random_tree(seed, 2 + (seed as usize % 17), normal);
+        let bodies = &mut model.mechanism.bodies;
+        roots += bodies.iter().filter(|body| body.parent.is_none()).count() - 1;
+        let children = |index| bodies.iter().filter(|body| body.parent == Some(index)).count();
+        branches += (0..bodies.len()).filter(|&index| children(index) > 1).count();
+        for body in bodies.iter() {
+            kinds[body.joint.kind.translation_axes().len()] += 1;
+        }
+        // A link without mass has to be carried by what hangs on it.
+        if let Some(massless) = (0..bodies.len()).find(|&index| children(index) == 1 && index % 7 < 3) {
+            (bodies[massless].mass, bodies[massless].inertia) = (0.0, Vector3::zeros());
+        }
+        let make = || Lobatto::fixed(&model.mechanism, 5, 0.01).expect("stages");
+        let [(flat, ours), (full, theirs)] = both(&model, make, 0.1);
+        let gap = apart(&flat, &full);
+        assert!(gap < 1e-11, "forest {seed}: {gap:e}");
+        assert_eq!(ours.len(), theirs.len(), "forest {seed}");
+    }
+    assert!(roots > 10 && branches > 10 && kinds.iter().all(|&count| count > 10), "{roots} {branches} {kinds:?}");
+}
+
+#[test]
+fn one_step_in_the_plane_is_that_of_the_literal_scheme() {
+    for (seed, with_forces) in [(11, false), (12, true), (13, false)] {
+        let tree = random_tree(seed, 4, Vector3::new(0.4, 0.2, 0.9));
+        let model = if with_forces { forced(tree) } else { tree };
+        for stages in 2..=4 {
+            let tableau = Tableau::new(stages).expect("stages");
+            let step = 0.02;
+            let literal = Literal::new(&model.mechanism, &tableau).expect("second moments that can be inverted");
+            let expected = literal.step(&model.bodies(), step).expect("a step").bodies;
+            let (state, _) = run(&model, Lobatto::fixed(&model.mechanism, stages, step).expect("stages"), step);
+            let bodies = body_states(&model.mechanism, &state);
+            // As in `tests/literal_equality.rs`: the dense oracle rounds at entries of size one to ten.
+            let (position, velocity) =
+                (models::pose_distance(&bodies, &expected), models::velocity_distance(&bodies, &expected));
+            assert!(position < 1e-12, "tree {seed}, {stages} stages: poses differ by {position:.1e}");
+            assert!(velocity < 1e-11, "tree {seed}, {stages} stages: velocities differ by {velocity:.1e}");
+        }
+    }
+}
+
+#[test]
+fn chosen_steps_in_the_plane_are_those_in_space() {
+    for (name, model) in everything() {
+        for (tolerance, stop) in [(1e-3, 1e-7), (1e-6, 1e-10), (1e-9, 1e-13)] {
+            let make = || Lobatto::adaptive_with_stop(&model.mechanism, tolerance, stop);
+            let [(flat, ours), (full, theirs)] = both(&model, make, 1.0);
+            assert_eq!(counts(&ours), counts(&theirs), "{name}, {tolerance:e}");
+            // The change of the energy, of which the last digits are rounding, has a say in the length of a step: the motions differ by
+            // a share of their errors.
+            let gap = apart(&flat, &full);
+            assert!(gap < (1e-5 * tolerance).max(1e-11), "{name}, {tolerance:e}: {gap:e}");
+        }
+    }
+}
+
+#[test]
+fn steps_with_the_pace_of_the_motion_are_those_in_space() {
+    for (name, model) in everything() {
+        if !model.mechanism.is_plain_tree() {
+            continue;
+        }
+        let make = || Lobatto::reversible(&model.mechanism, 5, 0.01).expect("a tree under gravity");
+        let [(flat, ours), (full, theirs)] = both(&model, make, 0.5);
+        assert_eq!(ours.len(), theirs.len(), "{name}");
+        let gap = apart(&flat, &full);
+        assert!(gap < 1e-11, "{name}: {gap:e}");
+    }
+}
+
+#[test]
+fn steps_that_need_the_exact_newton_method_or_are_too_long_are_those_in_space() {
+    let mut damped = forced(random_tree(5, 6, Vector3::new(0.2, 0.1, 1.0)));
+    damped.mechanism.forces.joint_dampers.iter_mut().for_each(|damper| damper.coefficient = 1e3);
+    let make = || Lobatto::fixed(&damped.mechanism, 9, 0.02).expect("stages");
+    let [(flat, ours), (full, theirs)] = both(&damped, make, 0.1);
+    assert_eq!(counts(&ours), counts(&theirs));
+    // The first step tries the simplified iteration twice, which hard dampers do not let converge; all others do without it.
+    assert!(ours[0].iterations > 20 && ours[1..].iter().all(|one| one.iterations < 10), "{:?}", counts(&ours));
+    let gap = apart(&flat, &full);
+    assert!(gap < 1e-12, "{gap:e}");
+
+    let mut heavy = models::planar_chain(5);
+    for (index, body) in heavy.mechanism.bodies.iter_mut().enumerate() {
+        let scale = 10_f64.powi(index as i32);
+        (body.mass, body.inertia) = (body.mass * scale, body.inertia * scale);
+    }
+    heavy.state.velocity[4] = 3.0;
+    let make = || Lobatto::fixed(&heavy.mechanism, 9, 0.1).expect("stages");
+    let [(flat, ours), (full, theirs)] = both(&heavy, make, 0.3);
+    let rejected = |outcomes: &[StepOutcome]| outcomes.iter().map(|one| one.rejected).collect::<Vec<_>>();
+    assert_eq!(rejected(&ours), rejected(&theirs));
+    assert!(rejected(&ours).iter().sum::<usize>() > 0, "no step was too long");
+    // Rounding, amplified by masses of one to ten thousand.
+    let gap = apart(&flat, &full);
+    assert!(gap < 1e-10, "{gap:e}");
+}
+
+#[test]
+fn bodies_that_turn_far_within_a_step_do_so_as_in_space() {
+    // The rods turn by 1.1 and 1.7 rad a step.
+    let mut model = double_pendulum();
+    model.state.velocity = vec![55.0, 30.0];
+    let make = || Lobatto::fixed(&model.mechanism, 9, 0.02).expect("stages");
+    let [(flat, ours), (full, _)] = both(&model, make, 0.1);
+    assert!(ours.iter().all(|one| one.rejected == 0), "{:?}", counts(&ours));
+    // Rounding of velocities of a hundred.
+    let gap = apart(&flat, &full);
+    assert!(gap < 1e-11, "{gap:e}");
+}
+
+#[test]
+fn every_vector_type_makes_the_same_steps_in_the_plane() {
+    for (name, model) in everything() {
+        for stages in [2, 3, 4, 5, 6, 9, 10, 16] {
+            let ends = [Isa::Portable, Isa::Avx2, Isa::Avx512].map(|isa| {
+                let fixed = Lobatto::fixed_with(&model.mechanism, stages, 0.005, StopRule::ROUNDING, isa);
+                run(&model, fixed.expect("stages"), 0.05).0
+            });
+            // They differ in fused products; more stages have larger coefficients.
+            assert!(apart(&ends[0], &ends[1]) < 1e-12, "{name}, {stages} stages: {:e}", apart(&ends[0], &ends[1]));
+            assert!(apart(&ends[0], &ends[2]) < 1e-12, "{name}, {stages} stages: {:e}", apart(&ends[0], &ends[2]));
+        }
+    }
+}
+
+#[test]
+fn the_energy_of_a_step_in_the_plane_is_that_of_the_bodies() {
+    for (name, model) in everything() {
+        let Model { mechanism, state } = &model;
+        let mut kernel = step_for(mechanism, &Tableau::new(5).expect("stages"), Isa::detect());
+        kernel.begin(mechanism, state);
+        let ours = kernel.energy();
+        let expected = energy_with_forces(mechanism, &state.position, &body_states(mechanism, state));
+        let parts = [
+            (ours.kinetic, expected.kinetic),
+            (ours.potential, expected.potential),
+            (ours.spring, expected.spring),
+            (ours.load, expected.load),
+        ];
+        for (part, expected) in parts {
+            // A dozen bodies of some joules, of either sign, in another order.
+            assert!((part - expected).abs() < 1e-12, "{name}: {part} J, not {expected} J");
+        }
+    }
+}
+
+#[test]
+fn only_what_joints_keep_in_a_plane_has_one() {
+    let has = |mechanism: &Mechanism| Plane::of(mechanism).is_some();
+    for seed in 0..40 {
+        let mut numbers = Numbers::new(seed);
+        let normal = Vector3::from_fn(|_, _| numbers.next(-1.0, 1.0));
+        let mut model = random_tree(seed, 30, normal.normalize());
+        let plane = Plane::of(&model.mechanism).unwrap_or_else(|| panic!("tree {seed} has no plane"));
+        assert!(plane.normal().cross(&normal.normalize()).norm() < 1e-13, "tree {seed}: {plane:?}");
+
+        // A joint that is off by little more than rounding leaves the plane by as much.
+        let joint = &mut model.mechanism.bodies[seed as usize % 30].joint;
+        joint.on_parent.rotation *= Rotation3::new(Vector3::new(3e-12, 4e-12, 0.0));
+        assert!(!has(&model.mechanism), "tree {seed}");
+    }
+    for kind in models::JOINT_KINDS {
+        // Two slides always have a plane, two hinges that are not parallel never.
+        assert_eq!(has(&models::one_joint(kind).mechanism), kind == JointKind::Prismatic, "{kind:?}");
+    }
+    assert!(has(&models::chain(1).mechanism) && !has(&models::chain(2).mechanism));
+
+    let chain = models::planar_chain(3).mechanism;
+    assert!(has(&chain));
+    for (name, forces) in models::every_force(&chain) {
+        assert!(has(&Mechanism { forces, ..chain.clone() }), "{name}");
+    }
+    let ends = [Some(2), None].map(|body| models::point_of(body, [0.0; 3]));
+    let [a, b] = ends;
+    let joint = LoopJoint { name: "loop".into(), kind: LoopKind::Spherical, a, b };
+    assert!(!has(&Mechanism { loops: vec![joint], ..chain.clone() }), "loops are not in scope");
+    assert!(!has(&Mechanism::new("nothing", models::gravity(), Vec::new()).expect("nothing")));
+}
+
+#[test]
+fn islands_in_parallel_planes_are_run_together_and_stay_in_their_plane() {
+    // Four swings in one plane, two in another, and arms that have none, in turns.
+    let turned = |mut model: Model, about: Vector3<f64>| {
+        let joint = &mut model.mechanism.bodies[0].joint;
+        joint.on_parent.rotation = Rotation3::new(about) * joint.on_parent.rotation;
+        model
+    };
+    let across = Vector3::new(0.0, 0.0, 1.2);
+    let parts = [
+        models::planar_chain(3),
+        models::chain(3),
+        turned(models::planar_chain(3), across),
+        models::planar_chain(3),
+        models::chain(3),
+        models::planar_chain(3),
+        turned(models::planar_chain(3), across),
+        models::planar_chain(3),
+    ];
+    let bodies = parts.iter().enumerate().flat_map(|(part, model)| {
+        model
+            .mechanism
+            .bodies
+            .iter()
+            .map(move |body| Body { parent: body.parent.map(|body| body + 3 * part), ..body.clone() })
+    });
+    let mechanism = Mechanism::new("swings", models::gravity(), bodies.collect()).expect("depth first");
+    let mut state = State::zero(&mechanism);
+    state.velocity.fill(0.3);
+    let group = |smallest: usize, kept: &[Rule]| -> Vec<(usize, bool)> {
+        let plan = IslandPlan::new(&mechanism, &state, kept).grouped(&mechanism, smallest);
+        let sizes = plan.islands.iter().map(|(island, _)| &island.mechanism);
+        sizes.map(|part| (part.bodies.len(), Plane::of(part).is_some())).collect()
+    };
+    assert_eq!(group(12, &[]), [(12, true), (12, false)], "two swings are too few to be worth a group");
+    assert_eq!(group(6, &[]), [(6, true), (6, false), (6, true), (6, true)]);
+    assert_eq!(group(12, &[Rule::Planar]), [(12, false), (12, false)]);
+    assert_eq!(group(2, &[]).len(), 8);
+}
+
+#[test]
+fn the_rule_is_named_counted_and_switched_off_by_name() {
+    // Where it hangs in equilibrium it would sleep.
+    const SIDEWAYS: [&str; 4] = ["model", "pendulum.urdf", "--gravity", "3,0,-9"];
+    let folder = command::folder("planar");
+    let rule = |arguments: &[&str]| -> serde_json::Value {
+        let output = command::run(&folder, &[&SIDEWAYS[..], &["--json"], arguments].concat());
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let rules = json["rules"].as_array().expect("an array").clone();
+        rules.into_iter().find(|rule| rule["name"] == "planar").expect("the rule is named")
+    };
+    assert_eq!((&rule(&[])["count"], &rule(&[])["kept"]), (&1.into(), &false.into()));
+    assert_eq!(rule(&["--keep", "planar"])["kept"], true);
+    let table = command::run(&folder, &SIDEWAYS);
+    assert!(command::text(&table.stdout).contains("1 body, three coordinates each instead of six"));
+
+    let report = |arguments: &[&str]| -> serde_json::Value {
+        let always = ["simulate", "pendulum.urdf", "--no-log", "--json", "--position", "hinge=1", "--duration", "2"];
+        let output = command::run(&folder, &[&always[..], arguments].concat());
+        serde_json::from_slice(&output.stdout).expect("JSON")
+    };
+    for method in [&["--tolerance", "1e-8"][..], &["--stages", "6", "--step", "0.02"]] {
+        let (flat, full) = (report(method), report(&[method, &["--keep", "planar"]].concat()));
+        let ends = [&flat, &full].map(|report| report["joints"]["hinge"]["position"].as_f64().expect("an angle"));
+        // Both round; with a tolerance their steps differ by a share of the error.
+        assert!((ends[0] - ends[1]).abs() < 1e-11, "{ends:?}");
+        assert_eq!(flat["steps"], full["steps"]);
+    }
+}
