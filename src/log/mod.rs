@@ -31,6 +31,7 @@ mod background;
 mod batch;
 mod cdr;
 mod comparison;
+mod container;
 pub mod decode;
 mod file;
 pub mod frames;
