@@ -170,12 +170,12 @@ fn draw(figure: &Figure, plot: &Path) -> anyhow::Result<()> {
     if figure.pictures.is_empty() {
         bail!("{}: the log has nothing that could be drawn", plot.display());
     }
-    if ending(plot).as_deref() == Some("png") {
-        write_with(plot, |part| figure.write_png(part))?;
+    let drawn = if ending(plot).as_deref() == Some("png") {
+        write_with(plot, |part| figure.write_png(part))
     } else {
-        catena::chart::files::write_text(plot, &figure.svg()?)?;
-    }
-    Ok(())
+        figure.svg().and_then(|text| catena::chart::files::write_text(plot, &text))
+    };
+    drawn.with_context(|| format!("cannot write {}", plot.display()))
 }
 
 /// One instant of a log, as the report of a run shows its end.
