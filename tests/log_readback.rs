@@ -444,6 +444,17 @@ fn the_summary_leads_to_every_message_attachment_and_record_and_all_checksums_ar
     assert_eq!((bytes[data_end], checksum), (0x0f, crc32fast::hash(&bytes[..data_end])));
 }
 
+/// What the viewer's own settings would do: hide the scene, and lay STL and OBJ meshes on their sides.
+#[test]
+fn the_layout_for_lichtblick_shows_the_scene_with_meshes_the_right_way_up() {
+    let layout = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/viewer/lichtblick.json"));
+    let layout: serde_json::Value = serde_json::from_str(&layout.expect("the layout")).expect("JSON");
+    let view = &layout["configById"]["3D!catena"];
+    assert_eq!(view["topics"]["/scene"]["visible"], true);
+    assert_eq!((&view["scene"]["meshUpAxis"], &view["scene"]["ignoreColladaUpAxis"]), (&"z_up".into(), &true.into()));
+    assert_eq!(view["followTf"], "world");
+}
+
 /// Looks at the log while it is written, after a pause in the middle of a chunk.
 struct Onlooker {
     /// `None` when there is nothing to look at, or it has been looked at.

@@ -16,9 +16,10 @@
 //! The joint messages hold the whole state in the coordinates of the URDF: `/multi_dof_joint_states`, which is there
 //! only if there are such joints, has the child link's frame in the joint's frame on the parent.
 //!
-//! Links that are fixed to others or to the world are in `/tf` all the same, in every sample, and not once in `/tf_static`: whoever
-//! opens a log that was cut, or jumps in it, then needs nothing from its beginning, and a pose needs no chain of frames
-//! that a viewer may or may not keep when it jumps back. It costs 14 % (Panda) to 47 % (Baxter) of the bytes of a sample.
+//! Links that are fixed to others or to the world are in `/tf` all the same, in every sample, and not once in `/tf_static`:
+//! Lichtblick lost the transforms of that topic whenever one jumped back in a log (its pull request 1246 of July 2026), and a log
+//! that was cut needs nothing from its beginning. rerun 0.41 would show them. It costs 14 % (Panda) to 47 % (Baxter) of the bytes
+//! of a sample.
 //! Chunks are not compressed (`container.rs` says why).
 //!
 //! Rerun draws the robot from `/robot_description` and `/tf` and plots the ROS messages by itself; Foxglove and
