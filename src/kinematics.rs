@@ -13,7 +13,8 @@
 //!     ẍ = ẍ_p + ω̇_p × r + ω_p × (ω_p × r) + 2 ω_p × R_p F_p.R u + R_p F_p.R u̇ − ω̇ × c − ω × (ω × c)
 //! ```
 
-use crate::model::{FreeRotation, Joint, Mechanism};
+use crate::model::{FreeRotation, Joint, JointKind, Mechanism};
+use crate::small::{column, cross, product, product_transposed, times};
 use crate::state::{BodyState, State};
 use nalgebra::{Matrix3, Vector3};
 
@@ -55,20 +56,27 @@ pub struct Placed {
 #[inline]
 pub fn place(joint: &Joint, parent: &BodyState, position: &[f64], rest: &[f64], velocity: &[f64]) -> Placed {
     let (translation, turn) = joint.displacement(position, rest);
-    let (translation_rate, turn_rate) = joint_rates(joint, velocity);
-    let frame_on_parent = joint.on_parent.rotation.matrix();
-    let arm_on_parent = parent.rotation * (joint.on_parent.translation.vector + frame_on_parent * translation);
-    let frame = parent.rotation * frame_on_parent;
-    let rotation = frame * turn * joint.on_child.rotation.matrix().transpose();
-    let arm_on_child = rotation * joint.on_child.translation.vector;
-    let angular_velocity = parent.angular_velocity + rotation * (joint.on_child.rotation.matrix() * turn_rate);
+    let (frame_on_parent, frame_on_child) = (joint.on_parent.rotation.matrix(), joint.on_child.rotation.matrix());
+    let mut anchor = joint.on_parent.translation.vector;
+    let mut sliding = Vector3::zeros();
+    let turning = if joint.kind == JointKind::Revolute {
+        column(frame_on_child, 2) * velocity[0]
+    } else {
+        let (translation_rate, turn_rate) = joint_rates(joint, velocity);
+        anchor += times(frame_on_parent, &translation);
+        sliding = times(&parent.rotation, &times(frame_on_parent, &translation_rate));
+        times(frame_on_child, &turn_rate)
+    };
+    let arm_on_parent = times(&parent.rotation, &anchor);
+    let frame = product(&parent.rotation, frame_on_parent);
+    let rotation = product_transposed(&product(&frame, &turn), frame_on_child);
+    let arm_on_child = times(&rotation, &joint.on_child.translation.vector);
+    let angular_velocity = parent.angular_velocity + times(&rotation, &turning);
     let body = BodyState {
         position: parent.position + arm_on_parent - arm_on_child,
         rotation,
-        velocity: parent.velocity
-            + parent.angular_velocity.cross(&arm_on_parent)
-            + parent.rotation * (frame_on_parent * translation_rate)
-            - angular_velocity.cross(&arm_on_child),
+        velocity: parent.velocity + cross(&parent.angular_velocity, &arm_on_parent) + sliding
+            - cross(&angular_velocity, &arm_on_child),
         angular_velocity,
     };
     Placed { body, frame, translation }
@@ -98,23 +106,33 @@ pub fn body_accelerations(
     for (index, body) in mechanism.bodies.iter().enumerate() {
         let joint = &body.joint;
         let state = &bodies[index];
-        let (parent, (parent_linear, parent_angular)) =
-            body.parent.map_or((WORLD, Default::default()), |parent| (bodies[parent], accelerations[parent]));
-        let frame_on_parent = parent.rotation * joint.on_parent.rotation.matrix();
-        let frame_on_child = state.rotation * joint.on_child.rotation.matrix();
-        let (slide, turn) = joint_rates(joint, &velocity[joint.velocity_range()]);
-        let (slide_rate, turn_rate) = joint_rates(joint, &acceleration[joint.velocity_range()]);
-        let arm_on_child = state.rotation * joint.on_child.translation.vector;
+        let (parent, (parent_linear, parent_angular)) = match body.parent {
+            Some(parent) => (&bodies[parent], accelerations[parent]),
+            None => (&WORLD, Default::default()),
+        };
+        let (velocity, acceleration) = (&velocity[joint.velocity_range()], &acceleration[joint.velocity_range()]);
+        let arm_on_child = times(&state.rotation, &joint.on_child.translation.vector);
         let arm_on_parent = state.position + arm_on_child - parent.position;
-        let angular =
-            parent_angular + frame_on_child * turn_rate + parent.angular_velocity.cross(&(frame_on_child * turn));
-        let linear = parent_linear
-            + parent_angular.cross(&arm_on_parent)
-            + parent.angular_velocity.cross(&parent.angular_velocity.cross(&arm_on_parent))
-            + 2.0 * parent.angular_velocity.cross(&(frame_on_parent * slide))
-            + frame_on_parent * slide_rate
-            - angular.cross(&arm_on_child)
-            - state.angular_velocity.cross(&state.angular_velocity.cross(&arm_on_child));
+        let (turn, turn_rate) = if joint.kind == JointKind::Revolute {
+            let axis = times(&state.rotation, &column(joint.on_child.rotation.matrix(), 2));
+            (axis * velocity[0], axis * acceleration[0])
+        } else {
+            let frame_on_child = product(&state.rotation, joint.on_child.rotation.matrix());
+            let in_world = |rates: &[f64]| times(&frame_on_child, &joint_rates(joint, rates).1);
+            (in_world(velocity), in_world(acceleration))
+        };
+        let angular = parent_angular + turn_rate + cross(&parent.angular_velocity, &turn);
+        let mut linear = parent_linear
+            + cross(&parent_angular, &arm_on_parent)
+            + cross(&parent.angular_velocity, &cross(&parent.angular_velocity, &arm_on_parent));
+        if !joint.kind.translation_axes().is_empty() {
+            let frame_on_parent = product(&parent.rotation, joint.on_parent.rotation.matrix());
+            let in_world = |rates: &[f64]| times(&frame_on_parent, &joint_rates(joint, rates).0);
+            linear = linear + 2.0 * cross(&parent.angular_velocity, &in_world(velocity)) + in_world(acceleration);
+        }
+        linear = linear
+            - cross(&angular, &arm_on_child)
+            - cross(&state.angular_velocity, &cross(&state.angular_velocity, &arm_on_child));
         accelerations[index] = (linear, angular);
     }
 }

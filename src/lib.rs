@@ -43,5 +43,6 @@ pub mod report;
 pub mod rest;
 pub mod scene;
 pub mod simulation;
+mod small;
 pub mod state;
 pub mod stress;

@@ -24,7 +24,11 @@ use nalgebra::Vector3;
 pub struct Reactions<'m> {
     mechanism: &'m Mechanism,
     ode: ReducedOde,
-    accelerations: Vec<f64>,
+    joint_accelerations: Vec<f64>,
+    accelerations: Vec<BodyAcceleration>,
+    applied: Vec<BodyWrench>,
+    reactions: Vec<Reaction>,
+    loops: Vec<LoopReaction>,
     closing: Option<Closing>,
 }
 
@@ -53,53 +57,53 @@ impl<'m> Reactions<'m> {
             let multipliers = vec![0.0; projection.row_count()];
             Closing { projection, start: Start::new(mechanism), state: State::zero(mechanism), multipliers }
         });
+        let count = mechanism.bodies.len();
         Reactions {
             mechanism,
             ode: ReducedOde::new(mechanism),
-            accelerations: vec![0.0; mechanism.velocity_count],
+            joint_accelerations: vec![0.0; mechanism.velocity_count],
+            accelerations: vec![BodyAcceleration::default(); count],
+            applied: vec![BodyWrench::default(); count],
+            reactions: vec![Reaction::default(); count],
+            loops: vec![LoopReaction::default(); mechanism.loops.len()],
             closing,
         }
     }
 
-    /// The acceleration of each body at these positions and velocities, with all closures and forces.
-    pub fn accelerations(&mut self, position: &[f64], velocity: &[f64]) -> Vec<BodyAcceleration> {
-        let mut bodies = vec![WORLD; self.mechanism.bodies.len()];
-        forward_kinematics(self.mechanism, position, velocity, &mut bodies);
-        self.ode.accelerations(position, velocity, &mut self.accelerations);
-        self.accelerate(&bodies, position, velocity)
-    }
-
-    /// Corrects the tree's joint accelerations for the closures; returns those of the bodies.
-    fn accelerate(&mut self, bodies: &[BodyState], position: &[f64], velocity: &[f64]) -> Vec<BodyAcceleration> {
-        let mechanism = self.mechanism;
-        let mut accelerations = vec![Default::default(); bodies.len()];
-        if let Some(Closing { projection, start, state, multipliers }) = &mut self.closing {
+    /// The acceleration of each body at these positions and velocities, which place the bodies, with all closures and
+    /// forces. Does not allocate.
+    pub fn accelerations(&mut self, position: &[f64], velocity: &[f64], bodies: &[BodyState]) -> &[BodyAcceleration] {
+        let Reactions { mechanism, joint_accelerations, accelerations, closing, .. } = self;
+        self.ode.accelerations_of_placed(position, velocity, bodies, joint_accelerations);
+        // The tree's joint accelerations are corrected for the closures.
+        if let Some(Closing { projection, start, state, multipliers }) = closing {
             state.position.copy_from_slice(position);
             state.velocity.copy_from_slice(velocity);
             start.set(mechanism, state);
-            projection.accelerations(start, &mut self.accelerations, multipliers, |joints, out| {
-                body_accelerations(mechanism, bodies, velocity, joints, &mut accelerations);
-                gap_accelerations(mechanism, bodies, joints, &accelerations, out);
+            projection.accelerations(start, joint_accelerations, multipliers, |joints, out| {
+                body_accelerations(mechanism, bodies, velocity, joints, accelerations);
+                gap_accelerations(mechanism, bodies, joints, accelerations, out);
             });
         }
-        body_accelerations(mechanism, bodies, velocity, &self.accelerations, &mut accelerations);
+        body_accelerations(mechanism, bodies, velocity, joint_accelerations, accelerations);
         accelerations
     }
 
-    /// What each joint carries at these positions and velocities, one entry a body, and what each loop carries.
-    pub fn at(&mut self, position: &[f64], velocity: &[f64]) -> (Vec<Reaction>, Vec<LoopReaction>) {
-        let mechanism = self.mechanism;
-        self.ode.accelerations(position, velocity, &mut self.accelerations);
-        let mut bodies = vec![WORLD; mechanism.bodies.len()];
-        forward_kinematics(mechanism, position, velocity, &mut bodies);
-        let accelerations = self.accelerate(&bodies, position, velocity);
-        let mut applied = vec![BodyWrench::default(); bodies.len()];
-        body_wrenches(mechanism, &bodies, &mut applied);
-        let mut loops = Vec::with_capacity(mechanism.loops.len());
-        if let Some(Closing { projection, multipliers, .. }) = &self.closing {
+    /// What each joint carries at these positions and velocities, which place the bodies: one entry a body, and what each
+    /// loop carries. Does not allocate.
+    pub fn of_placed(
+        &mut self,
+        position: &[f64],
+        velocity: &[f64],
+        bodies: &[BodyState],
+    ) -> (&[Reaction], &[LoopReaction]) {
+        self.accelerations(position, velocity, bodies);
+        let Reactions { mechanism, accelerations, applied, reactions, loops, closing, .. } = self;
+        body_wrenches(mechanism, bodies, applied);
+        if let Some(Closing { projection, multipliers, .. }) = closing {
             for (index, joint) in mechanism.loops.iter().enumerate() {
                 let (force, torque) = projection.loop_wrench(index, multipliers);
-                loops.push(LoopReaction { force, torque });
+                loops[index] = LoopReaction { force, torque };
                 let point = match joint.b.body {
                     Some(body) => bodies[body].position + bodies[body].rotation * joint.b.frame.translation.vector,
                     None => joint.b.frame.translation.vector,
@@ -113,6 +117,14 @@ impl<'m> Reactions<'m> {
                 }
             }
         }
-        (reactions_under(mechanism, &bodies, &accelerations, &applied), loops)
+        reactions_under(mechanism, bodies, accelerations, applied, reactions);
+        (reactions, loops)
+    }
+
+    /// The same, for bodies that have not been placed yet.
+    pub fn at(&mut self, position: &[f64], velocity: &[f64]) -> (&[Reaction], &[LoopReaction]) {
+        let mut bodies = vec![WORLD; self.mechanism.bodies.len()];
+        forward_kinematics(self.mechanism, position, velocity, &mut bodies);
+        self.of_placed(position, velocity, &bodies)
     }
 }

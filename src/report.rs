@@ -436,7 +436,8 @@ pub fn link_reports(model: &Model, state: &State) -> Vec<(String, LinkReport)> {
 /// Every joint of a model that moves, in the order of the URDF; a floating base comes first.
 pub fn joint_reports(model: &Model, state: &State) -> Vec<(String, JointReport)> {
     let mechanism = &model.mechanism;
-    let (reactions, _) = Reactions::new(mechanism).at(&state.position, &state.velocity);
+    let mut carried = Reactions::new(mechanism);
+    let (reactions, _) = carried.at(&state.position, &state.velocity);
     let report = |(index, record): (usize, &JointRecord)| {
         let reaction = reactions[record.body?];
         let (position, velocity) = model.joint_user_coordinates(index, &state.position, &state.velocity);
@@ -458,7 +459,8 @@ pub fn loop_reports(model: &Model, state: &State) -> Vec<(String, LoopReport)> {
         return Vec::new();
     }
     let bodies = body_states(mechanism, state);
-    let (_, reactions) = Reactions::new(mechanism).at(&state.position, &state.velocity);
+    let mut carried = Reactions::new(mechanism);
+    let (_, reactions) = carried.of_placed(&state.position, &state.velocity, &bodies);
     let report = |(joint, reaction): (&LoopJoint, &LoopReaction)| {
         let report = LoopReport {
             gap: loop_gaps(joint, &bodies).largest().0,
@@ -467,7 +469,7 @@ pub fn loop_reports(model: &Model, state: &State) -> Vec<(String, LoopReport)> {
         };
         (joint.name.clone(), report)
     };
-    mechanism.loops.iter().zip(&reactions).map(report).collect()
+    mechanism.loops.iter().zip(reactions).map(report).collect()
 }
 
 /// Serializes pairs as the entries of an object, in their order.

@@ -33,10 +33,11 @@ pub fn is_at_rest(mechanism: &Mechanism, state: &State) -> bool {
     let bodies = body_states(mechanism, state);
     let mut wrenches = vec![BodyWrench::default(); bodies.len()];
     body_wrenches(mechanism, &bodies, &mut wrenches);
-    let accelerations = Reactions::new(mechanism).accelerations(&state.position, &state.velocity);
+    let mut reactions = Reactions::new(mechanism);
+    let accelerations = reactions.accelerations(&state.position, &state.velocity, &bodies);
     let rounding = if mechanism.has_closures() { ROUNDING_OF_CLOSURES } else { ROUNDING };
     let rounding = rounding * bodies.len() as f64;
-    mechanism.bodies.iter().zip(&wrenches).zip(&accelerations).all(|((body, wrench), (linear, angular))| {
+    mechanism.bodies.iter().zip(&wrenches).zip(accelerations).all(|((body, wrench), (linear, angular))| {
         // A body without mass has no motion of its own: what hangs on it shows it.
         if body.mass == 0.0 {
             return linear.iter().chain(angular.iter()).all(|number| number.is_finite());

@@ -59,6 +59,28 @@ fn the_end_of_a_log_is_what_the_report_says_of_it() {
 }
 
 #[test]
+fn an_instant_of_a_closed_mechanism_has_its_loops_as_the_report_has_them() {
+    let folder = folder("loops");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/slider_crank.toml");
+    let report = json(&run(&folder, &["simulate", scene, "--duration", "0.5", "--json", "-o", "closed.mcap"]));
+    let instant = inspect(&folder, &["closed.mcap", "--at", "0.5"]);
+    let loops = report["loops"].as_object().expect("loops");
+    assert!(!loops.is_empty());
+    assert_eq!(instant["loops"], report["loops"]);
+    // The log has what the run found; nothing was worked out in its stead.
+    assert!(loops.values().any(|one| one["reaction_force"][0] != 0.0), "{loops:?}");
+    assert_eq!(instant["constraint"]["time"], 0.5);
+    assert!(instant["constraint"]["position"].as_f64().expect("a number") <= 1e-12, "{}", instant["constraint"]);
+    let output = run(&folder, &["inspect", "closed.mcap", "--at", "0.5"]);
+    let words = text(&output.stdout);
+    for name in loops.keys() {
+        let line =
+            words.split("  loops: ").nth(1).and_then(|loops| loops.lines().find(|line| line.contains(name.as_str())));
+        assert!(line.is_some_and(|line| line.split_whitespace().count() == 8), "{words}");
+    }
+}
+
+#[test]
 fn an_instant_is_the_nearest_that_was_logged() {
     let folder = folder("instant");
     simulate(&folder, &["--rate", "10"]);

@@ -394,8 +394,65 @@ fn the_same_run_gives_the_same_bytes() {
     let first = log("first.mcap", 60.0);
     let chunks = mcap::Summary::read(&first).expect("complete").expect("with a summary").chunk_indexes;
     assert!(chunks.len() >= 3, "{} chunks", chunks.len());
-    assert!(chunks.iter().all(|chunk| chunk.uncompressed_size <= 1 << 20), "{chunks:?}");
+    assert!(chunks.iter().all(|chunk| chunk.uncompressed_size <= 1 << 18), "{chunks:?}");
     assert!(first == log("second.mcap", 60.0));
+}
+
+#[test]
+fn the_summary_leads_to_every_message_attachment_and_record_and_all_checksums_are_right() {
+    let bytes = log("summary.mcap", 30.0);
+    let summary = mcap::Summary::read(&bytes).expect("the checksum of the summary is right").expect("there is one");
+    let statistics = summary.stats.as_ref().expect("there are statistics");
+    let in_order = messages(&bytes);
+    assert_eq!(statistics.message_count, in_order.len() as u64);
+    assert_eq!((statistics.message_start_time, statistics.message_end_time), (0, 30_000_000_000));
+    assert_eq!(statistics.chunk_count as usize, summary.chunk_indexes.len());
+    for channel in summary.channels.values() {
+        let count = of_topic(&in_order, &channel.topic).len() as u64;
+        assert_eq!(statistics.channel_message_counts.get(&channel.id), Some(&count), "{}", channel.topic);
+        assert!(channel.schema.is_some(), "{}", channel.topic);
+    }
+    let mut found = 0;
+    for chunk in &summary.chunk_indexes {
+        for (channel, entries) in summary.read_message_indexes(&bytes, chunk).expect("the index is where it should be")
+        {
+            for entry in entries {
+                let message = summary.seek_message(&bytes, chunk, &entry).expect("a message is where the index says");
+                assert_eq!((&message.channel.topic, message.log_time), (&channel.topic, entry.log_time));
+                found += 1;
+            }
+        }
+        // Reading a chunk to its end checks its checksum.
+        for message in summary.stream_chunk(&bytes, chunk).expect("a chunk is where the index says") {
+            let time = message.expect("the checksum of the chunk is right").log_time;
+            assert!((chunk.message_start_time..=chunk.message_end_time).contains(&time));
+        }
+    }
+    assert_eq!(found, in_order.len());
+    assert_eq!((summary.attachment_indexes.len(), summary.metadata_indexes.len()), (1, 3));
+    for index in &summary.attachment_indexes {
+        let attachment = mcap::read::attachment(&bytes, index).expect("the checksum of the attachment is right");
+        assert_eq!((&attachment.name, &*attachment.data), (&"arm.urdf".to_string(), URDF.as_bytes()));
+    }
+    for index in &summary.metadata_indexes {
+        assert_eq!(mcap::read::metadata(&bytes, index).expect("a record").name, index.name);
+    }
+    // The checksum of everything before the summary is in the record before that.
+    let footer = mcap::read::footer(&bytes).expect("a footer");
+    let data_end = footer.summary_start as usize - 13;
+    let checksum = u32::from_le_bytes(bytes[data_end + 9..data_end + 13].try_into().expect("four"));
+    assert_eq!((bytes[data_end], checksum), (0x0f, crc32fast::hash(&bytes[..data_end])));
+}
+
+/// What the viewer's own settings would do: hide the scene, and lay STL and OBJ meshes on their sides.
+#[test]
+fn the_layout_for_lichtblick_shows_the_scene_with_meshes_the_right_way_up() {
+    let layout = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/viewer/lichtblick.json"));
+    let layout: serde_json::Value = serde_json::from_str(&layout.expect("the layout")).expect("JSON");
+    let view = &layout["configById"]["3D!catena"];
+    assert_eq!(view["topics"]["/scene"]["visible"], true);
+    assert_eq!((&view["scene"]["meshUpAxis"], &view["scene"]["ignoreColladaUpAxis"]), (&"z_up".into(), &true.into()));
+    assert_eq!(view["followTf"], "world");
 }
 
 /// Looks at the log while it is written, after a pause in the middle of a chunk.

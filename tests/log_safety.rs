@@ -122,6 +122,27 @@ fn a_disk_that_fills_up_is_an_error_with_the_path_and_the_log_is_complete_up_to_
     assert_whole_up_to_its_end(&log, 100);
 }
 
+#[test]
+fn a_disk_that_fills_up_leaves_the_finished_log_and_any_other_file_is_reported_as_well() {
+    let folder = folder("limit_twice");
+    assert!(run(&folder, &["simulate", "pendulum.urdf", "--duration", "20", "--rate", "1000"]).status.success());
+    let finished = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let limited = |arguments: &[&str]| {
+        let command = format!("ulimit -f 1500; exec {} {}", env!("CARGO_BIN_EXE_catena"), arguments.join(" "));
+        let mut shell = Command::new("sh");
+        shell.current_dir(&folder).args(["-c", &command]).stdin(Stdio::null()).output().expect("runs")
+    };
+    let output = limited(&endless());
+    assert_ended_by_disk(&output, "pendulum.mcap");
+    assert!(std::fs::read(folder.join("pendulum.mcap")).expect("a log") == finished);
+    let beside = std::fs::read(folder.join("pendulum.unfinished.mcap")).expect("what there is of the second run");
+    assert_whole_up_to_its_end(&beside, 100);
+
+    let output = limited(&["inspect", "pendulum.mcap", "--csv", "table.csv"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("table.csv"), "{}", text(&output.stderr));
+}
+
 fn assert_ended_by_disk(output: &Output, path: &str) {
     let error = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{error}");

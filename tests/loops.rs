@@ -208,7 +208,8 @@ fn a_loop_joint_moves_like_the_tree_joint_of_its_kind() {
         let apart = (expected.position - got.position).norm() + (expected.rotation - got.rotation).norm();
         let rates = (expected.velocity - got.velocity).norm();
         let carried = Reactions::new(&tree).at(&tree_state.position, &tree_state.velocity).0[0];
-        let loops = Reactions::new(&closed).at(&state.position, &state.velocity).1;
+        let mut of_closed = Reactions::new(&closed);
+        let loops = of_closed.at(&state.position, &state.velocity).1;
         // On a plane or a line the carried torque is taken about the point of the body, which is the anchor.
         let wrench = (loops[0].force - carried.force).norm() + (loops[0].torque - carried.torque).norm();
         assert!(wrench < 1e-9 * (1.0 + carried.force.norm()), "{tree_kind:?}: {wrench:e} of {carried:?}");
@@ -391,7 +392,8 @@ fn the_feet_of_a_closed_frame_carry_its_weight_and_its_momentum() {
     // Bricard's mechanism hangs on the world by its first hinge and by its loop: together they change its momentum.
     let (mechanism, mut state) = closed::bricard();
     run(&mechanism, &mut state, 5, 0.05, 0.7);
-    let (joints, loops) = Reactions::new(&mechanism).at(&state.position, &state.velocity);
+    let mut reactions = Reactions::new(&mechanism);
+    let (joints, loops) = reactions.at(&state.position, &state.velocity);
     let momentum = |state: &State| catena::invariants::momentum(&mechanism, &body_states(&mechanism, state)).0;
     let rate = {
         // Central difference over 2e-4 s: 1e-7 of an acceleration's change.

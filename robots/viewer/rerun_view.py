@@ -99,11 +99,12 @@ def main():
         recording, view = str(Path(folder) / "log.rrd"), str(Path(folder) / "view.rbl")
         convert = ["rerun", "mcap", "convert", "--application-id", APPLICATION, str(arguments.log), "-o", recording]
         subprocess.run(convert, check=True)
+        # Read first, because for a recording that is there already the viewer may have arranged something of its own.
         blueprint(arguments.eye, arguments.target).save(APPLICATION, view)
         if arguments.png:
-            draw([recording, view], arguments.png.resolve(), arguments.at)
+            draw([view, recording], arguments.png.resolve(), arguments.at)
         else:
-            subprocess.run(["rerun", recording, view], check=True)
+            subprocess.run(["rerun", view, recording], check=True)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,9 @@ use catena::inspection::summary::Summary;
 use catena::inspection::table::write_table;
 use catena::log::frames::{Frame, Visitor, visit};
 use catena::log::{is_locked, neighbour};
-use catena::report::{JointReport, LinkReport, Numbers, as_object, joint_reports, link_reports};
+use catena::report::{
+    JointReport, LinkReport, LoopReport, Numbers, as_object, joint_reports, link_reports, loop_reports,
+};
 use clap::Args;
 use serde::Serialize;
 use std::collections::HashMap;
@@ -168,12 +170,12 @@ fn draw(figure: &Figure, plot: &Path) -> anyhow::Result<()> {
     if figure.pictures.is_empty() {
         bail!("{}: the log has nothing that could be drawn", plot.display());
     }
-    if ending(plot).as_deref() == Some("png") {
-        write_with(plot, |part| figure.write_png(part))?;
+    let drawn = if ending(plot).as_deref() == Some("png") {
+        write_with(plot, |part| figure.write_png(part))
     } else {
-        catena::chart::files::write_text(plot, &figure.svg()?)?;
-    }
-    Ok(())
+        figure.svg().and_then(|text| catena::chart::files::write_text(plot, &text))
+    };
+    drawn.with_context(|| format!("cannot write {}", plot.display()))
 }
 
 /// One instant of a log, as the report of a run shows its end.
@@ -185,6 +187,21 @@ struct LoggedInstant {
     links: Vec<(String, LinkReport)>,
     #[serde(serialize_with = "as_object")]
     joints: Vec<(String, JointReport)>,
+    #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
+    loops: Vec<(String, LoopReport)>,
+    /// At the end of the last step up to there.
+    constraint: Option<Violation>,
+}
+
+/// The largest violation of all constraints, as the log has it.
+#[derive(Serialize)]
+struct Violation {
+    /// End of the step (s).
+    time: f64,
+    /// Of positions (m, rad).
+    position: f64,
+    /// Of velocities [m/s, rad/s].
+    velocity: f64,
 }
 
 /// Finds the frame nearest to a time.
@@ -249,7 +266,20 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
             (joint.reaction_force, joint.reaction_torque) = (*force, *torque);
         }
     }
-    Ok(LoggedInstant { log: log.display().to_string(), time: frame.time(), links, joints: reports })
+    // The gaps follow from the joints' coordinates, as those of the report do.
+    let mut loops = loop_reports(model, &state);
+    for (name, closing) in &mut loops {
+        if let Some((force, torque)) = reactions.get(name.as_str()) {
+            (closing.reaction_force, closing.reaction_torque) = (*force, *torque);
+        }
+    }
+    let figures = &frame.figures;
+    let constraint = figures.violation.map(|[position, velocity]| Violation {
+        time: figures.nanoseconds as f64 * 1e-9,
+        position,
+        velocity,
+    });
+    Ok(LoggedInstant { log: log.display().to_string(), time: frame.time(), links, joints: reports, loops, constraint })
 }
 
 /// The instant for people.
@@ -257,6 +287,7 @@ fn words(instant: &LoggedInstant) -> String {
     let listed = |numbers: &[f64]| numbers.iter().map(|number| format!("{number:>11.6}")).collect::<Vec<_>>().join(" ");
     let mut text = format!("{}: t = {} s\n", instant.log, instant.time);
     let names = instant.links.iter().map(|link| &link.0).chain(instant.joints.iter().map(|joint| &joint.0));
+    let names = names.chain(instant.loops.iter().map(|closing| &closing.0));
     let width = names.map(|name| name.chars().count()).max().unwrap_or(0);
     // Writing into a string does not fail.
     let _ = writeln!(text, "  links: position [m], orientation (w, x, y, z)");
@@ -272,6 +303,19 @@ fn words(instant: &LoggedInstant) -> String {
         let (position, velocity) = (numbers(&joint.position), numbers(&joint.velocity));
         let (force, torque) = (listed(&joint.reaction_force), listed(&joint.reaction_torque));
         let _ = writeln!(text, "    {name:width$}  {position}, {velocity}; {force}, {torque}");
+    }
+    if !instant.loops.is_empty() {
+        let _ = writeln!(text, "  loops: gap [m, sine of an angle]; reaction force [N], torque [N m] in the world");
+    }
+    for (name, LoopReport { gap, reaction_force, reaction_torque }) in &instant.loops {
+        let (force, torque) = (listed(reaction_force), listed(reaction_torque));
+        let _ = writeln!(text, "    {name:width$}  {gap:>11.1e}; {force}, {torque}");
+    }
+    if let Some(Violation { time, position, velocity }) = &instant.constraint {
+        let _ = writeln!(
+            text,
+            "  constraint violation at the end of the last step, t = {time} s: {position:.1e} m, {velocity:.1e} m/s"
+        );
     }
     text
 }

@@ -97,6 +97,7 @@ pub fn main() -> ExitCode {
         Ok(command_line) => command_line,
         Err(error) => return usage(&error),
     };
+    outlive_large_files();
     let ended = match command_line.verb {
         Verb::Simulate(arguments) => simulate::run(&arguments),
         Verb::Model(arguments) => model::run(&arguments).map_err(Failure::input),
@@ -169,9 +170,17 @@ pub fn print(text: impl Display) -> Result<(), Failure> {
     }
 }
 
+/// Makes a file that has reached the size the system allows an error of the write, like a full disk, not the end of the process.
+#[cfg(unix)]
+fn outlive_large_files() {
+    // Where the system does not let us, the process ends as it would anyway.
+    let _ = flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
+}
+
+#[cfg(not(unix))]
+fn outlive_large_files() {}
+
 /// A flag that the first Ctrl-C (or request to end) sets; the second ends the process.
-///
-/// A file that has reached the size the system allows is from then on an error of the write, not the end of the process.
 ///
 /// # Errors
 /// If the system does not let us watch.
@@ -183,8 +192,6 @@ pub fn watch_for_signals() -> anyhow::Result<Arc<AtomicBool>> {
             flag::register_conditional_shutdown(signal, 130, interrupted.clone())?;
             flag::register(signal, interrupted.clone())?;
         }
-        #[cfg(unix)]
-        flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
         Ok(())
     };
     watch().context("cannot watch for Ctrl-C")?;

@@ -8,12 +8,18 @@
 //!     p(x) = L(x) + ω(x) (α + β x),    α = (h v₀ − L'(0)) / ω'(0),    α + β = (h v₁ − L'(1)) / ω'(1)
 //! ```
 
+use super::stage::MAX_LANES;
 use super::tableau::Tableau;
 
-/// The interpolation rule of a tableau at one point of the step: all that is linear in the data.
+/// The first stage has no lane.
+const MAX_STAGES: usize = MAX_LANES + 1;
+
+/// The interpolation rule of a tableau: all that does not depend on the point of the step.
 #[derive(Clone, Debug)]
 pub struct DenseRule {
     nodes: Vec<f64>,
+    /// Product of the distances of each node from the others.
+    scales: Vec<f64>,
     /// Differentiation rows of the nodal interpolant at both ends.
     derivative_at_start: Vec<f64>,
     derivative_at_end: Vec<f64>,
@@ -23,10 +29,10 @@ pub struct DenseRule {
 }
 
 /// Values and slopes at one point as linear combinations of nodal displacements and end velocities.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct DenseWeights {
-    value: Vec<f64>,
-    slope: Vec<f64>,
+    value: [f64; MAX_STAGES],
+    slope: [f64; MAX_STAGES],
     /// Weights of `h v₀` and `h v₁` in the value and in the slope.
     value_ends: [f64; 2],
     slope_ends: [f64; 2],
@@ -37,22 +43,18 @@ impl DenseRule {
     pub fn new(tableau: &Tableau) -> Self {
         let nodes = tableau.nodes.clone();
         let count = nodes.len();
-        let derivative_at_start = lagrange(&nodes, 0.0).1;
-        let derivative_at_end = lagrange(&nodes, 1.0).1;
-        let slope = |at: usize| (0..count).filter(|&k| k != at).map(|k| nodes[at] - nodes[k]).product();
-        let (slope_at_start, slope_at_end) = (slope(0), slope(count - 1));
-        DenseRule { nodes, derivative_at_start, derivative_at_end, slope_at_start, slope_at_end }
+        let scale = |j: usize| (0..count).filter(|&k| k != j).map(|k| nodes[j] - nodes[k]).product();
+        let scales: Vec<f64> = (0..count).map(scale).collect();
+        let slopes = |x: f64| nodal(&nodes, &scales, x).slopes[..count].to_vec();
+        let (derivative_at_start, derivative_at_end) = (slopes(0.0), slopes(1.0));
+        let (slope_at_start, slope_at_end) = (scales[0], scales[count - 1]);
+        DenseRule { nodes, scales, derivative_at_start, derivative_at_end, slope_at_start, slope_at_end }
     }
 
-    /// The weights for the point `x` of the step, from 0 to 1.
+    /// The weights for the point `x` of the step, from 0 to 1. Does not allocate.
     pub fn weights(&self, x: f64) -> DenseWeights {
-        let (mut value, mut slope) = lagrange(&self.nodes, x);
-        let omega: f64 = self.nodes.iter().map(|node| x - node).product();
-        let omega_slope: f64 = (0..self.nodes.len())
-            .map(|skip| {
-                self.nodes.iter().enumerate().filter(|(k, _)| *k != skip).map(|(_, node)| x - node).product::<f64>()
-            })
-            .sum();
+        let Nodal { values: mut value, slopes: mut slope, omega: (omega, omega_slope) } =
+            nodal(&self.nodes, &self.scales, x);
         // p = L + ω (1 − x) a₀ + ω x a₁ with a₀ = (h v₀ − L'(0))/ω'(0) and a₁ = (h v₁ − L'(1))/ω'(1).
         let start = [omega * (1.0 - x), omega_slope * (1.0 - x) - omega].map(|factor| factor / self.slope_at_start);
         let end = [omega * x, omega_slope * x + omega].map(|factor| factor / self.slope_at_end);
@@ -75,18 +77,45 @@ impl DenseWeights {
     }
 }
 
-/// Lagrange polynomials of the nodes at `x`: values and first derivatives.
-fn lagrange(nodes: &[f64], x: f64) -> (Vec<f64>, Vec<f64>) {
+/// The nodal polynomials at a point.
+struct Nodal {
+    /// Lagrange polynomials and their first derivatives.
+    values: [f64; MAX_STAGES],
+    slopes: [f64; MAX_STAGES],
+    /// ω and ω'.
+    omega: (f64, f64),
+}
+
+/// The nodal polynomials at `x`.
+///
+/// All products of differences are taken from the first node to the last; those up to a node that is left out are shared by all
+/// that leave it out.
+fn nodal(nodes: &[f64], scales: &[f64], x: f64) -> Nodal {
     let count = nodes.len();
-    let mut values = vec![0.0; count];
-    let mut slopes = vec![0.0; count];
-    for j in 0..count {
-        let others = || (0..count).filter(move |&k| k != j);
-        let scale: f64 = others().map(|k| nodes[j] - nodes[k]).product();
-        values[j] = others().map(|k| x - nodes[k]).product::<f64>() / scale;
-        slopes[j] =
-            others().map(|skip| others().filter(|&k| k != skip).map(|k| x - nodes[k]).product::<f64>()).sum::<f64>()
-                / scale;
+    let mut distances = [0.0; MAX_STAGES];
+    for (distance, node) in distances.iter_mut().zip(nodes) {
+        *distance = x - node;
     }
-    (values, slopes)
+    let distances = &distances[..count];
+    let rest = |start: f64, from: usize| distances[from..].iter().fold(start, |product, distance| product * distance);
+    let (mut values, mut slopes) = ([0.0; MAX_STAGES], [0.0; MAX_STAGES]);
+    let (mut before, mut omega_slope) = (1.0, 0.0);
+    for j in 0..count {
+        let left = rest(before, j + 1);
+        values[j] = left / scales[j];
+        omega_slope += left;
+        // Leaving out a pair of nodes counts for the slopes of both.
+        let mut between = before;
+        for k in j + 1..count {
+            let left = rest(between, k + 1);
+            slopes[j] += left;
+            slopes[k] += left;
+            between *= distances[k];
+        }
+        before *= distances[j];
+    }
+    for (slope, scale) in slopes.iter_mut().zip(scales) {
+        *slope /= scale;
+    }
+    Nodal { values, slopes, omega: (before, omega_slope) }
 }

@@ -1,4 +1,4 @@
-//! Writes the log on a thread of its own, because compression takes longer than everything else about a log.
+//! Writes the log on a thread of its own, because a disk may let it wait.
 //!
 //! The simulation puts messages into a batch that both threads know, sample by sample; the thread takes the batch when
 //! it is large, or a tenth of a second has passed, whatever the simulation does meanwhile. If more waits than

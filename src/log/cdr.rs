@@ -58,7 +58,7 @@ impl<'b> CdrWriter<'b> {
     /// Doubles of a structure.
     pub(super) fn numbers(&mut self, values: &[f64]) {
         self.align(8);
-        values.iter().for_each(|value| self.buffer.extend_from_slice(&value.to_le_bytes()));
+        self.fill(values.iter().copied(), values.len());
     }
 
     /// A sequence of doubles.
@@ -68,8 +68,16 @@ impl<'b> CdrWriter<'b> {
         if values.len() > 0 {
             self.align(8);
         }
-        for value in values {
-            self.buffer.extend_from_slice(&value.to_le_bytes());
+        let count = values.len();
+        self.fill(values, count);
+    }
+
+    /// Doubles where they belong already; the buffer grows once for all.
+    fn fill(&mut self, values: impl Iterator<Item = f64>, count: usize) {
+        let start = self.buffer.len();
+        self.buffer.resize(start + 8 * count, 0);
+        for (bytes, value) in self.buffer[start..].chunks_exact_mut(8).zip(values) {
+            bytes.copy_from_slice(&value.to_le_bytes());
         }
     }
 }

@@ -118,9 +118,9 @@ impl Comparison {
     /// The first [`Difference`].
     pub(super) fn settle(&mut self) -> Result<(), Difference> {
         let piece = std::mem::take(&mut self.piece);
-        let result = piece.messages().try_for_each(|(header, data)| {
-            let topic = self.topics.get(usize::from(header.channel_id)).cloned().unwrap_or_default();
-            if is_compared(&topic) { self.compare(&topic, header.log_time, data) } else { Ok(()) }
+        let result = piece.messages().try_for_each(|(entry, data)| {
+            let topic = self.topics.get(usize::from(entry.channel)).cloned().unwrap_or_default();
+            if is_compared(&topic) { self.compare(&topic, entry.time, data) } else { Ok(()) }
         });
         if let Err(difference) = &result {
             self.found = Some(difference.clone());

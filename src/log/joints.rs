@@ -89,7 +89,7 @@ impl<'m> JointMessages<'m> {
     /// Adds the messages of one sample.
     pub(super) fn write(&mut self, sample: &Sample, stamp: u64, buffer: &mut Vec<u8>, messages: &mut Batch) {
         let bodies = &self.model.mechanism.bodies;
-        let (reactions, loops) = self.reactions.at(sample.position, sample.velocity);
+        let (reactions, loops) = self.reactions.of_placed(sample.position, sample.velocity, sample.bodies);
         let positions = self.bodies.iter().map(|&body| sample.position[bodies[body].joint.position_index]);
         let velocities = self.bodies.iter().map(|&body| sample.velocity[bodies[body].joint.velocity_index]);
         let efforts = self.bodies.iter().map(|&body| {
@@ -103,13 +103,13 @@ impl<'m> JointMessages<'m> {
         let wrench =
             |force: &Vector3<f64>, torque: &Vector3<f64>| [force.x, force.y, force.z, torque.x, torque.y, torque.z];
         let joints = self.loads.bodies.iter().map(|&body| wrench(&reactions[body].force, &reactions[body].torque));
-        let carried: Vec<[f64; 6]> = joints.chain(loops.iter().map(|one| wrench(&one.force, &one.torque))).collect();
-        self.loads.header.encode_wrenches(stamp, carried.into_iter(), buffer);
+        let carried = joints.chain(loops.iter().map(|one| wrench(&one.force, &one.torque)));
+        self.loads.header.encode_wrenches(stamp, self.loads.bodies.len() + loops.len(), carried, buffer);
         messages.push(self.loads.channel, stamp, buffer);
         if let Some(others) = &self.others {
             let joints = others.joints.iter().map(|&joint| {
-                let (position, velocity) = self.model.joint_user_coordinates(joint, sample.position, sample.velocity);
-                transform_and_twist(&position, &velocity)
+                let coordinates = self.model.joint_coordinates(joint, sample.position, sample.velocity);
+                transform_and_twist(coordinates.position(), coordinates.velocity())
             });
             others.header.encode_multi_dof(stamp, joints, buffer);
             messages.push(others.channel, stamp, buffer);

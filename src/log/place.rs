@@ -204,8 +204,12 @@ mod tests {
 
     /// The bytes of a log with one channel, and those of chunks with the messages of the ranges.
     fn parts(chunks: &[std::ops::Range<u64>]) -> (Vec<u8>, Vec<Vec<u8>>) {
-        let mut writer =
-            WriteOptions::new().chunk_size(None).disable_seeking(true).create(Cursor::new(Vec::new())).expect("memory");
+        let mut writer = WriteOptions::new()
+            .chunk_size(None)
+            .compression(None)
+            .disable_seeking(true)
+            .create(Cursor::new(Vec::new()))
+            .expect("memory");
         let schema = writer.add_schema("s", "ros2msg", b"string data").expect("memory");
         let channel_id = writer.add_channel(schema, "/t", "cdr", &BTreeMap::new()).expect("memory");
         writer.flush().expect("memory");

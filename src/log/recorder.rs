@@ -88,8 +88,8 @@ impl<'m> Recorder<'m> {
     pub fn create(path: &Path, model: &'m Model, simulation: BTreeMap<String, String>) -> Result<Self, LogError> {
         let mut file = LogFile::create(path)?;
         let stages = simulation.get("stages").and_then(|stages| stages.parse().ok()).unwrap_or(f64::NAN);
-        file.metadata(SIMULATION, simulation)?;
-        attach_inputs(&mut file, model)?;
+        file.metadata(SIMULATION, &simulation);
+        attach_inputs(&mut file, model);
         let mut beginning = Batch::default();
         let (channels, joints) = prepare(&mut file, &mut beginning, model)?;
         // What never changes is safe in the file before the run begins.
@@ -174,8 +174,8 @@ impl<'m> Recorder<'m> {
             };
             (translation.into(), wxyz_from_rotation(&rotation))
         });
-        self.transforms.encode(stamp, poses, &mut self.buffer);
-        self.sink.piece().push(self.channels.transforms, stamp, &self.buffer);
+        let message = self.transforms.encode(stamp, poses);
+        self.sink.piece().push(self.channels.transforms, stamp, message);
     }
 
     /// Writes the figures of the step that is waiting, if it ended at or before `time`.

@@ -158,17 +158,18 @@ impl JointHeader {
         writer.doubles(efforts);
     }
 
-    /// Encodes a `sensor_msgs/msg/MultiDOFJointState` with wrenches (force, torque) alone.
+    /// Encodes a `sensor_msgs/msg/MultiDOFJointState` with `count` wrenches (force, torque) alone.
     pub(super) fn encode_wrenches(
         &self,
         nanoseconds: u64,
-        wrenches: impl ExactSizeIterator<Item = [f64; 6]>,
+        count: usize,
+        wrenches: impl Iterator<Item = [f64; 6]>,
         out: &mut Vec<u8>,
     ) {
         let mut writer = self.begin(nanoseconds, out);
         writer.unsigned(0);
         writer.unsigned(0);
-        writer.unsigned(wrenches.len() as u32);
+        writer.unsigned(count as u32);
         wrenches.for_each(|wrench| writer.numbers(&wrench));
     }
 

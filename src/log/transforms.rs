@@ -25,11 +25,20 @@ const fn doubles_length(count: usize) -> u8 {
     9 * count as u8
 }
 
+/// Lengths of a translation and of a rotation, and of both fields with what is before the first numbers.
+const TRANSLATION: usize = 27;
+const ROTATION: usize = 36;
+const POSE: usize = 2 + TRANSLATION + 2 + ROTATION;
+
 /// Encodes the poses of the same frames again and again.
 pub(super) struct TransformsEncoder {
     /// For each frame the encoded names of its parent and itself.
     names: Vec<Vec<u8>>,
     stamp: Vec<u8>,
+    /// The last message: until the stamp has another length the next one differs in numbers alone.
+    message: Vec<u8>,
+    /// Where each frame's stamp and pose are in it.
+    places: Vec<(usize, usize)>,
 }
 
 impl TransformsEncoder {
@@ -44,28 +53,45 @@ impl TransformsEncoder {
             }
             names
         };
-        TransformsEncoder { names: children.map(named).collect(), stamp: Vec::new() }
+        let names = children.map(named).collect();
+        TransformsEncoder { names, stamp: Vec::new(), message: Vec::new(), places: Vec::new() }
     }
 
-    /// Encodes the poses (translation, quaternion w, x, y, z) of all frames into the emptied buffer.
-    pub(super) fn encode(
-        &mut self,
-        nanoseconds: u64,
-        poses: impl Iterator<Item = ([f64; 3], [f64; 4])>,
-        out: &mut Vec<u8>,
-    ) {
-        out.clear();
+    /// Encodes the poses (translation, quaternion w, x, y, z) of all frames.
+    pub(super) fn encode(&mut self, nanoseconds: u64, poses: impl Iterator<Item = ([f64; 3], [f64; 4])>) -> &[u8] {
+        let length = self.stamp.len();
         self.encode_stamp(nanoseconds);
-        for (names, (translation, [w, x, y, z])) in self.names.iter().zip(poses) {
-            let length = self.stamp.len() + names.len() + 2 + 27 + 2 + 36;
+        if self.stamp.len() != length {
+            self.lay_out();
+        }
+        for (&(stamp, pose), (translation, [w, x, y, z])) in self.places.iter().zip(poses) {
+            self.message[stamp..stamp + self.stamp.len()].copy_from_slice(&self.stamp);
+            let (first, second) = self.message[pose..pose + POSE].split_at_mut(2 + TRANSLATION);
+            fill_doubles(&mut first[2..], &translation);
+            fill_doubles(&mut second[2..], &[x, y, z, w]);
+        }
+        &self.message
+    }
+
+    /// A message with all names, the stamp, and zeros for the other numbers.
+    fn lay_out(&mut self) {
+        let out = &mut self.message;
+        out.clear();
+        self.places.clear();
+        for names in &self.names {
             out.push(key(1, LENGTH));
-            push_integer(length as u64, out);
+            push_integer((self.stamp.len() + names.len() + POSE) as u64, out);
+            let stamp = out.len();
             out.extend_from_slice(&self.stamp);
             out.extend_from_slice(names);
-            out.extend_from_slice(&[key(4, LENGTH), doubles_length(3)]);
-            push_doubles(&translation, out);
-            out.extend_from_slice(&[key(5, LENGTH), doubles_length(4)]);
-            push_doubles(&[x, y, z, w], out);
+            self.places.push((stamp, out.len()));
+            for (field, count) in [(4, 3), (5, 4)] {
+                out.extend_from_slice(&[key(field, LENGTH), doubles_length(count)]);
+                for number in 1..=count as u8 {
+                    out.push(key(number, DOUBLE));
+                    out.extend_from_slice(&[0; 8]);
+                }
+            }
         }
     }
 
@@ -89,10 +115,10 @@ fn push_integer(mut value: u64, out: &mut Vec<u8>) {
     out.push(value as u8);
 }
 
-fn push_doubles(values: &[f64], out: &mut Vec<u8>) {
-    for (field, value) in (1..).zip(values) {
-        out.push(key(field, DOUBLE));
-        out.extend_from_slice(&value.to_le_bytes());
+/// Puts numbers into their fields, behind the byte that each begins with.
+fn fill_doubles(fields: &mut [u8], values: &[f64]) {
+    for (field, value) in fields.chunks_exact_mut(9).zip(values) {
+        field[1..].copy_from_slice(&value.to_le_bytes());
     }
 }
 
@@ -114,9 +140,8 @@ mod tests {
             ([-1.0, 0.1, 0.2], [0.3, 0.4, 0.5, 0.6]),
         ];
         for nanoseconds in [0, 1, 127, 128, 16_666_667, 999_999_999, 1_000_000_000, 123_456_789_012_345_678] {
-            let mut buffer = vec![7; 3];
-            encoder.encode(nanoseconds, poses.into_iter(), &mut buffer);
-            let decoded = FrameTransforms::decode(&*buffer).expect("a message").transforms;
+            let message = encoder.encode(nanoseconds, poses.into_iter());
+            let decoded = FrameTransforms::decode(message).expect("a message").transforms;
             assert_eq!(decoded.len(), names.len());
             for ((transform, name), (p, q)) in decoded.iter().zip(names).zip(poses) {
                 assert_eq!((&*transform.parent_frame_id, &*transform.child_frame_id), ("world", name));

@@ -21,6 +21,33 @@ use crate::scene::UrdfJointKind;
 use crate::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
+/// A joint's reported position (at most a pose, seven numbers) and velocity (at most a twist, six).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct JointCoordinates {
+    position: [f64; 7],
+    velocity: [f64; 6],
+    counts: (usize, usize),
+}
+
+impl JointCoordinates {
+    fn new(position: &[f64], velocity: &[f64]) -> Self {
+        let mut coordinates = JointCoordinates { counts: (position.len(), velocity.len()), ..Self::default() };
+        coordinates.position[..position.len()].copy_from_slice(position);
+        coordinates.velocity[..velocity.len()].copy_from_slice(velocity);
+        coordinates
+    }
+
+    /// Lengths and angles (m, rad), a quaternion as w, x, y, z, or a pose x, y, z, w, x, y, z.
+    pub fn position(&self) -> &[f64] {
+        &self.position[..self.counts.0]
+    }
+
+    /// Rates [m/s, rad/s]; of a pose the linear velocity, then the angular.
+    pub fn velocity(&self) -> &[f64] {
+        &self.velocity[..self.counts.1]
+    }
+}
+
 impl Model {
     /// Every joint at zero displacement (as the URDF defines it), a floating base at its pose, at rest.
     pub fn zero_state(&self) -> State {
@@ -77,14 +104,20 @@ impl Model {
     /// A joint's reported position and velocity, from the position and velocity vectors of a state. Empty for joints
     /// that do not move.
     pub fn joint_user_coordinates(&self, joint: usize, position: &[f64], velocity: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let coordinates = self.joint_coordinates(joint, position, velocity);
+        (coordinates.position().to_vec(), coordinates.velocity().to_vec())
+    }
+
+    /// The same. Does not allocate.
+    pub fn joint_coordinates(&self, joint: usize, position: &[f64], velocity: &[f64]) -> JointCoordinates {
         let record = &self.joints[joint];
-        let Some(body) = record.body else { return (Vec::new(), Vec::new()) };
+        let Some(body) = record.body else { return JointCoordinates::default() };
         let joint = &self.mechanism.bodies[body].joint;
         let (q, w) = (&position[joint.position_range()], &velocity[joint.velocity_range()]);
         match record.kind {
             UrdfJointKind::Spherical => {
                 let omega = rotation_from_wxyz(q) * Vector3::new(w[0], w[1], w[2]);
-                (with_positive_w(q).to_vec(), omega.as_slice().to_vec())
+                JointCoordinates::new(&with_positive_w(q), omega.as_slice())
             }
             UrdfJointKind::Floating => {
                 let body_pose = pose_from_numbers(q);
@@ -92,9 +125,10 @@ impl Model {
                 let omega = body_pose.rotation * Vector3::new(w[3], w[4], w[5]);
                 let arm = link_pose.translation.vector - body_pose.translation.vector;
                 let linear = Vector3::new(w[0], w[1], w[2]) + omega.cross(&arm);
-                (pose_numbers(&link_pose).to_vec(), linear.iter().chain(omega.iter()).copied().collect())
+                let twist = [linear.x, linear.y, linear.z, omega.x, omega.y, omega.z];
+                JointCoordinates::new(&pose_numbers(&link_pose), &twist)
             }
-            _ => (q.to_vec(), w.to_vec()),
+            _ => JointCoordinates::new(q, w),
         }
     }
 

@@ -25,7 +25,7 @@ mod rules;
 pub use assemble::Start;
 pub use closure::{Attachment, Coordinate, JointLimit, LoopJoint, LoopKind, Mimic};
 pub use composite::Composite;
-pub use coordinates::{position_names, velocity_names};
+pub use coordinates::{JointCoordinates, position_names, velocity_names};
 pub use coupling_error::{CouplingError, CouplingProblem};
 pub use islands::{Island, Piece, islands};
 pub use joint::{FreeRotation, Joint, JointKind, Pose, sine_cosine, wxyz_from_rotation};

@@ -28,12 +28,12 @@
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7 (the recursion) and section
 //! 5.3 (the bias force).
 
-use super::small::{
+use crate::model::joint::rotation_from_wxyz;
+use crate::model::{Body, FreeRotation, JointKind, Mechanism};
+use crate::small::{
     Symmetric, column, cross, cross_matrix, cross_symmetric, dot, from_columns, product, times, transpose_times,
     twice_symmetric_part_of_cross,
 };
-use crate::model::joint::rotation_from_wxyz;
-use crate::model::{Body, FreeRotation, JointKind, Mechanism};
 use nalgebra::{Matrix3, Vector3};
 
 /// Forward dynamics of one mechanism: its constants and the workspace of an evaluation.

@@ -15,6 +15,7 @@
 use crate::forces::total::{BodyWrench, body_wrenches};
 use crate::kinematics::{BodyAcceleration, WORLD, body_accelerations, forward_kinematics};
 use crate::model::Mechanism;
+use crate::small::{cross, times, transpose_times};
 use crate::state::BodyState;
 use nalgebra::Vector3;
 
@@ -42,31 +43,35 @@ pub fn joint_reactions(
     body_wrenches(mechanism, &bodies, &mut applied);
     let mut accelerations = vec![Default::default(); bodies.len()];
     body_accelerations(mechanism, &bodies, velocity, acceleration, &mut accelerations);
-    reactions_under(mechanism, &bodies, &accelerations, &applied)
+    let mut reactions = vec![Reaction::default(); bodies.len()];
+    reactions_under(mechanism, &bodies, &accelerations, &applied, &mut reactions);
+    reactions
 }
 
-/// The reactions in all joints for the motion of the bodies and the wrenches on them.
+/// The reactions in all joints for the motion of the bodies and the wrenches on them, written into `reactions` (one entry a
+/// body). Does not allocate.
 pub fn reactions_under(
     mechanism: &Mechanism,
     bodies: &[BodyState],
     accelerations: &[BodyAcceleration],
     applied: &[BodyWrench],
-) -> Vec<Reaction> {
-    let mut reactions = vec![Reaction::default(); bodies.len()];
+    reactions: &mut [Reaction],
+) {
     for (index, body) in mechanism.bodies.iter().enumerate() {
         let state = &bodies[index];
         let (linear, angular) = accelerations[index];
-        let arm_on_child = state.rotation * body.joint.on_child.translation.vector;
+        let arm_on_child = times(&state.rotation, &body.joint.on_child.translation.vector);
         let anchor = state.position + arm_on_child;
-        let in_body = |vector: Vector3<f64>| state.rotation.transpose() * vector;
-        let spin = state.rotation * body.inertia.component_mul(&in_body(state.angular_velocity));
-        let spin_rate = state.rotation * body.inertia.component_mul(&in_body(angular));
+        let of_inertia = |turning: &Vector3<f64>| {
+            times(&state.rotation, &body.inertia.component_mul(&transpose_times(&state.rotation, turning)))
+        };
+        let (spin, spin_rate) = (of_inertia(&state.angular_velocity), of_inertia(&angular));
         let (push, twist) = applied[index];
         let force = body.mass * (linear - mechanism.gravity) - push;
         reactions[index] = Reaction {
             anchor,
             force,
-            torque: spin_rate + state.angular_velocity.cross(&spin) - twist - arm_on_child.cross(&force),
+            torque: spin_rate + cross(&state.angular_velocity, &spin) - twist - cross(&arm_on_child, &force),
         };
     }
     // A joint carries what its own body needs and what the joints of the body's children carry.
@@ -75,8 +80,7 @@ pub fn reactions_under(
             let Reaction { anchor, force, torque } = reactions[index];
             let carrier = &mut reactions[parent];
             carrier.force += force;
-            carrier.torque += torque + (anchor - carrier.anchor).cross(&force);
+            carrier.torque += torque + cross(&(anchor - carrier.anchor), &force);
         }
     }
-    reactions
 }

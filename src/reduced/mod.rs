@@ -15,7 +15,6 @@ pub mod euler;
 pub mod inverse_dynamics;
 pub mod ode;
 pub mod rk4;
-mod small;
 
 pub use articulated_body::ArticulatedBody;
 pub use dop853::Dop853;

@@ -57,8 +57,8 @@ impl Forced {
         })
     }
 
+    /// The efforts and wrenches of all forces, where the bodies have been placed.
     fn evaluate(&mut self, position: &[f64], velocity: &[f64]) {
-        forward_kinematics(&self.mechanism, position, velocity, &mut self.bodies);
         joint_efforts(&self.mechanism, position, velocity, &mut self.efforts);
         body_wrenches(&self.mechanism, &self.bodies, &mut self.wrenches);
         for ((wrench, body), state) in self.wrenches.iter_mut().zip(&self.mechanism.bodies).zip(&self.bodies) {
@@ -126,8 +126,29 @@ impl ReducedOde {
         }
     }
 
-    /// The joint accelerations of a state, without the rest of ẏ.
+    /// The joint accelerations of a state, without the rest of ẏ. Does not allocate.
     pub fn accelerations(&mut self, position: &[f64], velocity: &[f64], acceleration: &mut [f64]) {
+        if let Some(Forced { mechanism, bodies, .. }) = &mut self.forced {
+            forward_kinematics(mechanism, position, velocity, bodies);
+        }
+        self.accelerations_under_forces(position, velocity, acceleration);
+    }
+
+    /// The same, where positions and velocities have placed the bodies already.
+    pub fn accelerations_of_placed(
+        &mut self,
+        position: &[f64],
+        velocity: &[f64],
+        bodies: &[BodyState],
+        acceleration: &mut [f64],
+    ) {
+        if let Some(forced) = &mut self.forced {
+            forced.bodies.copy_from_slice(bodies);
+        }
+        self.accelerations_under_forces(position, velocity, acceleration);
+    }
+
+    fn accelerations_under_forces(&mut self, position: &[f64], velocity: &[f64], acceleration: &mut [f64]) {
         match &mut self.forced {
             None => self.articulated.accelerations(position, velocity, None, acceleration),
             Some(forced) => {

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// A symmetric 3×3 matrix by its six different entries.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Symmetric {
+pub(crate) struct Symmetric {
     pub xx: f64,
     pub xy: f64,
     pub xz: f64,
@@ -77,19 +77,19 @@ impl Symmetric {
 
 /// `a · b`.
 #[inline(always)]
-pub(super) fn dot(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+pub(crate) fn dot(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
 /// `a × b`.
 #[inline(always)]
-pub(super) fn cross(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
+pub(crate) fn cross(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
 /// `A v`.
 #[inline(always)]
-pub(super) fn times(a: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
+pub(crate) fn times(a: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(
         a[(0, 0)] * v.x + a[(0, 1)] * v.y + a[(0, 2)] * v.z,
         a[(1, 0)] * v.x + a[(1, 1)] * v.y + a[(1, 2)] * v.z,
@@ -99,37 +99,44 @@ pub(super) fn times(a: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
 
 /// `Aᵀ v`.
 #[inline(always)]
-pub(super) fn transpose_times(a: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
+pub(crate) fn transpose_times(a: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(dot(&column(a, 0), v), dot(&column(a, 1), v), dot(&column(a, 2), v))
 }
 
 /// `A B`.
 #[inline(always)]
-pub(super) fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
+pub(crate) fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
     from_columns(&times(a, &column(b, 0)), &times(a, &column(b, 1)), &times(a, &column(b, 2)))
 }
 
 /// One column of a matrix.
 #[inline(always)]
-pub(super) fn column(a: &Matrix3<f64>, j: usize) -> Vector3<f64> {
+pub(crate) fn column(a: &Matrix3<f64>, j: usize) -> Vector3<f64> {
     Vector3::new(a[(0, j)], a[(1, j)], a[(2, j)])
 }
 
 /// The matrix with these columns.
 #[inline(always)]
-pub(super) fn from_columns(x: &Vector3<f64>, y: &Vector3<f64>, z: &Vector3<f64>) -> Matrix3<f64> {
+pub(crate) fn from_columns(x: &Vector3<f64>, y: &Vector3<f64>, z: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z)
+}
+
+/// `A Bᵀ`.
+#[inline(always)]
+pub(crate) fn product_transposed(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
+    let row = |i: usize| Vector3::new(b[(i, 0)], b[(i, 1)], b[(i, 2)]);
+    from_columns(&times(a, &row(0)), &times(a, &row(1)), &times(a, &row(2)))
 }
 
 /// The matrix of `a ×`.
 #[inline(always)]
-pub(super) fn cross_matrix(a: &Vector3<f64>) -> Matrix3<f64> {
+pub(crate) fn cross_matrix(a: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
 }
 
 /// `[a]× S`.
 #[inline(always)]
-pub(super) fn cross_symmetric(a: &Vector3<f64>, s: &Symmetric) -> Matrix3<f64> {
+pub(crate) fn cross_symmetric(a: &Vector3<f64>, s: &Symmetric) -> Matrix3<f64> {
     from_columns(
         &cross(a, &Vector3::new(s.xx, s.xy, s.xz)),
         &cross(a, &Vector3::new(s.xy, s.yy, s.yz)),
@@ -139,7 +146,7 @@ pub(super) fn cross_symmetric(a: &Vector3<f64>, s: &Symmetric) -> Matrix3<f64> {
 
 /// `W + Wᵀ` for `W = A [r]×`.
 #[inline(always)]
-pub(super) fn twice_symmetric_part_of_cross(a: &Matrix3<f64>, r: &Vector3<f64>) -> Symmetric {
+pub(crate) fn twice_symmetric_part_of_cross(a: &Matrix3<f64>, r: &Vector3<f64>) -> Symmetric {
     // Row i of A [r]× is (row i of A) × r.
     let row = |i: usize| cross(&Vector3::new(a[(i, 0)], a[(i, 1)], a[(i, 2)]), r);
     let (x, y, z) = (row(0), row(1), row(2));
