@@ -66,7 +66,8 @@ fn an_instant_of_a_closed_mechanism_has_its_loops_as_the_report_has_them() {
     let instant = inspect(&folder, &["closed.mcap", "--at", "0.5"]);
     let loops = report["loops"].as_object().expect("loops");
     assert!(!loops.is_empty());
-    assert_eq!(instant["loops"], report["loops"]);
+    // The report knows the digits of the angles that their roundings leave out, logs do not; on forces of some 30 N.
+    assert_near(&instant["loops"], &report["loops"], 1e-12, "loops");
     // The log has what the run found; nothing was worked out in its stead.
     assert!(loops.values().any(|one| one["reaction_force"][0] != 0.0), "{loops:?}");
     assert_eq!(instant["constraint"]["time"], 0.5);
