@@ -3,17 +3,18 @@
 mod models;
 
 use catena::kinematics::body_states;
-use catena::lobatto::dispatch::spatial_step_for;
+use catena::lobatto::dispatch::step_for;
 use catena::lobatto::lanes::Isa;
 use catena::lobatto::literal::Literal;
 use catena::lobatto::step::{Attempt, StopRule};
 use catena::lobatto::tableau::Tableau;
+use catena::model::Rule;
 use models::Model;
 
 /// Poses and velocities after one step of the fast kernel in space; `tests/planar.rs` has that in a plane.
 fn fast_step(model: &Model, stages: usize, step: f64, isa: Isa) -> Vec<catena::state::BodyState> {
     let tableau = Tableau::new(stages).unwrap();
-    let mut kernel = spatial_step_for(&model.mechanism, &tableau, isa);
+    let mut kernel = step_for(&model.mechanism, &tableau, isa, &[Rule::Planar]);
     let mut state = model.state.clone();
     kernel.begin(&model.mechanism, &state);
     let attempt = kernel.attempt(&model.mechanism, step, &StopRule::ROUNDING, true);

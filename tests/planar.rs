@@ -279,7 +279,7 @@ fn every_vector_type_makes_the_same_steps_in_the_plane() {
 fn the_energy_of_a_step_in_the_plane_is_that_of_the_bodies() {
     for (name, model) in everything() {
         let Model { mechanism, state } = &model;
-        let mut kernel = step_for(mechanism, &Tableau::new(5).expect("stages"), Isa::detect());
+        let mut kernel = step_for(mechanism, &Tableau::new(5).expect("stages"), Isa::detect(), &[]);
         kernel.begin(mechanism, state);
         let ours = kernel.energy();
         let expected = energy_with_forces(mechanism, &state.position, &body_states(mechanism, state));

@@ -21,7 +21,7 @@ pub struct InputArgs {
     #[command(flatten)]
     pub world: WorldArgs,
 
-    /// Switch off a rule that leaves something out: islands, sleep or planar (repeatable); `catena model` shows what each does
+    /// Switch off a rule that leaves something out: islands, sleep, planar, translation or points (repeatable); `catena model` shows what each does
     #[arg(long, value_name = "RULE")]
     pub keep: Vec<Rule>,
 }

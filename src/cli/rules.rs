@@ -2,7 +2,7 @@
 
 use super::table::{Table, counted};
 use catena::islands::Plan;
-use catena::model::{Island, Model, ReductionRule, Rule};
+use catena::model::{Island, Model, ReductionRule, Rule, point_bodies, sliding_bodies};
 use serde_json::{Value, json};
 
 /// What a rule does here.
@@ -31,6 +31,10 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
             Rule::Islands => 0,
             Rule::Sleep => plan.sleeping(),
             Rule::Planar => plan.planar().map(|island| island.mechanism.bodies.len()).sum(),
+            Rule::Translation => {
+                plan.spatial(kept).map(|island| counted_true(&sliding_bodies(&island.mechanism))).sum()
+            }
+            Rule::Points => plan.spatial(kept).map(|island| counted_true(&point_bodies(&island.mechanism))).sum(),
         };
         let saved = match rule {
             rule if kept.contains(&rule) => "switched off".to_string(),
@@ -41,7 +45,9 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
                 let bodies = sleeping.map(|(island, _)| island.mechanism.bodies.len()).sum();
                 format!("{}, {}", counted(bodies, "body", "bodies"), rule.saving())
             }
-            Rule::Planar => format!("{}, {}", counted(count, "body", "bodies"), rule.saving()),
+            Rule::Planar | Rule::Translation | Rule::Points => {
+                format!("{}, {}", counted(count, "body", "bodies"), rule.saving())
+            }
         };
         Applied { name: rule.name(), condition: rule.condition(), count, saved, switch: Some(rule) }
     };
@@ -93,6 +99,10 @@ pub fn write_tables(model: &Model, plan: &Plan, kept: &[Rule], text: &mut String
         ]);
     }
     rules.write(text);
+}
+
+fn counted_true(of_bodies: &[bool]) -> usize {
+    of_bodies.iter().filter(|&&applies| applies).count()
 }
 
 /// The bodies of an island that hang on the world, the first few by name.

@@ -82,6 +82,13 @@ impl Plan {
         awake.filter(|island| Plane::of(&island.mechanism).is_some())
     }
 
+    /// The islands that move in space, or are `kept` from their planes.
+    pub fn spatial(&self, kept: &[Rule]) -> impl Iterator<Item = &Island> {
+        let planes = !kept.contains(&Rule::Planar);
+        let awake = self.islands.iter().filter(|(_, asleep)| !asleep).map(|(island, _)| island);
+        awake.filter(move |island| !planes || Plane::of(&island.mechanism).is_none())
+    }
+
     /// Whether no rule applies: the mechanism is one, and it moves.
     pub fn is_whole(&self) -> bool {
         self.islands.len() < 2 && self.sleeping() == 0

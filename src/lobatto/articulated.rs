@@ -87,6 +87,24 @@ impl<V: Lanes> Articulated<V> {
         }
     }
 
+    /// The sum where only masses and forces count: of bodies that never turn.
+    #[inline(always)]
+    pub fn plus_mass(&self, other: &Self) -> Self {
+        Articulated { mass: self.mass.plus(&other.mass), force: self.force.plus(other.force), ..*self }
+    }
+
+    /// Eliminates a translation along `axis` where only mass and force count.
+    #[inline(always)]
+    pub fn eliminate_slide(&mut self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {
+        let force = self.mass.apply(axis);
+        let inverse = resisting(axis.dot(force), push).reciprocal();
+        let bias = unbalanced(axis.dot(self.force), push, inverse);
+        let force_ratio = force.times(inverse);
+        self.mass = self.mass.minus_outer(force, force_ratio);
+        self.force = force.times_plus(bias, self.force);
+        Eliminated { axis, force_ratio, torque_ratio: Vector::zero(), bias }
+    }
+
     /// Eliminates a rotation about `axis` through the anchor, with the push of forces in the joint, if there are any.
     #[inline(always)]
     pub fn eliminate_rotation(&mut self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {

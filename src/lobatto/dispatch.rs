@@ -7,21 +7,17 @@ use super::lanes::{Isa, Lanes, Portable};
 use super::planar::PlanarKernel;
 use super::step::{Kernel, Step};
 use super::tableau::Tableau;
-use crate::model::{Mechanism, Plane};
+use crate::model::{Mechanism, Plane, Rule};
 
-/// A step of the scheme for this mechanism on this processor: in the plane, if the mechanism has one.
+/// A step of the scheme for this mechanism on this processor: in the plane, if the mechanism has one; `kept` are the rules that
+/// leave nothing out.
 ///
 /// `isa` must not be more than [`Isa::detect`] found: it is checked, and lowered if need be.
-pub fn step_for(mechanism: &Mechanism, tableau: &Tableau, isa: Isa) -> Box<dyn Step> {
-    match Plane::of(mechanism) {
+pub fn step_for(mechanism: &Mechanism, tableau: &Tableau, isa: Isa, kept: &[Rule]) -> Box<dyn Step> {
+    match Plane::of(mechanism).filter(|_| !kept.contains(&Rule::Planar)) {
         Some(plane) => in_vectors(&Planar { mechanism, tableau, plane }, tableau, isa),
-        None => spatial_step_for(mechanism, tableau, isa),
+        None => in_vectors(&Spatial { mechanism, tableau, kept }, tableau, isa),
     }
-}
-
-/// [`step_for`] with six coordinates a body, whatever plane they move in.
-pub fn spatial_step_for(mechanism: &Mechanism, tableau: &Tableau, isa: Isa) -> Box<dyn Step> {
-    in_vectors(&Spatial { mechanism, tableau }, tableau, isa)
 }
 
 /// Makes a kernel with the lanes it is told.
@@ -32,6 +28,7 @@ trait Make {
 struct Spatial<'m> {
     mechanism: &'m Mechanism,
     tableau: &'m Tableau,
+    kept: &'m [Rule],
 }
 
 struct Planar<'m> {
@@ -42,7 +39,7 @@ struct Planar<'m> {
 
 impl Make for Spatial<'_> {
     fn make<V: Lanes>(&self) -> Box<dyn Step> {
-        Box::new(Kernel::<V>::new(self.mechanism, self.tableau))
+        Box::new(Kernel::<V>::new(self.mechanism, self.tableau, self.kept))
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::control::{Control, Energies, Verdict};
 use super::dense::DenseRule;
-use super::dispatch::{spatial_step_for, step_for};
+use super::dispatch::step_for;
 use super::lanes::Isa;
 use super::reversible::Reversible;
 use super::sampling::{Closing, LastStep};
@@ -165,7 +165,7 @@ impl Lobatto {
 
     fn with_tableau(mechanism: &Mechanism, tableau: Tableau, mode: Mode, isa: Isa) -> Self {
         Lobatto {
-            kernel: step_for(mechanism, &tableau, isa),
+            kernel: step_for(mechanism, &tableau, isa, &[]),
             dense: DenseRule::new(&tableau),
             watch: Watch::new(&tableau, !mechanism.forces.is_empty()),
             tableau,
@@ -182,11 +182,12 @@ impl Lobatto {
         }
     }
 
-    /// The same without some rules by which it would do less: without [`Rule::Planar`] every body has six coordinates.
+    /// The same without some rules by which it would do less: without [`Rule::Planar`] every body has six coordinates, without
+    /// [`Rule::Translation`] and [`Rule::Points`] all of their equations.
     #[must_use]
     pub fn keeping(mut self, mechanism: &Mechanism, switched_off: &[Rule]) -> Self {
-        if switched_off.contains(&Rule::Planar) {
-            self.kernel = spatial_step_for(mechanism, &self.tableau, self.isa);
+        if !switched_off.is_empty() {
+            self.kernel = step_for(mechanism, &self.tableau, self.isa, switched_off);
             self.left_at = None;
         }
         self

@@ -117,6 +117,45 @@ impl<V: Lanes> Coefficients<V> {
     }
 }
 
+/// Mass and force part of the residual of a body that never turns.
+#[inline(always)]
+pub fn sliding_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
+    sweep: &Sweep<V>,
+    plan: &BodyPlan,
+    known: &BodyStart,
+    pose: &StagePose<V>,
+) -> (Symmetric<V>, Vector<V>) {
+    let force = force_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, pose.anchor);
+    let (mass, zero) = (V::splat(plan.mass), V::zero());
+    let force = if MOMENTUM { force.times(V::splat(-1.0)) } else { force };
+    (Symmetric([mass, zero, zero, mass, zero, mass]), force)
+}
+
+/// `f` of a centre of mass `displaced` since the start.
+#[inline(always)]
+fn force_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
+    sweep: &Sweep<V>,
+    plan: &BodyPlan,
+    known: &BodyStart,
+    displaced: Vector<V>,
+) -> Vector<V> {
+    let columns = sweep.columns;
+    let start_velocity = Vector::<V>::splat(&known.velocity);
+    let mut ahead = start_velocity.times_minus(sweep.times, displaced);
+    if REFINED {
+        ahead = start_velocity.times_minus(sweep.times_rest, ahead);
+    }
+    let mut path = Vector([ahead.0[0].mix(columns), ahead.0[1].mix(columns), ahead.0[2].mix(columns)]);
+    if REFINED {
+        let rest = sweep.rest;
+        path = path.plus(Vector([ahead.0[0].mix(rest), ahead.0[1].mix(rest), ahead.0[2].mix(rest)]));
+    }
+    if MOMENTUM {
+        path = path.plus(start_velocity);
+    }
+    path.plus(Vector::splat(&sweep.gravity)).times(V::splat(plan.mass))
+}
+
 /// Inertia and residual of one body about its anchor, and `N` at the rows' stages.
 #[inline(always)]
 pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
@@ -128,49 +167,81 @@ pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     let [x, y, z] = pose.u.0;
     let (x2, y2, z2) = (x + x, y + y, z + z);
     // N = sym + hat(antisymmetric part): the products of the quaternion, which is what gets mixed.
-    let (xx, xy, xz) = (x2 * x, x2 * y, x2 * z);
-    let (yy, yz, zz) = (y2 * y, y2 * z, z2 * z);
-    let (wx, wy, wz) = (pose.w * x2, pose.w * y2, pose.w * z2);
-    let turn = increment_matrix([xx, xy, xz, yy, yz, zz], [wx, wy, wz]);
+    let products = [x2 * x, x2 * y, x2 * z, y2 * y, y2 * z, z2 * z];
+    let turned = Vector([pose.w * x2, pose.w * y2, pose.w * z2]);
+    let turn = increment_matrix(products, turned.0);
 
     let com = Vector::splat(&known.com);
     let swing = turn.apply(com);
-    let displaced = swing.plus(pose.anchor);
-    let columns = sweep.columns;
-    let start_velocity = Vector::<V>::splat(&known.velocity);
-    let start_spin = Vector::<V>::splat(&known.spin);
-    let mut ahead = start_velocity.times_minus(sweep.times, displaced);
-    let mut ahead_turn = start_spin.times_minus(sweep.times, Vector([wx, wy, wz]));
-    if REFINED {
-        ahead = start_velocity.times_minus(sweep.times_rest, ahead);
-        ahead_turn = start_spin.times_minus(sweep.times_rest, ahead_turn);
-    }
-    let mut path = Vector([ahead.0[0].mix(columns), ahead.0[1].mix(columns), ahead.0[2].mix(columns)]);
-    let mut spin = Vector([ahead_turn.0[0].mix(columns), ahead_turn.0[1].mix(columns), ahead_turn.0[2].mix(columns)]);
-    let mut products =
-        [xx.mix(columns), xy.mix(columns), xz.mix(columns), yy.mix(columns), yz.mix(columns), zz.mix(columns)];
-    if REFINED {
-        let rest = sweep.rest;
-        path = path.plus(Vector([ahead.0[0].mix(rest), ahead.0[1].mix(rest), ahead.0[2].mix(rest)]));
-        spin = spin.plus(Vector([ahead_turn.0[0].mix(rest), ahead_turn.0[1].mix(rest), ahead_turn.0[2].mix(rest)]));
-        products = [
-            products[0] + xx.mix(rest),
-            products[1] + xy.mix(rest),
-            products[2] + xz.mix(rest),
-            products[3] + yy.mix(rest),
-            products[4] + yz.mix(rest),
-            products[5] + zz.mix(rest),
-        ];
-    }
-    if MOMENTUM {
-        path = path.plus(start_velocity);
-        spin = spin.plus(start_spin);
-    }
-    let mixed = increment_matrix(products, spin.0);
-
+    let force = force_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, swing.plus(pose.anchor));
     // From here on: the geometry of the rows.
     let turn = if MOMENTUM { turn } else { turn.times(sweep.moved) };
     let com = swing.times_plus(sweep.moved, com);
+    let (own, torque) = if plan.point {
+        (Symmetric::zero(), Vector::zero())
+    } else {
+        rotational_residual::<V, MOMENTUM, REFINED>(sweep, known, products, turned, &turn)
+    };
+    let torque = com.cross_plus(force, torque);
+    let (force, torque) =
+        if MOMENTUM { (force.times(V::splat(-1.0)), torque.times(V::splat(-1.0))) } else { (force, torque) };
+
+    let mass = V::splat(plan.mass);
+    // Parallel axes: I + m (|c|² − c cᵀ), and the coupling −m ĉ.
+    let heavy = com.times(mass);
+    let ([cx, cy, cz], [mx, my, mz]) = (com.0, heavy.0);
+    let [ixx, ixy, ixz, iyy, iyz, izz] = own.0;
+    let (mxx, myy, mzz) = (mx * cx, my * cy, mz * cz);
+    let inertia = Symmetric([
+        ixx + (myy + mzz),
+        mx.neg_mul_add(cy, ixy),
+        mx.neg_mul_add(cz, ixz),
+        iyy + (mxx + mzz),
+        my.neg_mul_add(cz, iyz),
+        izz + (mxx + myy),
+    ]);
+    let zero = V::zero();
+    let coupling = Matrix([[zero, mz, -my], [-mz, zero, mx], [my, -mx, zero]]);
+    let articulated =
+        Articulated { mass: Symmetric([mass, zero, zero, mass, zero, mass]), coupling, inertia, force, torque };
+    (articulated, turn)
+}
+
+/// `J` and `e` about the centre of mass, from the `products` and `turned` of [`increment_matrix`] and N at the rows' stages.
+#[inline(always)]
+fn rotational_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
+    sweep: &Sweep<V>,
+    known: &BodyStart,
+    products: [V; 6],
+    turned: Vector<V>,
+    turn: &Matrix<V>,
+) -> (Symmetric<V>, Vector<V>) {
+    let columns = sweep.columns;
+    let start_spin = Vector::<V>::splat(&known.spin);
+    let mut ahead = start_spin.times_minus(sweep.times, turned);
+    if REFINED {
+        ahead = start_spin.times_minus(sweep.times_rest, ahead);
+    }
+    let mut spin = Vector([ahead.0[0].mix(columns), ahead.0[1].mix(columns), ahead.0[2].mix(columns)]);
+    let [xx, xy, xz, yy, yz, zz] = products;
+    let mut mixed =
+        [xx.mix(columns), xy.mix(columns), xz.mix(columns), yy.mix(columns), yz.mix(columns), zz.mix(columns)];
+    if REFINED {
+        let rest = sweep.rest;
+        spin = spin.plus(Vector([ahead.0[0].mix(rest), ahead.0[1].mix(rest), ahead.0[2].mix(rest)]));
+        mixed = [
+            mixed[0] + xx.mix(rest),
+            mixed[1] + xy.mix(rest),
+            mixed[2] + xz.mix(rest),
+            mixed[3] + yy.mix(rest),
+            mixed[4] + yz.mix(rest),
+            mixed[5] + zz.mix(rest),
+        ];
+    }
+    if MOMENTUM {
+        spin = spin.plus(start_spin);
+    }
+    let mixed = increment_matrix(mixed, spin.0);
     let [sxx, sxy, sxz, syy, syz, szz] = known.sigma;
     let sigma_rows =
         [Vector::splat(&[sxx, sxy, sxz]), Vector::splat(&[sxy, syy, syz]), Vector::splat(&[sxz, syz, szz])];
@@ -193,31 +264,7 @@ pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
         mixed_rows[2].dot_from(c_columns[0], mixed_rows[0].dot(c_columns[2])),
         mixed_rows[0].dot_from(c_columns[1], mixed_rows[1].dot(c_columns[0])),
     ]);
-    let mass = V::splat(plan.mass);
-    let gravity = Vector::splat(&sweep.gravity);
-    let force = path.plus(gravity).times(mass);
-    let torque = com.cross_plus(force, torque);
-    let (force, torque) =
-        if MOMENTUM { (force.times(V::splat(-1.0)), torque.times(V::splat(-1.0))) } else { (force, torque) };
-
-    // Parallel axes: I + m (|c|² − c cᵀ), and the coupling −m ĉ.
-    let heavy = com.times(mass);
-    let ([cx, cy, cz], [mx, my, mz]) = (com.0, heavy.0);
-    let [ixx, ixy, ixz, iyy, iyz, izz] = own.0;
-    let (mxx, myy, mzz) = (mx * cx, my * cy, mz * cz);
-    let inertia = Symmetric([
-        ixx + (myy + mzz),
-        mx.neg_mul_add(cy, ixy),
-        mx.neg_mul_add(cz, ixz),
-        iyy + (mxx + mzz),
-        my.neg_mul_add(cz, iyz),
-        izz + (mxx + myy),
-    ]);
-    let zero = V::zero();
-    let coupling = Matrix([[zero, mz, -my], [-mz, zero, mx], [my, -mx, zero]]);
-    let articulated =
-        Articulated { mass: Symmetric([mass, zero, zero, mass, zero, mass]), coupling, inertia, force, torque };
-    (articulated, turn)
+    (own, torque)
 }
 
 /// `N = 2 (w û + u uᵀ − |u|²)` from the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u`; linear in both.

@@ -19,7 +19,7 @@ use super::predictor::Unknowns;
 use super::residual::increment_matrix;
 use super::start::{Plan, Start};
 use super::tableau::Tableau;
-use crate::model::FreeRotation;
+use crate::model::{FreeRotation, Mechanism, Rule};
 
 /// The largest number of lanes any vector type has.
 pub const MAX_LANES: usize = 16;
@@ -154,9 +154,9 @@ pub struct Stages<V> {
 }
 
 impl<V: Lanes> Stages<V> {
-    /// A workspace for a mechanism and a scheme.
-    pub fn new(mechanism: &crate::model::Mechanism, tableau: &Tableau) -> Self {
-        let plan = Plan::new(mechanism);
+    /// A workspace for a mechanism and a scheme, without the rules that are `kept` from leaving something out.
+    pub fn new(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
+        let plan = Plan::lean(mechanism, kept);
         let bodies = mechanism.bodies.len();
         let freedoms = mechanism.velocity_count;
         Stages {
@@ -211,13 +211,16 @@ impl<V: Lanes> Stages<V> {
     pub fn sweep_poses(&mut self) {
         let start = &self.start;
         for (index, (plan, known)) in self.plan.bodies.iter().zip(&start.bodies).enumerate() {
-            let (mut pose, turns) = match plan.parent {
+            let turns = !plan.parent_slides;
+            let mut pose = match plan.parent {
                 Some(parent) => {
-                    let parent = self.poses[parent];
-                    let anchor = rotate_increment(parent.w, parent.u, Vector::splat(&known.arm)).plus(parent.anchor);
-                    (StagePose { w: parent.w, u: parent.u, anchor }, true)
+                    let mut pose = self.poses[parent];
+                    if turns {
+                        pose.anchor = rotate_increment(pose.w, pose.u, Vector::splat(&known.arm)).plus(pose.anchor);
+                    }
+                    pose
                 }
-                None => (StagePose { w: V::splat(1.0), u: Vector::zero(), anchor: Vector::zero() }, false),
+                None => StagePose { w: V::splat(1.0), u: Vector::zero(), anchor: Vector::zero() },
             };
             let mut freedom = plan.first_axis;
             for _ in 0..plan.translations {

@@ -13,7 +13,7 @@ use super::applied_plan::AppliedStart;
 use crate::forces::total::stored;
 use crate::invariants::Energy;
 use crate::kinematics::{Placed, WORLD, place};
-use crate::model::{FreeRotation, JointKind, Mechanism};
+use crate::model::{FreeRotation, JointKind, Mechanism, Rule, point_bodies, sliding_bodies};
 use crate::state::{BodyState, State};
 
 /// What receives the articulated inertia of a body's children, and how.
@@ -48,6 +48,11 @@ pub struct BodyPlan {
     pub alone: bool,
     /// Mass (kg).
     pub mass: f64,
+    /// Whether the body is known never to turn, and whether its parent is; the world never does.
+    pub slides: bool,
+    pub parent_slides: bool,
+    /// Whether the mass is known to be at a point.
+    pub point: bool,
 }
 
 impl BodyPlan {
@@ -143,10 +148,29 @@ impl Plan {
                     && body.joint.kind == JointKind::Floating
                     && body.joint.on_child.translation.vector == nalgebra::Vector3::zeros(),
                 mass: body.mass,
+                slides: false,
+                parent_slides: body.parent.is_none(),
+                point: false,
             })
             .collect();
         plans.reverse();
         Plan { bodies: plans, slots }
+    }
+
+    /// The same with what vanishes left out, but for the rules that are `kept` from it.
+    pub fn lean(mechanism: &Mechanism, kept: &[Rule]) -> Self {
+        let mut plan = Plan::new(mechanism);
+        if !kept.contains(&Rule::Translation) {
+            let sliding = sliding_bodies(mechanism);
+            for (own, &slides) in plan.bodies.iter_mut().zip(&sliding) {
+                own.slides = slides;
+                own.parent_slides = own.parent.is_none_or(|parent| sliding[parent]);
+            }
+        }
+        if !kept.contains(&Rule::Points) {
+            plan.bodies.iter_mut().zip(point_bodies(mechanism)).for_each(|(own, point)| own.point = point);
+        }
+        plan
     }
 
     /// The first of the three rotations of every ball joint.

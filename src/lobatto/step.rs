@@ -29,7 +29,7 @@ use super::start::Start;
 use super::tableau::Tableau;
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
-use crate::model::{FreeRotation, Mechanism};
+use crate::model::{FreeRotation, Mechanism, Rule};
 use crate::state::State;
 
 /// Steps iterated further than this use the coefficients' second half of digits: rounded to a double they are
@@ -156,9 +156,9 @@ pub struct Kernel<V: Lanes> {
 }
 
 impl<V: Lanes> Kernel<V> {
-    /// The workspace for a mechanism and a scheme.
-    pub fn new(mechanism: &Mechanism, tableau: &Tableau) -> Self {
-        let stages = Stages::new(mechanism, tableau);
+    /// The workspace for a mechanism and a scheme; `kept` are the rules that leave nothing out.
+    pub fn new(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
+        let stages = Stages::new(mechanism, tableau, kept);
         Kernel {
             dynamics: mechanism.is_plain_tree().then(|| Dynamics::new(&stages.plan, mechanism.velocity_count)),
             fastest: Fastest::new(mechanism.velocity_count),

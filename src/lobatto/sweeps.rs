@@ -9,6 +9,8 @@
 //!     α = α₀ − (A s)ᵀ η / d,    η ← η + s α,         δ_i = Σ_k Â_ik α_k
 //! ```
 //!
+//! Of a body that never turns, three of the six rows are left: its children hand it their mass and force alone.
+//!
 //! Forces in joints enter the row of their freedom, all others the wrench of their body ([`super::applied`]).
 //!
 //! The projection of the momentum at the end of the step (2.5.11h) is the same recursion at the last stage with the
@@ -17,9 +19,9 @@
 use super::algebra::Vector;
 use super::articulated::{Articulated, Push};
 use super::lanes::Lanes;
-use super::residual::{Sweep, body_residual};
+use super::residual::{Sweep, body_residual, sliding_residual};
 use super::stage::{Stages, horner};
-use super::start::Children;
+use super::start::{BodyPlan, Children};
 use crate::model::FreeRotation;
 
 impl<V: Lanes> Stages<V> {
@@ -71,6 +73,26 @@ impl<V: Lanes> Stages<V> {
             let plan = &self.plan.bodies[index];
             let known = &self.start.bodies[index];
             let pose = self.poses[index];
+            if plan.slides {
+                let (mass, force) = sliding_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, &pose);
+                let mut own = Articulated { mass, force, ..Articulated::zero() };
+                if FORCED && let Some(applied) = &applied {
+                    own.force = applied.wrenches[index].0.times_minus(scale, own.force);
+                }
+                let mut total = match plan.children {
+                    Children::None => own,
+                    Children::Next => own.plus_mass(&carried),
+                    Children::Slot(slot) => own.plus_mass(&self.slots[slot]),
+                };
+                for freedom in (plan.first_axis..plan.first_axis + plan.translations).rev() {
+                    let axis = Vector::splat(&self.start.axes[freedom]);
+                    self.eliminated[freedom] = total.eliminate_slide(axis, push(freedom));
+                }
+                if plan.parent.is_some() {
+                    collect(plan, &mut self.slots, &mut carried, &total);
+                }
+                continue;
+            }
             let (mut own, turn) = body_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, &pose);
             if FORCED && let Some(applied) = &applied {
                 let (force, torque) = applied.wrenches[index];
@@ -115,7 +137,7 @@ impl<V: Lanes> Stages<V> {
             if plan.translations > 0 {
                 for freedom in (plan.first_axis..rotations).rev() {
                     let axis = Vector::splat(&self.start.axes[freedom]);
-                    let turned = match plan.parent {
+                    let turned = match plan.parent.filter(|_| !plan.parent_slides) {
                         Some(parent) => {
                             let parent = self.poses[parent];
                             super::stage::rotate_increment(parent.w, parent.u, axis).times_plus(sweep.moved, axis)
@@ -134,13 +156,12 @@ impl<V: Lanes> Stages<V> {
                 let moved = pose.anchor.minus(self.poses[parent].anchor);
                 let arm = moved.times_plus(sweep.moved, Vector::splat(&known.arm));
                 self.arms[index] = arm;
-                let shifted = total.shifted(arm);
-                match plan.parent_collects {
-                    Children::Slot(slot) if !plan.first_collected => {
-                        self.slots[slot] = self.slots[slot].plus(&shifted);
-                    }
-                    Children::Slot(slot) => self.slots[slot] = shifted,
-                    _ => carried = shifted,
+                let slots = &mut self.slots;
+                // A parent that never turns asks for forces alone.
+                if plan.parent_slides {
+                    collect(plan, slots, &mut carried, &total);
+                } else {
+                    collect(plan, slots, &mut carried, &total.shifted(arm));
                 }
             }
         }
@@ -203,6 +224,21 @@ impl<V: Lanes> Stages<V> {
                 self.twists[slot] = twist;
             }
         }
+    }
+}
+
+/// Hands what a body leaves to its parent.
+#[inline(always)]
+fn collect<V: Lanes>(
+    plan: &BodyPlan,
+    slots: &mut [Articulated<V>],
+    carried: &mut Articulated<V>,
+    left: &Articulated<V>,
+) {
+    match plan.parent_collects {
+        Children::Slot(slot) if !plan.first_collected => slots[slot] = slots[slot].plus(left),
+        Children::Slot(slot) => slots[slot] = *left,
+        _ => *carried = *left,
     }
 }
 

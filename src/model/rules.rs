@@ -14,6 +14,10 @@ pub enum Rule {
     Sleep,
     /// What moves in a plane is simulated with three coordinates a body.
     Planar,
+    /// A body that never turns has no rotation.
+    Translation,
+    /// A body whose mass is at a point has no rotational inertia.
+    Points,
 }
 
 /// There is no such rule.
@@ -23,7 +27,7 @@ pub struct UnknownRule(pub String);
 
 impl Rule {
     /// All of them, in the order in which they are tried.
-    pub const ALL: [Rule; 3] = [Rule::Islands, Rule::Sleep, Rule::Planar];
+    pub const ALL: [Rule; 5] = [Rule::Islands, Rule::Sleep, Rule::Planar, Rule::Translation, Rule::Points];
 
     /// The name, for the command line.
     pub fn name(self) -> &'static str {
@@ -31,6 +35,8 @@ impl Rule {
             Rule::Islands => "islands",
             Rule::Sleep => "sleep",
             Rule::Planar => "planar",
+            Rule::Translation => "translation",
+            Rule::Points => "points",
         }
     }
 
@@ -40,6 +46,8 @@ impl Rule {
             Rule::Islands => "no joint, loop, mimic relation or spring connects the parts",
             Rule::Sleep => "starts at rest, and nothing accelerates",
             Rule::Planar => "a tree, all hinges about one direction, all slides across it",
+            Rule::Translation => "in space, nothing but slides between body and world",
+            Rule::Points => "in space, no inertia about the center of mass",
         }
     }
 
@@ -49,6 +57,8 @@ impl Rule {
             Rule::Islands => "each with its own steps, on several cores, small ones together",
             Rule::Sleep => "not simulated",
             Rule::Planar => "three coordinates each instead of six",
+            Rule::Translation => "three equations each instead of six",
+            Rule::Points => "no angular momentum",
         }
     }
 }

@@ -106,7 +106,7 @@ impl<V: Lanes> PlanarKernel<V> {
 
     /// The exact Newton method from the guess at hand.
     fn attempt_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
-        let exact = self.exact.get_or_insert_with(|| Box::new(Kernel::new(mechanism, &self.tableau)));
+        let exact = self.exact.get_or_insert_with(|| Box::new(Kernel::new(mechanism, &self.tableau, &[])));
         exact.stages.start.set(mechanism, &self.origin);
         exact.stages.step = self.stages.step;
         exact.stages.displacement.copy_from_slice(&self.stages.displacement);
