@@ -375,6 +375,23 @@ fn the_gap_of_bricard_is_rounding_after_a_million_steps() {
 }
 
 #[test]
+fn a_loop_that_is_closed_sixteen_times_over_moves_as_if_closed_once() {
+    let (mechanism, mut state) = closed::four_bars(1, 5);
+    let mut crowded = (mechanism.clone(), state.clone());
+    for copy in 1..16 {
+        let name = format!("copy{copy}");
+        crowded.0.loops.push(LoopJoint { name, ..mechanism.loops[0].clone() });
+    }
+    run(&mechanism, &mut state, 5, 0.02, 0.6);
+    run(&crowded.0, &mut crowded.1, 5, 0.02, 0.6);
+    let largest = state.position.iter().zip(&crowded.1.position).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    // Thirty steps, each iterated to rounding.
+    assert!(largest < 1e-13, "{largest:e}");
+    let redundant = redundancy(&crowded.0, &crowded.1).redundant;
+    assert_eq!(redundant.iter().map(|(_, count)| count).sum::<usize>(), 78, "{redundant:?}");
+}
+
+#[test]
 fn the_gap_is_rounding_however_often_the_joints_have_turned() {
     // After ten thousand turns a double knows an angle to 7e-12 rad only; what its roundings leave out is kept too.
     let (mechanism, mut state) = closed::four_bars(1, 5);

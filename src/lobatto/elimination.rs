@@ -22,8 +22,8 @@ pub enum Operation {
     Own { body: usize, ends: Vec<(usize, usize, f64)> },
     /// Eliminate a freedom: the twist of the body becomes the twist of its parent. `direct`: (row, slot, coefficient).
     Freedom { body: usize, freedom: usize, columns: Vec<Column>, direct: Vec<(usize, usize, f64)> },
-    /// Eliminate a multiplier in `slot`; `measure` are the rows of its closure and their slots, whose mobilities are measured
-    /// before the first of them goes.
+    /// Eliminate a multiplier in `slot`; `measure` are the rows of all closures that go with it and their slots, whose mobilities
+    /// are measured before the first of them goes.
     Multiplier { row: usize, slot: usize, columns: Vec<Column>, measure: Vec<(usize, usize)> },
     /// Add the top front to the one below and take it off: slots from and to, after clearing those that `enter` there;
     /// without the twist if it is that of the world.
@@ -308,37 +308,42 @@ impl<'m> Planner<'m> {
     /// Eliminates the closures that are complete in the top front, whose twist is that of `twist`. `early`: those that end in
     /// the world and have enough freedoms behind them.
     fn close_complete(&mut self, twist: Option<usize>, early: bool) {
-        for index in 0..self.closures.len() {
-            let closure = &self.closures[index];
-            let loops = self.mechanism.loops.len();
-            let is_mimic = (loops..loops + self.mechanism.mimics.len()).contains(&index);
-            let both = closure.ends.iter().all(|&end| self.processed[end]);
-            let here = if early {
-                closure.meets.is_none() && closure.ends.len() == 1 && closure.behind >= closure.needed
-            } else {
-                // A mimic is complete only when the freedoms of both joints are gone.
-                let gone = |&end: &usize| !self.is_open(end, twist);
-                closure.meets == twist && (!is_mimic || closure.ends.iter().all(gone))
-            };
-            if closure.done || !both || !here {
-                continue;
-            }
-            let rows: Vec<usize> = (closure.first_row..closure.first_row + closure.rows).collect();
-            let front = &self.stack[self.top()];
-            let slots: Vec<(usize, usize)> =
-                rows.iter().filter_map(|&row| Self::slot_of(front, row).map(|slot| (row, slot))).collect();
-            if slots.len() < rows.len() {
-                continue;
-            }
+        let complete: Vec<(usize, Vec<(usize, usize)>)> = (0..self.closures.len())
+            .filter_map(|index| self.complete(index, twist, early).map(|slots| (index, slots)))
+            .collect();
+        // All of them before the first goes: the next may say the same, and would be measured by what is left of it.
+        let mut measure: Vec<(usize, usize)> = complete.iter().flat_map(|(_, slots)| slots).copied().collect();
+        for (index, slots) in complete {
             self.closures[index].done = true;
-            for (number, &(row, slot)) in slots.iter().enumerate() {
+            for (row, slot) in slots {
                 let columns = self.columns(twist, Some(slot));
-                let measure = if number == 0 { slots.clone() } else { Vec::new() };
+                let measure = std::mem::take(&mut measure);
                 self.plan.operations.push(Operation::Multiplier { row, slot, columns, measure });
                 let top = self.top();
                 self.stack[top][slot - TWIST] = None;
             }
         }
+    }
+
+    /// The rows and slots of a closure, if it can be eliminated in the top front.
+    fn complete(&self, index: usize, twist: Option<usize>, early: bool) -> Option<Vec<(usize, usize)>> {
+        let closure = &self.closures[index];
+        let loops = self.mechanism.loops.len();
+        let is_mimic = (loops..loops + self.mechanism.mimics.len()).contains(&index);
+        let both = closure.ends.iter().all(|&end| self.processed[end]);
+        let here = if early {
+            closure.meets.is_none() && closure.ends.len() == 1 && closure.behind >= closure.needed
+        } else {
+            // A mimic is complete only when the freedoms of both joints are gone.
+            let gone = |&end: &usize| !self.is_open(end, twist);
+            closure.meets == twist && (!is_mimic || closure.ends.iter().all(gone))
+        };
+        if closure.done || !both || !here {
+            return None;
+        }
+        let front = &self.stack[self.top()];
+        let rows = closure.first_row..closure.first_row + closure.rows;
+        rows.map(|row| Self::slot_of(front, row).map(|slot| (row, slot))).collect()
     }
 
     /// Whether the freedoms of a body's joint are not eliminated yet while the front's twist is that of `twist`.
