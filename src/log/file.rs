@@ -1,9 +1,9 @@
 //! The MCAP file under the log: batches of messages, and a file that is readable whenever the process is killed.
 //!
-//! Messages are collected in memory and written as one chunk ([`super::container`]) whenever the next would not fit into
-//! [`CHUNK_SIZE`]. Where chunks end depends on the messages alone, which makes equal runs give equal files. A run that
-//! is slow would then leave little behind when it is killed; so twice a second what is new in the batch that is still
-//! open is written as a provisional chunk, until the batch is complete and its chunk takes their place ([`Tail`]):
+//! Messages are collected in memory and written as one chunk whenever the next would not fit into [`CHUNK_SIZE`]. Where
+//! chunks end depends on the messages alone, which makes equal runs give equal files. A run that is slow would then leave
+//! little behind when it is killed; so twice a second what is new in the batch that is still open is written as a
+//! provisional chunk, until the batch is complete and its chunk takes their place ([`Tail`]):
 //!
 //! ```text
 //!     magic  header  metadata  attachment | chunk | chunk | … | chunk | provisional chunks       a running simulation
@@ -14,12 +14,15 @@
 //! write fails because the disk is full, what is whole is kept and closed with an end that needs no summary.
 
 use super::batch::Batch;
-use super::container::{Container, encode_provisional_chunk};
 use super::output::{END, FINISHED, OUTCOME, Output};
 use super::place::{FilePlace, Tail};
+use mcap::records::Metadata;
+use mcap::write::NoSeek;
+use mcap::{Attachment, McapError, WriteOptions, Writer};
 use std::collections::BTreeMap;
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Largest size of a chunk of several messages; what a disk that fills up loses, too.
@@ -82,13 +85,16 @@ pub(super) struct LogFile {
     output: Output,
     tail: Tail<FilePlace>,
     is_regular: bool,
-    container: Container,
+    options: WriteOptions,
+    writer: Writer<NoSeek<Written>>,
+    /// What the writer has written and the file has not.
+    written: Written,
+    /// The channels as the writer numbers them.
+    channels: Vec<u16>,
     /// The messages that are in no final chunk yet.
     batch: Batch,
     /// How many of them are in provisional chunks.
     provisional: usize,
-    /// The provisional chunk that is being encoded.
-    buffer: Vec<u8>,
     saved: Instant,
     /// Whether something was written that may still be lost in a power failure.
     unsynced: bool,
@@ -98,18 +104,24 @@ impl LogFile {
     /// Creates a file for the output `path` ([`Output`]).
     ///
     /// # Errors
-    /// [`LogError::Create`] and [`LogError::Busy`] if that is not possible.
+    /// [`LogError::Create`] and [`LogError::Busy`] if that is not possible, [`LogError::Write`] if its first bytes
+    /// cannot be written.
     pub(super) fn create(path: &Path) -> Result<Self, LogError> {
         let (output, file, is_regular) = Output::create(path)?;
+        let options = write_options();
+        let written = Written::default();
+        let writer = options.clone().create(NoSeek::new(written.clone())).map_err(|error| write_error(path, error))?;
         Ok(LogFile {
             path: path.to_path_buf(),
             output,
             tail: Tail::new(FilePlace::new(file, is_regular)),
             is_regular,
-            container: Container::new(concat!("catena ", env!("CARGO_PKG_VERSION"))),
+            options,
+            writer,
+            written,
+            channels: Vec::new(),
             batch: Batch::default(),
             provisional: 0,
-            buffer: Vec::new(),
             saved: Instant::now(),
             unsynced: false,
         })
@@ -132,13 +144,21 @@ impl LogFile {
     }
 
     /// Adds a metadata record.
-    pub(super) fn metadata(&mut self, name: &str, entries: &BTreeMap<String, String>) {
-        self.container.metadata(name, entries);
+    pub(super) fn metadata(&mut self, name: &str, metadata: BTreeMap<String, String>) -> Result<(), LogError> {
+        let record = Metadata { name: name.to_string(), metadata };
+        self.writer.write_metadata(&record).map_err(|error| write_error(&self.path, error))
     }
 
     /// Adds an attachment.
-    pub(super) fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) {
-        self.container.attach(name, media_type, data);
+    pub(super) fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> Result<(), LogError> {
+        let attachment = Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: name.to_string(),
+            media_type: media_type.to_string(),
+            data: data.into(),
+        };
+        self.writer.attach(&attachment).map_err(|error| write_error(&self.path, error))
     }
 
     /// Adds messages and writes a chunk whenever one is full.
@@ -155,7 +175,8 @@ impl LogFile {
 
     /// Writes what has been collected as a final chunk, through to the operating system.
     fn close_batch(&mut self) -> Result<(), LogError> {
-        self.container.chunk(&self.batch);
+        let closed = self.batch.write_to(&mut self.writer, 0).and_then(|()| self.writer.flush());
+        closed.map_err(|error| write_error(&self.path, error))?;
         self.move_to_file()?;
         self.batch.clear();
         self.provisional = 0;
@@ -164,8 +185,10 @@ impl LogFile {
 
     fn move_to_file(&mut self) -> Result<(), LogError> {
         self.unsynced = true;
-        let LogFile { container, tail, .. } = self;
-        container.take(|bytes| tail.extend(bytes)).map_err(|reason| self.cannot_write(reason))
+        let mut written = self.written.lock();
+        let moved = self.tail.extend(&written);
+        written.clear();
+        moved.map_err(|reason| self.cannot_write(reason))
     }
 
     fn cannot_write(&self, reason: io::Error) -> LogError {
@@ -175,17 +198,16 @@ impl LogFile {
     /// Makes everything up to now safe, if that was last done long enough ago.
     pub(super) fn save_if_due(&mut self) -> Result<(), LogError> {
         if self.is_regular && self.saved.elapsed() >= PROVISIONAL_INTERVAL {
-            self.save().map_err(|reason| self.cannot_write(reason))?;
+            self.save().map_err(|error| write_error(&self.path, error))?;
             self.saved = Instant::now();
         }
         Ok(())
     }
 
-    fn save(&mut self) -> io::Result<()> {
+    fn save(&mut self) -> Result<(), McapError> {
         if self.batch.count() > self.provisional {
-            self.buffer.clear();
-            encode_provisional_chunk(&self.batch, self.provisional, &mut self.buffer);
-            self.tail.extend_provisionally(&self.buffer)?;
+            let chunk = self.provisional_chunk()?;
+            self.tail.extend_provisionally(&chunk)?;
             self.provisional = self.batch.count();
             self.unsynced = true;
         }
@@ -193,6 +215,22 @@ impl LogFile {
             self.tail.sync()?;
         }
         Ok(())
+    }
+
+    /// The messages that are in no chunk yet as a chunk that no index knows.
+    fn provisional_chunk(&self) -> Result<Vec<u8>, McapError> {
+        let written = Written::default();
+        let options = self.options.clone().emit_message_indexes(false);
+        let mut writer = options.create(NoSeek::new(written.clone()))?;
+        // Their numbers are enough here: what else there is to say about channels, the file has said.
+        for &channel in &self.channels {
+            writer.add_channel_with_id(channel, 0, "", "", &BTreeMap::new())?;
+        }
+        writer.flush()?;
+        written.lock().clear();
+        self.batch.write_to(&mut writer, self.provisional)?;
+        writer.flush()?;
+        Ok(std::mem::take(&mut *written.lock()))
     }
 
     /// Completes the file: everything collected, how the run ended, the summary, and nothing provisional after it; then
@@ -206,8 +244,8 @@ impl LogFile {
         }
         let mut entries = ending.figures.clone();
         entries.insert(OUTCOME.to_string(), ending.outcome.name().to_string());
-        self.metadata(END, &entries);
-        self.container.finish();
+        self.metadata(END, entries)?;
+        self.writer.finish().map_err(|error| write_error(&self.path, error))?;
         self.move_to_file()?;
         // A short run ends within the second that may be lost, unless it replaces what must not be lost.
         let finished = ending.outcome == Outcome::Finished;
@@ -234,7 +272,52 @@ pub(super) trait LogChannels {
 
 impl LogChannels for LogFile {
     fn channel(&mut self, topic: &str, schema: (&str, &str, &[u8]), encoding: &str) -> Result<u16, LogError> {
-        let channel = self.container.channel(topic, schema, encoding);
-        channel.ok_or_else(|| self.cannot_write(io::Error::other("there are more topics than a log can have")))
+        let (name, schema_encoding, data) = schema;
+        let added = self.writer.add_schema(name, schema_encoding, data);
+        let added = added.and_then(|schema| self.writer.add_channel(schema, topic, encoding, &BTreeMap::new()));
+        let channel = added.map_err(|error| write_error(&self.path, error))?;
+        self.channels.push(channel);
+        Ok(channel)
+    }
+}
+
+fn write_options() -> WriteOptions {
+    WriteOptions::new()
+        .library(concat!("catena ", env!("CARGO_PKG_VERSION")))
+        // Chunks end where batches end.
+        .chunk_size(None)
+        // What compresses well, names, is the smaller part of a log, and the work would be as much as all else about it
+        // (benches/README.md).
+        .compression(None)
+        // A chunk is then written in one piece, with its final header.
+        .disable_seeking(true)
+}
+
+fn write_error(path: &Path, error: McapError) -> LogError {
+    let reason = match error {
+        McapError::Io(reason) => reason,
+        other => io::Error::other(other),
+    };
+    LogError::Write { path: path.to_path_buf(), reason }
+}
+
+/// Bytes on their way from a writer, which does not give away what it writes to, to the file.
+#[derive(Clone, Default)]
+struct Written(Arc<Mutex<Vec<u8>>>);
+
+impl Written {
+    fn lock(&self) -> MutexGuard<'_, Vec<u8>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Write for Written {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.lock().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 //! The main input (the scene file, or else the URDF) comes first. The metadata record `inputs` has for each attachment the
 //! SHA-256 of its bytes and the path it was read from, relative to the folder of the main input: `HASH PATH`.
 
-use super::file::LogFile;
+use super::file::{LogError, LogFile};
 use crate::model::Model;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ use std::path::Path;
 pub const INPUTS: &str = "inputs";
 
 /// Attaches what was read.
-pub(super) fn attach_inputs(file: &mut LogFile, model: &Model) {
+pub(super) fn attach_inputs(file: &mut LogFile, model: &Model) -> Result<(), LogError> {
     let scene = model.scene.iter().map(|scene| (String::new(), &*scene.path, &*scene.text, "application/toml"));
     let robots =
         model.robots.iter().enumerate().map(|(index, placed)| {
@@ -25,10 +25,10 @@ pub(super) fn attach_inputs(file: &mut LogFile, model: &Model) {
         let folder = *main_folder.get_or_insert(path.parent().unwrap_or(Path::new("")));
         let name = format!("{prefix}{}", path.file_name().unwrap_or(path.as_os_str()).to_string_lossy());
         let relative = path.strip_prefix(folder).unwrap_or(path);
-        file.attach(&name, media_type, text.as_bytes());
+        file.attach(&name, media_type, text.as_bytes())?;
         inputs.insert(name, format!("{} {}", sha256(text.as_bytes()), relative.display()));
     }
-    file.metadata(INPUTS, &inputs);
+    file.metadata(INPUTS, inputs)
 }
 
 /// The SHA-256 of some bytes, in hexadecimal digits.

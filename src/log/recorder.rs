@@ -88,8 +88,8 @@ impl<'m> Recorder<'m> {
     pub fn create(path: &Path, model: &'m Model, simulation: BTreeMap<String, String>) -> Result<Self, LogError> {
         let mut file = LogFile::create(path)?;
         let stages = simulation.get("stages").and_then(|stages| stages.parse().ok()).unwrap_or(f64::NAN);
-        file.metadata(SIMULATION, &simulation);
-        attach_inputs(&mut file, model);
+        file.metadata(SIMULATION, simulation)?;
+        attach_inputs(&mut file, model)?;
         let mut beginning = Batch::default();
         let (channels, joints) = prepare(&mut file, &mut beginning, model)?;
         // What never changes is safe in the file before the run begins.
