@@ -19,6 +19,8 @@ const LEFT: i32 = 150;
 const TOP: i32 = 118;
 const PANEL: (i32, i32) = (372, 226);
 const GAP: (i32, i32) = (26, 76);
+/// Cells of less width (pixels) have no line between them.
+const NARROW: i32 = 6;
 const RIGHT: i32 = 24;
 const BELOW: i32 = 74;
 
@@ -156,7 +158,11 @@ fn swatch<DB: DrawingBackend>(
         Verdict::TooSlow => area.draw(&Circle::new((x, y), (arm / 3).max(1), BLACK.filled()))?,
         Verdict::NotApplicable => area.draw(&line((-arm, arm), (arm, -arm), RGBColor(200, 200, 200), 1))?,
     }
-    area.draw(&Rectangle::new([(left, top), (right, bottom)], WHITE.stroke_width(1)))
+    // Between narrow cells a grid would be all that is seen.
+    if right - left >= NARROW {
+        return area.draw(&Rectangle::new([(left, top), (right, bottom)], WHITE.stroke_width(1)));
+    }
+    [top, bottom].into_iter().try_for_each(|y| area.draw(&PathElement::new(vec![(left, y), (right, y)], WHITE)))
 }
 
 fn legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, top: i32) -> Drawn<DB> {

@@ -51,7 +51,7 @@ pub struct Runner<'m> {
 }
 
 /// The pilot runs of a tolerance may cost so many times the budget of the run.
-const PILOTS: f64 = 5.0;
+const PILOTS: f64 = 2.5;
 /// Rows of multipliers from which a dense matrix of theirs is too large for memory.
 const DENSE: usize = 10_000;
 
