@@ -8,9 +8,9 @@
 //!   balances at each island's last step;
 //! - the figures that go with a sample are of that instant, because no step of all islands ends there.
 //!
-//! Small islands are better run together ([`Plan::grouped`]). Islands advance in windows of simulated time, several at once on as many threads as there are. An island sees neither the
-//! windows nor the others, and the order of putting together is that of time and number; so every result is the same, bit
-//! for bit, whatever the windows and the number of threads.
+//! Small islands are better run together ([`Plan::grouped`]). Islands advance in windows of simulated time, several at once on as
+//! many threads as there are. An island sees neither the windows nor the others, and the order of putting together is that of time
+//! and number; so every result is the same, bit for bit, whatever the windows and the number of threads.
 
 mod part;
 mod threads;
@@ -78,15 +78,17 @@ impl Plan {
 
     /// The islands that move, each in a plane of its own.
     pub fn planar(&self) -> impl Iterator<Item = &Island> {
-        let awake = self.islands.iter().filter(|(_, asleep)| !asleep).map(|(island, _)| island);
-        awake.filter(|island| Plane::of(&island.mechanism).is_some())
+        self.awake().filter(|island| Plane::of(&island.mechanism).is_some())
     }
 
     /// The islands that move in space, or are `kept` from their planes.
     pub fn spatial(&self, kept: &[Rule]) -> impl Iterator<Item = &Island> {
         let planes = !kept.contains(&Rule::Planar);
-        let awake = self.islands.iter().filter(|(_, asleep)| !asleep).map(|(island, _)| island);
-        awake.filter(move |island| !planes || Plane::of(&island.mechanism).is_none())
+        self.awake().filter(move |island| !planes || Plane::of(&island.mechanism).is_none())
+    }
+
+    fn awake(&self) -> impl Iterator<Item = &Island> {
+        self.islands.iter().filter(|(_, asleep)| !asleep).map(|(island, _)| island)
     }
 
     /// Whether no rule applies: the mechanism is one, and it moves.

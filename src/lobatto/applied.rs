@@ -35,7 +35,7 @@
 //! partitioned additive Runge–Kutta methods", SIAM J. Sci. Comput. 20 (1998).
 
 use super::algebra::{Matrix, Vector};
-use super::applied_plan::AppliedPlan;
+use super::applied_plan::{AppliedPlan, SpringLaw};
 use super::lanes::Lanes;
 use super::residual::increment_matrix;
 use super::stage::{MAX_LANES, StagePose, Stages, rotate_increment, row_stage};
@@ -91,6 +91,39 @@ impl<V: Lanes> Motion<'_, V> {
     pub(super) fn rate(&self, place: &Place<V>, displacement: V, start_rate: f64) -> V {
         let start_rate = V::splat(start_rate);
         start_rate.neg_mul_add(self.times, displacement).mix(&place.velocity).mul_add(self.inverse, start_rate)
+    }
+}
+
+/// A spring with a damper on a line, at the places.
+pub(super) struct Taut<V> {
+    /// One over the length (1/m).
+    pub(super) per_length: V,
+    /// `ℓ̇` [m/s].
+    pub(super) rate: V,
+    /// What the damper has of the tension, and the whole (N).
+    pub(super) braking: V,
+    pub(super) tension: V,
+}
+
+impl SpringLaw {
+    /// For `|d|²` at the stages, `(d + d₀)·(d − d₀)`, and length (m) and rate [m/s] at the start.
+    #[inline(always)]
+    pub(super) fn stretched<V: Lanes>(
+        &self,
+        motion: &Motion<V>,
+        place: &Place<V>,
+        square: V,
+        along: V,
+        (start_length, start_rate): (f64, f64),
+    ) -> Taut<V> {
+        let length = square.square_root();
+        let start = V::splat(start_length);
+        let growth = along * (length + start).reciprocal();
+        let rate = motion.rate(place, growth, start_rate);
+        let per_length = (length - start).mul_add(place.moved, start).reciprocal();
+        let extension = growth.mul_add(place.moved, V::splat(start_length - self.rest_length));
+        let braking = rate * V::splat(self.damping);
+        Taut { per_length, rate, braking, tension: extension.mul_add(V::splat(self.stiffness), braking) }
     }
 }
 
@@ -230,18 +263,11 @@ impl<V: Lanes> Applied<V> {
             let change = swings[1].1.minus(swings[0].1);
             let separation = Vector::splat(&known.separation);
             let stretched = separation.plus(change);
-            let length = stretched.dot_plus(stretched, V::splat(NO_LENGTH)).square_root();
-            let start_length = V::splat(known.length);
-            let growth = separation.plus(stretched).dot(change) * (length + start_length).reciprocal();
-            let rate = motion.rate(place, growth, known.rate);
-            let direction = change
-                .times_plus(place.moved, separation)
-                .times((length - start_length).mul_add(place.moved, start_length).reciprocal());
-            let extension = growth.mul_add(place.moved, V::splat(known.length - line.rest_length));
-            let braking = rate * V::splat(line.damping);
-            let tension = extension.mul_add(V::splat(line.stiffness), braking);
-            dissipated = braking.mul_add(rate, dissipated);
-            let pull = direction.times(tension);
+            let square = stretched.dot_plus(stretched, V::splat(NO_LENGTH));
+            let along = separation.plus(stretched).dot(change);
+            let taut = line.law.stretched(&motion, place, square, along, (known.length, known.rate));
+            dissipated = taut.braking.mul_add(taut.rate, dissipated);
+            let pull = change.times_plus(place.moved, separation).times(taut.per_length).times(taut.tension);
             let ends = [(line.a, 0, pull), (line.b, 1, pull.times(V::splat(-1.0)))];
             for (body, end, force) in ends {
                 if let Some(body) = body {

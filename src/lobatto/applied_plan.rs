@@ -1,5 +1,6 @@
 //! What the forces on a mechanism are made of, sorted for the sweeps, and what they need of the start of a step.
 
+use crate::forces::PointSpring;
 use crate::forces::point_spring::{Line, attached_point};
 use crate::forces::total::scalar_coordinate;
 use crate::model::Mechanism;
@@ -25,12 +26,29 @@ pub(super) struct Ball {
     pub(super) efforts: [f64; 3],
 }
 
+/// What a spring with a damper does for its length and rate.
+#[derive(Clone, Copy)]
+pub(super) struct SpringLaw {
+    /// N/m.
+    pub(super) stiffness: f64,
+    /// N s/m.
+    pub(super) damping: f64,
+    /// m.
+    pub(super) rest_length: f64,
+}
+
+impl SpringLaw {
+    /// That of a spring between points.
+    pub(super) fn of(spring: &PointSpring) -> Self {
+        let &PointSpring { stiffness, damping, rest_length, .. } = spring;
+        SpringLaw { stiffness, damping, rest_length }
+    }
+}
+
 pub(super) struct LinePlan {
     pub(super) a: Option<usize>,
     pub(super) b: Option<usize>,
-    pub(super) stiffness: f64,
-    pub(super) damping: f64,
-    pub(super) rest_length: f64,
+    pub(super) law: SpringLaw,
 }
 
 pub(super) struct WrenchPlan {
@@ -128,13 +146,7 @@ impl AppliedPlan {
             }
         }
         for spring in &forces.point_springs {
-            plan.lines.push(LinePlan {
-                a: spring.a.body,
-                b: spring.b.body,
-                stiffness: spring.stiffness,
-                damping: spring.damping,
-                rest_length: spring.rest_length,
-            });
+            plan.lines.push(LinePlan { a: spring.a.body, b: spring.b.body, law: SpringLaw::of(spring) });
         }
         for wrench in &forces.wrenches {
             let (body, force, torque) = (wrench.body, wrench.force.into(), wrench.torque.into());

@@ -12,6 +12,7 @@
 
 use super::stage::MAX_TURN;
 use super::step::{Attempt, StopRule};
+use crate::model::Mechanism;
 
 /// The stage equations of a step, with a guess.
 pub(super) trait Equations {
@@ -28,6 +29,43 @@ pub(super) trait Equations {
     fn worst_freedom(&self) -> usize;
     /// The first degree of freedom whose rotation has left what the stage poses represent, if any is beyond [`MAX_TURN`].
     fn turned_too_far(&self) -> Option<usize>;
+}
+
+/// Stage equations that the exact Newton method can solve where the simplified one does not converge.
+pub(super) trait Guarded: Equations {
+    /// Takes a guess, without the past if it is `plain`.
+    fn guess(&mut self, plain: bool);
+    /// Forgets earlier iterates.
+    fn restart(&mut self);
+    /// The exact method, from the guess at hand.
+    fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt;
+    /// For how many more steps the exact method comes first.
+    fn exact_for(&mut self) -> &mut usize;
+}
+
+/// Once the exact Newton method was needed, it comes first for so many steps: what made it necessary seldom ends at once.
+const EXACT_STEPS: usize = 50;
+
+/// Solves the stage equations, with the exact method as the last resort.
+pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule: &StopRule, plain: bool) -> Attempt {
+    let mut spent = 0;
+    if *equations.exact_for() == 0 {
+        equations.guess(plain);
+        equations.restart();
+        let attempt = solve(equations, rule);
+        // The exact method is dear: the other guess comes first.
+        if !matches!(attempt, Attempt::Failed { .. }) || !plain {
+            return attempt;
+        }
+        spent = attempt.iterations();
+    }
+    equations.guess(plain);
+    let attempt = equations.solve_exactly(mechanism, rule).after(spent);
+    if matches!(attempt, Attempt::Converged { .. }) && !mechanism.has_closures() {
+        let steps = equations.exact_for();
+        *steps = if spent > 0 { EXACT_STEPS } else { steps.saturating_sub(1) };
+    }
+    attempt
 }
 
 /// Iterates from the guess until the equations are solved, or it is clear that they will not be.

@@ -3,10 +3,9 @@
 //! Reading order: [`tableau`] (coefficients), [`step`] and [`iteration`] (the loop of one step), [`start`], [`stage`] (poses
 //! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations
 //! and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`control`] and [`reversible`]
-//! (step length), [`stability`], [`dynamics`] and [`linearised`] (what they need to know), [`integrator`] (steps strung together);
-//! for closed loops [`newton`],
-//! [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`] and [`assembly`]; [`literal`] is the scheme word
-//! for word, the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
+//! (step length), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to know), [`integrator`] (steps strung
+//! together); for closed loops [`newton`], [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`] and [`assembly`];
+//! [`literal`] is the scheme word for word, the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
 pub mod algebra;
 pub mod anderson;
@@ -31,6 +30,7 @@ pub mod linearised;
 pub mod literal;
 mod literal_constraints;
 mod literal_forces;
+pub mod modes;
 pub mod newton;
 pub mod planar;
 pub mod predictor;

@@ -15,15 +15,14 @@
 //! method with all stages coupled ([`super::newton`]), and velocities are projected on the loops ([`super::projection`]).
 
 use super::anderson::Anderson;
-use super::dynamics::Dynamics;
-use super::iteration::{self, Equations};
+use super::iteration::{self, Equations, Guarded};
 use super::lanes::{Lanes, in_lanes};
-use super::linearised::Linearised;
+use super::modes::Modes;
 use super::newton::Newton;
 use super::predictor::Predictor;
 use super::projection::Projection;
 use super::reversible::Pace;
-use super::stability::{Fastest, Mode};
+use super::stability::Mode;
 use super::stage::{MAX_TURN, Stages};
 use super::start::Start;
 use super::tableau::Tableau;
@@ -39,9 +38,6 @@ pub(super) const REFINED_BELOW: f64 = 1e-14;
 /// Steps of mechanisms with loops are iterated at least this far, so that the gaps are at rounding whatever the tolerance: what
 /// an iteration leaves of them is of the order of its increment times the one before.
 const CLOSED: f64 = 1e-10;
-
-/// Once the exact Newton method was needed, it comes first for so many steps: what made it necessary seldom ends at once.
-pub(super) const EXACT_STEPS: usize = 50;
 
 /// When to stop iterating and when to give up.
 #[derive(Clone, Copy, Debug)]
@@ -148,11 +144,8 @@ pub struct Kernel<V: Lanes> {
     displaced: Vec<f64>,
     /// The end of the finished step.
     end: Start,
-    /// What steers the steps, for plain trees.
-    dynamics: Option<Dynamics>,
-    fastest: Fastest,
-    /// What looks at the fastest mode of all others.
-    linearised: Option<Box<Linearised>>,
+    /// What steers the steps.
+    modes: Modes,
 }
 
 impl<V: Lanes> Kernel<V> {
@@ -160,9 +153,7 @@ impl<V: Lanes> Kernel<V> {
     pub fn new(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
         let stages = Stages::new(mechanism, tableau, kept);
         Kernel {
-            dynamics: mechanism.is_plain_tree().then(|| Dynamics::new(&stages.plan, mechanism.velocity_count)),
-            fastest: Fastest::new(mechanism.velocity_count),
-            linearised: (!mechanism.is_plain_tree()).then(|| Box::new(Linearised::new(mechanism))),
+            modes: Modes::new(mechanism, &stages.plan),
             anderson: Anderson::new(mechanism.velocity_count),
             predictor: Predictor::new(mechanism.velocity_count, stages.plan.balls(), tableau),
             stages,
@@ -178,24 +169,6 @@ impl<V: Lanes> Kernel<V> {
             displaced: vec![0.0; mechanism.velocity_count],
             end: Start::new(mechanism),
         }
-    }
-
-    /// What the exact Newton method needs where the recursion does not do: the equations at a guess from outside.
-    ///
-    /// Takes the start and the length of the step from [`Kernel::stages`], and leaves the solution there.
-    pub(super) fn attempt_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
-        let newton = self.newton.get_or_insert_with(|| Box::new(Newton::new(mechanism, &self.tableau)));
-        newton.begin(&self.stages);
-        let rule = match self.projection {
-            Some(_) => StopRule { increment: rule.increment.min(CLOSED), rounding: rule.rounding.min(CLOSED), ..*rule },
-            None => *rule,
-        };
-        iteration::solve(&mut Exact(self), &rule)
-    }
-
-    fn guess(&mut self, plain: bool) {
-        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
-        in_lanes!(V, predictor.guess(stages.unknowns(), plain));
     }
 }
 
@@ -249,6 +222,32 @@ impl<V: Lanes> Equations for Kernel<V> {
     }
 }
 
+/// The exact Newton method takes the start and the length of the step from [`Kernel::stages`], and leaves the solution there.
+impl<V: Lanes> Guarded for Kernel<V> {
+    fn guess(&mut self, plain: bool) {
+        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
+        in_lanes!(V, predictor.guess(stages.unknowns(), plain));
+    }
+
+    fn restart(&mut self) {
+        self.anderson.restart();
+    }
+
+    fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
+        let newton = self.newton.get_or_insert_with(|| Box::new(Newton::new(mechanism, &self.tableau)));
+        newton.begin(&self.stages);
+        let rule = match self.projection {
+            Some(_) => StopRule { increment: rule.increment.min(CLOSED), rounding: rule.rounding.min(CLOSED), ..*rule },
+            None => *rule,
+        };
+        iteration::solve(&mut Exact(self), &rule)
+    }
+
+    fn exact_for(&mut self) -> &mut usize {
+        &mut self.exact_for
+    }
+}
+
 /// The exact Newton method.
 struct Exact<'k, V: Lanes>(&'k mut Kernel<V>);
 
@@ -295,23 +294,7 @@ impl<V: Lanes> Step for Kernel<V> {
     fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, plain: bool) -> Attempt {
         self.stages.step = step;
         self.refined = rule.increment < REFINED_BELOW;
-        let mut spent = 0;
-        if self.exact_for == 0 {
-            self.guess(plain);
-            self.anderson.restart();
-            let attempt = iteration::solve(self, rule);
-            // The exact method is dear: the other guess comes first.
-            if !matches!(attempt, Attempt::Failed { .. }) || !plain {
-                return attempt;
-            }
-            spent = attempt.iterations();
-        }
-        self.guess(plain);
-        let attempt = self.attempt_exactly(mechanism, rule).after(spent);
-        if matches!(attempt, Attempt::Converged { .. }) && !mechanism.has_closures() {
-            self.exact_for = if spent > 0 { EXACT_STEPS } else { self.exact_for.saturating_sub(1) };
-        }
-        attempt
+        iteration::attempt(self, mechanism, rule, plain)
     }
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
@@ -359,20 +342,11 @@ impl<V: Lanes> Step for Kernel<V> {
     }
 
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
-        let Stages { plan, start, .. } = &self.stages;
-        let (fastest, gravity) = (&mut self.fastest, &self.gravity);
-        let of_tree = self.dynamics.as_mut().map(|dynamics| Mode {
-            frequency: fastest.estimate(dynamics, plan, start, gravity, iterations),
-            damping: 0.0,
-        });
-        let of_others = || self.linearised.as_mut().map(|linearised| linearised.estimate(mechanism, state, iterations));
-        of_tree.or_else(of_others).unwrap_or_default()
+        self.modes.fastest(mechanism, &self.stages.plan, &self.stages.start, state, iterations)
     }
 
-    fn pace(&mut self, _: &Mechanism, _: &State) -> Option<Pace> {
-        let Stages { plan, start, .. } = &self.stages;
-        let (gravity, jerks) = (&self.gravity, &mut self.velocity);
-        self.dynamics.as_mut().map(|dynamics| Pace::at(dynamics, plan, start, gravity, jerks))
+    fn pace(&mut self, mechanism: &Mechanism, _: &State) -> Option<Pace> {
+        self.modes.pace(mechanism, &self.stages.plan, &self.stages.start)
     }
 
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {

@@ -93,18 +93,11 @@ impl<V: Lanes> PlanarStages<V> {
             let change = moves[1].minus(moves[0]);
             let separation = Vector2::splat(&known.separation);
             let stretched = separation.plus(change);
-            let length = stretched.dot_plus(stretched, V::splat(known.square + NO_LENGTH)).square_root();
-            let start_length = V::splat(known.length);
-            let growth = separation.plus(stretched).dot(change) * (length + start_length).reciprocal();
-            let rate = motion.rate(place, growth, known.rate);
-            let direction = change
-                .times_plus(place.moved, separation)
-                .times((length - start_length).mul_add(place.moved, start_length).reciprocal());
-            let extension = growth.mul_add(place.moved, V::splat(known.length - line.rest_length));
-            let braking = rate * V::splat(line.damping);
-            let tension = extension.mul_add(V::splat(line.stiffness), braking);
-            dissipated = braking.mul_add(rate, dissipated);
-            let pull = direction.times(tension);
+            let square = stretched.dot_plus(stretched, V::splat(known.square + NO_LENGTH));
+            let along = separation.plus(stretched).dot(change);
+            let taut = line.law.stretched(&motion, place, square, along, (known.length, known.rate));
+            dissipated = taut.braking.mul_add(taut.rate, dissipated);
+            let pull = change.times_plus(place.moved, separation).times(taut.per_length).times(taut.tension);
             for side in 0..2 {
                 if let Some(body) = line.ends[side].body {
                     let force = if side == 0 { pull } else { pull.times(V::splat(-1.0)) };

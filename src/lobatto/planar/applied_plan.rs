@@ -7,6 +7,7 @@
 use super::start::{PlanarBody, turned};
 use crate::forces::point_spring::NO_LENGTH;
 use crate::forces::total::{Stored, scalar_coordinate};
+use crate::lobatto::applied_plan::SpringLaw;
 use crate::model::{Attachment, Mechanism, Plane};
 use crate::state::{BodyState, State};
 use nalgebra::Vector3;
@@ -22,9 +23,7 @@ pub(super) struct LinePlan {
     pub ends: [End; 2],
     /// z (m).
     height: f64,
-    pub stiffness: f64,
-    pub damping: f64,
-    pub rest_length: f64,
+    pub law: SpringLaw,
 }
 
 /// A point of a body, or of the world.
@@ -89,9 +88,7 @@ impl ForcesPlan {
         let lines = mechanism.forces.point_springs.iter().map(|spring| LinePlan {
             ends: [end(&spring.a), end(&spring.b)],
             height: height_of(&spring.b) - height_of(&spring.a),
-            stiffness: spring.stiffness,
-            damping: spring.damping,
-            rest_length: spring.rest_length,
+            law: SpringLaw::of(spring),
         });
         let wrenches = mechanism.forces.wrenches.iter().map(|wrench| WrenchPlan {
             body: wrench.body,

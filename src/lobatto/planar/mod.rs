@@ -13,16 +13,15 @@ mod start;
 mod sweeps;
 
 use super::anderson::Anderson;
-use super::dynamics::Dynamics;
-use super::iteration::{self, Equations};
+use super::iteration::{self, Equations, Guarded};
 use super::lanes::{Lanes, in_lanes};
-use super::linearised::Linearised;
+use super::modes::Modes;
 use super::predictor::Predictor;
 use super::reversible::Pace;
-use super::stability::{Fastest, Mode};
+use super::stability::Mode;
 use super::stage::{Coefficients, MAX_TURN};
 use super::start::Start;
-use super::step::{Attempt, EXACT_STEPS, Kernel, REFINED_BELOW, Step, StopRule, worst_freedom};
+use super::step::{Attempt, Kernel, REFINED_BELOW, Step, StopRule, worst_freedom};
 use super::tableau::Tableau;
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
@@ -53,18 +52,9 @@ pub struct PlanarKernel<V: Lanes> {
     /// The states at both ends.
     origin: State,
     end_state: State,
-    /// What steers the steps knows space alone.
-    space: Space,
-}
-
-/// The start of a step in space, for those who ask now and then.
-struct Space {
-    start: Start,
-    /// Without forces.
-    dynamics: Option<Dynamics>,
-    fastest: Fastest,
-    /// What looks at the fastest mode with forces.
-    linearised: Option<Box<Linearised>>,
+    /// What steers the steps knows space alone: the start of a step there, for those who ask now and then.
+    space: Start,
+    modes: Modes,
 }
 
 impl<V: Lanes> PlanarKernel<V> {
@@ -86,34 +76,10 @@ impl<V: Lanes> PlanarKernel<V> {
             end: PlanarStart::new(mechanism),
             origin: State::zero(mechanism),
             end_state: State::zero(mechanism),
-            space: Space {
-                dynamics: mechanism.is_plain_tree().then(|| Dynamics::new(&stages.plan.tree, freedoms)),
-                fastest: Fastest::new(freedoms),
-                linearised: (!mechanism.is_plain_tree()).then(|| Box::new(Linearised::new(mechanism))),
-                start: Start::new(mechanism),
-            },
+            space: Start::new(mechanism),
+            modes: Modes::new(mechanism, &stages.plan.tree),
             stages,
         }
-    }
-
-    fn guess(&mut self, plain: bool) {
-        let (stages, predictor, coefficients) = (&mut self.stages, &mut self.predictor, &self.coefficients);
-        in_lanes!(V, {
-            predictor.guess(stages.unknowns(coefficients), plain);
-            stages.measure();
-        });
-    }
-
-    /// The exact Newton method from the guess at hand.
-    fn attempt_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
-        let exact = self.exact.get_or_insert_with(|| Box::new(Kernel::new(mechanism, &self.tableau, &[])));
-        exact.stages.start.set(mechanism, &self.origin);
-        exact.stages.step = self.stages.step;
-        exact.stages.displacement.copy_from_slice(&self.stages.displacement);
-        let attempt = exact.attempt_exactly(mechanism, rule);
-        self.stages.displacement.copy_from_slice(&exact.stages.displacement);
-        self.stages.largest = f64::INFINITY;
-        attempt
     }
 }
 
@@ -157,6 +123,35 @@ impl<V: Lanes> Equations for PlanarKernel<V> {
     }
 }
 
+impl<V: Lanes> Guarded for PlanarKernel<V> {
+    fn guess(&mut self, plain: bool) {
+        let (stages, predictor, coefficients) = (&mut self.stages, &mut self.predictor, &self.coefficients);
+        in_lanes!(V, {
+            predictor.guess(stages.unknowns(coefficients), plain);
+            stages.measure();
+        });
+    }
+
+    fn restart(&mut self) {
+        self.anderson.restart();
+    }
+
+    fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
+        let exact = self.exact.get_or_insert_with(|| Box::new(Kernel::new(mechanism, &self.tableau, &[])));
+        exact.stages.start.set(mechanism, &self.origin);
+        exact.stages.step = self.stages.step;
+        exact.stages.displacement.copy_from_slice(&self.stages.displacement);
+        let attempt = exact.solve_exactly(mechanism, rule);
+        self.stages.displacement.copy_from_slice(&exact.stages.displacement);
+        self.stages.largest = f64::INFINITY;
+        attempt
+    }
+
+    fn exact_for(&mut self) -> &mut usize {
+        &mut self.exact_for
+    }
+}
+
 impl<V: Lanes> Step for PlanarKernel<V> {
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.stages.start.set(&self.stages.plan, mechanism, state);
@@ -171,23 +166,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, plain: bool) -> Attempt {
         self.stages.step = step;
         self.refined = rule.increment < REFINED_BELOW;
-        let mut spent = 0;
-        self.guess(plain);
-        if self.exact_for == 0 {
-            self.anderson.restart();
-            let attempt = iteration::solve(self, rule);
-            // The exact method is dear: the other guess comes first.
-            if !matches!(attempt, Attempt::Failed { .. }) || !plain {
-                return attempt;
-            }
-            spent = attempt.iterations();
-            self.guess(plain);
-        }
-        let attempt = self.attempt_exactly(mechanism, rule).after(spent);
-        if matches!(attempt, Attempt::Converged { .. }) {
-            self.exact_for = if spent > 0 { EXACT_STEPS } else { self.exact_for.saturating_sub(1) };
-        }
-        attempt
+        iteration::attempt(self, mechanism, rule, plain)
     }
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
@@ -231,23 +210,13 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     }
 
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
-        let (plan, Space { start, dynamics, fastest, linearised }) = (&self.stages.plan.tree, &mut self.space);
-        let of_tree = dynamics.as_mut().map(|dynamics| {
-            start.set(mechanism, state);
-            let frequency = fastest.estimate(dynamics, plan, start, &mechanism.gravity.into(), iterations);
-            Mode { frequency, damping: 0.0 }
-        });
-        let of_others = || linearised.as_mut().map(|linearised| linearised.estimate(mechanism, state, iterations));
-        of_tree.or_else(of_others).unwrap_or_default()
+        self.space.set(mechanism, state);
+        self.modes.fastest(mechanism, &self.stages.plan.tree, &self.space, state, iterations)
     }
 
     fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace> {
-        let (plan, Space { start, dynamics, .. }) = (&self.stages.plan.tree, &mut self.space);
-        let jerks = &mut self.velocity;
-        dynamics.as_mut().map(|dynamics| {
-            start.set(mechanism, state);
-            Pace::at(dynamics, plan, start, &mechanism.gravity.into(), jerks)
-        })
+        self.space.set(mechanism, state);
+        self.modes.pace(mechanism, &self.stages.plan.tree, &self.space)
     }
 
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {
