@@ -1,0 +1,158 @@
+//! How a run was integrated, how accurate it is expected to be, and what the user should know of it.
+
+use super::text::{counted, rounded};
+use crate::calibration::Calibration;
+use crate::simulation::{FrequencyStep, MethodDescription, SingularPosition};
+use serde::Serialize;
+
+/// The scheme of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct MethodReport {
+    /// Name of the scheme; part of the lines for people alone.
+    #[serde(skip)]
+    pub name: String,
+    /// Number of stages.
+    pub stages: usize,
+    /// Order of convergence.
+    pub order: usize,
+    /// The step, or the mean step of an adaptive run (s).
+    pub step: f64,
+    /// Whether the step is chosen from a tolerance.
+    pub adaptive: bool,
+    /// The tolerance it is chosen from.
+    pub tolerance: Option<f64>,
+    /// The nearest that any step came to the limit of linear stability; null where nobody looked, as in a run of a few steps.
+    pub max_frequency_step: Option<FrequencyReport>,
+    /// How often reversible steps had to be set anew, which turning time round would not repeat; null for other steps.
+    pub reversible_resets: Option<usize>,
+}
+
+/// How near a step came to the limit of linear stability.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FrequencyReport {
+    /// Step times frequency of the fastest mode (rad).
+    pub value: f64,
+    /// Where the scheme becomes unstable (rad).
+    pub limit: f64,
+    /// The step (s).
+    pub step: f64,
+    /// When (s).
+    pub time: f64,
+}
+
+impl MethodReport {
+    /// The method as an integrator describes itself.
+    pub fn new(description: &MethodDescription) -> Self {
+        MethodReport {
+            name: description.name.clone(),
+            stages: description.stages,
+            order: description.order,
+            step: description.step,
+            adaptive: description.adaptive,
+            tolerance: description.tolerance,
+            max_frequency_step: description.frequency_step.map(|seen| FrequencyReport {
+                value: seen.product,
+                limit: seen.limit,
+                step: seen.step,
+                time: seen.time,
+            }),
+            reversible_resets: description.reversible_resets,
+        }
+    }
+
+    /// What the user should know, if a step was beyond the limit of stability.
+    pub fn warning(description: &MethodDescription) -> Option<String> {
+        let seen = description.frequency_step.filter(FrequencyStep::is_unstable)?;
+        Some(format!(
+            "a step of {} s is beyond the stability limit of {} at t = {} s, where the fastest motion turns by {} rad in it \
+             and {} rad is the limit: fast motions grow without bound; use --step below {} s, more --stages, or --tolerance",
+            rounded(seen.step),
+            counted(description.stages, "stage"),
+            rounded(seen.time),
+            rounded(seen.product),
+            rounded(seen.limit),
+            rounded(seen.longest())
+        ))
+    }
+}
+
+/// What the user should know, if closures said less somewhere in the run than elsewhere.
+pub fn singular_warning(description: &MethodDescription) -> Option<String> {
+    let SingularPosition { time, extra } = description.singular?;
+    let (equations, are) = if extra == 1 { ("constraint", "is") } else { ("constraints", "are") };
+    Some(format!(
+        "near t = {} s the mechanism passes a singular position, where {extra} more {equations} {are} redundant and inertia alone \
+         decides the branch",
+        rounded(time)
+    ))
+}
+
+/// Energy errors beyond this part of the kinetic energy are said to the user: a digit or two are right at best.
+pub const COARSE: f64 = 1e-2;
+
+/// What the user should know, if the energy does not balance.
+pub fn energy_warning(description: &MethodDescription, relative_error: f64) -> Option<String> {
+    // What is not a number does not balance either.
+    if relative_error <= COARSE {
+        return None;
+    }
+    let remedy =
+        if description.adaptive { "a smaller --tolerance" } else { "a smaller --step, more --stages, or --tolerance" };
+    Some(format!(
+        "the energy balance is off by {} % of the largest kinetic energy: the steps are too long for this motion; use {remedy}",
+        rounded(100.0 * relative_error)
+    ))
+}
+
+/// The accuracy to expect of a run, from pilot runs.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct AccuracyReport {
+    /// The accuracy asked for (m).
+    pub wanted: f64,
+    /// The largest error to expect at any instant of the run (m).
+    pub estimated: f64,
+    /// The instant up to which the wanted accuracy is expected to hold (s).
+    pub holds_until: f64,
+    /// Whether that is the end of the run.
+    pub reached: bool,
+    /// Number of pilot runs.
+    pub pilots: usize,
+}
+
+impl AccuracyReport {
+    /// What a calibration found for a run that ends at `end`.
+    pub fn new(wanted: f64, end: f64, found: &Calibration) -> Self {
+        AccuracyReport {
+            wanted,
+            estimated: found.estimate,
+            holds_until: found.holds_until,
+            reached: found.holds_until >= end,
+            pilots: found.pilots,
+        }
+    }
+
+    /// What the calibrations of islands say of the whole, in a run that ends at `end`: nothing if one of them says nothing.
+    /// What sleeps is where it should be.
+    pub fn together(wanted: f64, end: f64, islands: &[Option<AccuracyReport>]) -> Option<Self> {
+        let all: Vec<AccuracyReport> = islands.iter().copied().collect::<Option<_>>()?;
+        Some(AccuracyReport {
+            wanted,
+            estimated: all.iter().map(|one| one.estimated).fold(0.0, f64::max),
+            holds_until: all.iter().map(|one| one.holds_until).fold(end, f64::min),
+            reached: all.iter().all(|one| one.reached),
+            pilots: all.iter().map(|one| one.pilots).sum(),
+        })
+    }
+
+    /// What the user should know, if the accuracy does not hold to the end.
+    pub fn warning(&self) -> Option<String> {
+        (!self.reached).then(|| {
+            format!(
+                "the motion amplifies every error: the accuracy of {:e} m is expected to hold until t = {} s only; after \
+                 that the run is one of many possible motions, with the right energy and constraints",
+                self.wanted,
+                rounded(self.holds_until)
+            )
+        })
+    }
+}

@@ -1,0 +1,133 @@
+//! The report as lines for people.
+
+use super::Report;
+use std::fmt;
+
+/// More warnings than this are only counted in the lines for people.
+const SHOWN_WARNINGS: usize = 10;
+
+impl fmt::Display for Report {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let speed = if self.wall_seconds > 0.0 { self.duration / self.wall_seconds } else { f64::INFINITY };
+        writeln!(
+            out,
+            "{}: {} s simulated in {:.3} s, {} times real time",
+            self.scene,
+            // Sums of steps carry roundings that nobody wants to read.
+            (self.duration * 1e6).round() / 1e6,
+            self.wall_seconds,
+            rounded(speed)
+        )?;
+        let model = &self.model;
+        write!(
+            out,
+            "  model       {}, {}, {}",
+            counted(model.links, "link"),
+            counted(model.bodies, "moving body"),
+            counted(model.degrees_of_freedom, "degree of freedom")
+        )?;
+        match (model.loops, model.redundant_constraints) {
+            (0, _) => writeln!(out)?,
+            (loops, redundant) => {
+                writeln!(out, ", {}, {}", counted(loops, "loop"), counted(redundant, "redundant constraint"))?;
+            }
+        }
+        match (model.islands, model.sleeping_islands) {
+            (0 | 1, 0) => {}
+            (1, _) => writeln!(out, "  islands     at rest in equilibrium: not simulated")?,
+            (islands, 0) => writeln!(out, "  islands     {islands}")?,
+            (islands, all) if islands == all => {
+                writeln!(out, "  islands     {islands}, all at rest in equilibrium: not simulated")?
+            }
+            (islands, asleep) => {
+                writeln!(out, "  islands     {islands}, of which {asleep} at rest in equilibrium: not simulated")?;
+            }
+        }
+        let method = &self.method;
+        write!(out, "  method      {}, {}, order {}, ", method.name, counted(method.stages, "stage"), method.order)?;
+        let step = rounded(1e3 * method.step);
+        match (method.tolerance, method.reversible_resets) {
+            (Some(tolerance), _) => writeln!(out, "tolerance {tolerance:e}, mean step {step} ms")?,
+            (None, Some(resets)) => {
+                writeln!(out, "reversible steps, mean {step} ms, {}", counted(resets, "reset"))?;
+            }
+            (None, None) => writeln!(out, "step {step} ms")?,
+        }
+        if let Some(accuracy) = &self.accuracy {
+            writeln!(
+                out,
+                "  accuracy    {:.1e} m expected at worst, from {} pilot runs",
+                accuracy.estimated, accuracy.pilots
+            )?;
+        }
+        write!(out, "  steps       {}, {}", self.steps, counted(self.iterations, "iteration"))?;
+        if self.steps > 0 {
+            write!(out, " ({:.1} a step)", self.iterations as f64 / self.steps as f64)?;
+        }
+        writeln!(out, ", {} rejected", self.rejected_steps)?;
+        writeln!(
+            out,
+            "  energy      {:.6} J at the start, largest relative error {:.1e}",
+            self.energy.initial, self.energy.max_relative_error
+        )?;
+        let energy = &self.energy;
+        if energy.dissipated != 0.0 || energy.work != 0.0 {
+            writeln!(
+                out,
+                "              {} J dissipated, {} J put in, {} J left in springs",
+                rounded(energy.dissipated),
+                rounded(energy.work),
+                rounded(energy.parts.spring)
+            )?;
+        }
+        writeln!(
+            out,
+            "  constraint  largest violation {:.1e} m, {:.1e} m/s",
+            self.constraint.max_position, self.constraint.max_velocity
+        )?;
+        if let Some(log) = &self.log {
+            writeln!(out, "  log         {}", log.display())?;
+        }
+        for warning in self.warnings.iter().take(SHOWN_WARNINGS) {
+            writeln!(out, "  warning     {warning}")?;
+        }
+        if self.warnings.len() > SHOWN_WARNINGS {
+            writeln!(out, "  warning     and {} more", self.warnings.len() - SHOWN_WARNINGS)?;
+        }
+        Ok(())
+    }
+}
+
+/// Three significant digits.
+pub(super) fn rounded(value: f64) -> String {
+    if !value.is_finite() || value == 0.0 {
+        return value.to_string();
+    }
+    let digits_before_point = value.abs().log10().floor() as i32;
+    match digits_before_point {
+        -4..=5 => format!("{value:.*}", (2 - digits_before_point).max(0) as usize),
+        _ => format!("{value:.2e}"),
+    }
+}
+
+/// A number and its noun, in the plural where that is due.
+pub(super) fn counted(count: usize, noun: &str) -> String {
+    match (count, noun) {
+        (1, _) => format!("1 {noun}"),
+        (_, "moving body") => format!("{count} moving bodies"),
+        (_, "degree of freedom") => format!("{count} degrees of freedom"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{counted, rounded};
+
+    #[test]
+    fn numbers_for_people_have_three_digits_and_nouns_agree() {
+        assert_eq!([833.33, 0.012345, 1e9].map(rounded), ["833", "0.0123", "1.00e9"]);
+        assert_eq!(counted(1, "stage"), "1 stage");
+        assert_eq!(counted(2, "moving body"), "2 moving bodies");
+    }
+}
