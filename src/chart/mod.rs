@@ -11,6 +11,7 @@
 //!                                    └→ table (CSV) ← measurements of others ────┘
 //! ```
 
+mod axis;
 pub(crate) mod canvas;
 pub mod comma_separated;
 pub mod energy;

@@ -1,10 +1,10 @@
 //! The work–precision picture: CPU seconds per simulated second against the error at the end.
 
+use super::axis::power_of_ten;
 use super::measure::SceneChart;
 use super::method::Method;
 use super::picture::{Band, Panel, Picture, Scale, Series};
 use super::ratio::{Comparison, LEVELS, Reach};
-use super::render::power_of_ten;
 use super::style::look;
 use super::table::Measurement;
 

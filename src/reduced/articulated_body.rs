@@ -28,12 +28,10 @@
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7 (the recursion) and section
 //! 5.3 (the bias force).
 
+use super::articulated_inertia::{Articulated, Screw};
 use crate::model::joint::rotation_from_wxyz;
 use crate::model::{Body, FreeRotation, JointKind, Mechanism};
-use crate::small::{
-    Symmetric, column, cross, cross_matrix, cross_symmetric, dot, from_columns, product, times, transpose_times,
-    twice_symmetric_part_of_cross,
-};
+use crate::small::{Symmetric, column, cross, from_columns, product, times};
 use nalgebra::{Matrix3, Vector3};
 
 /// Forward dynamics of one mechanism: its constants and the workspace of an evaluation.
@@ -88,26 +86,6 @@ struct Motion {
     moment: Vector3<f64>,
     torque: Vector3<f64>,
     force: Vector3<f64>,
-}
-
-/// The articulated inertia and wrench of a subtree at an anchor.
-#[derive(Clone, Copy, Debug, Default)]
-struct Articulated {
-    angular: Symmetric,
-    coupling: Matrix3<f64>,
-    linear: Symmetric,
-    torque: Vector3<f64>,
-    force: Vector3<f64>,
-}
-
-/// One free direction after its elimination: `q̈ = free − (angular, linear) · δ`, with δ at the body's anchor before
-/// the joint moves it, or for a revolute joint at the parent's anchor.
-#[derive(Clone, Copy, Debug, Default)]
-struct Screw {
-    axis: Vector3<f64>,
-    angular: Vector3<f64>,
-    linear: Vector3<f64>,
-    free: f64,
 }
 
 /// Angular acceleration, and linear acceleration of the anchor.
@@ -231,7 +209,8 @@ impl ArticulatedBody {
         let mut carried = Articulated::default();
         for (index, link) in self.links.iter().enumerate().rev() {
             let motion = &self.motion[index + 1];
-            let mut subtree = Articulated::rigid(motion, link.mass);
+            let mut subtree =
+                Articulated::rigid(link.mass, &motion.moment, motion.inertia, motion.torque, motion.force);
             if link.next_is_child {
                 subtree.add(&carried);
             }
@@ -381,102 +360,6 @@ impl Default for Motion {
             torque: Vector3::zeros(),
             force: Vector3::zeros(),
         }
-    }
-}
-
-impl Articulated {
-    /// A single body.
-    #[inline(always)]
-    fn rigid(motion: &Motion, mass: f64) -> Self {
-        Articulated {
-            angular: motion.inertia,
-            coupling: cross_matrix(&motion.moment),
-            linear: Symmetric::scalar(mass),
-            torque: motion.torque,
-            force: motion.force,
-        }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, other: &Articulated) {
-        self.angular.add(&other.angular);
-        self.coupling += other.coupling;
-        self.linear.add(&other.linear);
-        self.torque += other.torque;
-        self.force += other.force;
-    }
-
-    /// Frees the rotation about `axis`, with the torque `applied` on it.
-    #[inline(always)]
-    fn eliminate_rotation(&mut self, axis: &Vector3<f64>, applied: f64) -> Screw {
-        let angular = self.angular.times(axis);
-        let linear = transpose_times(&self.coupling, axis);
-        self.eliminate(axis, &angular, &linear, dot(axis, &angular), applied - dot(axis, &self.torque))
-    }
-
-    /// Frees the translation along `axis`, with the force `applied` on it.
-    #[inline(always)]
-    fn eliminate_translation(&mut self, axis: &Vector3<f64>, applied: f64) -> Screw {
-        let angular = times(&self.coupling, axis);
-        let linear = self.linear.times(axis);
-        self.eliminate(axis, &angular, &linear, dot(axis, &linear), applied - dot(axis, &self.force))
-    }
-
-    /// The rank-one step: `U = (angular, linear)`, `d = inertia`, `y = unbalanced`.
-    #[inline(always)]
-    fn eliminate(
-        &mut self,
-        axis: &Vector3<f64>,
-        angular: &Vector3<f64>,
-        linear: &Vector3<f64>,
-        inertia: f64,
-        unbalanced: f64,
-    ) -> Screw {
-        let inverse = 1.0 / inertia;
-        let scaled_angular = angular * inverse;
-        let scaled_linear = linear * inverse;
-        let free = unbalanced * inverse;
-        self.angular.subtract_dyad(angular, &scaled_angular);
-        self.linear.subtract_dyad(linear, &scaled_linear);
-        for j in 0..3 {
-            for i in 0..3 {
-                self.coupling[(i, j)] -= angular[i] * scaled_linear[j];
-            }
-        }
-        self.torque += angular * free;
-        self.force += linear * free;
-        Screw { axis: *axis, angular: scaled_angular, linear: scaled_linear, free }
-    }
-
-    /// The same subtree seen from a point that lies `−arm` away: the parent's anchor.
-    #[inline(always)]
-    fn shifted(&self, arm: &Vector3<f64>) -> Articulated {
-        // A' = A − B'[r]× − (B[r]×)ᵀ with B' = B + [r]×M; the mean of B and B' makes that one symmetric part.
-        let lever = cross_symmetric(arm, &self.linear);
-        let mean = self.coupling + lever * 0.5;
-        let turned = twice_symmetric_part_of_cross(&mean, arm);
-        let mut angular = self.angular;
-        angular.xx -= turned.xx;
-        angular.xy -= turned.xy;
-        angular.xz -= turned.xz;
-        angular.yy -= turned.yy;
-        angular.yz -= turned.yz;
-        angular.zz -= turned.zz;
-        Articulated {
-            angular,
-            coupling: self.coupling + lever,
-            linear: self.linear,
-            torque: self.torque + cross(arm, &self.force),
-            force: self.force,
-        }
-    }
-}
-
-impl Screw {
-    /// The joint acceleration that the rest of the parent's acceleration leaves.
-    #[inline(always)]
-    fn rate(&self, angular: &Vector3<f64>, linear: &Vector3<f64>) -> f64 {
-        self.free - dot(&self.angular, angular) - dot(&self.linear, linear)
     }
 }
 

@@ -3,12 +3,13 @@
 //! It shares no line with the Lobatto scheme, so it serves as an oracle in tests, and it is tuned as a rival in the
 //! benches. In reading order:
 //!
-//! - [`articulated_body`]: joint accelerations, O(n);
+//! - [`articulated_body`] and `articulated_inertia`: joint accelerations, O(n);
 //! - [`inverse_dynamics`]: the wrenches the joints carry;
 //! - [`ode`]: the first-order system y = (position, velocity);
 //! - [`euler`], [`rk4`], [`dop853`]: three ways to integrate it.
 
 pub mod articulated_body;
+mod articulated_inertia;
 pub mod dop853;
 mod dop853_table;
 pub mod euler;
