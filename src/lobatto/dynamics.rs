@@ -121,9 +121,9 @@ impl Dynamics {
             let body = &mut self.bodies[index];
             body.angular = parent.angular + spin.cross(&turn);
             body.linear = parent.linear + parent.angular.cross(&arm) + spin.cross(&(spin.cross(&arm) + 2.0 * slide));
-            let (force, torque, _) = body_wrench(own, known, body, &gravity);
+            let (force, torque, _) = body_wrench(known, body, &gravity);
             let (force, torque) = (force - self.wrenches[index].0, torque - self.wrenches[index].1);
-            self.inertias[index] = body_inertia(own, known, force, torque);
+            self.inertias[index] = body_inertia(known, force, torque);
         }
         for (index, own) in plan.bodies.iter().enumerate().rev() {
             let total = &mut self.inertias[index];
@@ -151,12 +151,12 @@ impl Dynamics {
         let mut accelerations = std::mem::take(&mut self.accelerations);
         self.forward(plan, start, &mut accelerations);
         self.accelerations = accelerations;
-        for (index, (own, known)) in plan.bodies.iter().zip(&start.bodies).enumerate() {
+        for (index, known) in start.bodies.iter().enumerate() {
             let (linear, angular) = self.pairs[index];
             let body = &mut self.bodies[index];
             body.linear += linear;
             body.angular += angular;
-            (body.own, body.torque, body.turn) = body_wrench(own, known, body, &gravity);
+            (body.own, body.torque, body.turn) = body_wrench(known, body, &gravity);
             body.own -= self.wrenches[index].0;
             body.torque -= self.wrenches[index].1;
             body.force = body.own;
@@ -204,7 +204,7 @@ impl Dynamics {
             let angular = parent.1 + turn;
             let linear = parent.0 + parent.1.cross(&Vector3::from(known.arm)) + slide;
             let swing = angular.cross(&com);
-            size += own.mass * (linear + swing).norm_squared() + angular.dot(&spin_inertia(known, &angular));
+            size += known.mass * (linear + swing).norm_squared() + angular.dot(&spin_inertia(known, &angular));
             let body = &self.bodies[index];
             let spread = body.turn.tr_mul(&angular) - body.turn.trace() * angular;
             self.pairs[index] = (linear, angular);
@@ -245,7 +245,7 @@ impl Dynamics {
             let com1 = own_spin.cross(&com);
             let com2 = body.angular.cross(&com) + own_spin.cross(&com1);
             let com3 = angular.cross(&com) + 2.0 * body.angular.cross(&com1) + own_spin.cross(&com2);
-            let force = own.mass * (linear + com3);
+            let force = known.mass * (linear + com3);
             // The second derivative of R J Rᵀ ω.
             let (swirl, push) = (spin_inertia(known, &own_spin), spin_inertia(known, &body.angular));
             let torque = spin_inertia(known, &angular) + own_spin.cross(&push)
@@ -344,15 +344,10 @@ fn second_moments(known: &BodyStart) -> Matrix3<f64> {
 }
 
 /// Force on a body, torque about its anchor, and Z, for its accelerations.
-fn body_wrench(
-    own: &BodyPlan,
-    known: &BodyStart,
-    body: &Body,
-    gravity: &Vector3<f64>,
-) -> (Vector3<f64>, Vector3<f64>, Matrix3<f64>) {
+fn body_wrench(known: &BodyStart, body: &Body, gravity: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, Matrix3<f64>) {
     let (com, spin) = (Vector3::from(known.com), Vector3::from(known.spin));
     let acceleration = body.linear + body.angular.cross(&com) + spin.cross(&spin.cross(&com));
-    let force = own.mass * (acceleration - gravity);
+    let force = known.mass * (acceleration - gravity);
     let hat = spin.cross_matrix();
     let turn = (body.angular.cross_matrix() + hat * hat) * second_moments(known);
     let torque = Vector3::new(turn.m32 - turn.m23, turn.m13 - turn.m31, turn.m21 - turn.m12);
@@ -360,10 +355,10 @@ fn body_wrench(
 }
 
 /// The inertia of a body about its anchor, with a wrench as bias.
-fn body_inertia(own: &BodyPlan, known: &BodyStart, force: Vector3<f64>, torque: Vector3<f64>) -> Articulated<Scalar> {
+fn body_inertia(known: &BodyStart, force: Vector3<f64>, torque: Vector3<f64>) -> Articulated<Scalar> {
     let [xx, xy, xz, yy, yz, zz] = known.sigma;
     let [x, y, z] = known.com;
-    let m = own.mass;
+    let m = known.mass;
     let symmetric = |entries: [f64; 6]| Symmetric(entries.map(lane));
     Articulated {
         mass: symmetric([m, 0.0, 0.0, m, 0.0, m]),

@@ -19,6 +19,10 @@ pub(super) trait Equations {
     /// One iteration from where the last left off: finds the increments, returns the largest. Where they are `settled`, the
     /// rounding of the coefficients counts.
     fn iterate(&mut self, settled: bool) -> f64;
+    /// Whether iterations that are not settled do without the second half of the coefficients' digits, and those that are do not.
+    fn refines(&self) -> bool {
+        false
+    }
     /// Takes the next iterate; returns the largest displacement.
     fn advance(&mut self) -> f64;
     /// Adds the increments to the displacements, and no more: the iteration has ended.
@@ -72,12 +76,17 @@ pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule:
 pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt {
     let mut recent = [f64::INFINITY; 5];
     let mut scale = 1.0_f64;
+    let refines = equations.refines();
     for iteration in 1..=rule.iterations {
         let previous = recent[(iteration + 3) % 5];
-        // The second half of the digits matters where the first is settled.
-        let increment = equations.iterate(previous < 1e-13);
-        let converged =
-            increment <= rule.increment * scale || (increment <= rule.rounding * scale && increment > 0.5 * previous);
+        let earlier = recent[(iteration + 2) % 5];
+        // The second half of the coefficients' digits matters where the first half of those of the solution is settled, or will be
+        // after the next increment if it falls as the last one did; and a step to rounding has not ended without them.
+        let settled = previous < 1e-13 || (earlier.is_finite() && previous * previous < 1e-15 * earlier);
+        let increment = equations.iterate(settled);
+        let converged = (settled || !refines)
+            && (increment <= rule.increment * scale
+                || (increment <= rule.rounding * scale && increment > 0.5 * previous));
         if converged {
             equations.complete();
             // Fixed steps do not ask how accurate they are.

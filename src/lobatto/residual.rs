@@ -76,11 +76,13 @@ impl<V: Lanes> Coefficients<V> {
     #[inline(always)]
     pub fn momentum_columns(&self, step: f64) -> ([V; MAX_LANES], [V; MAX_LANES]) {
         let (mut columns, mut rest) = (self.momentum, self.momentum_rest);
-        let inverse = V::splat(1.0 / step);
+        // Neither 1/h nor the product with it may be rounded.
+        let inverse = 1.0 / step;
+        let inverse_rest = V::splat(inverse.mul_add(-step, 1.0) * inverse);
+        let inverse = V::splat(inverse);
         for (column, rest) in columns.iter_mut().zip(&mut rest) {
-            // The product with 1/h must not be rounded either.
             let rounded = *column * inverse;
-            let lost = column.mul_add(inverse, -rounded);
+            let lost = column.mul_add(inverse_rest, column.mul_add(inverse, -rounded));
             *rest = rest.mul_add(inverse, lost);
             *column = rounded;
         }
@@ -121,12 +123,11 @@ impl<V: Lanes> Coefficients<V> {
 #[inline(always)]
 pub fn sliding_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,
-    plan: &BodyPlan,
     known: &BodyStart,
     pose: &StagePose<V>,
 ) -> (Symmetric<V>, Vector<V>) {
-    let force = force_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, pose.anchor);
-    let (mass, zero) = (V::splat(plan.mass), V::zero());
+    let force = force_residual::<V, MOMENTUM, REFINED>(sweep, known, pose.anchor);
+    let (mass, zero) = (V::splat(known.mass), V::zero());
     let force = if MOMENTUM { force.times(V::splat(-1.0)) } else { force };
     (Symmetric([mass, zero, zero, mass, zero, mass]), force)
 }
@@ -135,7 +136,6 @@ pub fn sliding_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
 #[inline(always)]
 fn force_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,
-    plan: &BodyPlan,
     known: &BodyStart,
     displaced: Vector<V>,
 ) -> Vector<V> {
@@ -153,7 +153,7 @@ fn force_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     if MOMENTUM {
         path = path.plus(start_velocity);
     }
-    path.plus(Vector::splat(&sweep.gravity)).times(V::splat(plan.mass))
+    path.plus(Vector::splat(&sweep.gravity)).times(V::splat(known.mass))
 }
 
 /// Inertia and residual of one body about its anchor, and `N` at the rows' stages.
@@ -173,7 +173,7 @@ pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
 
     let com = Vector::splat(&known.com);
     let swing = turn.apply(com);
-    let force = force_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, swing.plus(pose.anchor));
+    let force = force_residual::<V, MOMENTUM, REFINED>(sweep, known, swing.plus(pose.anchor));
     // From here on: the geometry of the rows.
     let turn = if MOMENTUM { turn } else { turn.times(sweep.moved) };
     let com = swing.times_plus(sweep.moved, com);
@@ -186,7 +186,7 @@ pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     let (force, torque) =
         if MOMENTUM { (force.times(V::splat(-1.0)), torque.times(V::splat(-1.0))) } else { (force, torque) };
 
-    let mass = V::splat(plan.mass);
+    let mass = V::splat(known.mass);
     // Parallel axes: I + m (|c|² − c cᵀ), and the coupling −m ĉ.
     let heavy = com.times(mass);
     let ([cx, cy, cz], [mx, my, mz]) = (com.0, heavy.0);

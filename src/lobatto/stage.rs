@@ -169,7 +169,7 @@ impl<V: Lanes> Stages<V> {
             slots: vec![Articulated::zero(); plan.slots],
             twists: vec![(Vector::zero(), Vector::zero()); plan.slots],
             applied: Applied::new(mechanism, tableau),
-            start: Start::new(mechanism),
+            start: Start::with_units(mechanism),
             plan,
             step: 0.0,
         }

@@ -8,6 +8,11 @@
 //!     Σ     = R Σ_body Rᵀ             [kg m²]    second moments about the centre of mass
 //!     axes  = the free axes of the joint: translations turn with the parent, rotations with the body
 //! ```
+//!
+//! Under gravity alone nothing depends on the unit of mass, and a step may have one of its own: [`Start::with_units`]. An inertia
+//! about a joint that is the same in every step would round to the same side in every step, while the momentum that it is to be
+//! divided by it does not: the energy then drifts by some 2e-17 of itself a step. In a unit of mass that differs from step to step
+//! all roundings are as good as random.
 
 use super::applied_plan::AppliedStart;
 use crate::forces::total::stored;
@@ -46,8 +51,6 @@ pub struct BodyPlan {
     pub rotation: FreeRotation,
     /// Whether the body floats alone about its centre of mass: its translation and rotation do not couple.
     pub alone: bool,
-    /// Mass (kg).
-    pub mass: f64,
     /// Whether the body is known never to turn, and whether its parent is; the world never does.
     pub slides: bool,
     pub parent_slides: bool,
@@ -70,6 +73,8 @@ impl BodyPlan {
 /// The start-of-step part of a body.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BodyStart {
+    /// Mass (kg, or the unit of the step).
+    pub mass: f64,
     /// From the parent's anchor to this body's (m).
     pub arm: [f64; 3],
     /// From the anchor to the centre of mass (m).
@@ -105,6 +110,8 @@ pub struct Start {
     /// Energy of the state.
     pub energy: Energy,
     states: Vec<BodyState>,
+    /// Whether every step has its own unit of mass.
+    own_unit: bool,
 }
 
 impl Plan {
@@ -147,7 +154,6 @@ impl Plan {
                     && children[index] == Children::None
                     && body.joint.kind == JointKind::Floating
                     && body.joint.on_child.translation.vector == nalgebra::Vector3::zeros(),
-                mass: body.mass,
                 slides: false,
                 parent_slides: body.parent.is_none(),
                 point: false,
@@ -191,7 +197,13 @@ impl Start {
             applied: AppliedStart::new(mechanism),
             energy: Energy::default(),
             states: vec![WORLD; mechanism.bodies.len()],
+            own_unit: false,
         }
+    }
+
+    /// The same for a kernel: with a unit of mass for every step, if nothing but gravity acts.
+    pub fn with_units(mechanism: &Mechanism) -> Self {
+        Start { own_unit: mechanism.is_plain_tree(), ..Start::new(mechanism) }
     }
 
     /// Poses and velocities of all bodies.
@@ -214,6 +226,7 @@ impl Start {
     pub fn set(&mut self, mechanism: &Mechanism, state: &State) {
         self.rates.copy_from_slice(&state.velocity);
         let mut energy = Energy::default();
+        let per_unit = if self.own_unit { units_per_kilogram(&state.velocity) } else { 1.0 };
         for (index, body) in mechanism.bodies.iter().enumerate() {
             let joint = &body.joint;
             let parent = body.parent.map_or(WORLD, |parent| self.states[parent]);
@@ -249,9 +262,10 @@ impl Start {
                 + 0.5 * (0.5 * moments.sum() * spin.norm_squared() - spread);
             energy.potential -= body.mass * mechanism.gravity.dot(&own.position);
             self.bodies[index] = BodyStart {
+                mass: body.mass * per_unit,
                 arm: arm.into(),
                 com: com.into(),
-                sigma,
+                sigma: sigma.map(|moment| moment * per_unit),
                 velocity: own.velocity.into(),
                 spin: own.angular_velocity.into(),
             };
@@ -282,4 +296,13 @@ impl Start {
         }
         self.energy = energy;
     }
+}
+
+/// A number from 1 to 2 that is as good as random, but the same for the same rates.
+fn units_per_kilogram(rates: &[f64]) -> f64 {
+    /// An odd number without a pattern: 2⁶⁴ over the golden ratio.
+    const SPREAD: u64 = 0x9e37_79b9_7f4a_7c15;
+    let mix = |mixed: u64, rate: &f64| (mixed.rotate_left(23) ^ rate.to_bits()).wrapping_mul(SPREAD);
+    let mantissa = rates.iter().fold(0, mix) >> 12;
+    f64::from_bits(1.0_f64.to_bits() | mantissa)
 }

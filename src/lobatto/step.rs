@@ -167,7 +167,7 @@ impl<V: Lanes> Kernel<V> {
             gravity: mechanism.gravity.into(),
             velocity: vec![0.0; mechanism.velocity_count],
             displaced: vec![0.0; mechanism.velocity_count],
-            end: Start::new(mechanism),
+            end: Start::with_units(mechanism),
         }
     }
 }
@@ -182,18 +182,23 @@ pub(super) fn worst_freedom<V: Lanes>(increments: &[V]) -> usize {
 /// The simplified iteration, with Anderson's acceleration.
 impl<V: Lanes> Equations for Kernel<V> {
     fn iterate(&mut self, settled: bool) -> f64 {
+        let refines = self.refines();
         let stages = &mut self.stages;
         let gravity = &self.gravity;
         in_lanes!(V, stages.sweep_poses());
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(false));
             in_lanes!(V, stages.sweep_forced_residual(gravity));
-        } else if self.refined && settled {
+        } else if refines && settled {
             in_lanes!(V, stages.sweep_residual::<true>(gravity));
         } else {
             in_lanes!(V, stages.sweep_residual::<false>(gravity));
         }
         in_lanes!(V, stages.sweep_increments().largest())
+    }
+
+    fn refines(&self) -> bool {
+        self.refined && self.stages.applied.is_none()
     }
 
     fn advance(&mut self) -> f64 {

@@ -74,7 +74,7 @@ impl<V: Lanes> Stages<V> {
             let known = &self.start.bodies[index];
             let pose = self.poses[index];
             if plan.slides {
-                let (mass, force) = sliding_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, &pose);
+                let (mass, force) = sliding_residual::<V, MOMENTUM, REFINED>(sweep, known, &pose);
                 let mut own = Articulated { mass, force, ..Articulated::zero() };
                 if FORCED && let Some(applied) = &applied {
                     own.force = applied.wrenches[index].0.times_minus(scale, own.force);

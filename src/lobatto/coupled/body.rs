@@ -22,7 +22,7 @@ use crate::model::FreeRotation;
 impl<V: Lanes> Coupled<V> {
     /// A body's inertia and residual.
     #[inline(always)]
-    pub(super) fn own(&mut self, level: usize, plan: &Plan, start: &Start, body: usize) {
+    pub(super) fn own(&mut self, level: usize, start: &Start, body: usize) {
         let mut anchors = [Vector::zero(); 2];
         for side in 0..2 {
             anchors[side] = self.anchor(start, body, side);
@@ -35,7 +35,7 @@ impl<V: Lanes> Coupled<V> {
             OwnBody {
                 anchors,
                 moved: &self.moved[body],
-                mass: plan.bodies[body].mass,
+                mass: known.mass,
                 com: known.com,
                 sigma: known.sigma,
                 bias: self.bias[body],

@@ -249,7 +249,7 @@ impl<V: Lanes> Coupled<V> {
                     None
                 }
                 Operation::Own { body, ends } => {
-                    in_lanes!(V, self.own(level, plan, start, *body));
+                    in_lanes!(V, self.own(level, start, *body));
                     for &end in ends {
                         in_lanes!(V, self.end(level, end));
                     }

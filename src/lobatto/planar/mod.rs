@@ -86,15 +86,20 @@ impl<V: Lanes> PlanarKernel<V> {
 /// The simplified iteration, with Anderson's acceleration.
 impl<V: Lanes> Equations for PlanarKernel<V> {
     fn iterate(&mut self, settled: bool) -> f64 {
+        let refines = self.refines();
         let (stages, coefficients) = (&mut self.stages, &self.coefficients);
         let gravity = stages.plan.gravity;
         if stages.applied.is_some() {
             in_lanes!(V, stages.increments::<true, true>(coefficients, &gravity))
-        } else if self.refined && settled {
+        } else if refines && settled {
             in_lanes!(V, stages.increments::<true, false>(coefficients, &gravity))
         } else {
             in_lanes!(V, stages.increments::<false, false>(coefficients, &gravity))
         }
+    }
+
+    fn refines(&self) -> bool {
+        self.refined && self.stages.applied.is_none()
     }
 
     fn advance(&mut self) -> f64 {
