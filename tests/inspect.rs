@@ -46,8 +46,9 @@ fn the_end_of_a_log_is_what_the_report_says_of_it() {
     let instant = inspect(&folder, &["pendulum.mcap", "--at", "1e9"]);
     assert_eq!(instant["time"], 1.5);
     for what in ["links", "joints"] {
-        // Everything in the log is as it was; link velocities are worked out again from the same numbers.
-        assert_eq!(instant[what], report[what], "{what}");
+        // Some roundings of numbers of one metre and some newtons: the log is written by other code, which turns by quaternions, and
+        // link velocities are worked out again.
+        assert_near(&instant[what], &report[what], 1e-14, what);
     }
     let floating = ["--base", "floating", "--base-velocity", "1,2,3,0.4,0.5,0.6", "--velocity", "hinge=1"];
     let report = simulate(&folder, &floating);

@@ -321,7 +321,7 @@ fn listed(numbers: &[f64]) -> String {
 
 /// Completes the log, whatever ended the run, and says how the run ended and where the log is.
 fn finish(
-    recorder: Option<Recorder<'_>>,
+    recorder: Option<Recorder>,
     ended: Result<(), RunError>,
     summary: &Summary,
     output: Option<&Path>,
