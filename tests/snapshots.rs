@@ -6,7 +6,7 @@ mod models;
 use catena::lobatto::dispatch::instants_for;
 use catena::lobatto::instants::{INSTANTS, Instants, LaneInstants, LinkPlace, Row, Snapshots};
 use catena::lobatto::lanes::Portable;
-use catena::model::{Base, Mechanism, ModelOptions, Pose};
+use catena::model::{Base, JointKind, Mechanism, ModelOptions, Pose};
 use catena::scene::{PackagePath, read_urdf};
 use catena::snapshots::{SerialInstants, instants};
 use catena::state::State;
@@ -138,6 +138,30 @@ fn quaternions_have_unit_length_after_a_thousand_joints() {
             let length = [w, x, y, z].iter().map(|row| row[instant] * row[instant]).sum::<f64>();
             assert!((length - 1.0).abs() < 2e-15, "{length}");
             assert!(w[instant] >= 0.0);
+        }
+    }
+}
+
+#[test]
+fn joints_that_have_turned_a_million_times_are_where_they_are() {
+    let mechanism = models::one_joint(JointKind::Revolute).mechanism;
+    let links = links(&mechanism);
+    let turn = std::f64::consts::TAU;
+    let angles = [0.0, 0.5 * turn, -0.5 * turn, 1.5 * turn + 1e-9, 1e3, -1e4 * turn, 6e6 + 0.1, f64::MIN_POSITIVE];
+    let states = (angles.iter().flat_map(|&angle| [angle, -angle]).collect(), vec![1.0; 2 * INSTANTS]);
+    let serial = look(&mut SerialInstants::new(&mechanism, &links), &mechanism, links.len(), &states, INSTANTS);
+    let lanes = look(instants(&mechanism, &links).as_mut(), &mechanism, links.len(), &states, INSTANTS);
+    for (of_link, serial) in lanes.poses.iter().zip(&serial.poses) {
+        for instant in 0..INSTANTS {
+            let numbers = |pose: &[Row; 7]| pose.map(|row| row[instant]);
+            let (ours, theirs) = (numbers(of_link), numbers(serial));
+            let near = |sign: f64| {
+                let distances = (0..7).map(|n| (ours[n] - if n < 3 { theirs[n] } else { sign * theirs[n] }).abs());
+                // A rounding or two of lengths below a metre.
+                distances.fold(0.0, f64::max) < 1e-15
+            };
+            // At half a turn w is zero, and its sign is rounding.
+            assert!(near(1.0) || theirs[3] < 1e-12 && near(-1.0), "{} rad: {ours:?} {theirs:?}", angles[instant]);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Encodes and writes the log on a thread of its own, because that need not hold up the simulation, and a disk may let it wait.
 //!
 //! The simulation puts samples into a piece that both threads know, as positions and velocities; the thread takes the piece when
-//! it is large, or a tenth of a second has passed, whatever the simulation does meanwhile. If more waits than
-//! [`LARGEST_WAIT`], the simulation waits too. What the file becomes does not depend on when pieces were taken.
+//! it is large, or a tenth of a second has passed, whatever the simulation does meanwhile. If it is too large, the simulation
+//! waits too. What the file becomes does not depend on when pieces were taken.
 
 use super::encoder::SampleEncoder;
 use super::file::{Ending, LogError, LogFile};
@@ -12,14 +12,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// The thread is woken when so many bytes wait…
-const PIECE_SIZE: usize = 1 << 16;
-
-/// … and looks by itself this often, so that a killed run leaves little unsaid.
+/// The thread is woken when there is a large piece, and looks by itself this often, so that a killed run leaves little unsaid.
 const INTERVAL: Duration = Duration::from_millis(100);
-
-/// More bytes than this do not wait.
-const LARGEST_WAIT: usize = 1 << 22;
 
 /// A log file that is written by another thread.
 pub(super) struct BackgroundFile {
@@ -83,14 +77,14 @@ impl BackgroundFile {
     /// Lets `add` add to what the thread will take; returns whether [`BackgroundFile::settle`] has something to say.
     pub(super) fn add(&self, add: impl FnOnce(&mut Piece)) -> bool {
         let mut waiting = self.shared.lock();
-        let before = waiting.piece.size();
+        let was_large = waiting.piece.is_large();
         add(&mut waiting.piece);
-        let (size, failed) = (waiting.piece.size(), waiting.failed);
+        let (is_large, stop) = (waiting.piece.is_large(), waiting.failed || waiting.piece.is_too_large());
         drop(waiting);
-        if before < PIECE_SIZE && size >= PIECE_SIZE {
+        if is_large && !was_large {
             self.shared.news.notify_one();
         }
-        failed || size > LARGEST_WAIT
+        stop
     }
 
     /// Waits until there is room.
@@ -99,7 +93,7 @@ impl BackgroundFile {
     /// [`LogError::Write`] if earlier messages could not be written.
     pub(super) fn settle(&mut self) -> Result<(), LogError> {
         let mut waiting = self.shared.lock();
-        while waiting.piece.size() > LARGEST_WAIT && !waiting.failed {
+        while waiting.piece.is_too_large() && !waiting.failed {
             waiting = self.shared.room.wait(waiting).unwrap_or_else(PoisonError::into_inner);
         }
         let failed = waiting.failed;
@@ -157,7 +151,7 @@ fn write_all(file: &mut LogFile, mut encoder: SampleEncoder, shared: &Shared) ->
     let mut taken = Piece::default();
     loop {
         let is_idle =
-            |waiting: &mut Waiting| waiting.piece.size() < PIECE_SIZE && waiting.ending.is_none() && !waiting.abandoned;
+            |waiting: &mut Waiting| !waiting.piece.is_large() && waiting.ending.is_none() && !waiting.abandoned;
         let waited = shared.news.wait_timeout_while(shared.lock(), INTERVAL, is_idle);
         let (mut waiting, _) = waited.unwrap_or_else(PoisonError::into_inner);
         taken.clear();

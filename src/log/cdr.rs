@@ -51,25 +51,13 @@ impl<'b> CdrWriter<'b> {
     /// A sequence of so many structures of `N` doubles, all zero; returns where they begin.
     pub(super) fn structures<const N: usize>(&mut self, count: usize) -> usize {
         self.unsigned(count as u32);
+        // An empty sequence has no element that would need the padding; readers do not skip any.
         if count > 0 {
             self.align(8);
         }
         let start = self.buffer.len();
         self.buffer.resize(start + 8 * N * count, 0);
         start
-    }
-
-    /// A sequence of doubles; returns where it ends.
-    pub(super) fn doubles(&mut self, values: impl ExactSizeIterator<Item = f64>) -> usize {
-        self.unsigned(values.len() as u32);
-        // An empty sequence has no element that would need the padding; readers do not skip any.
-        if values.len() > 0 {
-            self.align(8);
-        }
-        let start = self.buffer.len();
-        self.buffer.resize(start + 8 * values.len(), 0);
-        fill(&mut self.buffer[start..], values);
-        self.buffer.len()
     }
 }
 
@@ -90,14 +78,15 @@ pub(super) fn fill(bytes: &mut [u8], values: impl Iterator<Item = f64>) {
 
 #[cfg(test)]
 mod tests {
-    use super::CdrWriter;
+    use super::{CdrWriter, fill};
 
     #[test]
     fn numbers_are_aligned_from_the_end_of_the_encapsulation() {
         let mut buffer = vec![9; 3];
         let mut writer = CdrWriter::begin(&mut buffer);
         writer.string("ab");
-        writer.doubles([1.0].into_iter());
+        let place = writer.structures::<1>(1);
+        fill(&mut buffer[place..], [1.0].into_iter());
         let expected: &[u8] = &[
             0, 1, 0, 0, // encapsulation
             3, 0, 0, 0, b'a', b'b', 0, 0, // the string and one byte of padding

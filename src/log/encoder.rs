@@ -7,7 +7,7 @@ use super::file::{LogError, MessageSink};
 use super::joints::JointMessages;
 use super::nanoseconds;
 use super::queue::{Between, Figures, Piece};
-use super::ros::{self, ros_channel};
+use super::ros::{self, Template, ros_channel};
 use super::transforms::TransformsEncoder;
 use crate::lobatto::instants::{INSTANTS, Instants, LinkPlace, Snapshots};
 use crate::model::{LinkFrame, Model, Pose};
@@ -22,16 +22,14 @@ const WORLD_FRAME: &str = "world";
 pub(super) struct SampleEncoder {
     log: u16,
     transforms_channel: u16,
-    energy: u16,
-    constraint: u16,
-    solver: u16,
+    /// Energies, violation and work.
+    figures: [(u16, Template); 3],
     transforms: TransformsEncoder,
     joints: JointMessages,
     instants: Box<dyn Instants>,
     snapshots: Snapshots,
     position_count: usize,
     velocity_count: usize,
-    buffer: Vec<u8>,
 }
 
 impl SampleEncoder {
@@ -40,19 +38,25 @@ impl SampleEncoder {
         let (mechanism, links) = (&model.mechanism, drawn_links(&model.links));
         let world = world_frame(&model.links);
         let places: Vec<LinkPlace> = links.iter().map(|link| (link.body, link.in_body)).collect();
+        let log = foxglove_channel::<messages::Log>(sink, "/log")?;
+        let transforms_channel = foxglove_channel::<FrameTransforms>(sink, "/tf")?;
+        let mut figures = |topic: &str, label: &str, count: usize| -> Result<_, LogError> {
+            Ok((ros_channel(sink, topic, ros::FLOAT64_MULTI_ARRAY)?, Template::figures(label, count)))
+        };
         Ok(SampleEncoder {
-            log: foxglove_channel::<messages::Log>(sink, "/log")?,
-            transforms_channel: foxglove_channel::<FrameTransforms>(sink, "/tf")?,
-            energy: ros_channel(sink, "/energy", ros::FLOAT64_MULTI_ARRAY)?,
-            constraint: ros_channel(sink, "/constraint", ros::FLOAT64_MULTI_ARRAY)?,
-            solver: ros_channel(sink, "/solver", ros::FLOAT64_MULTI_ARRAY)?,
+            log,
+            transforms_channel,
+            figures: [
+                figures("/energy", "kinetic, potential, total; since the start: dissipated, work put in [J]", 5)?,
+                figures("/constraint", "position [m, rad], velocity [m/s, rad/s]", 2)?,
+                figures("/solver", "last step [s], stages; since before: steps, iterations, rejected steps", 5)?,
+            ],
             transforms: TransformsEncoder::new(world, links.iter().map(|link| link.name.as_str())),
             joints: JointMessages::new(sink, model, world)?,
             instants: instants(mechanism, &places),
             snapshots: Snapshots::new(mechanism, places.len()),
             position_count: mechanism.position_count,
             velocity_count: mechanism.velocity_count,
-            buffer: Vec::new(),
         })
     }
 
@@ -61,7 +65,7 @@ impl SampleEncoder {
         sink.message(self.log, nanoseconds, line).map(drop)
     }
 
-    /// Adds the messages of everything in a piece. Does not allocate once its buffers have grown.
+    /// Adds the messages of everything in a piece. Does not allocate.
     pub(super) fn encode(&mut self, piece: &Piece, sink: &mut dyn MessageSink) -> Result<(), LogError> {
         let mut between = piece.between.iter().peekable();
         for (group, times) in piece.times.chunks(INSTANTS).enumerate() {
@@ -87,19 +91,15 @@ impl SampleEncoder {
         between.try_for_each(|(_, what)| self.encode_between(what, sink))
     }
 
-    fn encode_between(&mut self, what: &Between, sink: &mut dyn MessageSink) -> Result<(), LogError> {
+    fn encode_between(&self, what: &Between, sink: &mut dyn MessageSink) -> Result<(), LogError> {
         let (stamp, Figures { energies, violation, work }) = match what {
             Between::Line(stamp, line) => return self.line(sink, *stamp, line),
             Between::Figures(stamp, figures) => (*stamp, figures),
         };
-        let label = "kinetic, potential, total; since the start: dissipated, work put in [J]";
-        ros::encode_figures(label, energies, &mut self.buffer);
-        sink.message(self.energy, stamp, &self.buffer)?;
-        ros::encode_figures("position [m, rad], velocity [m/s, rad/s]", violation, &mut self.buffer);
-        sink.message(self.constraint, stamp, &self.buffer)?;
-        let label = "last step [s], stages; since before: steps, iterations, rejected steps";
-        ros::encode_figures(label, work, &mut self.buffer);
-        sink.message(self.solver, stamp, &self.buffer).map(drop)
+        for ((channel, template), numbers) in self.figures.iter().zip([&energies[..], violation, work]) {
+            template.fill(sink.message(*channel, stamp, template.encoded())?, 0, numbers.iter().copied());
+        }
+        Ok(())
     }
 }
 

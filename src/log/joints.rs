@@ -14,7 +14,7 @@
 //! in the axes of the world: what `catena simulate --json` calls `reaction_force` and `reaction_torque`.
 
 use super::file::{LogError, MessageSink};
-use super::ros::{self, JointTemplate, ros_channel};
+use super::ros::{self, Template, ros_channel};
 use crate::lobatto::instants::{Row, Snapshots};
 use crate::model::Model;
 use crate::model::joint::JointKind;
@@ -25,7 +25,7 @@ pub(super) struct JointMessages {
     /// The mechanism and its joints alone.
     model: Model,
     channel: u16,
-    template: JointTemplate,
+    template: Template,
     /// The bodies that the joints of one number move.
     bodies: Vec<usize>,
     others: Option<OtherJoints>,
@@ -35,7 +35,7 @@ pub(super) struct JointMessages {
 /// What the joints carry.
 struct Loads {
     channel: u16,
-    template: JointTemplate,
+    template: Template,
     /// The bodies of all joints that move, save a floating base, which nothing holds.
     bodies: Vec<usize>,
 }
@@ -43,7 +43,7 @@ struct Loads {
 /// The joints of several numbers.
 struct OtherJoints {
     channel: u16,
-    template: JointTemplate,
+    template: Template,
     /// Their numbers among the joints of the model.
     joints: Vec<usize>,
 }
@@ -63,7 +63,7 @@ impl JointMessages {
         let carriers: Vec<&str> = held.iter().map(name).chain(loops).collect();
         let loads = Loads {
             channel: ros_channel(file, "/reactions", ros::MULTI_DOF_JOINT_STATE)?,
-            template: JointTemplate::wrenches(world, carriers.into_iter()),
+            template: Template::wrenches(world, carriers.into_iter()),
             bodies: held.iter().filter_map(body_of).collect(),
         };
         Ok(JointMessages {
@@ -77,14 +77,14 @@ impl JointMessages {
                 scene: None,
             },
             channel: ros_channel(file, "/joint_states", ros::JOINT_STATE)?,
-            template: JointTemplate::joint_state("", scalar.iter().map(name)),
+            template: Template::joint_state("", scalar.iter().map(name)),
             bodies: scalar.iter().filter_map(body_of).collect(),
             loads,
             others: if other.is_empty() {
                 None
             } else {
                 let channel = ros_channel(file, "/multi_dof_joint_states", ros::MULTI_DOF_JOINT_STATE)?;
-                let template = JointTemplate::multi_dof("", other.iter().map(name));
+                let template = Template::multi_dof("", other.iter().map(name));
                 Some(OtherJoints { channel, template, joints: other })
             },
         })

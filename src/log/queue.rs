@@ -1,5 +1,13 @@
 //! What a run has shown, on its way to the thread that makes messages of it: numbers as they are, in their order.
 
+use crate::lobatto::instants::INSTANTS;
+
+/// Bytes of a piece that is large.
+const LARGE: usize = 1 << 16;
+
+/// Bytes of one that is too large.
+const TOO_LARGE: usize = 1 << 19;
+
 /// Samples, and what is logged between them.
 #[derive(Default)]
 pub(super) struct Piece {
@@ -39,8 +47,18 @@ impl Piece {
         self.between.push((self.times.len(), what));
     }
 
+    /// Whether it is worth while to take it.
+    pub(super) fn is_large(&self) -> bool {
+        self.size() >= LARGE && self.times.len() >= INSTANTS
+    }
+
+    /// Whether nothing more should be added before it is taken. The messages of an arm are twenty times as large.
+    pub(super) fn is_too_large(&self) -> bool {
+        self.size() > TOO_LARGE && self.times.len() > 4 * INSTANTS
+    }
+
     /// Size of the numbers in bytes; figures are few.
-    pub(super) fn size(&self) -> usize {
+    fn size(&self) -> usize {
         8 * (self.times.len() + self.positions.len() + self.velocities.len())
     }
 

@@ -104,35 +104,34 @@ pub(super) fn encode_string(text: &str, out: &mut Vec<u8>) {
     CdrWriter::begin(out).string(text);
 }
 
-/// Encodes `std_msgs/msg/Float64MultiArray`s of one dimension, whose label says what the numbers are.
-pub(super) fn encode_figures(label: &str, figures: &[f64], out: &mut Vec<u8>) {
-    let mut writer = CdrWriter::begin(out);
-    let count = figures.len() as u32;
-    writer.unsigned(1);
-    writer.string(label);
-    writer.unsigned(count);
-    writer.unsigned(count);
-    writer.unsigned(0);
-    writer.doubles(figures.iter().copied());
-}
-
-/// A message about joints: all of it but the numbers is the same again and again.
-pub(super) struct JointTemplate {
+/// A message of which all but the numbers is the same again and again.
+pub(super) struct Template {
     encoded: Vec<u8>,
     /// Where each row of numbers begins.
     rows: Vec<usize>,
 }
 
-/// Where the stamp is in the encoded message.
+/// Where the stamp is in messages about joints.
 const STAMP: std::ops::Range<usize> = 4..12;
 
-impl JointTemplate {
+impl Template {
+    /// A `std_msgs/msg/Float64MultiArray` of one dimension, whose label says what its row of numbers is.
+    pub(super) fn figures(label: &str, count: usize) -> Self {
+        let mut encoded = Vec::new();
+        let mut writer = CdrWriter::begin(&mut encoded);
+        writer.unsigned(1);
+        writer.string(label);
+        writer.unsigned(count as u32);
+        writer.unsigned(count as u32);
+        writer.unsigned(0);
+        let rows = vec![writer.structures::<1>(count)];
+        Template { encoded, rows }
+    }
+
     /// A `sensor_msgs/msg/JointState`: rows of positions, velocities and efforts.
     pub(super) fn joint_state<'n>(frame: &str, names: impl ExactSizeIterator<Item = &'n str>) -> Self {
         let count = names.len();
-        Self::new(frame, names, |writer| {
-            [0; 3].map(|_| writer.doubles(std::iter::repeat_n(0.0, count)) - 8 * count).to_vec()
-        })
+        Self::new(frame, names, |writer| [0; 3].map(|_| writer.structures::<1>(count)).to_vec())
     }
 
     /// A `sensor_msgs/msg/MultiDOFJointState` with wrenches (force, torque) alone: one row of six numbers each.
@@ -169,7 +168,7 @@ impl JointTemplate {
         writer.unsigned(names.len() as u32);
         names.for_each(|name| writer.string(name));
         let rows = rest(&mut writer);
-        JointTemplate { encoded, rows }
+        Template { encoded, rows }
     }
 
     /// The message with zeros.

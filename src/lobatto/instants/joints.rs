@@ -1,7 +1,18 @@
 //! Joint positions and velocities of the instants, in lanes.
 
-use super::{INSTANTS, Row};
+use super::Row;
+use super::quaternion::Quaternion;
+use crate::lobatto::algebra::Vector;
 use crate::lobatto::lanes::Lanes;
+use crate::lobatto::stage::half_angle;
+use std::f64::consts::FRAC_1_PI;
+
+/// 2π as a sum whose first two terms have 33 bits (Cody and Waite; the parts of π/2 are those of fdlibm's `e_rem_pio2.c`, times four).
+const TURN: [f64; 3] = [
+    4.0 * 1.570_796_326_734_125_614_17,
+    4.0 * 6.077_100_506_303_965_976_60e-11,
+    4.0 * 2.022_266_248_795_950_631_54e-21,
+];
 
 /// Positions and velocities of the instants, one after the other; lanes above the last instant repeat it.
 pub(super) struct Joints<'j> {
@@ -29,23 +40,27 @@ impl Joints<'_> {
         lanes_of(&self.row(self.velocities, self.velocity_count, entry))
     }
 
-    /// Cosine and sine of half an angle.
+    /// Cosine and sine of half an angle, both with the same sign or the opposite one.
     #[inline(always)]
     pub(super) fn half_angle<V: Lanes>(&self, entry: usize) -> [V; 2] {
-        let angles = self.row(self.positions, self.position_count, entry);
-        let (mut cosines, mut sines) = ([0.0; INSTANTS], [0.0; INSTANTS]);
-        for lane in 0..INSTANTS {
-            (sines[lane], cosines[lane]) = (0.5 * angles[lane]).sin_cos();
+        let mut angles = self.row(self.positions, self.position_count, entry);
+        for angle in &mut angles {
+            // Whole turns are taken off, exactly up to a million of them; the turns change nothing but the sign.
+            let turns = (*angle * (0.5 * FRAC_1_PI)).round_ties_even();
+            *angle = ((*angle - turns * TURN[0]) - turns * TURN[1]) - turns * TURN[2];
         }
-        [lanes_of(&cosines), lanes_of(&sines)]
+        let angle: V = lanes_of(&angles);
+        let (cosine, sine_ratio) = half_angle(angle * angle);
+        [cosine, angle * sine_ratio]
     }
 
     /// The quaternion of a ball joint, brought to unit length.
     #[inline(always)]
-    pub(super) fn ball<V: Lanes>(&self, entry: usize) -> [V; 4] {
-        let [w, x, y, z] = [0, 1, 2, 3].map(|offset| self.position::<V>(entry + offset));
-        let length = z.mul_add(z, y.mul_add(y, x.mul_add(x, w * w))).square_root().reciprocal();
-        [w * length, x * length, y * length, z * length]
+    pub(super) fn ball<V: Lanes>(&self, entry: usize) -> Quaternion<V> {
+        let real: V = self.position(entry);
+        let imaginary = Vector([self.position(entry + 1), self.position(entry + 2), self.position(entry + 3)]);
+        let factor = imaginary.dot_plus(imaginary, real * real).square_root().reciprocal();
+        (real * factor, imaginary.times(factor))
     }
 }
 

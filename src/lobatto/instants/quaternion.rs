@@ -1,39 +1,32 @@
-//! Unit quaternions (w, x, y, z) in lanes.
+//! Unit quaternions in lanes, as a real and an imaginary part.
 
-use crate::lobatto::algebra::Matrix;
+use crate::lobatto::algebra::{Matrix, Vector};
 use crate::lobatto::lanes::Lanes;
+use crate::lobatto::stage::compose;
 
-/// The product of a quaternion with a constant one.
-#[inline(always)]
-pub(super) fn constant_product<V: Lanes>(a: &[V; 4], b: &[f64; 4]) -> [V; 4] {
-    product(a, &b.map(V::splat))
-}
+/// A quaternion: real part, imaginary parts.
+pub(super) type Quaternion<V> = (V, Vector<V>);
 
-/// The product of two quaternions.
+/// The product with a constant quaternion (w, x, y, z).
 #[inline(always)]
-pub(super) fn product<V: Lanes>(a: &[V; 4], b: &[V; 4]) -> [V; 4] {
-    let ([w, x, y, z], [bw, bx, by, bz]) = (*a, *b);
-    [
-        z.neg_mul_add(bz, y.neg_mul_add(by, x.neg_mul_add(bx, w * bw))),
-        z.neg_mul_add(by, y.mul_add(bz, x.mul_add(bw, w * bx))),
-        x.neg_mul_add(bz, z.mul_add(bx, y.mul_add(bw, w * by))),
-        y.neg_mul_add(bx, x.mul_add(by, z.mul_add(bw, w * bz))),
-    ]
+pub(super) fn constant_product<V: Lanes>(
+    &(real, imaginary): &Quaternion<V>,
+    &[w, x, y, z]: &[f64; 4],
+) -> Quaternion<V> {
+    compose(real, imaginary, V::splat(w), Vector::splat(&[x, y, z]))
 }
 
 /// A quaternion that is nearly of unit length, made so to rounding.
 #[inline(always)]
-pub(super) fn of_unit_length<V: Lanes>(q: &[V; 4]) -> [V; 4] {
-    let [w, x, y, z] = *q;
-    let square = z.mul_add(z, y.mul_add(y, x.mul_add(x, w * w)));
+pub(super) fn of_unit_length<V: Lanes>((real, imaginary): Quaternion<V>) -> Quaternion<V> {
+    let square = imaginary.dot_plus(imaginary, real * real);
     let factor = square.neg_mul_add(V::splat(0.5), V::splat(1.5));
-    [w * factor, x * factor, y * factor, z * factor]
+    (real * factor, imaginary.times(factor))
 }
 
 /// The rotation of a unit quaternion.
 #[inline(always)]
-pub(super) fn frame_of<V: Lanes>(q: &[V; 4]) -> Matrix<V> {
-    let [w, x, y, z] = *q;
+pub(super) fn frame_of<V: Lanes>(&(w, Vector([x, y, z])): &Quaternion<V>) -> Matrix<V> {
     let (one, two) = (V::splat(1.0), V::splat(2.0));
     let (dx, dy, dz) = (x * two, y * two, z * two);
     let (wx, wy, wz) = (w * dx, w * dy, w * dz);

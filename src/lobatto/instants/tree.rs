@@ -14,12 +14,13 @@
 //! ```
 
 use super::joints::{Joints, lanes_of};
-use super::quaternion::{constant_product, frame_of, of_unit_length, product};
+use super::quaternion::{Quaternion, constant_product, frame_of, of_unit_length};
 use super::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
 use crate::forces::total::joint_efforts;
 use crate::lobatto::algebra::{Matrix, Symmetric, Vector};
 use crate::lobatto::articulated::{Articulated, Eliminated, Push};
 use crate::lobatto::lanes::{Lanes, in_lanes};
+use crate::lobatto::stage::compose;
 use crate::model::joint::wxyz_from_rotation;
 use crate::model::{FreeRotation, JointKind, Mechanism, Pose};
 use nalgebra::{Matrix3, Vector3};
@@ -60,7 +61,7 @@ struct Constants {
 /// A body's frame and motion without joint accelerations, and what that motion needs; later the wrench of its joint.
 #[derive(Clone, Copy)]
 struct Motion<V> {
-    turn: [V; 4],
+    turn: Quaternion<V>,
     frame: Matrix<V>,
     anchor: Vector<V>,
     arm: Vector<V>,
@@ -144,17 +145,20 @@ impl<V: Lanes> LaneInstants<V> {
                 FreeRotation::None => mounted,
                 FreeRotation::AboutZ => {
                     let [cosine, sine] = joints.half_angle::<V>(body.position_index + translations.len());
-                    let [w, x, y, z] = mounted;
-                    [
-                        z.neg_mul_add(sine, w * cosine),
+                    let (w, Vector([x, y, z])) = mounted;
+                    let imaginary = Vector([
                         y.mul_add(sine, x * cosine),
                         x.neg_mul_add(sine, y * cosine),
                         w.mul_add(sine, z * cosine),
-                    ]
+                    ]);
+                    (z.neg_mul_add(sine, w * cosine), imaginary)
                 }
-                FreeRotation::Ball => product(&mounted, &joints.ball(body.position_index + translations.len())),
+                FreeRotation::Ball => {
+                    let (real, imaginary) = joints.ball(body.position_index + translations.len());
+                    compose(mounted.0, mounted.1, real, imaginary)
+                }
             };
-            motion.turn = of_unit_length(&turn);
+            motion.turn = of_unit_length(turn);
             motion.frame = frame_of(&motion.turn);
             let columns = motion.frame.columns();
             let turning = match body.kind.rotation() {
@@ -268,13 +272,18 @@ impl<V: Lanes> LaneInstants<V> {
         for (link, pose) in self.links.iter().zip(&mut out.poses) {
             let on = &self.motion[link.on];
             let position = on.frame.apply_plus(Vector::splat(&link.translation), on.anchor);
-            let turn = constant_product(&on.turn, &link.turn);
+            let (real, imaginary) = constant_product(&on.turn, &link.turn);
             let (translation, rotation) = pose.split_at_mut(3);
-            position.0.iter().zip(translation).for_each(|(&lanes, row)| store(lanes, row));
-            turn.iter().zip(&mut *rotation).for_each(|(&lanes, row)| store(lanes, row));
+            store(real, &mut rotation[0]);
+            for axis in 0..3 {
+                store(position.0[axis], &mut translation[axis]);
+                store(imaginary.0[axis], &mut rotation[1 + axis]);
+            }
             let sign = rotation[0].map(|w| if w < 0.0 { -1.0 } else { 1.0 });
             for row in rotation {
-                row.iter_mut().zip(sign).for_each(|(entry, sign)| *entry *= sign);
+                for (entry, sign) in row.iter_mut().zip(sign) {
+                    *entry *= sign;
+                }
             }
         }
     }
@@ -311,7 +320,7 @@ impl<V: Lanes> Motion<V> {
     fn world(gravity: &Vector3<f64>) -> Self {
         let (zero, one) = (V::zero(), V::splat(1.0));
         Motion {
-            turn: [one, zero, zero, zero],
+            turn: (one, Vector::zero()),
             frame: Matrix([[one, zero, zero], [zero, one, zero], [zero, zero, one]]),
             anchor: Vector::zero(),
             arm: Vector::zero(),
@@ -348,8 +357,10 @@ fn store<V: Lanes>(lanes: V, row: &mut Row) {
 /// `R S Rᵀ` for a constant symmetric S.
 #[inline(always)]
 fn congruence<V: Lanes>(r: &Matrix<V>, s: &[f64; 6]) -> Symmetric<V> {
-    let (s, rows) = (Symmetric(s.map(V::splat)), r.rows());
-    let [x, y, z] = rows.map(|row| s.apply(row));
-    let [i, j, k] = rows;
+    // Written out: what is called through a closure is not compiled for the vectors.
+    let [xx, xy, xz, yy, yz, zz] = *s;
+    let s = [V::splat(xx), V::splat(xy), V::splat(xz), V::splat(yy), V::splat(yz), V::splat(zz)];
+    let (s, [i, j, k]) = (Symmetric(s), r.rows());
+    let (x, y, z) = (s.apply(i), s.apply(j), s.apply(k));
     Symmetric([x.dot(i), x.dot(j), x.dot(k), y.dot(j), y.dot(k), z.dot(k)])
 }
