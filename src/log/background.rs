@@ -138,13 +138,23 @@ impl Drop for BackgroundFile {
 
 /// The thread: writes until there is no more, and completes the file.
 fn write(mut file: LogFile, encoder: SampleEncoder, shared: &Shared) -> Result<PathBuf, LogError> {
+    let _gone = Gone(shared);
     let ended = write_all(&mut file, encoder, shared);
     if ended.is_err() {
         shared.lock().failed = true;
-        shared.room.notify_one();
         file.salvage();
     }
     ended
+}
+
+/// However the thread ends, nobody waits for it afterwards.
+struct Gone<'s>(&'s Shared);
+
+impl Drop for Gone<'_> {
+    fn drop(&mut self) {
+        self.0.lock().failed = true;
+        self.0.room.notify_one();
+    }
 }
 
 fn write_all(file: &mut LogFile, mut encoder: SampleEncoder, shared: &Shared) -> Result<PathBuf, LogError> {

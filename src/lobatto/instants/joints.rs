@@ -8,11 +8,8 @@ use crate::lobatto::stage::half_angle;
 use std::f64::consts::FRAC_1_PI;
 
 /// 2π as a sum whose first two terms have 33 bits (Cody and Waite; the parts of π/2 are those of fdlibm's `e_rem_pio2.c`, times four).
-const TURN: [f64; 3] = [
-    4.0 * 1.570_796_326_734_125_614_17,
-    4.0 * 6.077_100_506_303_965_976_60e-11,
-    4.0 * 2.022_266_248_795_950_631_54e-21,
-];
+const TURN: [f64; 3] =
+    [4.0 * 1.570_796_326_734_125_6, 4.0 * 6.077_100_506_303_966e-11, 4.0 * 2.022_266_248_795_950_6e-21];
 
 /// Positions and velocities of the instants, one after the other; lanes above the last instant repeat it.
 pub(super) struct Joints<'j> {

@@ -1,7 +1,8 @@
 //! Where links are and what joints carry at several instants of a motion at once: one instant a lane.
 //!
-//! [`tree`] is the recursion over the bodies, [`joints`] what it reads of positions and velocities, [`quaternion`] its rotations.
+//! [`tree`] is the recursion over the bodies, [`constants`] and [`joints`] are what it reads, [`quaternion`] is its rotations.
 
+mod constants;
 mod joints;
 mod quaternion;
 mod tree;

@@ -13,6 +13,7 @@
 //!     n = n₀ + I δα + h × δa + Σ (n_c + r_c × f_c)        f = f₀ + m δa + δα × h + Σ f_c        over the children c
 //! ```
 
+use super::constants::{Constants, FixedFrame};
 use super::joints::{Joints, lanes_of};
 use super::quaternion::{Quaternion, constant_product, frame_of, of_unit_length};
 use super::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
@@ -21,9 +22,8 @@ use crate::lobatto::algebra::{Matrix, Symmetric, Vector};
 use crate::lobatto::articulated::{Articulated, Eliminated, Push};
 use crate::lobatto::lanes::{Lanes, in_lanes};
 use crate::lobatto::stage::compose;
-use crate::model::joint::wxyz_from_rotation;
-use crate::model::{FreeRotation, JointKind, Mechanism, Pose};
-use nalgebra::{Matrix3, Vector3};
+use crate::model::{FreeRotation, JointKind, Mechanism};
+use nalgebra::Vector3;
 
 /// Trees without forces on bodies, in lanes.
 pub struct LaneInstants<V> {
@@ -36,26 +36,6 @@ pub struct LaneInstants<V> {
     /// The efforts of forces in joints, freedom by freedom; none if there are none.
     efforts: Vec<Row>,
     scratch: Vec<f64>,
-}
-
-/// A frame on a body's joint frame: translation (m) and unit quaternion.
-struct FixedFrame {
-    /// Entry of the motion, where the world is entry 0.
-    on: usize,
-    translation: [f64; 3],
-    turn: [f64; 4],
-}
-
-/// The constants of a body in its joint frame, as those of the articulated-body algorithm.
-struct Constants {
-    kind: JointKind,
-    /// The joint frame on the parent, seen from the parent's joint frame.
-    mount: FixedFrame,
-    position_index: usize,
-    velocity_index: usize,
-    mass: f64,
-    moment: [f64; 3],
-    inertia: [f64; 6],
 }
 
 /// A body's frame and motion without joint accelerations, and what that motion needs; later the wrench of its joint.
@@ -84,33 +64,11 @@ impl<V: Lanes> LaneInstants<V> {
             None => FixedFrame::new(0, in_body),
             Some(body) => FixedFrame::new(body + 1, &(bodies[*body].joint.on_child.inverse() * in_body)),
         };
-        let constants = bodies.iter().map(|body| {
-            let joint = &body.joint;
-            let frame_on_child = joint.on_child.rotation.matrix();
-            let centre = -(frame_on_child.transpose() * joint.on_child.translation.vector);
-            let steiner = Matrix3::identity() * centre.norm_squared() - centre * centre.transpose();
-            let principal = Matrix3::from_diagonal(&body.inertia);
-            let inertia = frame_on_child.transpose() * principal * frame_on_child + steiner * body.mass;
-            Constants {
-                kind: joint.kind,
-                mount: match body.parent {
-                    None => FixedFrame::new(0, &joint.on_parent),
-                    Some(parent) => {
-                        FixedFrame::new(parent + 1, &(bodies[parent].joint.on_child.inverse() * joint.on_parent))
-                    }
-                },
-                position_index: joint.position_index,
-                velocity_index: joint.velocity_index,
-                mass: body.mass,
-                moment: (centre * body.mass).into(),
-                inertia: [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|entry| inertia[entry]),
-            }
-        });
         let count = mechanism.velocity_count;
         let has_efforts = !mechanism.forces.is_empty();
         LaneInstants {
             links: links.iter().map(link).collect(),
-            bodies: constants.collect(),
+            bodies: (0..bodies.len()).map(|body| Constants::new(bodies, body)).collect(),
             motion: vec![Motion::world(&mechanism.gravity); bodies.len() + 1],
             eliminated: vec![Eliminated::zero(); count],
             gathered: vec![Articulated::zero(); bodies.len() + 1],
@@ -306,12 +264,6 @@ impl<V: Lanes> Instants for LaneInstants<V> {
         in_lanes!(V, self.eliminate_joints());
         in_lanes!(V, self.resolve_accelerations());
         in_lanes!(V, self.gather_wrenches(out));
-    }
-}
-
-impl FixedFrame {
-    fn new(on: usize, pose: &Pose) -> Self {
-        FixedFrame { on, translation: pose.translation.vector.into(), turn: wxyz_from_rotation(pose.rotation.matrix()) }
     }
 }
 
