@@ -7,7 +7,7 @@ use super::background::BackgroundFile;
 use super::comparison::{Compared, Comparison, Difference};
 use super::encoder::{SampleEncoder, foxglove_channel};
 use super::file::{Ending, LogError, LogFile, MessageSink};
-use super::inputs::attach_inputs;
+use super::inputs::{attach_inputs, inputs};
 use super::nanoseconds;
 use super::queue::{Between, Figures, Piece};
 use super::ros::{self, ros_channel};
@@ -74,15 +74,17 @@ pub(super) const SIMULATION: &str = "simulation";
 
 impl Recorder {
     /// Creates the log of a run whose output is `path`, and writes what is known before the first sample; `simulation`
-    /// says how the run is made.
+    /// says how the run is made, and has the hash of the main input added.
     ///
     /// # Errors
     /// [`LogError`] when the file cannot be created or written.
-    pub fn create(path: &Path, model: &Model, simulation: BTreeMap<String, String>) -> Result<Self, LogError> {
+    pub fn create(path: &Path, model: &Model, mut simulation: BTreeMap<String, String>) -> Result<Self, LogError> {
         let mut file = LogFile::create(path)?;
+        let inputs = inputs(model);
+        simulation.extend(inputs.first().map(|main| ("input_sha256".to_string(), main.hash.clone())));
         let stages = simulation.get("stages").and_then(|stages| stages.parse().ok()).unwrap_or(f64::NAN);
         file.metadata(SIMULATION, simulation)?;
-        attach_inputs(&mut file, model)?;
+        attach_inputs(&mut file, &inputs)?;
         let encoder = prepare(&mut file, model)?;
         // What never changes is safe in the file before the run begins.
         file.begin()?;
