@@ -142,6 +142,24 @@ fn a_log_that_was_cut_off_is_shown_up_to_there_and_said_to_be_truncated() {
 }
 
 #[test]
+fn a_log_that_ends_inside_a_sample_has_the_joints_of_the_samples_before() {
+    let folder = folder("inside");
+    simulate(&folder, &[]);
+    let whole = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let messages: Vec<_> =
+        mcap::MessageStream::new(&whole).expect("a log").map(|message| message.expect("whole")).collect();
+    let last = messages.iter().rposition(|message| message.channel.topic == "/tf").expect("samples");
+    let mut writer =
+        mcap::Writer::new(std::fs::File::create(folder.join("inside.mcap")).expect("a file")).expect("a log");
+    messages[..=last].iter().for_each(|message| writer.write(message).expect("written"));
+    writer.finish().expect("written");
+    let (inside, whole) = (inspect(&folder, &["inside.mcap"]), inspect(&folder, &["pendulum.mcap"]));
+    for what in ["samples", "links", "joints"] {
+        assert_eq!(inside[what], whole[what], "{what}");
+    }
+}
+
+#[test]
 fn the_table_has_a_row_for_every_sample_and_units_in_its_head() {
     let folder = folder("table");
     let report = simulate(&folder, &["--velocity", "hinge=1"]);
