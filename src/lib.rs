@@ -18,7 +18,7 @@
 //! | the method | [`lobatto`] |
 //! | the rival | [`reduced`] |
 //! | the accuracy that a tolerance means | [`mod@distance`], [`calibration`] |
-//! | what joints and loops carry | [`reactions`] |
+//! | what joints and loops carry | [`reactions`], [`snapshots`] |
 //! | the loop and its observers | [`simulation`], [`log`], [`report`] |
 //! | independent mechanisms, each with its own steps, and those that rest | [`islands`], [`rest`] |
 //! | logs, looked at | [`inspection`] |
@@ -44,5 +44,6 @@ pub mod rest;
 pub mod scene;
 pub mod simulation;
 mod small;
+pub mod snapshots;
 pub mod state;
 pub mod stress;

@@ -19,10 +19,11 @@ use crate::model::Mechanism;
 use crate::reduced::{Reaction, ReducedOde, reactions_under};
 use crate::state::{BodyState, State};
 use nalgebra::Vector3;
+use std::borrow::Borrow;
 
 /// Works out the reactions of one state after another.
-pub struct Reactions<'m> {
-    mechanism: &'m Mechanism,
+pub struct Reactions<M> {
+    mechanism: M,
     ode: ReducedOde,
     joint_accelerations: Vec<f64>,
     accelerations: Vec<BodyAcceleration>,
@@ -49,9 +50,10 @@ pub struct LoopReaction {
     pub torque: Vector3<f64>,
 }
 
-impl<'m> Reactions<'m> {
-    /// Sets up the mechanism.
-    pub fn new(mechanism: &'m Mechanism) -> Self {
+impl<M: Borrow<Mechanism>> Reactions<M> {
+    /// Sets up a mechanism, of its own or borrowed.
+    pub fn new(of: M) -> Self {
+        let mechanism = of.borrow();
         let closing = mechanism.has_closures().then(|| {
             let projection = Projection::new(mechanism);
             let multipliers = vec![0.0; projection.row_count()];
@@ -59,7 +61,6 @@ impl<'m> Reactions<'m> {
         });
         let count = mechanism.bodies.len();
         Reactions {
-            mechanism,
             ode: ReducedOde::new(mechanism),
             joint_accelerations: vec![0.0; mechanism.velocity_count],
             accelerations: vec![BodyAcceleration::default(); count],
@@ -67,6 +68,7 @@ impl<'m> Reactions<'m> {
             reactions: vec![Reaction::default(); count],
             loops: vec![LoopReaction::default(); mechanism.loops.len()],
             closing,
+            mechanism: of,
         }
     }
 
@@ -74,6 +76,7 @@ impl<'m> Reactions<'m> {
     /// forces. Does not allocate.
     pub fn accelerations(&mut self, position: &[f64], velocity: &[f64], bodies: &[BodyState]) -> &[BodyAcceleration] {
         let Reactions { mechanism, joint_accelerations, accelerations, closing, .. } = self;
+        let mechanism = (*mechanism).borrow();
         self.ode.accelerations_of_placed(position, velocity, bodies, joint_accelerations);
         // The tree's joint accelerations are corrected for the closures.
         if let Some(Closing { projection, start, state, multipliers }) = closing {
@@ -99,6 +102,7 @@ impl<'m> Reactions<'m> {
     ) -> (&[Reaction], &[LoopReaction]) {
         self.accelerations(position, velocity, bodies);
         let Reactions { mechanism, accelerations, applied, reactions, loops, closing, .. } = self;
+        let mechanism = (*mechanism).borrow();
         body_wrenches(mechanism, bodies, applied);
         if let Some(Closing { projection, multipliers, .. }) = closing {
             for (index, joint) in mechanism.loops.iter().enumerate() {
@@ -123,8 +127,9 @@ impl<'m> Reactions<'m> {
 
     /// The same, for bodies that have not been placed yet.
     pub fn at(&mut self, position: &[f64], velocity: &[f64]) -> (&[Reaction], &[LoopReaction]) {
-        let mut bodies = vec![WORLD; self.mechanism.bodies.len()];
-        forward_kinematics(self.mechanism, position, velocity, &mut bodies);
+        let mechanism = self.mechanism.borrow();
+        let mut bodies = vec![WORLD; mechanism.bodies.len()];
+        forward_kinematics(mechanism, position, velocity, &mut bodies);
         self.of_placed(position, velocity, &bodies)
     }
 }

@@ -135,8 +135,6 @@ pub struct Sample<'s> {
     pub position: &'s [f64],
     /// Joint velocities from dense output.
     pub velocity: &'s [f64],
-    /// Poses and velocities of all bodies, rebuilt from them.
-    pub bodies: &'s [BodyState],
     /// The end of the step in which the sample lies (or the start of the run).
     pub step: &'s StepEnd,
 }
@@ -326,7 +324,6 @@ impl Course {
                 } else {
                     integrator.dense(mechanism, time, &mut self.position, &mut self.velocity);
                 }
-                forward_kinematics(mechanism, &self.position, &self.velocity, &mut self.bodies);
                 self.show(time, observers)?;
                 self.sampled += 1;
                 if time == self.end {
@@ -338,8 +335,8 @@ impl Course {
     }
 
     fn show(&self, time: f64, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
-        let Course { position, velocity, bodies, .. } = self;
-        show(observers, &Sample { time, position, velocity, bodies, step: &self.bookkeeper.last })
+        let Course { position, velocity, .. } = self;
+        show(observers, &Sample { time, position, velocity, step: &self.bookkeeper.last })
     }
 }
 

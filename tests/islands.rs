@@ -15,7 +15,7 @@ use catena::model::{
 };
 use catena::rest::is_at_rest;
 use catena::simulation::{Observer, ObserverError, RunError, RunOptions, Sample, Summary, run};
-use catena::state::{BodyState, State};
+use catena::state::State;
 use common::Numbers;
 use common::command;
 use models::Model;
@@ -218,8 +218,8 @@ fn two_robots_with_a_spring_between_them_are_one_island() {
     assert_eq!(islands(&model.mechanism).len(), 2);
 }
 
-/// Time, positions, velocities and bodies of a sample.
-type Sampled = (f64, Vec<f64>, Vec<f64>, Vec<BodyState>);
+/// Time, positions and velocities of a sample.
+type Sampled = (f64, Vec<f64>, Vec<f64>);
 
 /// What an observer saw.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -229,7 +229,7 @@ struct Seen {
 
 impl Observer for Seen {
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
-        self.samples.push((sample.time, sample.position.to_vec(), sample.velocity.to_vec(), sample.bodies.to_vec()));
+        self.samples.push((sample.time, sample.position.to_vec(), sample.velocity.to_vec()));
         Ok(())
     }
 }
@@ -288,7 +288,6 @@ fn every_island_moves_as_if_it_were_alone_bit_for_bit_on_any_number_of_threads()
                 let mut expected = whole.clone();
                 island.put(&own.1, &mut expected.1, |piece| &piece.positions);
                 island.put(&own.2, &mut expected.2, |piece| &piece.velocities);
-                island.put(&own.3, &mut expected.3, |piece| &piece.bodies);
                 assert_eq!(own.0, whole.0);
                 assert_eq!(*whole, expected, "t = {}", whole.0);
             }
@@ -471,7 +470,7 @@ fn a_sleeping_island_stays_exactly_where_it_is_and_the_others_do_not_notice() {
     assert_eq!(summary.steps, 200, "two of four make steps");
     assert_eq!((state.position[0], state.position[3]), (0.0, std::f64::consts::PI));
     assert_eq!(seen.samples.len(), 51);
-    for (time, position, velocity, _) in &seen.samples {
+    for (time, position, velocity) in &seen.samples {
         assert_eq!((position[0], velocity[0], position[3]), (0.0, 0.0, std::f64::consts::PI), "t = {time}");
     }
     let mut alone = models::double_pendulum();

@@ -11,7 +11,7 @@ use super::{Failure, print};
 use anyhow::{Context, anyhow};
 use catena::islands::Plan;
 use catena::lobatto::assembly::redundancy;
-use catena::log::{Ending, LogError, Outcome, Recorder, Severity, sha256};
+use catena::log::{Ending, LogError, Outcome, Recorder, Severity};
 use catena::model::{Model, PlacedRobot, Pose};
 use catena::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, energy_warning, joint_reports,
@@ -295,16 +295,8 @@ fn description(
         ("rate", rate.to_string()),
         ("command_line", command_line.join(" ")),
         ("arguments", arguments.to_string()),
-        ("input_sha256", input_hash(model)),
     ];
     entries.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
-}
-
-/// The SHA-256 of the scene file, or else of the URDF.
-fn input_hash(model: &Model) -> String {
-    let text = model.scene.as_ref().map(|scene| &scene.text);
-    let text = text.or_else(|| model.robots.first().map(|placed| &placed.robot.source));
-    text.map_or_else(String::new, |text| sha256(text.as_bytes()))
 }
 
 /// A pose as `--base-pose` takes it.
@@ -321,7 +313,7 @@ fn listed(numbers: &[f64]) -> String {
 
 /// Completes the log, whatever ended the run, and says how the run ended and where the log is.
 fn finish(
-    recorder: Option<Recorder<'_>>,
+    recorder: Option<Recorder>,
     ended: Result<(), RunError>,
     summary: &Summary,
     output: Option<&Path>,

@@ -121,8 +121,9 @@ impl Visitor for Collector {
         let summary = &mut self.summary;
         summary.samples += 1;
         summary.duration = frame.time();
-        summary.links = frame.links.len();
-        summary.joints = frame.joints.names.len() + frame.multi_dof.names.len();
+        // Of the last sample of a log that was cut some messages may be missing.
+        summary.links = summary.links.max(frame.links.len());
+        summary.joints = summary.joints.max(frame.joints.names.len() + frame.multi_dof.names.len());
         ControlFlow::Continue(())
     }
 

@@ -4,7 +4,7 @@ use crate::forces::total::Exchange;
 use crate::lobatto::Lobatto;
 use crate::model::Island;
 use crate::simulation::{Course, Observer, ObserverError, RunError, RunOptions, Sample, StepEnd};
-use crate::state::{BodyState, State};
+use crate::state::State;
 use std::collections::VecDeque;
 
 /// An island and how it is run.
@@ -41,13 +41,12 @@ pub(super) struct Kept {
     pub(super) time: f64,
     pub(super) position: Vec<f64>,
     pub(super) velocity: Vec<f64>,
-    pub(super) bodies: Vec<BodyState>,
 }
 
 impl Observer for Shown {
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
-        let (position, velocity, bodies) = (sample.position.to_vec(), sample.velocity.to_vec(), sample.bodies.to_vec());
-        self.samples.push_back(Kept { time: sample.time, position, velocity, bodies });
+        let (position, velocity) = (sample.position.to_vec(), sample.velocity.to_vec());
+        self.samples.push_back(Kept { time: sample.time, position, velocity });
         Ok(())
     }
 

@@ -85,8 +85,8 @@ impl Whole {
                 let Some(sample) = shown.samples.pop_front() else { continue };
                 island.put(&sample.position, &mut self.position, |piece| &piece.positions);
                 island.put(&sample.velocity, &mut self.velocity, |piece| &piece.velocities);
-                island.put(&sample.bodies, &mut self.bodies, |piece| &piece.bodies);
             }
+            forward_kinematics(mechanism, &self.position, &self.velocity, &mut self.bodies);
             self.time = until;
             self.show(mechanism, observers)?;
         }
@@ -149,8 +149,8 @@ impl Whole {
             outcome,
             so_far: Counts { steps, iterations, rejected },
         };
-        let Whole { time, position, velocity, bodies, .. } = &*self;
-        show(observers, &Sample { time: *time, position, velocity, bodies, step: &step })
+        let Whole { time, position, velocity, .. } = &*self;
+        show(observers, &Sample { time: *time, position, velocity, step: &step })
     }
 
     /// Shows a run in which nothing moves.

@@ -67,12 +67,16 @@ impl DenseRule {
 }
 
 impl DenseWeights {
-    /// Displacement and its derivative by x, from the displacements at nodes 2 … s and `h v` at both ends.
-    pub fn apply(&self, stages: &[f64], start: f64, end: f64) -> (f64, f64) {
-        let dot = |weights: &[f64]| weights[1..].iter().zip(stages).map(|(weight, value)| weight * value).sum::<f64>();
+    /// The weights of the displacements at the nodes 2 … s, of which there are `inner`, in the value and in the slope.
+    pub fn of_stages(&self, inner: usize) -> [&[f64]; 2] {
+        [&self.value[1..=inner], &self.slope[1..=inner]]
+    }
+
+    /// Displacement and its derivative by x, from those two sums over the nodes and `h v` at both ends.
+    pub fn apply(&self, [value, slope]: [f64; 2], start: f64, end: f64) -> (f64, f64) {
         (
-            dot(&self.value) + self.value_ends[0] * start + self.value_ends[1] * end,
-            dot(&self.slope) + self.slope_ends[0] * start + self.slope_ends[1] * end,
+            value + self.value_ends[0] * start + self.value_ends[1] * end,
+            slope + self.slope_ends[0] * start + self.slope_ends[1] * end,
         )
     }
 }

@@ -1,6 +1,7 @@
 //! Which kernel makes the steps, and in which vectors: the narrowest type that holds the stages, of the widest the
 //! processor has.
 
+use super::instants::{Instants, LaneInstants, LinkPlace};
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx128, Avx256, Avx512, Pair};
 use super::lanes::{Isa, Lanes, Portable};
@@ -17,6 +18,17 @@ pub fn step_for(mechanism: &Mechanism, tableau: &Tableau, isa: Isa, kept: &[Rule
     match Plane::of(mechanism).filter(|_| !kept.contains(&Rule::Planar)) {
         Some(plane) => in_vectors(&Planar { mechanism, tableau, plane }, tableau, isa),
         None => in_vectors(&Spatial { mechanism, tableau, kept }, tableau, isa),
+    }
+}
+
+/// What looks at eight instants of a tree without forces on bodies at once.
+pub fn instants_for(mechanism: &Mechanism, links: &[LinkPlace]) -> Box<dyn Instants> {
+    match Isa::detect() {
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512 => Box::new(LaneInstants::<Avx512>::new(mechanism, links)),
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx2 => Box::new(LaneInstants::<Pair<Avx256, 8>>::new(mechanism, links)),
+        _ => Box::new(LaneInstants::<Portable<8>>::new(mechanism, links)),
     }
 }
 

@@ -50,6 +50,8 @@ pub struct Lobatto {
     tableau: Tableau,
     isa: Isa,
     dense: DenseRule,
+    /// Room for what dense output sums over the stages.
+    dense_sums: Vec<[f64; 2]>,
     mode: Mode,
     watch: Watch,
     /// The states at both ends of the last step, for dense output; `end` is also where a step is finished before it is
@@ -167,6 +169,7 @@ impl Lobatto {
         Lobatto {
             kernel: step_for(mechanism, &tableau, isa, &[]),
             dense: DenseRule::new(&tableau),
+            dense_sums: vec![[0.0; 2]; mechanism.velocity_count],
             watch: Watch::new(&tableau, !mechanism.forces.is_empty()),
             tableau,
             isa,
@@ -410,7 +413,7 @@ impl Integrator for Lobatto {
             end: &self.end,
             length: self.last_step,
         };
-        last.sample(mechanism, &weights, position, velocity);
+        last.sample(mechanism, &weights, &mut self.dense_sums, position, velocity);
         if let Some(closing) = &mut self.closing {
             closing.project(mechanism, position, velocity);
         }

@@ -5,7 +5,7 @@
 //! and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`control`] and [`reversible`]
 //! (step length), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to know), [`integrator`] (steps strung
 //! together); for closed loops [`newton`], [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`] and [`assembly`];
-//! [`literal`] is the scheme word for word, the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
+//! [`instants`] are samples of a motion, in lanes; [`literal`] is the scheme word for word, the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
 pub mod algebra;
 pub mod anderson;
@@ -22,6 +22,7 @@ pub mod dynamics;
 pub mod elimination;
 mod extended;
 pub mod front;
+pub mod instants;
 pub mod integrator;
 mod iteration;
 pub mod lanes;

@@ -27,10 +27,17 @@ pub(super) struct LastStep<'s> {
 }
 
 impl LastStep<'_> {
-    /// Writes positions and velocities at the point that the weights stand for. Does not allocate.
-    pub fn sample(&self, mechanism: &Mechanism, weights: &DenseWeights, position: &mut [f64], velocity: &mut [f64]) {
-        let mut stages = [0.0; super::stage::MAX_LANES];
-        let stages = &mut stages[..self.inner];
+    /// Writes positions and velocities at the point that the weights stand for; `sums` is room for two numbers for each degree of
+    /// freedom. Does not allocate.
+    pub fn sample(
+        &self,
+        mechanism: &Mechanism,
+        weights: &DenseWeights,
+        sums: &mut [[f64; 2]],
+        position: &mut [f64],
+        velocity: &mut [f64],
+    ) {
+        self.kernel.weigh_displacements(weights.of_stages(self.inner), sums);
         let (start_rates, end_rates) = (&self.origin.velocity, &self.end.velocity);
         position.copy_from_slice(&self.origin.position);
         for body in &mechanism.bodies {
@@ -39,9 +46,8 @@ impl LastStep<'_> {
             let scalars = joint.kind.velocity_count() - if ball { 3 } else { 0 };
             for offset in 0..scalars {
                 let freedom = joint.velocity_index + offset;
-                self.kernel.displacement(freedom, stages);
                 let (start, end) = (self.length * start_rates[freedom], self.length * end_rates[freedom]);
-                let (displacement, slope) = weights.apply(stages, start, end);
+                let (displacement, slope) = weights.apply(sums[freedom], start, end);
                 position[joint.position_index + offset] += displacement;
                 velocity[freedom] = slope / self.length;
             }
@@ -49,17 +55,12 @@ impl LastStep<'_> {
                 let first = joint.velocity_index + scalars;
                 let mut turn = [0.0; 3];
                 let mut rate = [0.0; 3];
-                let mut last = [0.0; 3];
-                for axis in 0..3 {
-                    self.kernel.displacement(first + axis, stages);
-                    last[axis] = stages[stages.len() - 1];
-                }
+                let last = [0, 1, 2].map(|axis| self.kernel.last_displacement(first + axis));
                 // The slope of the rotation vector at the end belongs to the angular velocity there.
                 let end = inverse_tangent(&last, &[0, 1, 2].map(|axis| end_rates[first + axis]));
                 for axis in 0..3 {
-                    self.kernel.displacement(first + axis, stages);
                     let ends = (self.length * start_rates[first + axis], self.length * end[axis]);
-                    (turn[axis], rate[axis]) = weights.apply(stages, ends.0, ends.1);
+                    (turn[axis], rate[axis]) = weights.apply(sums[first + axis], ends.0, ends.1);
                 }
                 let slot = joint.position_index + scalars;
                 let turned = quaternion_product(&self.origin.position[slot..slot + 4], &quaternion_exponential(&turn));

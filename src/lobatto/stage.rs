@@ -268,7 +268,7 @@ pub fn rotate_increment<V: Lanes>(w: V, u: Vector<V>, v: Vector<V>) -> Vector<V>
 
 /// The product of two quaternions.
 #[inline(always)]
-fn compose<V: Lanes>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (V, Vector<V>) {
+pub(super) fn compose<V: Lanes>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (V, Vector<V>) {
     let real = u.dot_from(u2, w * w2);
     (real, u.cross_plus(u2, u2.times_plus(w, u.times(w2))))
 }

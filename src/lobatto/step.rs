@@ -111,8 +111,10 @@ pub trait Step: Send {
     fn redundant(&self) -> Option<usize>;
     /// Keeps the finished step: its end is the start of the next one.
     fn accept(&mut self);
-    /// Displacement of a degree of freedom at the stages 2 … s of the last solved step.
-    fn displacement(&self, freedom: usize, stages: &mut [f64]);
+    /// Of each degree of freedom two weighted sums of its displacements at the stages 2 … s of the last solved step.
+    fn weigh_displacements(&self, weights: [&[f64]; 2], sums: &mut [[f64; 2]]);
+    /// Displacement of a degree of freedom at the last stage of the last solved step.
+    fn last_displacement(&self, freedom: usize) -> f64;
     /// The fastest mode at `state`, the start of the step, from some power iterations.
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode;
     /// Pace of the motion at `state`, the start of the step; `None` where forces and loops play a part that it does not know.
@@ -342,8 +344,12 @@ impl<V: Lanes> Step for Kernel<V> {
         std::mem::swap(&mut self.stages.start, &mut self.end);
     }
 
-    fn displacement(&self, freedom: usize, stages: &mut [f64]) {
-        stages.copy_from_slice(&self.stages.displacement[freedom].to_array().as_ref()[..stages.len()]);
+    fn weigh_displacements(&self, weights: [&[f64]; 2], sums: &mut [[f64; 2]]) {
+        weigh(&self.stages.displacement, weights, sums);
+    }
+
+    fn last_displacement(&self, freedom: usize) -> f64 {
+        self.stages.displacement[freedom].to_array().as_ref()[self.stages.coefficients.active - 1]
     }
 
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
@@ -399,4 +405,14 @@ fn turned_too_far<V: Lanes>(stages: &Stages<V>) -> Option<usize> {
         };
         (square > MAX_TURN * MAX_TURN).then_some(first)
     })
+}
+
+/// Two weighted sums over the stages for each degree of freedom.
+pub(super) fn weigh<V: Lanes>(displacements: &[V], weights: [&[f64]; 2], sums: &mut [[f64; 2]]) {
+    let weights = weights.map(V::from_slice);
+    in_lanes!(V, {
+        for (sums, &displacement) in sums.iter_mut().zip(displacements) {
+            *sums = [(displacement * weights[0]).sum(), (displacement * weights[1]).sum()];
+        }
+    });
 }

@@ -1,31 +1,25 @@
-//! Writes the log on a thread of its own, because a disk may let it wait.
+//! Encodes and writes the log on a thread of its own, because that need not hold up the simulation, and a disk may let it wait.
 //!
-//! The simulation puts messages into a batch that both threads know, sample by sample; the thread takes the batch when
-//! it is large, or a tenth of a second has passed, whatever the simulation does meanwhile. If more waits than
-//! [`LARGEST_WAIT`], the simulation waits too. What the file becomes does not depend on when batches were taken.
+//! The simulation puts samples into a piece that both threads know, as positions and velocities; the thread takes the piece when
+//! it is large, or a tenth of a second has passed, whatever the simulation does meanwhile. If it is too large, the simulation
+//! waits too. What the file becomes does not depend on when pieces were taken.
 
-use super::batch::Batch;
+use super::encoder::SampleEncoder;
 use super::file::{Ending, LogError, LogFile};
+use super::queue::Piece;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// The thread is woken when so many bytes wait…
-const PIECE_SIZE: usize = 1 << 18;
-
-/// … and looks by itself this often, so that a killed run leaves little unsaid.
+/// The thread is woken when there is a large piece, and looks by itself this often, so that a killed run leaves little unsaid.
 const INTERVAL: Duration = Duration::from_millis(100);
-
-/// More bytes than this do not wait.
-const LARGEST_WAIT: usize = 1 << 22;
 
 /// A log file that is written by another thread.
 pub(super) struct BackgroundFile {
     path: PathBuf,
     current: PathBuf,
     is_beside: bool,
-    piece: Batch,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<Result<PathBuf, LogError>>>,
 }
@@ -41,7 +35,7 @@ struct Shared {
 
 #[derive(Default)]
 struct Waiting {
-    batch: Batch,
+    piece: Piece,
     ending: Option<Ending>,
     /// The thread cannot write any more.
     failed: bool,
@@ -56,25 +50,18 @@ impl Shared {
 }
 
 impl BackgroundFile {
-    /// Goes on writing `file` on a new thread.
+    /// Goes on writing `file` on a new thread, with the messages of `encoder`.
     ///
     /// # Errors
     /// [`LogError::Write`] if there can be no thread.
-    pub(super) fn new(path: &Path, file: LogFile) -> Result<Self, LogError> {
+    pub(super) fn new(path: &Path, file: LogFile, encoder: SampleEncoder) -> Result<Self, LogError> {
         let shared = Arc::new(Shared::default());
         let current = file.current().to_path_buf();
         let is_beside = file.is_beside();
         let theirs = shared.clone();
-        let thread = std::thread::Builder::new().name("log".to_string()).spawn(move || write(file, &theirs));
+        let thread = std::thread::Builder::new().name("log".to_string()).spawn(move || write(file, encoder, &theirs));
         let thread = thread.map_err(|reason| LogError::Write { path: path.to_path_buf(), reason })?;
-        Ok(BackgroundFile {
-            path: path.to_path_buf(),
-            current,
-            is_beside,
-            piece: Batch::default(),
-            shared,
-            thread: Some(thread),
-        })
+        Ok(BackgroundFile { path: path.to_path_buf(), current, is_beside, shared, thread: Some(thread) })
     }
 
     /// Where the file is while it is written.
@@ -87,32 +74,31 @@ impl BackgroundFile {
         self.is_beside
     }
 
-    /// The messages that will be handed over next.
-    pub(super) fn piece(&mut self) -> &mut Batch {
-        &mut self.piece
+    /// Lets `add` add to what the thread will take; returns whether [`BackgroundFile::settle`] has something to say.
+    pub(super) fn add(&self, add: impl FnOnce(&mut Piece)) -> bool {
+        let mut waiting = self.shared.lock();
+        let was_large = waiting.piece.is_large();
+        add(&mut waiting.piece);
+        let (is_large, stop) = (waiting.piece.is_large(), waiting.failed || waiting.piece.is_too_large());
+        drop(waiting);
+        if is_large && !was_large {
+            self.shared.news.notify_one();
+        }
+        stop
     }
 
-    /// Hands the messages over.
+    /// Waits until there is room.
     ///
     /// # Errors
     /// [`LogError::Write`] if earlier messages could not be written.
     pub(super) fn settle(&mut self) -> Result<(), LogError> {
         let mut waiting = self.shared.lock();
-        while waiting.batch.size() > LARGEST_WAIT && !waiting.failed {
+        while waiting.piece.is_too_large() && !waiting.failed {
             waiting = self.shared.room.wait(waiting).unwrap_or_else(PoisonError::into_inner);
         }
-        if waiting.failed {
-            drop(waiting);
-            return self.join().map(|_| ());
-        }
-        waiting.batch.append(&self.piece);
-        let is_large = waiting.batch.size() >= PIECE_SIZE;
+        let failed = waiting.failed;
         drop(waiting);
-        self.piece.clear();
-        if is_large {
-            self.shared.news.notify_one();
-        }
-        Ok(())
+        if failed { self.join().map(drop) } else { Ok(()) }
     }
 
     /// Waits for the thread, which completes the file.
@@ -127,7 +113,7 @@ impl BackgroundFile {
         }
     }
 
-    /// Hands over what is left and completes the file. Returns where it is.
+    /// Has everything written and the file completed. Returns where it is.
     ///
     /// # Errors
     /// [`LogError::Write`], also for earlier messages.
@@ -151,29 +137,39 @@ impl Drop for BackgroundFile {
 }
 
 /// The thread: writes until there is no more, and completes the file.
-fn write(mut file: LogFile, shared: &Shared) -> Result<PathBuf, LogError> {
-    let ended = write_all(&mut file, shared);
+fn write(mut file: LogFile, encoder: SampleEncoder, shared: &Shared) -> Result<PathBuf, LogError> {
+    let _gone = Gone(shared);
+    let ended = write_all(&mut file, encoder, shared);
     if ended.is_err() {
         shared.lock().failed = true;
-        shared.room.notify_one();
         file.salvage();
     }
     ended
 }
 
-fn write_all(file: &mut LogFile, shared: &Shared) -> Result<PathBuf, LogError> {
-    let mut taken = Batch::default();
+/// However the thread ends, nobody waits for it afterwards.
+struct Gone<'s>(&'s Shared);
+
+impl Drop for Gone<'_> {
+    fn drop(&mut self) {
+        self.0.lock().failed = true;
+        self.0.room.notify_one();
+    }
+}
+
+fn write_all(file: &mut LogFile, mut encoder: SampleEncoder, shared: &Shared) -> Result<PathBuf, LogError> {
+    let mut taken = Piece::default();
     loop {
         let is_idle =
-            |waiting: &mut Waiting| waiting.batch.size() < PIECE_SIZE && waiting.ending.is_none() && !waiting.abandoned;
+            |waiting: &mut Waiting| !waiting.piece.is_large() && waiting.ending.is_none() && !waiting.abandoned;
         let waited = shared.news.wait_timeout_while(shared.lock(), INTERVAL, is_idle);
         let (mut waiting, _) = waited.unwrap_or_else(PoisonError::into_inner);
         taken.clear();
-        std::mem::swap(&mut taken, &mut waiting.batch);
+        std::mem::swap(&mut taken, &mut waiting.piece);
         let (ending, abandoned) = (waiting.ending.take(), waiting.abandoned);
         drop(waiting);
         shared.room.notify_one();
-        file.append(&taken)?;
+        encoder.encode(&taken, file)?;
         if let Some(ending) = ending {
             return file.finish(&ending);
         }

@@ -1,52 +1,86 @@
-//! Encoded messages on their way into the file.
+//! Encoded messages as the chunk they will be in the file.
+//!
+//! ```text
+//!     chunk header | record  record  …  record | message indexes, once the chunk is complete
+//! ```
+//!
+//! Room for the header is kept free, so that a chunk is in one piece without being copied. Source: MCAP format specification
+//! (mcap.dev/spec), "Message": opcode 5 (1 byte), length (8 bytes), channel (2), sequence (4), log time (8), publish time (8), data;
+//! all numbers little endian.
 
-use mcap::records::MessageHeader;
-use mcap::{McapError, Writer};
-use std::io::{Seek, Write};
+/// Opcode of a message.
+const MESSAGE: u8 = 0x05;
 
-/// Bytes of a message record besides its data: opcode, length, channel, sequence and two times.
-const FRAMING: usize = 1 + 8 + 2 + 4 + 8 + 8;
+/// Opcode and length of a record.
+pub(super) const RECORD_HEADER: usize = 1 + 8;
+
+/// Bytes of a message record besides its data.
+const FRAMING: usize = RECORD_HEADER + 2 + 4 + 8 + 8;
+
+/// Bytes of a chunk record before its records: two times, size, checksum, the empty name of no compression, size.
+pub(super) const CHUNK_HEADER: usize = RECORD_HEADER + 8 + 8 + 8 + 4 + 4 + 8;
 
 /// Where a message is.
 #[derive(Clone, Copy)]
 pub(super) struct Entry {
-    /// The channel, as [`super::file::LogChannels::channel`] gave it.
+    /// The channel, as [`super::file::MessageSink::channel`] gave it.
     pub channel: u16,
     /// Log time and publish time in nanoseconds.
     pub time: u64,
-    /// Length of the data.
+    /// Where its record is among the records.
+    pub offset: usize,
+    /// Length of the record.
     length: usize,
 }
 
 /// Messages in their order.
-#[derive(Default)]
 pub(super) struct Batch {
     entries: Vec<Entry>,
-    /// The data of all messages, one after the other.
-    data: Vec<u8>,
+    /// Room for the header, and the records.
+    chunk: Vec<u8>,
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Batch { entries: Vec::new(), chunk: vec![0; CHUNK_HEADER] }
+    }
 }
 
 impl Batch {
-    /// Adds a message.
-    pub(super) fn push(&mut self, channel: u16, nanoseconds: u64, data: &[u8]) {
-        self.entries.push(Entry { channel, time: nanoseconds, length: data.len() });
-        self.data.extend_from_slice(data);
+    /// Adds a message like `template`; returns its data.
+    pub(super) fn push(&mut self, channel: u16, nanoseconds: u64, template: &[u8]) -> &mut [u8] {
+        let start = self.chunk.len();
+        let mut framing = [0; FRAMING];
+        framing[0] = MESSAGE;
+        framing[1..9].copy_from_slice(&((FRAMING - RECORD_HEADER + template.len()) as u64).to_le_bytes());
+        framing[9..11].copy_from_slice(&channel.to_le_bytes());
+        // No sequence numbers: the order of the messages says the same.
+        framing[15..23].copy_from_slice(&nanoseconds.to_le_bytes());
+        framing[23..31].copy_from_slice(&nanoseconds.to_le_bytes());
+        self.chunk.extend_from_slice(&framing);
+        self.chunk.extend_from_slice(template);
+        let (offset, length) = (start - CHUNK_HEADER, FRAMING + template.len());
+        self.entries.push(Entry { channel, time: nanoseconds, offset, length });
+        &mut self.chunk[start + FRAMING..]
+    }
+
+    /// Adds records that are not messages.
+    pub(super) fn define(&mut self, records: &[u8]) {
+        self.chunk.extend_from_slice(records);
     }
 
     /// The messages in their order, each with its data.
     pub(super) fn messages(&self) -> impl Iterator<Item = (Entry, &[u8])> {
-        self.messages_from(0)
+        let records = &self.chunk[CHUNK_HEADER..];
+        self.entries.iter().map(|&entry| (entry, &records[entry.offset + FRAMING..entry.offset + entry.length]))
     }
 
-    /// The messages from number `first` on.
-    fn messages_from(&self, first: usize) -> impl Iterator<Item = (Entry, &[u8])> {
-        let (before, entries) = self.entries.split_at(first.min(self.entries.len()));
-        let mut rest = &self.data[before.iter().map(|entry| entry.length).sum()..];
-        entries.iter().map(move |&entry| {
-            let (data, after) = rest.split_at(entry.length);
-            rest = after;
-            (entry, data)
-        })
+    /// The messages from number `first` on, and the records from there on.
+    pub(super) fn from(&self, first: usize) -> (&[Entry], &[u8]) {
+        let records = &self.chunk[CHUNK_HEADER..];
+        let entries = &self.entries[first.min(self.entries.len())..];
+        let start = if first == 0 { 0 } else { entries.first().map_or(records.len(), |entry| entry.offset) };
+        (entries, &records[start..])
     }
 
     /// Number of messages.
@@ -54,44 +88,24 @@ impl Batch {
         self.entries.len()
     }
 
-    /// Size in a chunk.
+    /// Length of all records.
     pub(super) fn size(&self) -> usize {
-        self.data.len() + FRAMING * self.entries.len()
+        self.chunk.len() - CHUNK_HEADER
+    }
+
+    /// That with one message more.
+    pub(super) fn size_with(&self, data: &[u8]) -> usize {
+        self.size() + FRAMING + data.len()
+    }
+
+    /// The whole chunk, to put the header into it and what comes after it.
+    pub(super) fn chunk(&mut self) -> &mut Vec<u8> {
+        &mut self.chunk
     }
 
     /// Forgets all messages and keeps the memory.
     pub(super) fn clear(&mut self) {
         self.entries.clear();
-        self.data.clear();
-    }
-
-    /// Adds the messages of another batch.
-    pub(super) fn append(&mut self, other: &Batch) {
-        self.entries.extend_from_slice(&other.entries);
-        self.data.extend_from_slice(&other.data);
-    }
-
-    /// Adds messages of another batch, from number `first` on, as long as all are not larger than `limit`, and at least one;
-    /// returns the number of the first that was not added.
-    pub(super) fn append_up_to(&mut self, limit: usize, other: &Batch, first: usize) -> usize {
-        let mut next = first;
-        for (entry, data) in other.messages_from(first) {
-            if !self.entries.is_empty() && self.size() + FRAMING + data.len() > limit {
-                break;
-            }
-            self.entries.push(entry);
-            self.data.extend_from_slice(data);
-            next += 1;
-        }
-        next
-    }
-
-    /// Writes the messages from number `first` on into the open chunk of a writer.
-    pub(super) fn write_to<W: Write + Seek>(&self, writer: &mut Writer<W>, first: usize) -> Result<(), McapError> {
-        self.messages_from(first).try_for_each(|(Entry { channel, time, .. }, data)| {
-            // No sequence numbers: the order of the messages says the same.
-            let header = MessageHeader { channel_id: channel, sequence: 0, log_time: time, publish_time: time };
-            writer.write_to_known_channel(&header, data)
-        })
+        self.chunk.truncate(CHUNK_HEADER);
     }
 }

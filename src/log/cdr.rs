@@ -24,11 +24,6 @@ impl<'b> CdrWriter<'b> {
         CdrWriter { buffer }
     }
 
-    /// Goes on with the message that is in the buffer already.
-    pub(super) fn resume(buffer: &'b mut Vec<u8>) -> Self {
-        CdrWriter { buffer }
-    }
-
     fn align(&mut self, size: usize) {
         let offset = self.buffer.len() - ENCAPSULATION.len();
         self.buffer.resize(ENCAPSULATION.len() + offset.next_multiple_of(size), 0);
@@ -40,12 +35,10 @@ impl<'b> CdrWriter<'b> {
         self.buffer.extend_from_slice(&value.to_le_bytes());
     }
 
-    /// A `builtin_interfaces/Time`; seconds beyond its 31 bits stay at the largest.
+    /// A time.
     pub(super) fn time(&mut self, nanoseconds: u64) {
-        let seconds = i32::try_from(nanoseconds / 1_000_000_000).unwrap_or(i32::MAX);
         self.align(4);
-        self.buffer.extend_from_slice(&seconds.to_le_bytes());
-        self.unsigned((nanoseconds % 1_000_000_000) as u32);
+        self.buffer.extend_from_slice(&time(nanoseconds));
     }
 
     /// A string.
@@ -55,43 +48,45 @@ impl<'b> CdrWriter<'b> {
         self.buffer.push(0);
     }
 
-    /// Doubles of a structure.
-    pub(super) fn numbers(&mut self, values: &[f64]) {
-        self.align(8);
-        self.fill(values.iter().copied(), values.len());
-    }
-
-    /// A sequence of doubles.
-    pub(super) fn doubles(&mut self, values: impl ExactSizeIterator<Item = f64>) {
-        self.unsigned(values.len() as u32);
+    /// A sequence of so many structures of `N` doubles, all zero; returns where they begin.
+    pub(super) fn structures<const N: usize>(&mut self, count: usize) -> usize {
+        self.unsigned(count as u32);
         // An empty sequence has no element that would need the padding; readers do not skip any.
-        if values.len() > 0 {
+        if count > 0 {
             self.align(8);
         }
-        let count = values.len();
-        self.fill(values, count);
-    }
-
-    /// Doubles where they belong already; the buffer grows once for all.
-    fn fill(&mut self, values: impl Iterator<Item = f64>, count: usize) {
         let start = self.buffer.len();
-        self.buffer.resize(start + 8 * count, 0);
-        for (bytes, value) in self.buffer[start..].chunks_exact_mut(8).zip(values) {
-            bytes.copy_from_slice(&value.to_le_bytes());
-        }
+        self.buffer.resize(start + 8 * N * count, 0);
+        start
+    }
+}
+
+/// A `builtin_interfaces/Time`; seconds beyond its 31 bits stay at the largest.
+pub(super) fn time(nanoseconds: u64) -> [u8; 8] {
+    let seconds = i32::try_from(nanoseconds / 1_000_000_000).unwrap_or(i32::MAX);
+    let [a, b, c, d] = seconds.to_le_bytes();
+    let [e, f, g, h] = ((nanoseconds % 1_000_000_000) as u32).to_le_bytes();
+    [a, b, c, d, e, f, g, h]
+}
+
+/// Puts doubles into a message, where they belong.
+pub(super) fn fill(bytes: &mut [u8], values: impl Iterator<Item = f64>) {
+    for (bytes, value) in bytes.chunks_exact_mut(8).zip(values) {
+        bytes.copy_from_slice(&value.to_le_bytes());
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::CdrWriter;
+    use super::{CdrWriter, fill};
 
     #[test]
     fn numbers_are_aligned_from_the_end_of_the_encapsulation() {
         let mut buffer = vec![9; 3];
         let mut writer = CdrWriter::begin(&mut buffer);
         writer.string("ab");
-        writer.doubles([1.0].into_iter());
+        let place = writer.structures::<1>(1);
+        fill(&mut buffer[place..], [1.0].into_iter());
         let expected: &[u8] = &[
             0, 1, 0, 0, // encapsulation
             3, 0, 0, 0, b'a', b'b', 0, 0, // the string and one byte of padding

@@ -3,7 +3,7 @@
 //! A thread reads the log; what does not depend on the run (descriptions, lines of text) is passed over on both sides.
 
 use super::batch::Batch;
-use super::file::{LogChannels, LogError};
+use super::file::{LogError, MessageSink};
 use super::reader::{Completeness, Item, ReadError, read_log};
 use foxglove::Decode;
 use foxglove::messages::FrameTransforms;
@@ -94,11 +94,6 @@ impl Comparison {
         })
     }
 
-    /// The messages of the run that will be compared next.
-    pub(super) fn piece(&mut self) -> &mut Batch {
-        &mut self.piece
-    }
-
     fn next(&mut self) -> Result<Option<Message>, Difference> {
         loop {
             if let Some(message) = self.expected.next() {
@@ -115,8 +110,11 @@ impl Comparison {
     /// Compares what is in the piece.
     ///
     /// # Errors
-    /// The first [`Difference`].
+    /// The first [`Difference`], also if it was found before.
     pub(super) fn settle(&mut self) -> Result<(), Difference> {
+        if let Some(found) = &self.found {
+            return Err(found.clone());
+        }
         let piece = std::mem::take(&mut self.piece);
         let result = piece.messages().try_for_each(|(entry, data)| {
             let topic = self.topics.get(usize::from(entry.channel)).cloned().unwrap_or_default();
@@ -144,13 +142,10 @@ impl Comparison {
 
     /// Ends the comparison.
     pub(super) fn finish(mut self) -> (Compared, Result<(), Difference>) {
-        let ended = match self.found.take() {
-            Some(found) => Err(found),
-            None => self.settle().and_then(|()| match self.next()? {
-                Some(Message { topic, time, .. }) => Err(Difference::LogGoesOn { topic, time: time as f64 * 1e-9 }),
-                None => Ok(()),
-            }),
-        };
+        let ended = self.settle().and_then(|()| match self.next()? {
+            Some(Message { topic, time, .. }) => Err(Difference::LogGoesOn { topic, time: time as f64 * 1e-9 }),
+            None => Ok(()),
+        });
         (self.compared, ended)
     }
 }
@@ -178,10 +173,13 @@ fn poses(topic: &str, data: &[u8]) -> Option<Vec<(String, [f64; 3])>> {
     Some(transforms.into_iter().map(pose).collect())
 }
 
-impl LogChannels for Comparison {
+impl MessageSink for Comparison {
     fn channel(&mut self, topic: &str, _: (&str, &str, &[u8]), _: &str) -> Result<u16, LogError> {
         self.topics.push(topic.to_string());
         // There are never more than a few dozen.
         Ok(self.topics.len() as u16 - 1)
+    }
+    fn message(&mut self, channel: u16, nanoseconds: u64, template: &[u8]) -> Result<&mut [u8], LogError> {
+        Ok(self.piece.push(channel, nanoseconds, template))
     }
 }

@@ -1,6 +1,6 @@
 //! The MCAP file under the log: batches of messages, and a file that is readable whenever the process is killed.
 //!
-//! Messages are collected in memory and written as one chunk whenever the next would not fit into [`CHUNK_SIZE`]. Where
+//! Messages are collected in memory and written as one chunk ([`Container`]) whenever the next would not fit into [`CHUNK_SIZE`]. Where
 //! chunks end depends on the messages alone, which makes equal runs give equal files. A run that is slow would then leave
 //! little behind when it is killed; so twice a second what is new in the batch that is still open is written as a
 //! provisional chunk, until the batch is complete and its chunk takes their place ([`Tail`]):
@@ -14,15 +14,13 @@
 //! write fails because the disk is full, what is whole is kept and closed with an end that needs no summary.
 
 use super::batch::Batch;
+use super::container::{Container, encode_provisional_chunk};
 use super::output::{END, FINISHED, OUTCOME, Output};
 use super::place::{FilePlace, Tail};
 use mcap::records::Metadata;
-use mcap::write::NoSeek;
-use mcap::{Attachment, McapError, WriteOptions, Writer};
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Largest size of a chunk of several messages; what a disk that fills up loses, too.
@@ -85,16 +83,13 @@ pub(super) struct LogFile {
     output: Output,
     tail: Tail<FilePlace>,
     is_regular: bool,
-    options: WriteOptions,
-    writer: Writer<NoSeek<Written>>,
-    /// What the writer has written and the file has not.
-    written: Written,
-    /// The channels as the writer numbers them.
-    channels: Vec<u16>,
+    container: Container,
     /// The messages that are in no final chunk yet.
     batch: Batch,
     /// How many of them are in provisional chunks.
     provisional: usize,
+    /// The provisional chunk that is being encoded.
+    buffer: Vec<u8>,
     saved: Instant,
     /// Whether something was written that may still be lost in a power failure.
     unsynced: bool,
@@ -108,20 +103,17 @@ impl LogFile {
     /// cannot be written.
     pub(super) fn create(path: &Path) -> Result<Self, LogError> {
         let (output, file, is_regular) = Output::create(path)?;
-        let options = write_options();
-        let written = Written::default();
-        let writer = options.clone().create(NoSeek::new(written.clone())).map_err(|error| write_error(path, error))?;
+        let container = Container::new(concat!("catena ", env!("CARGO_PKG_VERSION")));
+        let container = container.map_err(|error| cannot_encode(path, error))?;
         Ok(LogFile {
             path: path.to_path_buf(),
             output,
             tail: Tail::new(FilePlace::new(file, is_regular)),
             is_regular,
-            options,
-            writer,
-            written,
-            channels: Vec::new(),
+            container,
             batch: Batch::default(),
             provisional: 0,
+            buffer: Vec::new(),
             saved: Instant::now(),
             unsynced: false,
         })
@@ -146,38 +138,21 @@ impl LogFile {
     /// Adds a metadata record.
     pub(super) fn metadata(&mut self, name: &str, metadata: BTreeMap<String, String>) -> Result<(), LogError> {
         let record = Metadata { name: name.to_string(), metadata };
-        self.writer.write_metadata(&record).map_err(|error| write_error(&self.path, error))
+        self.container.metadata(&record).map_err(|error| cannot_encode(&self.path, error))
     }
 
     /// Adds an attachment.
     pub(super) fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> Result<(), LogError> {
-        let attachment = Attachment {
-            log_time: 0,
-            create_time: 0,
-            name: name.to_string(),
-            media_type: media_type.to_string(),
-            data: data.into(),
-        };
-        self.writer.attach(&attachment).map_err(|error| write_error(&self.path, error))
-    }
-
-    /// Adds messages and writes a chunk whenever one is full.
-    pub(super) fn append(&mut self, messages: &Batch) -> Result<(), LogError> {
-        let mut next = 0;
-        loop {
-            next = self.batch.append_up_to(CHUNK_SIZE, messages, next);
-            if next == messages.count() {
-                return Ok(());
-            }
-            self.close_batch()?;
-        }
+        let attached = self.container.attach(name, media_type, data);
+        attached.map_err(|error| cannot_encode(&self.path, error))
     }
 
     /// Writes what has been collected as a final chunk, through to the operating system.
     fn close_batch(&mut self) -> Result<(), LogError> {
-        let closed = self.batch.write_to(&mut self.writer, 0).and_then(|()| self.writer.flush());
-        closed.map_err(|error| write_error(&self.path, error))?;
         self.move_to_file()?;
+        let chunk = self.container.chunk(&mut self.batch).map_err(|error| cannot_encode(&self.path, error))?;
+        let written = self.tail.extend(chunk);
+        written.map_err(|reason| self.cannot_write(reason))?;
         self.batch.clear();
         self.provisional = 0;
         Ok(())
@@ -185,10 +160,8 @@ impl LogFile {
 
     fn move_to_file(&mut self) -> Result<(), LogError> {
         self.unsynced = true;
-        let mut written = self.written.lock();
-        let moved = self.tail.extend(&written);
-        written.clear();
-        moved.map_err(|reason| self.cannot_write(reason))
+        let LogFile { container, tail, .. } = self;
+        container.take(|bytes| tail.extend(bytes)).map_err(|reason| self.cannot_write(reason))
     }
 
     fn cannot_write(&self, reason: io::Error) -> LogError {
@@ -198,39 +171,25 @@ impl LogFile {
     /// Makes everything up to now safe, if that was last done long enough ago.
     pub(super) fn save_if_due(&mut self) -> Result<(), LogError> {
         if self.is_regular && self.saved.elapsed() >= PROVISIONAL_INTERVAL {
-            self.save().map_err(|error| write_error(&self.path, error))?;
+            self.save()?;
             self.saved = Instant::now();
         }
         Ok(())
     }
 
-    fn save(&mut self) -> Result<(), McapError> {
+    fn save(&mut self) -> Result<(), LogError> {
         if self.batch.count() > self.provisional {
-            let chunk = self.provisional_chunk()?;
-            self.tail.extend_provisionally(&chunk)?;
+            self.buffer.clear();
+            let encoded = encode_provisional_chunk(&self.batch, self.provisional, &mut self.buffer);
+            encoded.map_err(|error| cannot_encode(&self.path, error))?;
+            self.tail.extend_provisionally(&self.buffer).map_err(|reason| self.cannot_write(reason))?;
             self.provisional = self.batch.count();
             self.unsynced = true;
         }
         if std::mem::take(&mut self.unsynced) {
-            self.tail.sync()?;
+            self.tail.sync().map_err(|reason| self.cannot_write(reason))?;
         }
         Ok(())
-    }
-
-    /// The messages that are in no chunk yet as a chunk that no index knows.
-    fn provisional_chunk(&self) -> Result<Vec<u8>, McapError> {
-        let written = Written::default();
-        let options = self.options.clone().emit_message_indexes(false);
-        let mut writer = options.create(NoSeek::new(written.clone()))?;
-        // Their numbers are enough here: what else there is to say about channels, the file has said.
-        for &channel in &self.channels {
-            writer.add_channel_with_id(channel, 0, "", "", &BTreeMap::new())?;
-        }
-        writer.flush()?;
-        written.lock().clear();
-        self.batch.write_to(&mut writer, self.provisional)?;
-        writer.flush()?;
-        Ok(std::mem::take(&mut *written.lock()))
     }
 
     /// Completes the file: everything collected, how the run ended, the summary, and nothing provisional after it; then
@@ -245,7 +204,7 @@ impl LogFile {
         let mut entries = ending.figures.clone();
         entries.insert(OUTCOME.to_string(), ending.outcome.name().to_string());
         self.metadata(END, entries)?;
-        self.writer.finish().map_err(|error| write_error(&self.path, error))?;
+        self.container.finish().map_err(|error| cannot_encode(&self.path, error))?;
         self.move_to_file()?;
         // A short run ends within the second that may be lost, unless it replaces what must not be lost.
         let finished = ending.outcome == Outcome::Finished;
@@ -265,59 +224,30 @@ impl LogFile {
 }
 
 /// Something that messages are for: a file, or the log they are held against.
-pub(super) trait LogChannels {
+pub(super) trait MessageSink {
     /// Adds a channel for messages of the `schema` (name, encoding, data) and returns its identifier.
     fn channel(&mut self, topic: &str, schema: (&str, &str, &[u8]), encoding: &str) -> Result<u16, LogError>;
+
+    /// Adds a message like `template`; returns its data.
+    fn message(&mut self, channel: u16, nanoseconds: u64, template: &[u8]) -> Result<&mut [u8], LogError>;
 }
 
-impl LogChannels for LogFile {
+impl MessageSink for LogFile {
     fn channel(&mut self, topic: &str, schema: (&str, &str, &[u8]), encoding: &str) -> Result<u16, LogError> {
-        let (name, schema_encoding, data) = schema;
-        let added = self.writer.add_schema(name, schema_encoding, data);
-        let added = added.and_then(|schema| self.writer.add_channel(schema, topic, encoding, &BTreeMap::new()));
-        let channel = added.map_err(|error| write_error(&self.path, error))?;
-        self.channels.push(channel);
-        Ok(channel)
+        let channel = self.container.channel(topic, schema, encoding, &mut self.batch);
+        let channel = channel.map_err(|error| cannot_encode(&self.path, error))?;
+        channel.ok_or_else(|| self.cannot_write(io::Error::other("there are more topics than a log can have")))
+    }
+
+    /// Writes a chunk whenever one is full.
+    fn message(&mut self, channel: u16, nanoseconds: u64, template: &[u8]) -> Result<&mut [u8], LogError> {
+        if self.batch.count() > 0 && self.batch.size_with(template) > CHUNK_SIZE {
+            self.close_batch()?;
+        }
+        Ok(self.batch.push(channel, nanoseconds, template))
     }
 }
 
-fn write_options() -> WriteOptions {
-    WriteOptions::new()
-        .library(concat!("catena ", env!("CARGO_PKG_VERSION")))
-        // Chunks end where batches end.
-        .chunk_size(None)
-        // What compresses well, names, is the smaller part of a log, and the work would be as much as all else about it
-        // (benches/README.md).
-        .compression(None)
-        // A chunk is then written in one piece, with its final header.
-        .disable_seeking(true)
-}
-
-fn write_error(path: &Path, error: McapError) -> LogError {
-    let reason = match error {
-        McapError::Io(reason) => reason,
-        other => io::Error::other(other),
-    };
-    LogError::Write { path: path.to_path_buf(), reason }
-}
-
-/// Bytes on their way from a writer, which does not give away what it writes to, to the file.
-#[derive(Clone, Default)]
-struct Written(Arc<Mutex<Vec<u8>>>);
-
-impl Written {
-    fn lock(&self) -> MutexGuard<'_, Vec<u8>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Write for Written {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.lock().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
+fn cannot_encode(path: &Path, error: binrw::Error) -> LogError {
+    LogError::Write { path: path.to_path_buf(), reason: io::Error::other(error) }
 }

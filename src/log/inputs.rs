@@ -12,23 +12,46 @@ use std::path::Path;
 /// The name of the metadata record.
 pub const INPUTS: &str = "inputs";
 
-/// Attaches what was read.
-pub(super) fn attach_inputs(file: &mut LogFile, model: &Model) -> Result<(), LogError> {
+/// A file that was read.
+pub(super) struct Input<'m> {
+    name: String,
+    relative: &'m Path,
+    media_type: &'static str,
+    text: &'m str,
+    /// SHA-256 of its bytes.
+    pub hash: String,
+}
+
+/// What was read, the main input first.
+pub(super) fn inputs(model: &Model) -> Vec<Input<'_>> {
     let scene = model.scene.iter().map(|scene| (String::new(), &*scene.path, &*scene.text, "application/toml"));
     let robots =
         model.robots.iter().enumerate().map(|(index, placed)| {
             (model.prefix(index), &*placed.robot.path, &*placed.robot.source, "application/xml")
         });
-    let mut inputs = BTreeMap::new();
     let mut main_folder = None;
+    let mut all = Vec::new();
     for (prefix, path, text, media_type) in scene.chain(robots) {
         let folder = *main_folder.get_or_insert(path.parent().unwrap_or(Path::new("")));
-        let name = format!("{prefix}{}", path.file_name().unwrap_or(path.as_os_str()).to_string_lossy());
-        let relative = path.strip_prefix(folder).unwrap_or(path);
-        file.attach(&name, media_type, text.as_bytes())?;
-        inputs.insert(name, format!("{} {}", sha256(text.as_bytes()), relative.display()));
+        all.push(Input {
+            name: format!("{prefix}{}", path.file_name().unwrap_or(path.as_os_str()).to_string_lossy()),
+            relative: path.strip_prefix(folder).unwrap_or(path),
+            media_type,
+            text,
+            hash: sha256(text.as_bytes()),
+        });
     }
-    file.metadata(INPUTS, inputs)
+    all
+}
+
+/// Attaches what was read.
+pub(super) fn attach_inputs(file: &mut LogFile, inputs: &[Input]) -> Result<(), LogError> {
+    let mut entries = BTreeMap::new();
+    for Input { name, relative, media_type, text, hash } in inputs {
+        file.attach(name, media_type, text.as_bytes())?;
+        entries.insert(name.clone(), format!("{hash} {}", relative.display()));
+    }
+    file.metadata(INPUTS, entries)
 }
 
 /// The SHA-256 of some bytes, in hexadecimal digits.

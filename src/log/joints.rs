@@ -13,33 +13,29 @@
 //! the joint, up to rounding. `/reactions` has all of what joints carry, at the origin of the joint's frame on the child
 //! in the axes of the world: what `catena simulate --json` calls `reaction_force` and `reaction_torque`.
 
-use super::batch::Batch;
-use super::file::{LogChannels, LogError};
-use super::ros::{self, JointHeader, ros_channel};
+use super::file::{LogError, MessageSink};
+use super::ros::{self, Template, ros_channel};
+use crate::lobatto::instants::{Row, Snapshots};
 use crate::model::Model;
 use crate::model::joint::JointKind;
-use crate::reactions::Reactions;
-use crate::reduced::Reaction;
-use crate::simulation::Sample;
 use crate::state::quaternion_exponential;
-use nalgebra::Vector3;
 
 /// Writes the joint messages of samples.
-pub(super) struct JointMessages<'m> {
-    model: &'m Model,
+pub(super) struct JointMessages {
+    /// The mechanism and its joints alone.
+    model: Model,
     channel: u16,
-    header: JointHeader,
+    template: Template,
     /// The bodies that the joints of one number move.
     bodies: Vec<usize>,
     others: Option<OtherJoints>,
     loads: Loads,
-    reactions: Reactions<'m>,
 }
 
 /// What the joints carry.
 struct Loads {
     channel: u16,
-    header: JointHeader,
+    template: Template,
     /// The bodies of all joints that move, save a floating base, which nothing holds.
     bodies: Vec<usize>,
 }
@@ -47,14 +43,14 @@ struct Loads {
 /// The joints of several numbers.
 struct OtherJoints {
     channel: u16,
-    header: JointHeader,
+    template: Template,
     /// Their numbers among the joints of the model.
     joints: Vec<usize>,
 }
 
-impl<'m> JointMessages<'m> {
+impl JointMessages {
     /// Adds the channels that the joints of the model need; reactions are in the frame `world`.
-    pub(super) fn new(file: &mut dyn LogChannels, model: &'m Model, world: &str) -> Result<Self, LogError> {
+    pub(super) fn new(file: &mut dyn MessageSink, model: &Model, world: &str) -> Result<Self, LogError> {
         let name = |&joint: &usize| model.joints[joint].name.as_str();
         let joint_of = |joint: usize| Some(&model.mechanism.bodies[model.joints[joint].body?].joint);
         let moving = (0..model.joints.len()).filter(|&joint| joint_of(joint).is_some());
@@ -67,53 +63,64 @@ impl<'m> JointMessages<'m> {
         let carriers: Vec<&str> = held.iter().map(name).chain(loops).collect();
         let loads = Loads {
             channel: ros_channel(file, "/reactions", ros::MULTI_DOF_JOINT_STATE)?,
-            header: JointHeader::new(world, carriers.into_iter()),
+            template: Template::wrenches(world, carriers.into_iter()),
             bodies: held.iter().filter_map(body_of).collect(),
         };
         Ok(JointMessages {
-            model,
+            model: Model {
+                mechanism: model.mechanism.clone(),
+                joints: model.joints.clone(),
+                links: Vec::new(),
+                reductions: Vec::new(),
+                warnings: Vec::new(),
+                robots: Vec::new(),
+                scene: None,
+            },
             channel: ros_channel(file, "/joint_states", ros::JOINT_STATE)?,
-            header: JointHeader::new("", scalar.iter().map(name)),
+            template: Template::joint_state("", scalar.iter().map(name)),
             bodies: scalar.iter().filter_map(body_of).collect(),
             loads,
-            reactions: Reactions::new(&model.mechanism),
             others: if other.is_empty() {
                 None
             } else {
                 let channel = ros_channel(file, "/multi_dof_joint_states", ros::MULTI_DOF_JOINT_STATE)?;
-                Some(OtherJoints { channel, header: JointHeader::new("", other.iter().map(name)), joints: other })
+                let template = Template::multi_dof("", other.iter().map(name));
+                Some(OtherJoints { channel, template, joints: other })
             },
         })
     }
 
-    /// Adds the messages of one sample.
-    pub(super) fn write(&mut self, sample: &Sample, stamp: u64, buffer: &mut Vec<u8>, messages: &mut Batch) {
+    /// Adds the messages of a sample: its positions and velocities, and which of the snapshots it is.
+    pub(super) fn write(
+        &self,
+        (position, velocity): (&[f64], &[f64]),
+        (snapshots, instant): (&Snapshots, usize),
+        stamp: u64,
+        sink: &mut dyn MessageSink,
+    ) -> Result<(), LogError> {
         let bodies = &self.model.mechanism.bodies;
-        let (reactions, loops) = self.reactions.of_placed(sample.position, sample.velocity, sample.bodies);
-        let positions = self.bodies.iter().map(|&body| sample.position[bodies[body].joint.position_index]);
-        let velocities = self.bodies.iter().map(|&body| sample.velocity[bodies[body].joint.velocity_index]);
-        let efforts = self.bodies.iter().map(|&body| {
-            let joint = &bodies[body].joint;
-            let axis = sample.bodies[body].rotation * joint.on_child.rotation.matrix().column(2);
-            let Reaction { force, torque, .. } = &reactions[body];
-            if joint.kind == JointKind::Prismatic { force.dot(&axis) } else { torque.dot(&axis) }
-        });
-        self.header.encode_joint_state(stamp, positions, velocities, efforts, buffer);
-        messages.push(self.channel, stamp, buffer);
-        let wrench =
-            |force: &Vector3<f64>, torque: &Vector3<f64>| [force.x, force.y, force.z, torque.x, torque.y, torque.z];
-        let joints = self.loads.bodies.iter().map(|&body| wrench(&reactions[body].force, &reactions[body].torque));
-        let carried = joints.chain(loops.iter().map(|one| wrench(&one.force, &one.torque)));
-        self.loads.header.encode_wrenches(stamp, self.loads.bodies.len() + loops.len(), carried, buffer);
-        messages.push(self.loads.channel, stamp, buffer);
-        if let Some(others) = &self.others {
-            let joints = others.joints.iter().map(|&joint| {
-                let coordinates = self.model.joint_coordinates(joint, sample.position, sample.velocity);
-                transform_and_twist(coordinates.position(), coordinates.velocity())
-            });
-            others.header.encode_multi_dof(stamp, joints, buffer);
-            messages.push(others.channel, stamp, buffer);
-        }
+        let message = sink.message(self.channel, stamp, self.template.encoded())?;
+        self.template.fill_stamp(message, stamp);
+        self.template.fill(message, 0, self.bodies.iter().map(|&body| position[bodies[body].joint.position_index]));
+        self.template.fill(message, 1, self.bodies.iter().map(|&body| velocity[bodies[body].joint.velocity_index]));
+        self.template.fill(message, 2, self.bodies.iter().map(|&body| snapshots.efforts[body][instant]));
+        let Loads { channel, template, bodies } = &self.loads;
+        let message = sink.message(*channel, stamp, template.encoded())?;
+        template.fill_stamp(message, stamp);
+        let carried = bodies.iter().map(|&body| &snapshots.wrenches[body]).chain(&snapshots.loops);
+        let wrench = |[fx, fy, fz, tx, ty, tz]: &[Row; 6]| {
+            [fx[instant], fy[instant], fz[instant], tx[instant], ty[instant], tz[instant]]
+        };
+        template.fill_structures(message, 0, carried.map(wrench));
+        let Some(OtherJoints { channel, template, joints }) = &self.others else { return Ok(()) };
+        let message = sink.message(*channel, stamp, template.encoded())?;
+        template.fill_stamp(message, stamp);
+        let coordinates = joints.iter().map(|&joint| self.model.joint_coordinates(joint, position, velocity));
+        let numbers = coordinates.map(|joint| transform_and_twist(joint.position(), joint.velocity()));
+        let transforms = |([x, y, z, qw, qx, qy, qz], _): ([f64; 7], _)| [x, y, z, qx, qy, qz, qw];
+        template.fill_structures(message, 0, numbers.clone().map(transforms));
+        template.fill_structures(message, 1, numbers.map(|(_, twist)| twist));
+        Ok(())
     }
 }
 

@@ -20,7 +20,7 @@
 //! Lichtblick lost the transforms of that topic whenever one jumped back in a log (its pull request 1246 of July 2026), and a log
 //! that was cut needs nothing from its beginning. rerun 0.41 would show them. It costs 14 % (Panda) to 47 % (Baxter) of the bytes
 //! of a sample.
-//! Chunks are not compressed (`file.rs` says why).
+//! Chunks are not compressed (`container.rs` says why).
 //!
 //! Rerun draws the robot from `/robot_description` and `/tf` and plots the ROS messages by itself; Foxglove and
 //! Lichtblick draw `/scene`; every channel has a schema because PlotJuggler skips those without. The metadata record
@@ -37,13 +37,16 @@ mod background;
 mod batch;
 mod cdr;
 mod comparison;
+mod container;
 pub mod decode;
+mod encoder;
 mod file;
 pub mod frames;
 mod inputs;
 mod joints;
 mod output;
 mod place;
+mod queue;
 pub mod reader;
 mod recorder;
 mod ros;

@@ -63,7 +63,10 @@ impl Output {
         if !lock(&file) {
             return Err(LogError::Busy { path: current });
         }
-        file.set_len(0).map_err(|reason| refuse(&current, reason))?;
+        // What is empty is not cut: ext4 would then write the whole log out while it is closed, as if it replaced another.
+        if file.metadata().map_or(true, |metadata| metadata.len() > 0) {
+            file.set_len(0).map_err(|reason| refuse(&current, reason))?;
+        }
         let is_empty = std::fs::metadata(&wanted).map_or(true, |metadata| metadata.len() == 0);
         let protects = !is_empty && !is_unfinished(&wanted);
         Ok((Output { wanted, current, protects }, file, true))

@@ -3,12 +3,12 @@
 //! A `ros2msg` schema is the definition of the message followed by those of the messages it uses, each after a line
 //! of 80 equals signs and a line that names it.
 
-use super::cdr::CdrWriter;
-use super::file::{LogChannels, LogError};
+use super::cdr::{self, CdrWriter};
+use super::file::{LogError, MessageSink};
 
 /// Adds a channel for messages of one of the definitions below.
 pub(super) fn ros_channel(
-    file: &mut dyn LogChannels,
+    file: &mut dyn MessageSink,
     topic: &str,
     (name, definition): (&str, &str),
 ) -> Result<u16, LogError> {
@@ -104,91 +104,97 @@ pub(super) fn encode_string(text: &str, out: &mut Vec<u8>) {
     CdrWriter::begin(out).string(text);
 }
 
-/// Encodes `std_msgs/msg/Float64MultiArray`s of one dimension, whose label says what the numbers are.
-pub(super) fn encode_figures(label: &str, figures: &[f64], out: &mut Vec<u8>) {
-    let mut writer = CdrWriter::begin(out);
-    let count = figures.len() as u32;
-    writer.unsigned(1);
-    writer.string(label);
-    writer.unsigned(count);
-    writer.unsigned(count);
-    writer.unsigned(0);
-    writer.doubles(figures.iter().copied());
-}
-
-/// The beginning of a message about joints: a header and their names.
-pub(super) struct JointHeader {
-    /// The encoded beginning, with a stamp of zero.
+/// A message of which all but the numbers is the same again and again.
+pub(super) struct Template {
     encoded: Vec<u8>,
+    /// Where each row of numbers begins.
+    rows: Vec<usize>,
 }
 
-/// Where the stamp is in the encoded message.
+/// Where the stamp is in messages about joints.
 const STAMP: std::ops::Range<usize> = 4..12;
 
-impl JointHeader {
-    /// The beginning for joints of these names, with numbers in a frame.
-    pub(super) fn new<'n>(frame: &str, names: impl ExactSizeIterator<Item = &'n str>) -> Self {
+impl Template {
+    /// A `std_msgs/msg/Float64MultiArray` of one dimension, whose label says what its row of numbers is.
+    pub(super) fn figures(label: &str, count: usize) -> Self {
+        let mut encoded = Vec::new();
+        let mut writer = CdrWriter::begin(&mut encoded);
+        writer.unsigned(1);
+        writer.string(label);
+        writer.unsigned(count as u32);
+        writer.unsigned(count as u32);
+        writer.unsigned(0);
+        let rows = vec![writer.structures::<1>(count)];
+        Template { encoded, rows }
+    }
+
+    /// A `sensor_msgs/msg/JointState`: rows of positions, velocities and efforts.
+    pub(super) fn joint_state<'n>(frame: &str, names: impl ExactSizeIterator<Item = &'n str>) -> Self {
+        let count = names.len();
+        Self::new(frame, names, |writer| [0; 3].map(|_| writer.structures::<1>(count)).to_vec())
+    }
+
+    /// A `sensor_msgs/msg/MultiDOFJointState` with wrenches (force, torque) alone: one row of six numbers each.
+    pub(super) fn wrenches<'n>(frame: &str, names: impl ExactSizeIterator<Item = &'n str>) -> Self {
+        let count = names.len();
+        Self::new(frame, names, |writer| {
+            writer.unsigned(0);
+            writer.unsigned(0);
+            vec![writer.structures::<6>(count)]
+        })
+    }
+
+    /// A `sensor_msgs/msg/MultiDOFJointState` without wrenches: a row of seven numbers each, x, y, z and the quaternion x, y, z, w, and
+    /// one of six, the linear and the angular velocity.
+    pub(super) fn multi_dof<'n>(frame: &str, names: impl ExactSizeIterator<Item = &'n str>) -> Self {
+        let count = names.len();
+        Self::new(frame, names, |writer| {
+            let rows = vec![writer.structures::<7>(count), writer.structures::<6>(count)];
+            writer.unsigned(0);
+            rows
+        })
+    }
+
+    /// A header, the names, and what `rest` adds, which returns where the rows are.
+    fn new<'n>(
+        frame: &str,
+        names: impl ExactSizeIterator<Item = &'n str>,
+        rest: impl FnOnce(&mut CdrWriter) -> Vec<usize>,
+    ) -> Self {
         let mut encoded = Vec::new();
         let mut writer = CdrWriter::begin(&mut encoded);
         writer.time(0);
         writer.string(frame);
         writer.unsigned(names.len() as u32);
         names.for_each(|name| writer.string(name));
-        JointHeader { encoded }
+        let rows = rest(&mut writer);
+        Template { encoded, rows }
     }
 
-    fn begin<'b>(&self, nanoseconds: u64, out: &'b mut Vec<u8>) -> CdrWriter<'b> {
-        CdrWriter::begin(out).time(nanoseconds);
-        out.extend_from_slice(&self.encoded[STAMP.end..]);
-        CdrWriter::resume(out)
+    /// The message with zeros.
+    pub(super) fn encoded(&self) -> &[u8] {
+        &self.encoded
     }
 
-    /// Encodes a `sensor_msgs/msg/JointState`.
-    pub(super) fn encode_joint_state(
+    /// Puts the time into a message.
+    pub(super) fn fill_stamp(&self, message: &mut [u8], nanoseconds: u64) {
+        message[STAMP].copy_from_slice(&cdr::time(nanoseconds));
+    }
+
+    /// Puts the numbers of a row into a message.
+    pub(super) fn fill(&self, message: &mut [u8], row: usize, values: impl Iterator<Item = f64>) {
+        cdr::fill(&mut message[self.rows[row]..], values);
+    }
+
+    /// Puts the numbers of a row of structures into a message.
+    pub(super) fn fill_structures<const N: usize>(
         &self,
-        nanoseconds: u64,
-        positions: impl ExactSizeIterator<Item = f64>,
-        velocities: impl ExactSizeIterator<Item = f64>,
-        efforts: impl ExactSizeIterator<Item = f64>,
-        out: &mut Vec<u8>,
+        message: &mut [u8],
+        row: usize,
+        structures: impl Iterator<Item = [f64; N]>,
     ) {
-        let mut writer = self.begin(nanoseconds, out);
-        writer.doubles(positions);
-        writer.doubles(velocities);
-        writer.doubles(efforts);
-    }
-
-    /// Encodes a `sensor_msgs/msg/MultiDOFJointState` with `count` wrenches (force, torque) alone.
-    pub(super) fn encode_wrenches(
-        &self,
-        nanoseconds: u64,
-        count: usize,
-        wrenches: impl Iterator<Item = [f64; 6]>,
-        out: &mut Vec<u8>,
-    ) {
-        let mut writer = self.begin(nanoseconds, out);
-        writer.unsigned(0);
-        writer.unsigned(0);
-        writer.unsigned(count as u32);
-        wrenches.for_each(|wrench| writer.numbers(&wrench));
-    }
-
-    /// Encodes a `sensor_msgs/msg/MultiDOFJointState`; wrenches are left empty.
-    ///
-    /// Transforms are x, y, z and the quaternion w, x, y, z; twists the linear and the angular velocity.
-    pub(super) fn encode_multi_dof(
-        &self,
-        nanoseconds: u64,
-        joints: impl ExactSizeIterator<Item = ([f64; 7], [f64; 6])> + Clone,
-        out: &mut Vec<u8>,
-    ) {
-        let mut writer = self.begin(nanoseconds, out);
-        writer.unsigned(joints.len() as u32);
-        for ([x, y, z, qw, qx, qy, qz], _) in joints.clone() {
-            writer.numbers(&[x, y, z, qx, qy, qz, qw]);
+        for (bytes, structure) in message[self.rows[row]..].chunks_exact_mut(8 * N).zip(structures) {
+            cdr::fill(bytes, structure.into_iter());
         }
-        writer.unsigned(joints.len() as u32);
-        joints.for_each(|(_, twist)| writer.numbers(&twist));
-        writer.unsigned(0);
     }
 }

@@ -35,7 +35,7 @@ pub(super) struct TransformsEncoder {
     /// For each frame the encoded names of its parent and itself.
     names: Vec<Vec<u8>>,
     stamp: Vec<u8>,
-    /// The last message: until the stamp has another length the next one differs in numbers alone.
+    /// A message of zeros: until the stamp has another length all differ in numbers alone.
     message: Vec<u8>,
     /// Where each frame's stamp and pose are in it.
     places: Vec<(usize, usize)>,
@@ -57,20 +57,24 @@ impl TransformsEncoder {
         TransformsEncoder { names, stamp: Vec::new(), message: Vec::new(), places: Vec::new() }
     }
 
-    /// Encodes the poses (translation, quaternion w, x, y, z) of all frames.
-    pub(super) fn encode(&mut self, nanoseconds: u64, poses: impl Iterator<Item = ([f64; 3], [f64; 4])>) -> &[u8] {
+    /// A message with all names, and zeros for the poses, at this time.
+    pub(super) fn prepare(&mut self, nanoseconds: u64) -> &[u8] {
         let length = self.stamp.len();
         self.encode_stamp(nanoseconds);
         if self.stamp.len() != length {
             self.lay_out();
         }
+        &self.message
+    }
+
+    /// Puts the stamp and the poses (translation, quaternion w, x, y, z) of all frames into the message that was prepared.
+    pub(super) fn fill(&self, message: &mut [u8], poses: impl Iterator<Item = ([f64; 3], [f64; 4])>) {
         for (&(stamp, pose), (translation, [w, x, y, z])) in self.places.iter().zip(poses) {
-            self.message[stamp..stamp + self.stamp.len()].copy_from_slice(&self.stamp);
-            let (first, second) = self.message[pose..pose + POSE].split_at_mut(2 + TRANSLATION);
+            message[stamp..stamp + self.stamp.len()].copy_from_slice(&self.stamp);
+            let (first, second) = message[pose..pose + POSE].split_at_mut(2 + TRANSLATION);
             fill_doubles(&mut first[2..], &translation);
             fill_doubles(&mut second[2..], &[x, y, z, w]);
         }
-        &self.message
     }
 
     /// A message with all names, the stamp, and zeros for the other numbers.
@@ -140,8 +144,9 @@ mod tests {
             ([-1.0, 0.1, 0.2], [0.3, 0.4, 0.5, 0.6]),
         ];
         for nanoseconds in [0, 1, 127, 128, 16_666_667, 999_999_999, 1_000_000_000, 123_456_789_012_345_678] {
-            let message = encoder.encode(nanoseconds, poses.into_iter());
-            let decoded = FrameTransforms::decode(message).expect("a message").transforms;
+            let mut message = encoder.prepare(nanoseconds).to_vec();
+            encoder.fill(&mut message, poses.into_iter());
+            let decoded = FrameTransforms::decode(&message[..]).expect("a message").transforms;
             assert_eq!(decoded.len(), names.len());
             for ((transform, name), (p, q)) in decoded.iter().zip(names).zip(poses) {
                 assert_eq!((&*transform.parent_frame_id, &*transform.child_frame_id), ("world", name));

@@ -21,7 +21,7 @@ use super::reversible::Pace;
 use super::stability::Mode;
 use super::stage::{Coefficients, MAX_TURN};
 use super::start::Start;
-use super::step::{Attempt, Kernel, REFINED_BELOW, Step, StopRule, worst_freedom};
+use super::step::{Attempt, Kernel, REFINED_BELOW, Step, StopRule, weigh, worst_freedom};
 use super::tableau::Tableau;
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
@@ -210,8 +210,12 @@ impl<V: Lanes> Step for PlanarKernel<V> {
         std::mem::swap(&mut self.origin, &mut self.end_state);
     }
 
-    fn displacement(&self, freedom: usize, stages: &mut [f64]) {
-        stages.copy_from_slice(&self.stages.displacement[freedom].to_array().as_ref()[..stages.len()]);
+    fn weigh_displacements(&self, weights: [&[f64]; 2], sums: &mut [[f64; 2]]) {
+        weigh(&self.stages.displacement, weights, sums);
+    }
+
+    fn last_displacement(&self, freedom: usize) -> f64 {
+        self.stages.displacement[freedom].to_array().as_ref()[self.coefficients.active - 1]
     }
 
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
