@@ -270,16 +270,21 @@ impl Start {
                 slot += 1;
             }
         }
-        for (gap, mimic) in self.mimic_gaps.iter_mut().zip(&mechanism.mimics) {
-            let [follows, leads] = [mimic.follower, mimic.leader].map(|of| of.position);
-            let rest = state.compensation[follows] - mimic.multiplier * state.compensation[leads];
-            *gap = state.position[follows] - mimic.multiplier * state.position[leads] - mimic.offset + rest;
-        }
+        mimic_gaps(mechanism, state, &mut self.mimic_gaps);
         if !mechanism.forces.is_empty() {
             self.applied.set(mechanism, state, &self.states);
             let stored = stored(mechanism, &state.position, &self.states);
             (energy.spring, energy.load) = (stored.spring, stored.load);
         }
         self.energy = energy;
+    }
+}
+
+/// Writes `q_follower − multiplier · q_leader − offset` of every mimic in a state.
+pub(super) fn mimic_gaps(mechanism: &Mechanism, state: &State, gaps: &mut [f64]) {
+    for (gap, mimic) in gaps.iter_mut().zip(&mechanism.mimics) {
+        let [follows, leads] = [mimic.follower, mimic.leader].map(|of| of.position);
+        let rest = state.compensation[follows] - mimic.multiplier * state.compensation[leads];
+        *gap = state.position[follows] - mimic.multiplier * state.position[leads] - mimic.offset + rest;
     }
 }

@@ -16,7 +16,7 @@
 use super::applied_plan::{ForcesPlan, ForcesStart};
 use crate::invariants::Energy;
 use crate::kinematics::body_states;
-use crate::lobatto::start::Plan;
+use crate::lobatto::start::{Plan, mimic_gaps};
 use crate::model::{FreeRotation, Mechanism, Plane, sine_cosine};
 use crate::state::State;
 use nalgebra::Vector3;
@@ -78,6 +78,8 @@ pub(super) struct PlanarStart {
     pub axes: Vec<[f64; 2]>,
     /// Velocity of each degree of freedom.
     pub rates: Vec<f64>,
+    /// `q_follower − multiplier · q_leader − offset` of every mimic.
+    pub mimic_gaps: Vec<f64>,
     /// What forces need.
     pub applied: ForcesStart,
     /// Energy of the state.
@@ -87,8 +89,8 @@ pub(super) struct PlanarStart {
 impl PlanarPlan {
     /// Projects a mechanism to the plane it moves in.
     pub fn new(mechanism: &Mechanism, plane: &Plane) -> Self {
-        let [first, second, normal] = plane.axes;
-        let flat = |v: &Vector3<f64>| [first.dot(v), second.dot(v)];
+        let normal = plane.normal();
+        let flat = |v: &Vector3<f64>| plane.flat(v);
         let zero = body_states(mechanism, &State::zero(mechanism));
         let mut offset = 0.0;
         let anchor = |index: usize| {
@@ -137,6 +139,7 @@ impl PlanarStart {
             bodies: vec![PlanarBody::default(); mechanism.bodies.len()],
             axes: vec![[0.0; 2]; mechanism.velocity_count],
             rates: vec![0.0; mechanism.velocity_count],
+            mimic_gaps: vec![0.0; mechanism.mimics.len()],
             applied: ForcesStart::new(mechanism),
             energy: Energy::default(),
         }
@@ -184,6 +187,7 @@ impl PlanarStart {
             let heavy = [flat.mass * com[0], flat.mass * com[1]];
             self.bodies[index] = PlanarBody { arm, heavy, spin, sliding, turn, position, velocity };
         }
+        mimic_gaps(mechanism, state, &mut self.mimic_gaps);
         if !mechanism.forces.is_empty() {
             let stored = self.applied.set(&plan.forces, mechanism, state, &self.bodies);
             (energy.spring, energy.load) = (stored.spring, stored.load);
