@@ -6,6 +6,7 @@ mod in_plane;
 mod models;
 
 use catena::closures::{loop_gaps, mimic_gap};
+use catena::islands::Plan as IslandPlan;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::lobatto::assembly::assemble;
@@ -14,7 +15,7 @@ use catena::lobatto::step::StopRule;
 use catena::model::{Attachment, Coordinate, LoopJoint, LoopKind, Mechanism, Mimic, PlanarEquation, Plane, Pose, Rule};
 use catena::simulation::{Integrator, StepOutcome};
 use catena::state::State;
-use common::Numbers;
+use common::{Numbers, command};
 use in_plane::{place, random_tree};
 use models::Model;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -197,6 +198,10 @@ fn fixed_steps_of_closed_loops_in_the_plane_are_those_in_space() {
             let difference = apart(&flat, &full);
             // Both round, and closures of short levers amplify it.
             assert!(difference < 1e-11, "{name}, {stages} stages: {difference:e}");
+            // The same matrix, but for rows that say nothing: as many iterations, and one more or less a step at rounding.
+            let iterations = |outcomes: &[StepOutcome]| outcomes.iter().map(|one| one.iterations).sum::<usize>();
+            let (count, expected) = (iterations(&ours), iterations(&theirs));
+            assert!(count <= expected + ours.len(), "{name}, {stages} stages: {count} iterations, not {expected}");
             // Some metres, rounded.
             assert!(gap(&model.mechanism, &flat) < 3e-14, "{name}: {:e}", gap(&model.mechanism, &flat));
             let sums = |outcomes: &[StepOutcome]| {
@@ -350,5 +355,74 @@ fn closures_that_leave_the_plane_have_none() {
         let mut joint = closure(&tree, kind, lies, ends, &mut numbers);
         joint.a.frame.translation.vector += bodies[7].rotation.transpose() * normal * 0.3;
         assert!(has(joint), "{kind:?} {lies:?} slides along the normal");
+    }
+}
+
+#[test]
+fn closed_loops_are_put_together_with_each_other_and_not_with_trees() {
+    // Four-bars and swings in the same plane, in turns; three bodies each.
+    let (mut bodies, mut loops) = (Vec::new(), Vec::new());
+    for part in 0..8 {
+        let (mechanism, _) = closed::four_bars(1, 5);
+        let first = bodies.len();
+        let shifted = |body: Option<usize>| body.map(|body| body + first);
+        loops.extend(mechanism.loops.into_iter().filter(|_| part % 2 == 0).map(|mut joint| {
+            (joint.a.body, joint.b.body) = (shifted(joint.a.body), shifted(joint.b.body));
+            joint
+        }));
+        let moved = mechanism.bodies.into_iter().map(|mut body| {
+            body.parent = shifted(body.parent);
+            body
+        });
+        bodies.extend(moved.collect::<Vec<_>>());
+    }
+    let mut mechanism = Mechanism::new("bars and swings", models::gravity(), bodies).expect("depth first");
+    mechanism.loops = loops;
+    let mut state = State::zero(&mechanism);
+    state.velocity.fill(0.3);
+    let plan = IslandPlan::new(&mechanism, &state, &[]).grouped(&mechanism, 6);
+    let groups: Vec<_> = plan.islands.iter().map(|(island, _)| &island.mechanism).collect();
+    for group in &groups {
+        assert!(Plane::of(group).is_some());
+        assert!(group.loops.is_empty() || group.loops.len() * 3 == group.bodies.len(), "trees and loops in one group");
+    }
+    assert_eq!(groups.iter().map(|group| group.loops.len()).sum::<usize>(), 4);
+    assert!(groups.len() < 8, "nothing was put together");
+}
+
+#[test]
+fn the_rule_covers_closed_loops_and_is_switched_off_by_name() {
+    let folder = command::folder("planar_loops");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/four_bar_2.toml");
+    let count = |arguments: &[&str]| -> serde_json::Value {
+        let output = command::run(&folder, &[&["model", scene, "--json"], arguments].concat());
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let rules = json["rules"].as_array().expect("an array").clone();
+        rules.into_iter().find(|rule| rule["name"] == "planar").expect("the rule is named")
+    };
+    assert_eq!((&count(&[])["count"], &count(&[])["kept"]), (&5.into(), &false.into()));
+    assert_eq!(count(&["--keep", "planar"])["kept"], true);
+    let report = |arguments: &[&str]| -> serde_json::Value {
+        let always = ["simulate", scene, "--no-log", "--json", "--duration", "1", "--stages", "5", "--step", "0.01"];
+        let output = command::run(&folder, &[&always[..], arguments].concat());
+        serde_json::from_slice(&output.stdout).expect("JSON")
+    };
+    let (flat, full) = (report(&[]), report(&["--keep", "planar"]));
+    // What joints and loops carry is worked out in space for both; of some 90 N, rounded.
+    for part in ["joints", "loops"] {
+        let (flat, full) = (numbers(&flat[part]), numbers(&full[part]));
+        assert!(flat.len() > 10 && flat.len() == full.len(), "{part}");
+        for (flat, full) in flat.into_iter().zip(full) {
+            assert!((flat - full).abs() < 1e-10, "{part}: {flat} {full}");
+        }
+    }
+}
+
+/// All numbers of a report, in its order.
+fn numbers(report: &serde_json::Value) -> Vec<f64> {
+    match report {
+        serde_json::Value::Object(entries) => entries.values().flat_map(numbers).collect(),
+        serde_json::Value::Array(entries) => entries.iter().flat_map(numbers).collect(),
+        number => number.as_f64().into_iter().collect(),
     }
 }
