@@ -13,13 +13,13 @@ use catena::lobatto::lanes::Isa;
 use catena::lobatto::literal::Literal;
 use catena::lobatto::step::StopRule;
 use catena::lobatto::tableau::Tableau;
-use catena::model::{Body, Joint, JointKind, Mechanism, Plane, Rule};
+use catena::model::{Body, JointKind, Mechanism, Plane, Rule};
 use catena::simulation::{Integrator, StepOutcome};
 use catena::state::State;
 use common::{Numbers, command};
 use in_plane::random_tree;
 use models::Model;
-use nalgebra::{Rotation3, Translation3, Vector3};
+use nalgebra::{Rotation3, Vector3};
 
 /// Two rods on parallel hinges.
 fn double_pendulum() -> Model {

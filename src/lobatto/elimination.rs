@@ -134,7 +134,7 @@ impl<'m> Planner<'m> {
         let ancestors = |body: Option<usize>| -> Vec<usize> {
             std::iter::successors(body, |&body| mechanism.bodies[body].parent).collect()
         };
-        // In a plane a loop waits for as many freedoms as in space: as many as it has rows there may lie in one line.
+        // In a plane a loop waits for as many freedoms as in space: two hinges and what its two rows hold may lie in one line.
         let pairs = mechanism
             .loops
             .iter()

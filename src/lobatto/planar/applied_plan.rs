@@ -41,8 +41,8 @@ pub(super) struct Ends<'m> {
 }
 
 impl Ends<'_> {
-    /// A point of a body from its anchor.
-    fn from_anchor(&self, body: usize, point: &Vector3<f64>) -> [f64; 2] {
+    /// The arm of a point of a body from its anchor.
+    fn arm_of(&self, body: usize, point: &Vector3<f64>) -> [f64; 2] {
         let anchor = self.mechanism.bodies[body].joint.on_child.translation.vector;
         self.plane.flat(&(self.zero[body].rotation * (point - anchor)))
     }
@@ -50,7 +50,7 @@ impl Ends<'_> {
     /// Where an end is.
     pub fn end(&self, at: &Attachment) -> End {
         let point = at.frame.translation.vector;
-        End { body: at.body, arm: at.body.map_or(self.plane.flat(&point), |body| self.from_anchor(body, &point)) }
+        End { body: at.body, arm: at.body.map_or(self.plane.flat(&point), |body| self.arm_of(body, &point)) }
     }
 
     /// How high it is (m).
@@ -105,7 +105,7 @@ impl ForcesPlan {
         });
         let wrenches = mechanism.forces.wrenches.iter().map(|wrench| WrenchPlan {
             body: wrench.body,
-            arm: ends.from_anchor(wrench.body, &wrench.point),
+            arm: ends.arm_of(wrench.body, &wrench.point),
             force: plane.flat(&wrench.force),
             torque: normal.dot(&wrench.torque),
             offset: -normal.dot(&wrench.force) * height(wrench.body, &wrench.point),
