@@ -61,7 +61,7 @@ impl Plan {
 
     /// Puts islands that move and have fewer bodies than `smallest` together until they have as many: a step has a cost of its own,
     /// which small islands share when they step together. What is left over joins the last that were put together. Those that move
-    /// in parallel planes stay among themselves, if they are enough.
+    /// in parallel planes stay among themselves, trees and closed loops each, if they are enough.
     pub fn grouped(self, mechanism: &Mechanism, smallest: usize) -> Self {
         let (small, mut parts): (Vec<_>, Vec<_>) =
             self.islands.into_iter().partition(|(island, asleep)| !asleep && island.mechanism.bodies.len() < smallest);
@@ -102,27 +102,29 @@ impl Plan {
     }
 }
 
-/// Islands that are best put together with each other alone: those in parallel planes, where they have `smallest` bodies, and all others.
+/// Islands that are best put together with each other alone: those in parallel planes, trees apart from closed loops, whose steps are
+/// dearer, where they have `smallest` bodies; and all others.
 fn alike(islands: Vec<Island>, smallest: usize, kept: &[Rule]) -> Vec<Vec<Island>> {
     if kept.contains(&Rule::Planar) {
         return vec![islands];
     }
-    let mut planes: Vec<(Plane, usize)> = Vec::new();
+    let mut planes: Vec<(Plane, bool, usize)> = Vec::new();
     let plane_of: Vec<Option<usize>> = islands
         .iter()
-        .map(|island| {
-            let plane = Plane::of(&island.mechanism)?;
-            let number = planes.iter().position(|(other, _)| other.is_parallel(&plane)).unwrap_or_else(|| {
-                planes.push((plane, 0));
+        .map(|Island { mechanism, .. }| {
+            let (plane, closed) = (Plane::of(mechanism)?, mechanism.has_closures());
+            let same = |(other, loops, _): &(Plane, bool, usize)| other.is_parallel(&plane) && *loops == closed;
+            let number = planes.iter().position(same).unwrap_or_else(|| {
+                planes.push((plane, closed, 0));
                 planes.len() - 1
             });
-            planes[number].1 += island.mechanism.bodies.len();
+            planes[number].2 += mechanism.bodies.len();
             Some(number)
         })
         .collect();
     let mut classes: Vec<Vec<Island>> = vec![Vec::new(); planes.len() + 1];
     for (island, plane) in islands.into_iter().zip(plane_of) {
-        let enough = plane.filter(|&number| planes[number].1 >= smallest);
+        let enough = plane.filter(|&number| planes[number].2 >= smallest);
         classes[enough.map_or(0, |number| number + 1)].push(island);
     }
     classes

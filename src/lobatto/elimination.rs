@@ -42,19 +42,21 @@ pub struct Column {
 /// An unknown of the linear system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {
-    /// A component (0…5) of the twist of a body about the common origin; for a freedom of its own joint, without that and
+    /// A component of the twist of a body about the common origin; for a freedom of its own joint, without that and
     /// the later ones.
     Twist { body: usize, component: usize },
     /// The multiplier of a row.
     Multiplier(usize),
 }
 
-/// Number of slots that the twist takes in every front.
+/// Largest number of components of a twist.
 pub const TWIST: usize = 6;
 
 /// The elimination of a mechanism: constant.
 #[derive(Clone, Debug)]
 pub struct Elimination {
+    /// Number of components of a twist, which are the first slots of every front: six in space, three in a plane.
+    pub width: usize,
     /// In this order, with a stack of fronts.
     pub operations: Vec<Operation>,
     /// For every equation the closure it belongs to: the loops first, then the mimics, then the point springs.
@@ -82,9 +84,10 @@ struct Closure {
 }
 
 impl Elimination {
-    /// Plans the elimination of the loops and mimics, and with `springs` of the tensions of the point springs too.
-    pub fn new(mechanism: &Mechanism, springs: bool) -> Self {
-        let mut planner = Planner::new(mechanism, springs);
+    /// Plans the elimination of the loops, which have so many `rows` each, and mimics, and with `springs` of the tensions of the
+    /// point springs too; twists have `width` components.
+    pub fn new(mechanism: &Mechanism, width: usize, rows: &[usize], springs: bool) -> Self {
+        let mut planner = Planner::new(mechanism, width, rows, springs);
         let mut first_child_done = vec![false; mechanism.bodies.len()];
         let mut root_done = false;
         let mut leaf = vec![true; mechanism.bodies.len()];
@@ -127,19 +130,22 @@ struct Planner<'m> {
 }
 
 impl<'m> Planner<'m> {
-    fn new(mechanism: &'m Mechanism, springs: bool) -> Self {
+    fn new(mechanism: &'m Mechanism, width: usize, rows: &[usize], springs: bool) -> Self {
         let ancestors = |body: Option<usize>| -> Vec<usize> {
             std::iter::successors(body, |&body| mechanism.bodies[body].parent).collect()
         };
+        // In a plane a loop waits for as many freedoms as in space: two hinges and what its two rows hold may lie in one line.
         let pairs = mechanism
             .loops
             .iter()
-            .map(|closure| (closure.kind.rows(), closure.a.body, closure.b.body))
-            .chain(mechanism.mimics.iter().map(|mimic| (1, Some(mimic.follower.body), Some(mimic.leader.body))))
-            .chain(mechanism.forces.point_springs.iter().filter(|_| springs).map(|s| (1, s.a.body, s.b.body)));
+            .zip(rows)
+            .map(|(closure, &count)| (count, closure.kind.rows(), closure.a.body, closure.b.body))
+            .chain(mechanism.mimics.iter().map(|mimic| (1, 1, Some(mimic.follower.body), Some(mimic.leader.body))))
+            // The tension of a spring has a block of full rank from the first.
+            .chain(mechanism.forces.point_springs.iter().filter(|_| springs).map(|s| (1, 0, s.a.body, s.b.body)));
         let mut closure_of_row = Vec::new();
         let mut closures = Vec::new();
-        for (index, (count, a, b)) in pairs.enumerate() {
+        for (index, (count, needed, a, b)) in pairs.enumerate() {
             let (up_a, up_b) = (ancestors(a), ancestors(b));
             let meets = up_a.iter().find(|body| up_b.contains(body)).copied();
             let mut path: Vec<usize> = up_a.into_iter().take_while(|&body| Some(body) != meets).collect();
@@ -151,16 +157,12 @@ impl<'m> Planner<'m> {
                 path,
                 meets,
                 behind: 0,
-                needed: count,
+                needed,
                 done: false,
             });
             closure_of_row.extend((0..count).map(|_| index));
         }
         let springs_from = mechanism.loops.len() + mechanism.mimics.len();
-        for closure in &mut closures[springs_from..] {
-            // The tension of a spring has a block of full rank from the first.
-            closure.needed = 0;
-        }
         // A mimic acts on the freedoms of its joints themselves, below the bodies in the tree of eliminations.
         for closure in &mut closures[mechanism.loops.len()..springs_from] {
             let above = closure.ends.iter().filter_map(|&body| mechanism.bodies[body].parent);
@@ -178,7 +180,7 @@ impl<'m> Planner<'m> {
             stack: Vec::new(),
             processed: vec![false; mechanism.bodies.len()],
             gap_taken: vec![false; closure_of_row.len()],
-            plan: Elimination { operations: Vec::new(), closure_of_row, slots: TWIST, levels: 0 },
+            plan: Elimination { width, operations: Vec::new(), closure_of_row, slots: width, levels: 0 },
         }
     }
 
@@ -189,20 +191,21 @@ impl<'m> Planner<'m> {
     }
 
     /// The slot of a row in the top front, if it is there.
-    fn slot_of(front: &[Option<usize>], row: usize) -> Option<usize> {
-        front.iter().position(|&held| held == Some(row)).map(|index| TWIST + index)
+    fn slot_of(&self, front: &[Option<usize>], row: usize) -> Option<usize> {
+        front.iter().position(|&held| held == Some(row)).map(|index| self.plan.width + index)
     }
 
-    fn held(front: &[Option<usize>]) -> Vec<usize> {
-        front.iter().enumerate().filter_map(|(index, held)| held.map(|_| TWIST + index)).collect()
+    fn held(&self, front: &[Option<usize>]) -> Vec<usize> {
+        front.iter().enumerate().filter_map(|(index, held)| held.map(|_| self.plan.width + index)).collect()
     }
 
     /// Gives rows a slot in a front; returns the new slots.
     fn enter(&mut self, level: usize, rows: &[usize]) -> Vec<usize> {
+        let width = self.plan.width;
         let front = &mut self.stack[level];
         let mut entered = Vec::new();
         for &row in rows {
-            if Self::slot_of(front, row).is_some() {
+            if front.contains(&Some(row)) {
                 continue;
             }
             let index = front.iter().position(Option::is_none).unwrap_or_else(|| {
@@ -210,9 +213,9 @@ impl<'m> Planner<'m> {
                 front.len() - 1
             });
             front[index] = Some(row);
-            entered.push(TWIST + index);
+            entered.push(width + index);
         }
-        self.plan.slots = self.plan.slots.max(TWIST + front.len());
+        self.plan.slots = self.plan.slots.max(width + front.len());
         entered
     }
 
@@ -222,7 +225,7 @@ impl<'m> Planner<'m> {
 
     /// Brings rows into the top front, with the operation that clears their slots.
     fn bring_in(&mut self, rows: &[usize]) {
-        let present = Self::held(&self.stack[self.top()]);
+        let present = self.held(&self.stack[self.top()]);
         let slots = self.enter(self.top(), rows);
         if slots.is_empty() {
             return;
@@ -231,7 +234,7 @@ impl<'m> Planner<'m> {
         let front = &self.stack[self.top()];
         let fresh = rows.iter().filter(|&&row| !self.gap_taken[row]);
         let gaps: Vec<(usize, usize)> =
-            fresh.filter_map(|&row| Self::slot_of(front, row).map(|slot| (row, slot))).collect();
+            fresh.filter_map(|&row| self.slot_of(front, row).map(|slot| (row, slot))).collect();
         for &(row, _) in &gaps {
             self.gap_taken[row] = true;
         }
@@ -259,7 +262,7 @@ impl<'m> Planner<'m> {
             };
             for (end, sign) in [(a, -1.0), (b, 1.0)] {
                 if end == Some(body) {
-                    let of = |row| Self::slot_of(front, row).map(|slot| (row, slot, sign));
+                    let of = |row| self.slot_of(front, row).map(|slot| (row, slot, sign));
                     ends.extend(rows_of(closure).filter_map(of));
                 }
             }
@@ -270,11 +273,11 @@ impl<'m> Planner<'m> {
 
     /// The columns of the top front but for `without`; the twist is that of `body`.
     fn columns(&self, body: Option<usize>, without: Option<usize>) -> Vec<Column> {
-        let twist = (0..TWIST).filter_map(|component| {
+        let twist = (0..self.plan.width).filter_map(|component| {
             body.map(|body| Column { slot: component, unknown: Unknown::Twist { body, component } })
         });
         let held = self.stack[self.top()].iter().enumerate().filter_map(|(index, held)| {
-            held.map(|row| Column { slot: TWIST + index, unknown: Unknown::Multiplier(row) })
+            held.map(|row| Column { slot: self.plan.width + index, unknown: Unknown::Multiplier(row) })
         });
         twist.chain(held).filter(|column| Some(column.slot) != without).collect()
     }
@@ -290,7 +293,7 @@ impl<'m> Planner<'m> {
             for (mimic, closure) in self.mechanism.mimics.iter().zip(&self.closures[self.mechanism.loops.len()..]) {
                 for (coordinate, coefficient) in [(mimic.follower, 1.0), (mimic.leader, -mimic.multiplier)] {
                     if coordinate.freedom == freedom
-                        && let Some(slot) = Self::slot_of(front, closure.first_row)
+                        && let Some(slot) = self.slot_of(front, closure.first_row)
                     {
                         direct.push((closure.first_row, slot, coefficient));
                     }
@@ -320,7 +323,7 @@ impl<'m> Planner<'m> {
                 let measure = std::mem::take(&mut measure);
                 self.plan.operations.push(Operation::Multiplier { row, slot, columns, measure });
                 let top = self.top();
-                self.stack[top][slot - TWIST] = None;
+                self.stack[top][slot - self.plan.width] = None;
             }
         }
     }
@@ -343,7 +346,7 @@ impl<'m> Planner<'m> {
         }
         let front = &self.stack[self.top()];
         let rows = closure.first_row..closure.first_row + closure.rows;
-        rows.map(|row| Self::slot_of(front, row).map(|slot| (row, slot))).collect()
+        rows.map(|row| self.slot_of(front, row).map(|slot| (row, slot))).collect()
     }
 
     /// Whether the freedoms of a body's joint are not eliminated yet while the front's twist is that of `twist`.
@@ -356,10 +359,10 @@ impl<'m> Planner<'m> {
         let Some(top) = self.stack.pop() else { return };
         let rows: Vec<usize> = top.iter().flatten().copied().collect();
         let below = self.top();
-        let present = Self::held(&self.stack[below]);
+        let present = self.held(&self.stack[below]);
         let enter = self.enter(below, &rows);
         let front = &self.stack[below];
-        let slots = rows.iter().filter_map(|&row| Some((Self::slot_of(&top, row)?, Self::slot_of(front, row)?)));
+        let slots = rows.iter().filter_map(|&row| Some((self.slot_of(&top, row)?, self.slot_of(front, row)?)));
         let slots = slots.collect();
         self.plan.operations.push(Operation::Merge { slots, enter, present, twist });
     }

@@ -1,6 +1,6 @@
 //! Fronts: dense blocks of the linear system, eliminated scalar unknown by scalar unknown, all stages of each at once.
 //!
-//! A front couples the twist of one body (6 slots) and some multipliers (a slot each). The entry of a row slot `m` and a
+//! A front couples the twist of one body (6 slots, 3 in a plane) and some multipliers (a slot each). The entry of a row slot `m` and a
 //! column slot `c` is an n × n matrix over the stages: row k, and the columns i as lanes. The last column is the right-hand
 //! side, whose number for row k is in lane 0. Eliminating the unknown x with pivot `P`, row `r` and column `l`,
 //!
@@ -8,16 +8,18 @@
 //!     x = P⁻¹ (rhs − Σ_c r_c x_c) = z − Σ_c Y_c x_c,         F_mc ← F_mc − l_m Y_c
 //! ```
 //!
-//! For a joint axis with screws `s_i = (p × z, z)` about the common origin, `P = s_kᵀ F s_i` and so on, and the twist of the body
+//! For a joint axis with screws `s_i` (`(p × z, z)` in space) about the common origin, `P = s_kᵀ F s_i` and so on, and the twist of the body
 //! is from then on that of its parent, `η_body = η_parent + s x` (method page of the project, newton.md §4c).
 
-use super::elimination::{Column, TWIST};
+use super::elimination::{Column, Elimination, TWIST};
 use super::lanes::Lanes;
 
 /// A stack of fronts of one size.
 pub struct Fronts<V: Lanes> {
     /// Number of stages coupled.
     active: usize,
+    /// Slots of the twist.
+    width: usize,
     /// Slots of a front, without the right-hand side.
     slots: usize,
     data: Vec<V>,
@@ -32,8 +34,8 @@ pub struct Fronts<V: Lanes> {
 /// Largest number of stages.
 const MAX: usize = super::stage::MAX_LANES;
 
-/// A screw at the rows' and at the columns' stages: linear part at the common origin, then direction.
-#[derive(Clone, Copy)]
+/// A screw at the rows' and at the columns' stages: linear part at the common origin, then direction, in the first components.
+#[derive(Clone, Copy, Debug)]
 pub struct Screws<V> {
     /// At the rows' stages.
     pub rows: [V; TWIST],
@@ -42,10 +44,12 @@ pub struct Screws<V> {
 }
 
 impl<V: Lanes> Fronts<V> {
-    /// Room for `levels` fronts of `slots` slots with `active` stages.
-    pub fn new(active: usize, slots: usize, levels: usize) -> Self {
+    /// Room for the fronts of an elimination with `active` stages.
+    pub fn new(active: usize, elimination: &Elimination) -> Self {
+        let Elimination { width, slots, levels, .. } = *elimination;
         Fronts {
             active,
+            width,
             slots,
             data: vec![V::zero(); levels * slots * (slots + 1) * active],
             left: vec![V::zero(); slots * active],
@@ -82,8 +86,8 @@ impl<V: Lanes> Fronts<V> {
     /// Empties the twist part of a front.
     #[inline(always)]
     pub fn open(&mut self, level: usize) {
-        for row in 0..TWIST {
-            for column in (0..TWIST).chain([self.slots]) {
+        for row in 0..self.width {
+            for column in (0..self.width).chain([self.slots]) {
                 self.block(level, row, column).fill(V::zero());
             }
         }
@@ -94,7 +98,7 @@ impl<V: Lanes> Fronts<V> {
     pub fn enter(&mut self, level: usize, entering: &[usize], present: &[usize]) {
         let right = self.slots;
         for &slot in entering {
-            for other in (0..TWIST).chain(present.iter().copied()).chain(entering.iter().copied()) {
+            for other in (0..self.width).chain(present.iter().copied()).chain(entering.iter().copied()) {
                 self.block(level, slot, other).fill(V::zero());
                 self.block(level, other, slot).fill(V::zero());
             }
@@ -106,7 +110,7 @@ impl<V: Lanes> Fronts<V> {
     #[inline(always)]
     pub fn merge(&mut self, level: usize, slots: &[(usize, usize)], twist: bool) {
         let right = (self.slots, self.slots);
-        let same = if twist { TWIST } else { 0 };
+        let same = if twist { self.width } else { 0 };
         let all = || (0..same).map(|slot| (slot, slot)).chain(slots.iter().copied());
         for (row_from, row_to) in all() {
             for (from, to) in all().chain([right]) {
@@ -121,13 +125,22 @@ impl<V: Lanes> Fronts<V> {
     /// Gathers the pivot's column, row and block for a joint axis; `right` and `left` keep them.
     #[inline(always)]
     pub fn take_freedom(&mut self, level: usize, screws: &Screws<V>, columns: &[Column]) {
+        match self.width {
+            3 => self.take_screw::<3>(level, screws, columns),
+            _ => self.take_screw::<TWIST>(level, screws, columns),
+        }
+    }
+
+    /// [`Fronts::take_freedom`] with twists of `W` components.
+    #[inline(always)]
+    fn take_screw<const W: usize>(&mut self, level: usize, screws: &Screws<V>, columns: &[Column]) {
         let active = self.active;
-        let mut row_screw = [V::zero_array(); TWIST];
-        for component in 0..TWIST {
+        let mut row_screw = [V::zero_array(); W];
+        for component in 0..W {
             row_screw[component] = screws.rows[component].to_array();
         }
         let mut pivot = [V::zero(); MAX];
-        for slot in 0..TWIST {
+        for slot in 0..W {
             self.take_row(level, &row_screw, slot);
             for k in 0..active {
                 pivot[k] = self.right[slot * V::COUNT + k].mul_add(screws.columns[slot], pivot[k]);
@@ -135,15 +148,15 @@ impl<V: Lanes> Fronts<V> {
         }
         self.take_row(level, &row_screw, self.slots);
         for column in columns {
-            if column.slot >= TWIST {
+            if column.slot >= W {
                 self.take_row(level, &row_screw, column.slot);
             }
             let start = self.at(level, column.slot, 0);
-            let row = &self.data[start..start + TWIST * active];
+            let row = &self.data[start..start + W * active];
             let left = &mut self.left[column.slot * active..(column.slot + 1) * active];
             for k in 0..active {
                 let mut sum = row[k] * screws.columns[0];
-                for component in 1..TWIST {
+                for component in 1..W {
                     sum = row[component * active + k].mul_add(screws.columns[component], sum);
                 }
                 left[k] = sum;
@@ -154,11 +167,11 @@ impl<V: Lanes> Fronts<V> {
 
     /// One column of the pivot's row: the twist's rows of that column, projected on the joint axis.
     #[inline(always)]
-    fn take_row(&mut self, level: usize, screw: &[V::Array; TWIST], slot: usize) {
+    fn take_row<const W: usize>(&mut self, level: usize, screw: &[V::Array; W], slot: usize) {
         let active = self.active;
         let right = &mut self.right[slot * V::COUNT..slot * V::COUNT + active];
         right.fill(V::zero());
-        for component in 0..TWIST {
+        for component in 0..W {
             let start = ((level * self.slots + component) * (self.slots + 1) + slot) * active;
             let block = &self.data[start..start + active];
             let factors = screw[component].as_ref();
@@ -180,7 +193,7 @@ impl<V: Lanes> Fronts<V> {
         &mut self.left[slot * self.active..(slot + 1) * self.active]
     }
 
-    /// The pivot itself.
+    /// The pivot itself; its inverse once it is eliminated.
     #[inline(always)]
     pub fn pivot(&mut self) -> &mut [V] {
         &mut self.inverse[..self.active]

@@ -8,7 +8,7 @@ use super::dense::DenseRule;
 use super::dispatch::step_for;
 use super::lanes::Isa;
 use super::reversible::Reversible;
-use super::sampling::{Closing, LastStep};
+use super::sampling::LastStep;
 use super::stability::Watch;
 use super::step::{Attempt, Step, StopRule};
 use super::tableau::{Tableau, TableauError};
@@ -58,8 +58,6 @@ pub struct Lobatto {
     /// accepted.
     origin: State,
     end: State,
-    /// Brings interpolated positions and velocities back on the closures.
-    closing: Option<Closing>,
     ranks: Ranks,
     last_step: f64,
     steps: usize,
@@ -174,7 +172,6 @@ impl Lobatto {
             tableau,
             isa,
             ranks: Ranks::default(),
-            closing: mechanism.has_closures().then(|| Closing::new(mechanism)),
             mode,
             origin: State::zero(mechanism),
             end: State::zero(mechanism),
@@ -414,9 +411,7 @@ impl Integrator for Lobatto {
             length: self.last_step,
         };
         last.sample(mechanism, &weights, &mut self.dense_sums, position, velocity);
-        if let Some(closing) = &mut self.closing {
-            closing.project(mechanism, position, velocity);
-        }
+        self.kernel.close(mechanism, position, velocity);
     }
 
     fn description(&self) -> MethodDescription {

@@ -47,6 +47,56 @@ pub(super) trait Guarded: Equations {
     fn exact_for(&mut self) -> &mut usize;
 }
 
+/// A kernel whose stage equations the exact Newton method is solving.
+pub(super) trait Coupling: Guarded {
+    /// One iteration of the exact method from where the last left off: finds the increments, returns the largest.
+    fn couple(&mut self) -> f64;
+    /// Adds the increments to the displacements; returns the largest displacement.
+    fn add_increments(&mut self) -> f64;
+}
+
+/// The exact Newton method.
+pub(super) struct Exact<'k, K>(pub &'k mut K);
+
+impl<K: Coupling> Equations for Exact<'_, K> {
+    fn iterate(&mut self, _: bool) -> f64 {
+        self.0.couple()
+    }
+
+    fn advance(&mut self) -> f64 {
+        self.0.add_increments()
+    }
+
+    fn complete(&mut self) {
+        self.0.complete();
+    }
+
+    fn legendre(&self) -> f64 {
+        self.0.legendre()
+    }
+
+    fn worst_freedom(&self) -> usize {
+        self.0.worst_freedom()
+    }
+
+    fn turned_too_far(&self) -> Option<usize> {
+        self.0.turned_too_far()
+    }
+}
+
+/// Steps of mechanisms with loops are iterated at least this far, so that the gaps are at rounding whatever the tolerance: what
+/// an iteration leaves of them is of the order of its increment times the one before.
+const CLOSED: f64 = 1e-10;
+
+/// The rule by which the exact method stops.
+pub(super) fn exact_rule(mechanism: &Mechanism, rule: &StopRule) -> StopRule {
+    if mechanism.has_closures() {
+        StopRule { increment: rule.increment.min(CLOSED), rounding: rule.rounding.min(CLOSED), ..*rule }
+    } else {
+        *rule
+    }
+}
+
 /// Once the exact Newton method was needed, it comes first for so many steps: what made it necessary seldom ends at once.
 const EXACT_STEPS: usize = 50;
 

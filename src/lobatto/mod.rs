@@ -4,8 +4,9 @@
 //! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations
 //! and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`control`] and [`reversible`]
 //! (step length), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to know), [`integrator`] (steps strung
-//! together); for closed loops [`newton`], [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`] and [`assembly`];
-//! [`instants`] are samples of a motion, in lanes; [`literal`] is the scheme word for word, the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
+//! together); for closed loops [`newton`], [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`],
+//! [`closing`] and [`assembly`]; [`instants`] are samples of a motion, in lanes; [`literal`] is the scheme word for word, the oracle
+//! of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
 pub mod algebra;
 pub mod anderson;
@@ -13,6 +14,7 @@ pub mod applied;
 pub mod applied_plan;
 pub mod articulated;
 pub mod assembly;
+mod closing;
 pub mod closure;
 pub mod control;
 pub mod coupled;

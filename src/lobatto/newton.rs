@@ -1,28 +1,29 @@
 //! The exact Newton method on the stage equations: residual of all bodies and closures, and the coupled solve.
 
-use super::coupled::Coupled;
+use super::coupled::{Coupled, Geometry, Space, joined};
 use super::lanes::{Lanes, in_lanes};
 use super::residual::{Sweep, body_residual};
-use super::stage::Stages;
+use super::stage::{Stages, moved_rows};
 use crate::model::{Coordinate, Mechanism};
 
 /// The exact Newton method for one mechanism and scheme.
 pub struct Newton<V: Lanes> {
     coupled: Coupled<V>,
-    /// Follower, leader and ratio of every mimic.
-    mimics: Vec<(Coordinate, Coordinate, f64)>,
+    space: Space<V>,
+    mimics: Mimics,
 }
 
 impl<V: Lanes> Newton<V> {
     /// The workspace.
     pub fn new(mechanism: &Mechanism, tableau: &super::tableau::Tableau) -> Self {
-        let mimics = mechanism.mimics.iter().map(|mimic| (mimic.follower, mimic.leader, mimic.multiplier));
-        Newton { coupled: Coupled::of_stages(mechanism, tableau), mimics: mimics.collect() }
+        let space = Space::new(mechanism, moved_rows(tableau.stages - 1), true);
+        Newton { coupled: Coupled::of_stages(mechanism, &space, tableau), space, mimics: Mimics::new(mechanism) }
     }
 
     /// Takes the start of a step.
     pub fn begin(&mut self, stages: &Stages<V>) {
-        self.coupled.begin(&stages.start);
+        self.space.begin(&stages.plan, &stages.start);
+        self.coupled.begin();
     }
 
     /// Where all bodies and closures are at the present displacements, and the forces there.
@@ -31,21 +32,16 @@ impl<V: Lanes> Newton<V> {
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(false));
         }
-        let coupled = &mut self.coupled;
-        in_lanes!(V, coupled.move_bodies(stages));
-        in_lanes!(V, coupled.evaluate_closures());
-        for (row, (&gap, (follower, leader, ratio))) in
-            coupled.mimic_rows().zip(stages.start.mimic_gaps.iter().zip(&self.mimics))
-        {
-            let (follows, leads) = (stages.displacement[follower.freedom], stages.displacement[leader.freedom]);
-            coupled.gaps[row] = leads.neg_mul_add(V::splat(*ratio), follows + V::splat(gap));
-        }
+        let Newton { coupled, space, mimics } = self;
+        in_lanes!(V, space.move_bodies(stages));
+        in_lanes!(V, coupled.evaluate(space));
+        mimics.gaps(coupled, &stages.start.mimic_gaps, &stages.displacement);
     }
 
     /// What all bodies resist with there, after [`Newton::take_geometry`]; always with all digits of the coefficients.
     #[inline(always)]
     pub fn residual(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3]) {
-        let coupled = &mut self.coupled;
+        let Newton { coupled, space, .. } = self;
         let columns = stages.coefficients.residual;
         let rest = stages.coefficients.residual_rest;
         let sweep = Sweep::of_residual(&stages.coefficients, &columns, &rest, stages.step, gravity);
@@ -53,14 +49,14 @@ impl<V: Lanes> Newton<V> {
         for (index, plan) in stages.plan.bodies.iter().enumerate() {
             let known = &stages.start.bodies[index];
             let (own, _) = body_residual::<V, false, true>(&sweep, plan, known, &stages.poses[index]);
-            let anchor = coupled.row_anchor(&stages.start, index);
+            let anchor = space.anchor(&stages.start, index, 1);
             let (mut force, mut torque) = (own.force, own.torque);
             if let Some(applied) = &stages.applied {
                 let wrench = applied.wrenches[index];
                 force = wrench.0.times_minus(square, force);
                 torque = wrench.1.times_minus(square, torque);
             }
-            coupled.bias[index] = (force, anchor.cross_plus(force, torque));
+            coupled.bias[index] = joined(force, anchor.cross_plus(force, torque));
         }
         if let Some(applied) = &stages.applied {
             for (index, effort) in applied.efforts.iter().enumerate() {
@@ -72,10 +68,29 @@ impl<V: Lanes> Newton<V> {
 
     /// The Newton step: fills the increments of the freedoms, advances the multipliers; returns the largest increment.
     pub fn solve(&mut self, stages: &mut Stages<V>) -> f64 {
-        let coupled = &mut self.coupled;
+        let Newton { coupled, space, .. } = self;
         in_lanes!(V, coupled.push());
-        coupled.solve(&stages.plan, &stages.start, &stages.displacement, &mut stages.increment);
+        coupled.solve(space, &stages.plan, &stages.start, &stages.displacement, &mut stages.increment);
         in_lanes!(V, coupled.advance_multipliers());
         in_lanes!(V, stages.largest_increment())
+    }
+}
+
+/// Follower, leader and ratio of every mimic.
+pub(super) struct Mimics(Vec<(Coordinate, Coordinate, f64)>);
+
+impl Mimics {
+    /// Those of a mechanism.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let mimics = mechanism.mimics.iter().map(|mimic| (mimic.follower, mimic.leader, mimic.multiplier));
+        Mimics(mimics.collect())
+    }
+
+    /// Their gaps at all stages, from those at the start of the step and the displacements since.
+    pub fn gaps<V: Lanes>(&self, coupled: &mut Coupled<V>, start: &[f64], displacement: &[V]) {
+        for (row, (&gap, (follower, leader, ratio))) in coupled.mimic_rows().zip(start.iter().zip(&self.0)) {
+            let (follows, leads) = (displacement[follower.freedom], displacement[leader.freedom]);
+            coupled.gaps[row] = leads.neg_mul_add(V::splat(*ratio), follows + V::splat(gap));
+        }
     }
 }

@@ -5,16 +5,14 @@
 //!     positions:   H dq = Jᵀ μ,  g(q) + J dq = 0, repeated          Newton's method
 //! ```
 //!
-//! The proximal term of the solve leaves a part ε of every gap, so that it is repeated until nothing is left.
+//! The proximal term of the solve leaves a part ε of every gap, so that it is repeated, with the same factors, until nothing is left.
 
-use super::coupled::{Coupled, PROXIMAL};
-use super::lanes::{Lanes, Portable};
-use super::start::{Plan, Start};
+use super::coupled::{Coupled, Geometry, One, PROXIMAL, Space};
+use super::lanes::Lanes;
+use super::start::Plan;
 use crate::model::{FreeRotation, Mechanism};
 use crate::state::State;
 use nalgebra::Vector3;
-
-type One = Portable<1>;
 
 /// The number in the only lane.
 fn one(value: One) -> f64 {
@@ -30,13 +28,18 @@ const WEAK: f64 = 1e-6;
 /// ε where ranks are counted: it leaves about as much of every mobility.
 const COUNTING: f64 = 1e-13;
 
+/// After a correction smaller than this (rad or m) the factors are good for the next, of which they leave such a part; unless the gaps
+/// show, beside a singular position, that they are not.
+const NEAR: f64 = 1e-6;
+
 /// Largest number of repetitions.
 const ROUNDS: usize = 40;
 
-/// The workspace of projections.
-pub struct Projection {
+/// The workspace of projections, in space unless it is said otherwise.
+pub struct Projection<G: Geometry<One> = Space<One>> {
     coupled: Coupled<One>,
-    plan: Plan,
+    geometry: G,
+    plan: G::Plan,
     increment: Vec<One>,
     displacement: Vec<One>,
     correction: Vec<f64>,
@@ -56,31 +59,59 @@ pub struct Projected {
 }
 
 impl Projection {
-    /// The workspace for a mechanism.
+    /// The workspace for a mechanism in space.
     pub fn new(mechanism: &Mechanism) -> Self {
-        let coupled = Coupled::of_one(mechanism);
+        Projection::of(mechanism, Space::new(mechanism, One::zero(), false), Plan::new(mechanism))
+    }
+
+    /// What the multipliers do on the second end of a loop: force (N) and torque [N m] about its point, in the world.
+    pub fn loop_wrench(&self, closure: usize, multipliers: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+        let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+        for (row, multiplier) in multipliers.iter().enumerate() {
+            if self.coupled.closure_of_row()[row] == closure {
+                let [a, b, c, x, y, z] = self.coupled.direction(row);
+                force += Vector3::new(a, b, c) * *multiplier;
+                torque += Vector3::new(x, y, z) * *multiplier;
+            }
+        }
+        let point = Vector3::from(self.geometry.end_point(closure));
+        (force, torque - point.cross(&force))
+    }
+}
+
+impl<G: Geometry<One>> Projection<G> {
+    /// The workspace for a mechanism in its geometry.
+    pub fn of(mechanism: &Mechanism, geometry: G, plan: G::Plan) -> Self {
+        let coupled = Coupled::of_one(mechanism, &geometry);
         Projection {
             curvatures: vec![0.0; coupled.closure_of_row().len()],
             coupled,
-            plan: Plan::new(mechanism),
+            geometry,
+            plan,
             increment: vec![One::zero(); mechanism.velocity_count],
             displacement: vec![One::zero(); mechanism.velocity_count],
             correction: vec![0.0; mechanism.velocity_count],
         }
     }
 
+    /// Takes a state as a start. Does not allocate.
+    pub(super) fn place(&self, mechanism: &Mechanism, start: &mut G::Start, state: &State) {
+        G::place(&self.plan, start, mechanism, state);
+    }
+
     /// The gaps and gradients at the start of a step.
-    fn evaluate(&mut self, start: &Start) {
-        self.coupled.begin(start);
-        self.coupled.evaluate_closures();
-        for (row, &gap) in self.coupled.mimic_rows().zip(&start.mimic_gaps) {
+    fn evaluate(&mut self, start: &G::Start) {
+        self.geometry.begin(&self.plan, start);
+        self.coupled.begin();
+        self.coupled.evaluate(&self.geometry);
+        for (row, &gap) in self.coupled.mimic_rows().zip(G::mimic_gaps(start)) {
             self.coupled.gaps[row] = One::splat(gap);
         }
     }
 
     /// The rates of the gaps for the velocities of the freedoms.
-    fn evaluate_rates(&mut self, mechanism: &Mechanism, start: &Start, velocity: &[f64]) {
-        self.coupled.twists_of(&self.plan, start, velocity);
+    fn evaluate_rates(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &[f64]) {
+        self.coupled.twists_of(&self.geometry, &self.plan, start, velocity);
         self.coupled.rates();
         for (row, mimic) in self.coupled.mimic_rows().zip(&mechanism.mimics) {
             let rate = velocity[mimic.follower.freedom] - mimic.multiplier * velocity[mimic.leader.freedom];
@@ -100,19 +131,25 @@ impl Projection {
         worst
     }
 
-    fn solve(&mut self, start: &Start) {
-        self.coupled.solve(&self.plan, start, &self.displacement, &mut self.increment);
+    /// Solves for the present gaps; with new factors for this configuration, or again with those at hand.
+    fn solve(&mut self, start: &G::Start, again: bool) {
+        let Projection { coupled, geometry, plan, .. } = self;
+        if again {
+            coupled.solve_again(G::tree(plan), &mut self.increment);
+        } else {
+            coupled.solve(geometry, plan, start, &self.displacement, &mut self.increment);
+        }
         for (correction, increment) in self.correction.iter_mut().zip(&self.increment) {
             *correction = one(*increment);
         }
     }
 
     /// Projects velocities at the configuration of `start`. Does not allocate.
-    pub fn velocities(&mut self, mechanism: &Mechanism, start: &Start, velocity: &mut [f64]) -> Projected {
+    pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> Projected {
         self.evaluate(start);
         let mut done = Projected::default();
         let mut last = f64::INFINITY;
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             self.evaluate_rates(mechanism, start, velocity);
             (done.gap, done.worst) = self.largest_gap();
             // Rounding: what is left does not fall any more.
@@ -120,7 +157,7 @@ impl Projection {
                 break;
             }
             last = done.gap;
-            self.solve(start);
+            self.solve(start, round > 0);
             for (rate, correction) in velocity.iter_mut().zip(&self.correction) {
                 *rate += correction;
                 done.correction = done.correction.max(correction.abs());
@@ -130,26 +167,28 @@ impl Projection {
     }
 
     /// Projects the positions of a state, and takes it as a start. Does not allocate.
-    pub fn positions(&mut self, mechanism: &Mechanism, start: &mut Start, state: &mut State) -> Projected {
+    pub fn positions(&mut self, mechanism: &Mechanism, start: &mut G::Start, state: &mut State) -> Projected {
         let mut done = Projected::default();
         let mut best = f64::INFINITY;
         let mut stalled = 0;
+        let mut near = false;
         for _ in 0..ROUNDS {
-            start.set(mechanism, state);
+            self.place(mechanism, start, state);
             self.evaluate(start);
             (done.gap, done.worst) = self.largest_gap();
             // Newton's first rounds may overshoot; rounding stalls.
             stalled = if done.gap < 0.5 * best { 0 } else { stalled + 1 };
+            near &= done.gap < 0.1 * best;
             best = best.min(done.gap);
             if done.gap == 0.0 || (stalled > 0 && done.gap < 1e-14) || stalled > 8 || !done.gap.is_finite() {
                 break;
             }
-            self.solve(start);
+            self.solve(start, near);
             self.shorten();
             state.displace(mechanism, &self.correction);
-            for correction in &self.correction {
-                done.correction = done.correction.max(correction.abs());
-            }
+            let largest = self.correction.iter().fold(0.0_f64, |largest, correction| largest.max(correction.abs()));
+            done.correction = done.correction.max(largest);
+            near = largest < NEAR;
         }
         done
     }
@@ -164,7 +203,7 @@ impl Projection {
                 FreeRotation::Ball => first..first + 3,
             }
         };
-        let rotations = self.plan.bodies.iter().flat_map(turns);
+        let rotations = G::tree(&self.plan).bodies.iter().flat_map(turns);
         let largest = rotations.map(|freedom| self.correction[freedom].abs()).fold(0.0, f64::max);
         if largest > 0.5 {
             for correction in &mut self.correction {
@@ -177,7 +216,7 @@ impl Projection {
     /// writes the second derivatives of all equations for accelerations; sums μ [N or N m] in `multipliers`. Does not allocate.
     pub fn accelerations(
         &mut self,
-        start: &Start,
+        start: &G::Start,
         acceleration: &mut [f64],
         multipliers: &mut [f64],
         mut second_derivatives: impl FnMut(&[f64], &mut [f64]),
@@ -185,7 +224,7 @@ impl Projection {
         self.evaluate(start);
         multipliers.fill(0.0);
         let mut last = f64::INFINITY;
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             second_derivatives(acceleration, &mut self.curvatures);
             for (gap, &value) in self.coupled.gaps.iter_mut().zip(&self.curvatures) {
                 *gap = One::splat(value);
@@ -195,7 +234,7 @@ impl Projection {
                 break;
             }
             last = gap;
-            self.solve(start);
+            self.solve(start, round > 0);
             for (value, correction) in acceleration.iter_mut().zip(&self.correction) {
                 *value += correction;
             }
@@ -211,13 +250,13 @@ impl Projection {
     }
 
     /// The gaps of all equations at the start of a step.
-    pub(super) fn gaps(&mut self, start: &Start) -> Vec<f64> {
+    pub(super) fn gaps(&mut self, start: &G::Start) -> Vec<f64> {
         self.evaluate(start);
         self.coupled.gaps.iter().map(|&gap| one(gap)).collect()
     }
 
     /// The rates of the gaps for velocities of the freedoms, after [`Projection::gaps`].
-    pub(super) fn gap_rates(&mut self, mechanism: &Mechanism, start: &Start, velocity: &[f64]) -> Vec<f64> {
+    pub(super) fn gap_rates(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &[f64]) -> Vec<f64> {
         self.evaluate_rates(mechanism, start, velocity);
         self.coupled.gaps.iter().map(|&gap| one(gap)).collect()
     }
@@ -227,25 +266,11 @@ impl Projection {
         self.coupled.closure_of_row().len()
     }
 
-    /// What the multipliers do on the second end of a loop: force (N) and torque [N m] about its point, in the world.
-    pub fn loop_wrench(&self, closure: usize, multipliers: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
-        let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
-        for (row, multiplier) in multipliers.iter().enumerate() {
-            if self.coupled.closure_of_row()[row] == closure {
-                let (push, twist) = self.coupled.direction(row);
-                force += Vector3::from(push) * *multiplier;
-                torque += Vector3::from(twist) * *multiplier;
-            }
-        }
-        let point = Vector3::from(self.coupled.end_point(closure));
-        (force, torque - point.cross(&force))
-    }
-
     /// For every equation its closure, and whether the equations before it imply it at this configuration.
-    pub fn redundant(&mut self, start: &Start) -> Vec<(usize, bool)> {
+    pub fn redundant(&mut self, start: &G::Start) -> Vec<(usize, bool)> {
         self.evaluate(start);
         self.coupled.proximal = COUNTING;
-        self.solve(start);
+        self.solve(start, false);
         self.coupled.proximal = PROXIMAL;
         let left = self.coupled.left_over.iter();
         self.coupled

@@ -2,12 +2,10 @@
 //!
 //! Scalars are interpolated as they are. The rotation of a ball joint since the start of the step is a rotation vector θ, whose
 //! rate belongs to the angular velocity ω in the child's frame by `ω = (1 − k₁ θ̂ + k₂ θ̂²) θ̇`, with
-//! `k₁ = (1 − cos |θ|)/|θ|²`, `k₂ = (|θ| − sin |θ|)/|θ|³`. Loops are not closed by the interpolation; a projection
-//! ([`super::projection`]) closes them.
+//! `k₁ = (1 − cos |θ|)/|θ|²`, `k₂ = (|θ| − sin |θ|)/|θ|³`. Loops are not closed by the interpolation: [`super::closing`]
+//! does that.
 
 use super::dense::DenseWeights;
-use super::projection::Projection;
-use super::start::Start;
 use super::step::Step;
 use crate::model::{FreeRotation, Mechanism};
 use crate::state::{State, quaternion_exponential, quaternion_product};
@@ -71,33 +69,6 @@ impl LastStep<'_> {
                 }
             }
         }
-    }
-}
-
-/// Brings interpolated positions and velocities back on the closures.
-pub(super) struct Closing {
-    projection: Projection,
-    start: Start,
-    state: State,
-}
-
-impl Closing {
-    /// The workspace for a mechanism.
-    pub fn new(mechanism: &Mechanism) -> Self {
-        Closing { projection: Projection::new(mechanism), start: Start::new(mechanism), state: State::zero(mechanism) }
-    }
-
-    /// Projects both.
-    pub fn project(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {
-        let Closing { projection, start, state } = self;
-        state.position.copy_from_slice(position);
-        state.velocity.copy_from_slice(velocity);
-        state.compensation.fill(0.0);
-        projection.positions(mechanism, start, state);
-        start.set(mechanism, state);
-        projection.velocities(mechanism, start, &mut state.velocity);
-        position.copy_from_slice(&state.position);
-        velocity.copy_from_slice(&state.velocity);
     }
 }
 

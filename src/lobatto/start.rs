@@ -284,11 +284,7 @@ impl Start {
                 slot += 1;
             }
         }
-        for (gap, mimic) in self.mimic_gaps.iter_mut().zip(&mechanism.mimics) {
-            let [follows, leads] = [mimic.follower, mimic.leader].map(|of| of.position);
-            let rest = state.compensation[follows] - mimic.multiplier * state.compensation[leads];
-            *gap = state.position[follows] - mimic.multiplier * state.position[leads] - mimic.offset + rest;
-        }
+        mimic_gaps(mechanism, state, &mut self.mimic_gaps);
         if !mechanism.forces.is_empty() {
             self.applied.set(mechanism, state, &self.states);
             let stored = stored(mechanism, &state.position, &self.states);
@@ -299,10 +295,19 @@ impl Start {
 }
 
 /// A number from 1 to 2 that is as good as random, but the same for the same rates.
-fn units_per_kilogram(rates: &[f64]) -> f64 {
+pub(super) fn units_per_kilogram(rates: &[f64]) -> f64 {
     /// An odd number without a pattern: 2⁶⁴ over the golden ratio.
     const SPREAD: u64 = 0x9e37_79b9_7f4a_7c15;
     let mix = |mixed: u64, rate: &f64| (mixed.rotate_left(23) ^ rate.to_bits()).wrapping_mul(SPREAD);
     let mantissa = rates.iter().fold(0, mix) >> 12;
     f64::from_bits(1.0_f64.to_bits() | mantissa)
+}
+
+/// Writes `q_follower − multiplier · q_leader − offset` of every mimic in a state.
+pub(super) fn mimic_gaps(mechanism: &Mechanism, state: &State, gaps: &mut [f64]) {
+    for (gap, mimic) in gaps.iter_mut().zip(&mechanism.mimics) {
+        let [follows, leads] = [mimic.follower, mimic.leader].map(|of| of.position);
+        let rest = state.compensation[follows] - mimic.multiplier * state.compensation[leads];
+        *gap = state.position[follows] - mimic.multiplier * state.position[leads] - mimic.offset + rest;
+    }
 }

@@ -15,7 +15,9 @@
 //! method with all stages coupled ([`super::newton`]), and velocities are projected on the loops ([`super::projection`]).
 
 use super::anderson::Anderson;
-use super::iteration::{self, Equations, Guarded};
+use super::closing::Closing;
+use super::coupled::{One, Space};
+use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_rule};
 use super::lanes::{Lanes, in_lanes};
 use super::modes::Modes;
 use super::newton::Newton;
@@ -34,10 +36,6 @@ use crate::state::State;
 /// Steps iterated further than this use the coefficients' second half of digits: rounded to a double they are
 /// those of a scheme that is not quite symplectic, and the energy drifts by 2e-16 of itself a step.
 pub(super) const REFINED_BELOW: f64 = 1e-14;
-
-/// Steps of mechanisms with loops are iterated at least this far, so that the gaps are at rounding whatever the tolerance: what
-/// an iteration leaves of them is of the order of its increment times the one before.
-const CLOSED: f64 = 1e-10;
 
 /// When to stop iterating and when to give up.
 #[derive(Clone, Copy, Debug)]
@@ -109,6 +107,8 @@ pub trait Step: Send {
     fn exchange(&self) -> Exchange;
     /// Number of equations of the closures that the others imply at the end of the finished step; none without closures.
     fn redundant(&self) -> Option<usize>;
+    /// Brings positions and velocities near the closures, if there are any, on them.
+    fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]);
     /// Keeps the finished step: its end is the start of the next one.
     fn accept(&mut self);
     /// Of each degree of freedom two weighted sums of its displacements at the stages 2 … s of the last solved step.
@@ -132,8 +132,8 @@ pub struct Kernel<V: Lanes> {
     newton: Option<Box<Newton<V>>>,
     /// For how many more steps the exact Newton method comes first.
     exact_for: usize,
-    /// Of the end velocities on the closures, where there are any.
-    projection: Option<Projection>,
+    /// Where there are closures.
+    closing: Option<Closing<Space<One>>>,
     tableau: Tableau,
     /// Row of the inverse Legendre matrix for the stages 2 … s.
     top_legendre: V,
@@ -163,7 +163,7 @@ impl<V: Lanes> Kernel<V> {
             first_legendre: tableau.top_legendre[0],
             newton: None,
             exact_for: if mechanism.has_closures() { usize::MAX } else { 0 },
-            projection: mechanism.has_closures().then(|| Projection::new(mechanism)),
+            closing: mechanism.has_closures().then(|| Closing::new(mechanism, Projection::new(mechanism))),
             tableau: tableau.clone(),
             refined: false,
             gravity: mechanism.gravity.into(),
@@ -243,11 +243,7 @@ impl<V: Lanes> Guarded for Kernel<V> {
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
         let newton = self.newton.get_or_insert_with(|| Box::new(Newton::new(mechanism, &self.tableau)));
         newton.begin(&self.stages);
-        let rule = match self.projection {
-            Some(_) => StopRule { increment: rule.increment.min(CLOSED), rounding: rule.rounding.min(CLOSED), ..*rule },
-            None => *rule,
-        };
-        iteration::solve(&mut Exact(self), &rule)
+        iteration::solve(&mut Exact(self), &exact_rule(mechanism, rule))
     }
 
     fn exact_for(&mut self) -> &mut usize {
@@ -255,36 +251,17 @@ impl<V: Lanes> Guarded for Kernel<V> {
     }
 }
 
-/// The exact Newton method.
-struct Exact<'k, V: Lanes>(&'k mut Kernel<V>);
-
-impl<V: Lanes> Equations for Exact<'_, V> {
-    fn iterate(&mut self, _: bool) -> f64 {
-        let Kernel { stages, newton: Some(newton), gravity, .. } = self.0 else { return f64::NAN };
+impl<V: Lanes> Coupling for Kernel<V> {
+    fn couple(&mut self) -> f64 {
+        let Kernel { stages, newton: Some(newton), gravity, .. } = self else { return f64::NAN };
         newton.take_geometry(stages);
         in_lanes!(V, newton.residual(stages, gravity));
         newton.solve(stages)
     }
 
-    fn advance(&mut self) -> f64 {
-        let stages = &mut self.0.stages;
+    fn add_increments(&mut self) -> f64 {
+        let stages = &mut self.stages;
         in_lanes!(V, stages.advance())
-    }
-
-    fn complete(&mut self) {
-        self.0.complete();
-    }
-
-    fn legendre(&self) -> f64 {
-        self.0.legendre()
-    }
-
-    fn worst_freedom(&self) -> usize {
-        self.0.worst_freedom()
-    }
-
-    fn turned_too_far(&self) -> Option<usize> {
-        self.0.turned_too_far()
     }
 }
 
@@ -323,8 +300,8 @@ impl<V: Lanes> Step for Kernel<V> {
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(&self.velocity);
         self.end.set(mechanism, state);
-        if let Some(projection) = &mut self.projection {
-            projection.velocities(mechanism, &self.end, &mut state.velocity);
+        if let Some(closing) = &mut self.closing {
+            closing.velocities(mechanism, &self.end, &mut state.velocity);
             self.end.set(mechanism, state);
         }
         self.end.energy
@@ -335,7 +312,13 @@ impl<V: Lanes> Step for Kernel<V> {
     }
 
     fn redundant(&self) -> Option<usize> {
-        self.projection.as_ref().map(Projection::weak)
+        self.closing.as_ref().map(Closing::weak)
+    }
+
+    fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {
+        if let Some(closing) = &mut self.closing {
+            closing.project(mechanism, position, velocity);
+        }
     }
 
     fn accept(&mut self) {

@@ -7,15 +7,20 @@
 //! ```
 //!
 //! for every body, whatever its inertia and wherever its centre of mass is. What forces, products of inertia and offsets along n do
-//! is carried by the joints and moves nothing. Three coordinates a body say all there is to say.
+//! is carried by the joints and moves nothing. Three coordinates a body say all there is to say; mimic relations are between them,
+//! and of the closures those remain that mean something in the plane ([`super::plane_closure`]).
 
+use super::closure::LoopJoint;
 use super::joint::{FreeRotation, JointKind};
 use super::mechanism::{Body, Mechanism};
+use super::plane_closure::{PlanarEquation, planar_equations};
+use crate::kinematics::body_states;
+use crate::state::{BodyState, State};
 use nalgebra::{Matrix3, Vector3};
 
 /// Axes count as parallel, or as being across each other, if their directions are off by no more than this (rad): some thousand
 /// products of rotations, rounded. More would change the motion by as much of itself.
-const PARALLEL: f64 = 1e-12;
+pub(super) const PARALLEL: f64 = 1e-12;
 
 /// The plane to which all bodies of a mechanism move parallel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +30,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane of a mechanism; `None` if it has none, or if loops or mimic relations close it.
+    /// The plane of a mechanism; `None` if it has none.
     pub fn of(mechanism: &Mechanism) -> Option<Plane> {
         let axes = joint_axes(mechanism)?;
         let normal = normal(&axes)?;
@@ -33,10 +38,29 @@ impl Plane {
             true => axis.cross(&normal).norm() <= PARALLEL,
             false => axis.dot(&normal).abs() <= PARALLEL,
         };
-        axes.iter().all(fits).then(|| {
-            let first = across(&normal);
-            Plane { axes: [first, normal.cross(&first), normal] }
-        })
+        if !axes.iter().all(fits) {
+            return None;
+        }
+        let first = across(&normal);
+        let plane = Plane { axes: [first, normal.cross(&first), normal] };
+        if !mechanism.loops.is_empty() {
+            let zero = body_states(mechanism, &State::zero(mechanism));
+            let closes = |joint: &LoopJoint| plane.equations(joint, &zero).is_some();
+            if !mechanism.loops.iter().all(closes) {
+                return None;
+            }
+        }
+        Some(plane)
+    }
+
+    /// What a loop joint asks of motions in the plane, for bodies that are placed so at zero displacement; `None` if it allows none.
+    pub fn equations(&self, joint: &LoopJoint, zero: &[BodyState]) -> Option<Vec<PlanarEquation>> {
+        planar_equations(joint, &self.axes, zero)
+    }
+
+    /// The components of a vector in the plane.
+    pub fn flat(&self, v: &Vector3<f64>) -> [f64; 2] {
+        [self.axes[0].dot(v), self.axes[1].dot(v)]
     }
 
     /// The normal, n.
@@ -54,7 +78,7 @@ impl Plane {
 /// there is anything that has no such direction, or nothing at all.
 fn joint_axes(mechanism: &Mechanism) -> Option<Vec<(Vector3<f64>, bool)>> {
     let planar = |kind| matches!(kind, JointKind::Revolute | JointKind::Prismatic | JointKind::Planar);
-    let possible = !mechanism.has_closures() && mechanism.bodies.iter().all(|body| planar(body.joint.kind));
+    let possible = mechanism.bodies.iter().all(|body| planar(body.joint.kind));
     if !possible || mechanism.bodies.is_empty() {
         return None;
     }
@@ -80,7 +104,7 @@ fn normal(axes: &[(Vector3<f64>, bool)]) -> Option<Vector3<f64>> {
 }
 
 /// A unit vector across another.
-fn across(direction: &Vector3<f64>) -> Vector3<f64> {
+pub(super) fn across(direction: &Vector3<f64>) -> Vector3<f64> {
     // From the axis of the world that is farthest from it, so that nothing cancels.
     let axis = Matrix3::identity().column(direction.iamin()).into_owned();
     direction.cross(&axis).normalize()

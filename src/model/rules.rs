@@ -45,7 +45,7 @@ impl Rule {
         match self {
             Rule::Islands => "no joint, loop, mimic relation or spring connects the parts",
             Rule::Sleep => "starts at rest, and nothing accelerates",
-            Rule::Planar => "a tree, all hinges about one direction, all slides across it",
+            Rule::Planar => "all hinges about one direction, all slides across it, loops too",
             Rule::Translation => "in space, nothing but slides between body and world",
             Rule::Points => "in space, no inertia about the center of mass",
         }

@@ -9,7 +9,8 @@
 //!     J_i η_i + ε Σ_k Â_ik dλ_k = −g_i                     η_body = η_parent + s_i δ_i
 //! ```
 //!
-//! with the mass blocks D and screws s of `body`, the gradients J of `closures`, and the elimination step by step in `operations`.
+//! with the mass blocks D, screws s and gradients J of a [`Geometry`]: `space`, where twists have six components, or
+//! [`super::planar`], where they have three. The elimination is in `operations`, step by step.
 //!
 //! ε acts on the increments only (proximal): converged gaps are zero whatever it is, and redundant equations need no decision
 //! about rank. The multipliers start from zero in every step, so that nothing that no equation determines is
@@ -17,35 +18,105 @@
 //!
 //! With one stage, `B = Â = 1`, the same system projects velocities and positions on the closures ([`super::projection`]).
 
-mod body;
+mod again;
 mod closures;
 mod operations;
+mod space;
 
-use super::algebra::{Matrix, Vector};
-use super::closure::{EndStart, Equation, EquationValue, Moved, equations};
 use super::elimination::{Elimination, Operation, TWIST};
-use super::front::Fronts;
-use super::lanes::{Lanes, in_lanes};
-use super::stage::{MAX_LANES, Stages, moved_rows, row_stage};
-use super::start::{Plan, Start};
+use super::front::{Fronts, Screws};
+use super::lanes::{Lanes, Portable, in_lanes};
+use super::stage::{MAX_LANES, moved_rows, row_stage};
+use super::start::Plan;
 use super::tableau::Tableau;
-use crate::model::{Attachment, Mechanism};
+use crate::model::Mechanism;
+use crate::state::State;
+
+pub use space::{Space, joined};
+
+/// One configuration, where a step has a lane for each stage.
+pub type One = Portable<1>;
 
 /// ε of all solves: large against the square of the gaps that iterates leave, small against what is weak.
 pub const PROXIMAL: f64 = 1e-8;
 
+/// A force and its torque about the common origin, or a twist, in the first components: six of them in space, three in a plane.
+pub type Screw<V> = [V; TWIST];
+
+/// What the system is made of: the bodies and closures of a mechanism in space, or in a plane.
+pub trait Geometry<V: Lanes> {
+    /// What is constant of the mechanism.
+    type Plan;
+    /// The known start of a step.
+    type Start;
+    /// Number of components of a twist.
+    const WIDTH: usize;
+
+    /// Which bodies hang where.
+    fn tree(plan: &Self::Plan) -> &Plan;
+    /// Room for the start of a step.
+    fn start(mechanism: &Mechanism) -> Self::Start;
+    /// Takes a state as the start of a step.
+    fn place(plan: &Self::Plan, start: &mut Self::Start, mechanism: &Mechanism, state: &State);
+    /// `q_follower − multiplier · q_leader − offset` of every mimic at the start.
+    fn mimic_gaps(start: &Self::Start) -> &[f64];
+    /// Number of equations of every loop.
+    fn rows(&self) -> Vec<usize>;
+    /// Takes the start of a step.
+    fn begin(&mut self, plan: &Self::Plan, start: &Self::Start);
+    /// Where the bodies are: gaps, and gradients at the columns' and at the rows' stages, of all loops and lines of springs, which
+    /// have these rows.
+    fn evaluate(&self, rows_of_loop: &[std::ops::Range<usize>], gaps: &mut [V], gradients: &mut [[Screw<V>; 2]]);
+    /// The screw of a freedom at the rows' and the columns' stages; without displacements, at the start.
+    fn screws(
+        &self,
+        plan: &Self::Plan,
+        start: &Self::Start,
+        displacement: &[V],
+        body: usize,
+        freedom: usize,
+    ) -> Screws<V>;
+    /// Adds the mass blocks `D_ki` of a body to the twist part of a front.
+    fn own(&self, start: &Self::Start, body: usize, mixing: &Mixing<V>, fronts: &mut Fronts<V>, level: usize);
+}
+
 /// The matrix entries of the scheme, as the system needs them.
-struct Mixing<V> {
+pub struct Mixing<V> {
     /// Number of stages coupled.
-    active: usize,
+    pub active: usize,
     /// Row k of B, lanes i.
-    mass: [V; MAX_LANES],
+    pub mass: [V; MAX_LANES],
     /// Row i of Â, lanes k.
     solve: [V; MAX_LANES],
     /// Row k of Ā B, lanes i: the velocity of the rows.
     velocity: [V; MAX_LANES],
     /// Zero where a row has the geometry of the start.
-    moved: V,
+    pub moved: V,
+}
+
+impl<V: Lanes> Mixing<V> {
+    /// Of a step of the scheme.
+    fn of_stages(tableau: &Tableau) -> Self {
+        let active = tableau.stages - 1;
+        let row_of_lane = |lane: usize| row_stage(lane, active);
+        let mut mass = [V::zero(); MAX_LANES];
+        let mut solve = [V::zero(); MAX_LANES];
+        let mut velocity = [V::zero(); MAX_LANES];
+        for lane in 0..active {
+            velocity[lane] = V::from_slice(&tableau.velocity[row_of_lane(lane) * active..][..active]);
+            let row = row_of_lane(lane) * active;
+            mass[lane] = V::from_slice(&tableau.b_matrix[row..row + active]);
+            let columns: Vec<f64> = (0..active).map(|k| tableau.a_hat[lane * active + row_of_lane(k)]).collect();
+            solve[lane] = V::from_slice(&columns);
+        }
+        Mixing { active, mass, solve, velocity, moved: moved_rows(active) }
+    }
+
+    /// Of a projection at one configuration.
+    fn of_one() -> Self {
+        let one = [V::splat(1.0); MAX_LANES];
+        Mixing { active: 1, mass: one, solve: one, velocity: one, moved: V::zero() }
+    }
 }
 
 /// What a force changes by, row by row: `h² ∂F_k/∂y_i = −(stiffness h² 1 + damping h Ā B)_ki` for a scalar y.
@@ -61,10 +132,13 @@ pub struct Coupled<V: Lanes> {
     fronts: Fronts<V>,
     mixing: Mixing<V>,
     unit: [V; MAX_LANES],
-    equations: Vec<Equation>,
     /// Of the loops, then of the springs.
     rows_of_loop: Vec<std::ops::Range<usize>>,
+    /// The bodies at their ends.
+    ends: Vec<[Option<usize>; 2]>,
     loops: usize,
+    /// The rows of the mimics; those of the springs' tensions come after them.
+    mimic_rows: std::ops::Range<usize>,
     /// Of the point springs, and of every freedom's joint springs and dampers.
     resistances: Vec<Resistance>,
     in_joints: Vec<Resistance>,
@@ -74,24 +148,24 @@ pub struct Coupled<V: Lanes> {
     pub step: f64,
     /// ε, as a part of the mobility of an equation.
     pub proximal: f64,
-    attachments: Vec<[Attachment; 2]>,
-    ends: Vec<[EndStart; 2]>,
-    origin: [f64; 3],
-    /// Every body since the start of the step, at the columns' and at the rows' stages.
-    moved: Vec<[Moved<V>; 2]>,
-    /// What every body resists with, about the common origin: force, torque.
-    pub bias: Vec<(Vector<V>, Vector<V>)>,
-    /// One entry a row: at the columns' stages, and its gradient at the rows'.
-    values: Vec<[EquationValue<V>; 2]>,
+    /// What every body resists with, about the common origin.
+    pub bias: Vec<Screw<V>>,
+    /// One entry a row: the direction in which its multiplier pushes on the second end of its loop, at the columns' and at the
+    /// rows' stages.
+    gradients: Vec<[Screw<V>; 2]>,
     /// The right-hand side of the closures.
     pub gaps: Vec<V>,
     /// `λ`, and its latest increment.
     pub multipliers: Vec<V>,
     multiplier_increments: Vec<V>,
-    twists: Vec<[V; TWIST]>,
-    screws: Vec<[V; TWIST]>,
+    twists: Vec<Screw<V>>,
+    screws: Vec<Screw<V>>,
     kept: Vec<V>,
     kept_at: Vec<usize>,
+    /// First row of the inverse pivot of every operation.
+    pivots: Vec<V>,
+    /// Right-hand sides of the fronts, for another solve with the same factors.
+    right: Vec<f64>,
     /// Mobility of every row in the direction of its own gradient, before the others of its closure.
     scales: Vec<f64>,
     /// The part of it that the other rows leave.
@@ -99,31 +173,18 @@ pub struct Coupled<V: Lanes> {
 }
 
 impl<V: Lanes> Coupled<V> {
-    /// The system of a step of the scheme.
-    pub fn of_stages(mechanism: &Mechanism, tableau: &Tableau) -> Self {
-        let active = tableau.stages - 1;
-        let row_of_lane = |lane: usize| row_stage(lane, active);
-        let mut mass = [V::zero(); MAX_LANES];
-        let mut solve = [V::zero(); MAX_LANES];
-        let mut velocity = [V::zero(); MAX_LANES];
-        for lane in 0..active {
-            velocity[lane] = V::from_slice(&tableau.velocity[row_of_lane(lane) * active..][..active]);
-            let row = row_of_lane(lane) * active;
-            mass[lane] = V::from_slice(&tableau.b_matrix[row..row + active]);
-            let columns: Vec<f64> = (0..active).map(|k| tableau.a_hat[lane * active + row_of_lane(k)]).collect();
-            solve[lane] = V::from_slice(&columns);
-        }
-        Self::new(mechanism, Mixing { active, mass, solve, velocity, moved: moved_rows(active) }, true)
+    /// The system of a step of the scheme, with forces.
+    pub fn of_stages<G: Geometry<V>>(mechanism: &Mechanism, geometry: &G, tableau: &Tableau) -> Self {
+        Self::new(mechanism, G::WIDTH, &geometry.rows(), Mixing::of_stages(tableau), true)
     }
 
     /// The system of a projection at one configuration.
-    pub fn of_one(mechanism: &Mechanism) -> Self {
-        let one = [V::splat(1.0); MAX_LANES];
-        Self::new(mechanism, Mixing { active: 1, mass: one, solve: one, velocity: one, moved: V::zero() }, false)
+    pub fn of_one<G: Geometry<V>>(mechanism: &Mechanism, geometry: &G) -> Self {
+        Self::new(mechanism, G::WIDTH, &geometry.rows(), Mixing::of_one(), false)
     }
 
-    fn new(mechanism: &Mechanism, mixing: Mixing<V>, forces: bool) -> Self {
-        let elimination = Elimination::new(mechanism, forces);
+    fn new(mechanism: &Mechanism, width: usize, rows: &[usize], mixing: Mixing<V>, forces: bool) -> Self {
+        let elimination = Elimination::new(mechanism, width, rows, forces);
         let mut unit = [V::zero(); MAX_LANES];
         for (lane, unit) in unit[..mixing.active].iter_mut().enumerate() {
             let mut array = V::zero_array();
@@ -139,20 +200,20 @@ impl<V: Lanes> Coupled<V> {
             }
         }
         let mut rows_of_loop = Vec::new();
-        let mut all = Vec::new();
-        for joint in &mechanism.loops {
-            rows_of_loop.push(all.len()..all.len() + joint.kind.rows());
-            all.extend(equations(joint.kind));
-        }
-        all.extend(mechanism.mimics.iter().map(|_| Equation::Mimic));
-        let mut attachments: Vec<[Attachment; 2]> = mechanism.loops.iter().map(|joint| [joint.a, joint.b]).collect();
+        let mut count = 0;
+        let mut next = |rows: usize| {
+            count += rows;
+            count - rows..count
+        };
+        rows_of_loop.extend(rows.iter().map(|&rows| next(rows)));
+        let mimic_rows = next(mechanism.mimics.len());
+        let mut ends: Vec<_> = mechanism.loops.iter().map(|joint| [joint.a.body, joint.b.body]).collect();
         let mut resistances = Vec::new();
         let mut in_joints = vec![Resistance::default(); mechanism.velocity_count];
         if forces {
             for spring in &mechanism.forces.point_springs {
-                rows_of_loop.push(all.len()..all.len() + 1);
-                all.push(Equation::Line);
-                attachments.push([spring.a, spring.b]);
+                rows_of_loop.push(next(1));
+                ends.push([spring.a.body, spring.b.body]);
                 resistances.push(Resistance { stiffness: spring.stiffness, damping: spring.damping });
             }
             for damper in &mechanism.forces.joint_dampers {
@@ -162,77 +223,47 @@ impl<V: Lanes> Coupled<V> {
                 in_joints[spring.coordinate.freedom].stiffness += spring.stiffness;
             }
         }
-        let (bodies, rows) = (mechanism.bodies.len(), elimination.closure_of_row.len());
-        let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
+        let (bodies, rows, nothing) = (mechanism.bodies.len(), count, [V::zero(); TWIST]);
         Coupled {
-            fronts: Fronts::new(mixing.active, elimination.slots, elimination.levels),
-            elimination,
+            fronts: Fronts::new(mixing.active, &elimination),
             mixing,
             unit,
-            equations: all,
             rows_of_loop,
-            ends: vec![[EndStart::default(); 2]; attachments.len()],
-            attachments,
+            ends,
+            mimic_rows,
             resistances,
             in_joints,
             loops: mechanism.loops.len(),
             efforts: vec![V::zero(); mechanism.velocity_count],
             step: 0.0,
             proximal: PROXIMAL,
-            origin: [0.0; 3],
-            moved: vec![[still; 2]; bodies],
-            bias: vec![(Vector::zero(), Vector::zero()); bodies],
-            values: vec![[EquationValue::zero(); 2]; rows],
+            bias: vec![nothing; bodies],
+            gradients: vec![[nothing; 2]; rows],
             gaps: vec![V::zero(); rows],
             multipliers: vec![V::zero(); rows],
             multiplier_increments: vec![V::zero(); rows],
-            twists: vec![[V::zero(); TWIST]; bodies],
-            screws: vec![[V::zero(); TWIST]; mechanism.velocity_count],
+            twists: vec![nothing; bodies],
+            screws: vec![nothing; mechanism.velocity_count],
             kept: vec![V::zero(); kept],
+            pivots: vec![V::zero(); kept_at.len()],
+            right: vec![0.0; elimination.levels * elimination.slots],
             kept_at,
             scales: vec![0.0; rows],
             left_over: vec![0.0; rows],
+            elimination,
         }
-    }
-
-    /// Takes the start of a step: frames, origin, and multipliers from zero.
-    pub fn begin(&mut self, start: &Start) {
-        self.origin = if start.bodies.is_empty() { [0.0; 3] } else { start.anchor(0) };
-        for (ends, attachments) in self.ends.iter_mut().zip(&self.attachments) {
-            *ends = [0, 1].map(|end: usize| EndStart::new(&attachments[end], start, &self.origin));
-        }
-        self.multipliers.fill(V::zero());
-    }
-
-    /// The bodies at all stages from the poses of a step.
-    #[inline(always)]
-    pub fn move_bodies(&mut self, stages: &Stages<V>) {
-        let mask = self.mixing.moved;
-        for (moved, pose) in self.moved.iter_mut().zip(&stages.poses) {
-            let turn = pose.increment();
-            *moved = [
-                Moved { turn, anchor: pose.anchor },
-                Moved { turn: turn.times(mask), anchor: pose.anchor.times(mask) },
-            ];
-        }
-    }
-
-    /// Where an anchor is at the rows' stages, from the common origin.
-    #[inline(always)]
-    pub fn row_anchor(&self, start: &Start, body: usize) -> Vector<V> {
-        self.anchor(start, body, 1)
-    }
-
-    #[inline(always)]
-    fn anchor(&self, start: &Start, body: usize, side: usize) -> Vector<V> {
-        let (anchor, origin) = (start.anchor(body), self.origin);
-        let from_origin = [anchor[0] - origin[0], anchor[1] - origin[1], anchor[2] - origin[2]];
-        Vector::splat(&from_origin).plus(self.moved[body][side].anchor)
     }
 
     /// Factors the system and solves it: fills the increments of the freedoms. Not inlined anywhere: every operation is
-    /// compiled for the vectors on its own, once.
-    pub fn solve(&mut self, plan: &Plan, start: &Start, displacement: &[V], increment: &mut [V]) {
+    /// compiled for the vectors on its own, once for all geometries.
+    pub fn solve<G: Geometry<V>>(
+        &mut self,
+        geometry: &G,
+        plan: &G::Plan,
+        start: &G::Start,
+        displacement: &[V],
+        increment: &mut [V],
+    ) {
         let operations = std::mem::take(&mut self.elimination.operations);
         let mut level = 0;
         let mut opened = false;
@@ -241,58 +272,55 @@ impl<V: Lanes> Coupled<V> {
                 Operation::Open => {
                     level += usize::from(opened);
                     opened = true;
-                    self.fronts.open(level);
+                    self.open(level);
                     None
                 }
                 Operation::Enter { slots, present, gaps } => {
-                    in_lanes!(V, self.enter(level, slots, present, gaps));
+                    self.enter(level, slots, present, gaps);
                     None
                 }
                 Operation::Own { body, ends } => {
-                    in_lanes!(V, self.own(level, start, *body));
-                    for &end in ends {
-                        in_lanes!(V, self.end(level, end));
-                    }
+                    let (mixing, fronts) = (&self.mixing, &mut self.fronts);
+                    in_lanes!(V, geometry.own(start, *body, mixing, fronts, level));
+                    self.own(level, *body, ends);
                     None
                 }
                 Operation::Freedom { body, freedom, columns, direct } => {
-                    let screws = in_lanes!(V, self.screws_of(plan, start, displacement, *body, *freedom));
-                    self.screws[*freedom] = screws.columns;
-                    in_lanes!(V, self.fronts.take_freedom(level, &screws, columns));
-                    in_lanes!(V, self.take_efforts(*freedom, direct));
+                    let screws = in_lanes!(V, geometry.screws(plan, start, displacement, *body, *freedom));
+                    self.take_freedom(level, &screws, *freedom, columns, direct);
                     Some(columns)
                 }
                 Operation::Multiplier { row, slot, columns, measure } => {
-                    in_lanes!(V, self.take_multiplier(level, *row, *slot, columns, measure));
+                    self.take_multiplier(level, *row, *slot, columns, measure);
                     Some(columns)
                 }
                 Operation::Merge { slots, enter, present, twist } => {
-                    self.fronts.enter(level - 1, enter, present);
-                    in_lanes!(V, self.fronts.merge(level, slots, *twist));
+                    self.merge(level, slots, enter, present, *twist);
                     level -= 1;
                     None
                 }
             };
             if let Some(columns) = eliminated {
-                let kept_at = self.kept_at[index];
-                let kept = &mut self.kept[kept_at..kept_at + (columns.len() + 1) * V::COUNT];
-                let fronts = &mut self.fronts;
-                in_lanes!(V, fronts.eliminate(level, columns, kept));
+                self.eliminate(level, index, columns);
             }
         }
+        self.substitute_back(&operations, G::tree(plan), increment);
+        self.elimination.operations = operations;
+    }
+
+    /// All eliminated unknowns, the last first.
+    fn substitute_back(&mut self, operations: &[Operation], tree: &Plan, increment: &mut [V]) {
         for (index, operation) in operations.iter().enumerate().rev() {
             if let Operation::Freedom { columns, .. } | Operation::Multiplier { columns, .. } = operation {
-                let kept_at = self.kept_at[index];
-                in_lanes!(V, self.back_substitute(plan, operation, kept_at, columns, increment));
+                self.back_substitute(tree, operation, self.kept_at[index], columns, increment);
             }
         }
-        self.elimination.operations = operations;
     }
 }
 
 /// A number in lane 0.
 #[inline(always)]
-fn first_lane<V: Lanes>(value: f64) -> V {
+pub(super) fn first_lane<V: Lanes>(value: f64) -> V {
     let mut array = V::zero_array();
     array.as_mut()[0] = value;
     V::from_array(array)

@@ -1,46 +1,84 @@
 //! The operations of the elimination, one function each, compiled for the vectors on its own.
 
 use super::{Coupled, Mixing, PROXIMAL, Resistance, first_lane};
-use crate::lobatto::closure::{Equation, EquationValue};
 use crate::lobatto::elimination::{Column, Operation, TWIST, Unknown};
-use crate::lobatto::front::Fronts;
-use crate::lobatto::lanes::Lanes;
+use crate::lobatto::front::{Fronts, Screws};
+use crate::lobatto::lanes::{Lanes, in_lanes};
 use crate::lobatto::stage::MAX_LANES;
 use crate::lobatto::start::Plan;
 
 impl<V: Lanes> Coupled<V> {
+    /// Empties a front for a twist.
+    pub(super) fn open(&mut self, level: usize) {
+        let fronts = &mut self.fronts;
+        in_lanes!(V, fronts.open(level));
+    }
+
     /// Clears the slots of multipliers that come in, and brings their right-hand sides.
-    #[inline(always)]
     pub(super) fn enter(&mut self, level: usize, slots: &[usize], present: &[usize], gaps: &[(usize, usize)]) {
-        self.fronts.enter(level, slots, present);
-        let right = self.fronts.right_hand_side();
-        for &(row, slot) in gaps {
-            let gap = self.gaps[row].to_array();
-            for k in 0..self.mixing.active {
-                self.fronts.block(level, slot, right)[k] = first_lane::<V>(-gap.as_ref()[k]);
-                if self.equations[row] == Equation::Line {
-                    self.fronts.add(level, slot, slot, k, self.unit[k]);
+        in_lanes!(V, {
+            self.fronts.enter(level, slots, present);
+            let right = self.fronts.right_hand_side();
+            for &(row, slot) in gaps {
+                let gap = self.gaps[row].to_array();
+                for k in 0..self.mixing.active {
+                    self.fronts.block(level, slot, right)[k] = first_lane::<V>(-gap.as_ref()[k]);
+                    if row >= self.mimic_rows.end {
+                        self.fronts.add(level, slot, slot, k, self.unit[k]);
+                    }
                 }
             }
-        }
+        });
+    }
+
+    /// What a body resists with, and its ends of loops: (row, slot, sign).
+    pub(super) fn own(&mut self, level: usize, body: usize, ends: &[(usize, usize, f64)]) {
+        in_lanes!(V, {
+            let right = self.fronts.right_hand_side();
+            for component in 0..self.elimination.width {
+                let bias = self.bias[body][component].to_array();
+                let block = self.fronts.block(level, component, right);
+                for (k, entry) in block.iter_mut().enumerate() {
+                    *entry = *entry + first_lane::<V>(-bias.as_ref()[k]);
+                }
+            }
+            for &end in ends {
+                self.end(level, end);
+            }
+        });
     }
 
     /// One equation at one end of its loop: (row, slot, sign).
     #[inline(always)]
-    pub(super) fn end(&mut self, level: usize, (row, slot, sign): (usize, usize, f64)) {
+    fn end(&mut self, level: usize, (row, slot, sign): (usize, usize, f64)) {
         let active = self.mixing.active;
         let mut by_gap = self.unit;
-        if self.equations[row] == Equation::Line {
-            let spring = row + self.resistances.len() - self.equations.len();
+        if row >= self.mimic_rows.end {
             for k in 0..active {
-                by_gap[k] = self.resistance(&self.resistances[spring], k);
+                by_gap[k] = self.resistance(&self.resistances[row - self.mimic_rows.end], k);
             }
         }
-        couple(&mut self.fronts, level, [&by_gap[..active], &self.unit[..active]], slot, sign, &self.values[row]);
+        let gradients = [0, 1].map(|side: usize| &self.gradients[row][side][..self.elimination.width]);
+        couple(&mut self.fronts, level, [&by_gap[..active], &self.unit[..active]], slot, sign, gradients);
+    }
+
+    /// The pivot of a freedom.
+    pub(super) fn take_freedom(
+        &mut self,
+        level: usize,
+        screws: &Screws<V>,
+        freedom: usize,
+        columns: &[Column],
+        direct: &[(usize, usize, f64)],
+    ) {
+        self.screws[freedom] = screws.columns;
+        in_lanes!(V, {
+            self.fronts.take_freedom(level, screws, columns);
+            self.take_efforts(freedom, direct);
+        });
     }
 
     /// The pivot of a multiplier, with its proximal term.
-    #[inline(always)]
     pub(super) fn take_multiplier(
         &mut self,
         level: usize,
@@ -49,31 +87,60 @@ impl<V: Lanes> Coupled<V> {
         columns: &[Column],
         measure: &[(usize, usize)],
     ) {
-        let mut largest = 0.0_f64;
-        for &(row, slot) in measure {
-            self.scales[row] = mobility(&mut self.fronts, level, slot, &self.mixing);
-            largest = largest.max(self.scales[row]);
-        }
-        for &(row, _) in measure {
-            // Nothing moves along this equation: any scale will do, but not zero.
-            if self.scales[row] <= PROXIMAL * largest {
-                self.scales[row] = if largest > 0.0 { largest } else { 1.0 };
+        in_lanes!(V, {
+            let mut largest = 0.0_f64;
+            for &(row, slot) in measure {
+                self.scales[row] = mobility(&mut self.fronts, level, slot, &self.mixing);
+                largest = largest.max(self.scales[row]);
             }
-        }
-        self.left_over[row] = mobility(&mut self.fronts, level, slot, &self.mixing) / self.scales[row];
-        self.fronts.take_multiplier(level, slot, columns);
-        if self.equations[row] != Equation::Line {
-            let proximal = V::splat(self.proximal * self.scales[row]);
-            for k in 0..self.mixing.active {
-                let pivot = self.fronts.pivot();
-                pivot[k] = self.mixing.solve[k].mul_add(proximal, pivot[k]);
+            for &(row, _) in measure {
+                // Nothing moves along this equation: any scale will do, but not zero.
+                if self.scales[row] <= PROXIMAL * largest {
+                    self.scales[row] = if largest > 0.0 { largest } else { 1.0 };
+                }
             }
-        }
+            self.left_over[row] = mobility(&mut self.fronts, level, slot, &self.mixing) / self.scales[row];
+            self.fronts.take_multiplier(level, slot, columns);
+            if row < self.mimic_rows.end {
+                let proximal = V::splat(self.proximal * self.scales[row]);
+                for k in 0..self.mixing.active {
+                    let pivot = self.fronts.pivot();
+                    pivot[k] = self.mixing.solve[k].mul_add(proximal, pivot[k]);
+                }
+            }
+        });
+    }
+
+    /// Adds the front of a level to the one below it, after clearing the slots that enter there.
+    pub(super) fn merge(
+        &mut self,
+        level: usize,
+        slots: &[(usize, usize)],
+        enter: &[usize],
+        present: &[usize],
+        twist: bool,
+    ) {
+        let fronts = &mut self.fronts;
+        in_lanes!(V, {
+            fronts.enter(level - 1, enter, present);
+            fronts.merge(level, slots, twist);
+        });
+    }
+
+    /// Eliminates the pivot of an operation.
+    pub(super) fn eliminate(&mut self, level: usize, operation: usize, columns: &[Column]) {
+        let kept_at = self.kept_at[operation];
+        let kept = &mut self.kept[kept_at..kept_at + (columns.len() + 1) * V::COUNT];
+        let (fronts, inverse) = (&mut self.fronts, &mut self.pivots[operation]);
+        in_lanes!(V, {
+            fronts.eliminate(level, columns, kept);
+            *inverse = fronts.pivot()[0];
+        });
     }
 
     /// What acts along a freedom itself: efforts, how joint springs and dampers resist, and mimics: (row, slot, coefficient).
     #[inline(always)]
-    pub(super) fn take_efforts(&mut self, freedom: usize, direct: &[(usize, usize, f64)]) {
+    fn take_efforts(&mut self, freedom: usize, direct: &[(usize, usize, f64)]) {
         let active = self.mixing.active;
         let right = self.fronts.right_hand_side();
         let mut effort = self.efforts[freedom];
@@ -111,36 +178,36 @@ impl<V: Lanes> Coupled<V> {
     }
 
     /// The value of an eliminated unknown from those that come after it; a freedom moves on the twist of its body.
-    #[inline(always)]
     pub(super) fn back_substitute(
         &mut self,
-        plan: &Plan,
+        tree: &Plan,
         operation: &Operation,
         kept_at: usize,
         columns: &[Column],
         increment: &mut [V],
     ) {
-        match operation {
-            Operation::Freedom { body, freedom, .. } if *freedom == plan.bodies[*body].first_axis => {
-                self.twists[*body] = match plan.bodies[*body].parent {
+        in_lanes!(V, {
+            if let Operation::Freedom { body, freedom, .. } = operation
+                && *freedom == tree.bodies[*body].first_axis
+            {
+                self.twists[*body] = match tree.bodies[*body].parent {
                     Some(parent) => self.twists[parent],
                     None => [V::zero(); TWIST],
                 };
             }
-            _ => {}
-        }
-        let solution = self.substitute(kept_at, columns);
-        match operation {
-            Operation::Freedom { body, freedom, .. } => {
-                increment[*freedom] = solution;
-                for component in 0..TWIST {
-                    let twist = &mut self.twists[*body][component];
-                    *twist = self.screws[*freedom][component].mul_add(solution, *twist);
+            let solution = self.substitute(kept_at, columns);
+            match operation {
+                Operation::Freedom { body, freedom, .. } => {
+                    increment[*freedom] = solution;
+                    let (twist, screw) = (&mut self.twists[*body], &self.screws[*freedom]);
+                    for (twist, screw) in twist.iter_mut().zip(screw).take(self.elimination.width) {
+                        *twist = screw.mul_add(solution, *twist);
+                    }
                 }
+                Operation::Multiplier { row, .. } => self.multiplier_increments[*row] = solution,
+                _ => {}
             }
-            Operation::Multiplier { row, .. } => self.multiplier_increments[*row] = solution,
-            _ => {}
-        }
+        });
     }
 
     /// The value of an eliminated unknown from those that come after it.
@@ -176,14 +243,10 @@ fn couple<V: Lanes>(
     [by_gap, unit]: [&[V]; 2],
     slot: usize,
     sign: f64,
-    value: &[EquationValue<V>; 2],
+    [columns, rows]: [&[V]; 2],
 ) {
     let sign = V::splat(sign);
-    for component in 0..TWIST {
-        let (column, row) = match component {
-            0..3 => (value[0].force.0[component], value[1].force.0[component]),
-            _ => (value[0].torque.0[component - 3], value[1].torque.0[component - 3]),
-        };
+    for (component, (&column, &row)) in columns.iter().zip(rows).enumerate() {
         let (column, row) = (column * sign, row * sign);
         for (k, (by_gap, unit)) in by_gap.iter().zip(unit).enumerate() {
             fronts.add(level, slot, component, k, column * *by_gap);

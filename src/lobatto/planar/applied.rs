@@ -37,7 +37,7 @@ impl<V: Lanes> PlanarStages<V> {
 
     /// Root to leaf: how far each anchor has moved since the start, at all stages.
     #[inline(always)]
-    fn sweep_anchors(&mut self) {
+    pub(super) fn sweep_anchors(&mut self) {
         for (index, tree) in self.plan.tree.bodies.iter().enumerate() {
             let known = &self.start.bodies[index];
             let (mut moved, slid_with) = match tree.parent {

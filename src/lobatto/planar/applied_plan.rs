@@ -30,7 +30,33 @@ pub(super) struct LinePlan {
 pub(super) struct End {
     pub body: Option<usize>,
     /// From the anchor of the body at zero displacement, or from the origin of the world (m).
-    arm: [f64; 2],
+    pub arm: [f64; 2],
+}
+
+/// Finds points of bodies that are placed so at zero displacement.
+pub(super) struct Ends<'m> {
+    pub mechanism: &'m Mechanism,
+    pub plane: &'m Plane,
+    pub zero: &'m [BodyState],
+}
+
+impl Ends<'_> {
+    /// The arm of a point of a body from its anchor.
+    fn arm_of(&self, body: usize, point: &Vector3<f64>) -> [f64; 2] {
+        let anchor = self.mechanism.bodies[body].joint.on_child.translation.vector;
+        self.plane.flat(&(self.zero[body].rotation * (point - anchor)))
+    }
+
+    /// Where an end is.
+    pub fn end(&self, at: &Attachment) -> End {
+        let point = at.frame.translation.vector;
+        End { body: at.body, arm: at.body.map_or(self.plane.flat(&point), |body| self.arm_of(body, &point)) }
+    }
+
+    /// How high it is (m).
+    pub fn height(&self, at: &Attachment) -> f64 {
+        self.plane.normal().dot(&at.place(self.zero).0)
+    }
 }
 
 /// A constant wrench.
@@ -69,31 +95,18 @@ pub(super) struct LineStart {
 impl ForcesPlan {
     /// Projects the forces, for bodies that are placed so at zero displacement.
     pub fn new(mechanism: &Mechanism, plane: &Plane, zero: &[BodyState]) -> Self {
-        let [first, second, normal] = plane.axes;
-        let flat = |v: &Vector3<f64>| [first.dot(v), second.dot(v)];
-        // A point of a body from its anchor.
-        let from_anchor = |body: usize, point: &Vector3<f64>| {
-            zero[body].rotation * (point - mechanism.bodies[body].joint.on_child.translation.vector)
-        };
+        let (ends, normal) = (Ends { mechanism, plane, zero }, plane.normal());
         let height =
             |body: usize, point: &Vector3<f64>| normal.dot(&(zero[body].position + zero[body].rotation * point));
-        let end = |at: &Attachment| {
-            let point = at.frame.translation.vector;
-            End { body: at.body, arm: flat(&at.body.map_or(point, |body| from_anchor(body, &point))) }
-        };
-        let height_of = |at: &Attachment| {
-            let point = at.frame.translation.vector;
-            at.body.map_or(normal.dot(&point), |body| height(body, &point))
-        };
         let lines = mechanism.forces.point_springs.iter().map(|spring| LinePlan {
-            ends: [end(&spring.a), end(&spring.b)],
-            height: height_of(&spring.b) - height_of(&spring.a),
+            ends: [ends.end(&spring.a), ends.end(&spring.b)],
+            height: ends.height(&spring.b) - ends.height(&spring.a),
             law: SpringLaw::of(spring),
         });
         let wrenches = mechanism.forces.wrenches.iter().map(|wrench| WrenchPlan {
             body: wrench.body,
-            arm: flat(&from_anchor(wrench.body, &wrench.point)),
-            force: flat(&wrench.force),
+            arm: ends.arm_of(wrench.body, &wrench.point),
+            force: plane.flat(&wrench.force),
             torque: normal.dot(&wrench.torque),
             offset: -normal.dot(&wrench.force) * height(wrench.body, &wrench.point),
         });

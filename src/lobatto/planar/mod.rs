@@ -2,33 +2,42 @@
 //!
 //! The same scheme and the same iteration as in space ([`super::step`]), with SO(2) embedded in R² where space has SO(3) in R⁹: what
 //! it leaves out is zero there, so that both take the same steps, but for rounding. In reading order: [`start`], [`stage`],
-//! [`articulated`], [`sweeps`], [`applied_plan`], [`applied`]. Where the recursion does not converge, the exact Newton method of space takes over.
+//! [`articulated`], [`sweeps`], [`applied_plan`], [`applied`]; with closed loops, and where the recursion does not converge, the exact
+//! Newton method with all stages coupled: [`newton`], [`coupled`], [`closure`].
 
 mod algebra;
 mod applied;
 mod applied_plan;
 mod articulated;
+mod closure;
+mod coupled;
+mod newton;
 mod stage;
 mod start;
 mod sweeps;
 
 use super::anderson::Anderson;
-use super::iteration::{self, Equations, Guarded};
+use super::closing::Closing;
+use super::coupled::One;
+use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_rule};
 use super::lanes::{Lanes, in_lanes};
 use super::modes::Modes;
 use super::predictor::Predictor;
+use super::projection::Projection;
 use super::reversible::Pace;
 use super::stability::Mode;
 use super::stage::{Coefficients, MAX_TURN};
 use super::start::Start;
-use super::step::{Attempt, Kernel, REFINED_BELOW, Step, StopRule, weigh, worst_freedom};
+use super::step::{Attempt, REFINED_BELOW, Step, StopRule, weigh, worst_freedom};
 use super::tableau::Tableau;
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
 use crate::model::{Mechanism, Plane};
 use crate::state::State;
+use coupled::Flat;
+use newton::PlanarNewton;
 use stage::PlanarStages;
-use start::PlanarStart;
+use start::{PlanarPlan, PlanarStart};
 
 /// [`Step`] in a plane, with the lanes of `V`.
 pub struct PlanarKernel<V: Lanes> {
@@ -37,9 +46,12 @@ pub struct PlanarKernel<V: Lanes> {
     anderson: Anderson<V>,
     predictor: Predictor<V>,
     /// The exact Newton method, from when it is needed first.
-    exact: Option<Box<Kernel<V>>>,
+    newton: Option<Box<PlanarNewton<V>>>,
     /// For how many more steps it comes first.
     exact_for: usize,
+    /// Where there are closures.
+    closing: Option<Closing<Flat<One>>>,
+    plane: Plane,
     tableau: Tableau,
     /// Row of the inverse Legendre matrix for the stages 2 … s.
     top_legendre: V,
@@ -49,9 +61,6 @@ pub struct PlanarKernel<V: Lanes> {
     displaced: Vec<f64>,
     /// The end of the finished step.
     end: PlanarStart,
-    /// The states at both ends.
-    origin: State,
-    end_state: State,
     /// What steers the steps knows space alone: the start of a step there, for those who ask now and then.
     space: Start,
     modes: Modes,
@@ -66,16 +75,19 @@ impl<V: Lanes> PlanarKernel<V> {
             coefficients: Coefficients::new(tableau),
             anderson: Anderson::new(freedoms),
             predictor: Predictor::new(freedoms, Vec::new(), tableau),
-            exact: None,
-            exact_for: 0,
+            newton: None,
+            exact_for: if mechanism.has_closures() { usize::MAX } else { 0 },
+            closing: mechanism.has_closures().then(|| {
+                let flat = Flat::new(mechanism, plane, One::zero(), false);
+                Closing::new(mechanism, Projection::of(mechanism, flat, PlanarPlan::new(mechanism, plane)))
+            }),
+            plane: *plane,
             tableau: tableau.clone(),
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
             refined: false,
             velocity: vec![0.0; freedoms],
             displaced: vec![0.0; freedoms],
             end: PlanarStart::new(mechanism),
-            origin: State::zero(mechanism),
-            end_state: State::zero(mechanism),
             space: Start::new(mechanism),
             modes: Modes::new(mechanism, &stages.plan.tree),
             stages,
@@ -142,14 +154,10 @@ impl<V: Lanes> Guarded for PlanarKernel<V> {
     }
 
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
-        let exact = self.exact.get_or_insert_with(|| Box::new(Kernel::new(mechanism, &self.tableau, &[])));
-        exact.stages.start.set(mechanism, &self.origin);
-        exact.stages.step = self.stages.step;
-        exact.stages.displacement.copy_from_slice(&self.stages.displacement);
-        let attempt = exact.solve_exactly(mechanism, rule);
-        self.stages.displacement.copy_from_slice(&exact.stages.displacement);
-        self.stages.largest = f64::INFINITY;
-        attempt
+        let PlanarKernel { plane, tableau, .. } = self;
+        let newton = self.newton.get_or_insert_with(|| Box::new(PlanarNewton::new(mechanism, plane, tableau)));
+        newton.begin(&self.stages);
+        iteration::solve(&mut Exact(self), &exact_rule(mechanism, rule))
     }
 
     fn exact_for(&mut self) -> &mut usize {
@@ -157,10 +165,21 @@ impl<V: Lanes> Guarded for PlanarKernel<V> {
     }
 }
 
+impl<V: Lanes> Coupling for PlanarKernel<V> {
+    fn couple(&mut self) -> f64 {
+        let PlanarKernel { stages, newton: Some(newton), coefficients, .. } = self else { return f64::NAN };
+        newton.iterate(stages, coefficients)
+    }
+
+    fn add_increments(&mut self) -> f64 {
+        self.complete();
+        self.stages.largest
+    }
+}
+
 impl<V: Lanes> Step for PlanarKernel<V> {
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.stages.start.set(&self.stages.plan, mechanism, state);
-        self.origin.copy_from(state);
         self.predictor.forget();
     }
 
@@ -191,7 +210,10 @@ impl<V: Lanes> Step for PlanarKernel<V> {
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(velocity);
         self.end.set(&stages.plan, mechanism, state);
-        self.end_state.copy_from(state);
+        if let Some(closing) = &mut self.closing {
+            closing.velocities(mechanism, &self.end, &mut state.velocity);
+            self.end.set(&stages.plan, mechanism, state);
+        }
         self.end.energy
     }
 
@@ -200,14 +222,19 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     }
 
     fn redundant(&self) -> Option<usize> {
-        None
+        self.closing.as_ref().map(Closing::weak)
+    }
+
+    fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {
+        if let Some(closing) = &mut self.closing {
+            closing.project(mechanism, position, velocity);
+        }
     }
 
     fn accept(&mut self) {
         let (stages, predictor, coefficients) = (&mut self.stages, &mut self.predictor, &self.coefficients);
         in_lanes!(V, predictor.learn(stages.unknowns(coefficients)));
         std::mem::swap(&mut self.stages.start, &mut self.end);
-        std::mem::swap(&mut self.origin, &mut self.end_state);
     }
 
     fn weigh_displacements(&self, weights: [&[f64]; 2], sums: &mut [[f64; 2]]) {

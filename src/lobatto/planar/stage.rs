@@ -54,9 +54,10 @@ pub(super) struct PlanarStages<V> {
     pub twists: Vec<(Vector2<V>, V)>,
     /// Forces, if there are any.
     pub applied: Option<Box<Applied<V>>>,
-    /// Displacement of each anchor since the start (m), and force (N) and torque about it [N m] of what does not act in joints; empty
-    /// where there is nothing of the kind.
+    /// Displacement of each anchor since the start (m), for those who ask for it.
     pub anchors: Vec<Vector2<V>>,
+    /// Force (N) on each body and torque about its anchor [N m] of what does not act in joints; empty where there is nothing of the
+    /// kind.
     pub acting: Vec<(Vector2<V>, V)>,
     /// Length of the step (s).
     pub step: f64,
@@ -80,7 +81,7 @@ impl<V: Lanes> PlanarStages<V> {
             slots: vec![Articulated2::zero(); slots],
             twists: vec![(Vector2::zero(), V::zero()); slots],
             applied: Applied::new(mechanism, tableau),
-            anchors: vec![Vector2::zero(); pushed],
+            anchors: vec![Vector2::zero(); bodies],
             acting: vec![(Vector2::zero(), V::zero()); pushed],
             plan,
             step: 0.0,
@@ -99,6 +100,16 @@ impl<V: Lanes> PlanarStages<V> {
             *displacement = *displacement + increment;
         }
         self.measure();
+    }
+
+    /// The largest increment of any freedom at any stage.
+    #[inline(always)]
+    pub fn largest_increment(&self) -> f64 {
+        let mut largest = V::zero();
+        for increment in &self.increment {
+            largest = increment.max_abs(largest);
+        }
+        largest.largest()
     }
 
     /// Finds the largest displacement.

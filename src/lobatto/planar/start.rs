@@ -16,7 +16,7 @@
 use super::applied_plan::{ForcesPlan, ForcesStart};
 use crate::invariants::Energy;
 use crate::kinematics::body_states;
-use crate::lobatto::start::Plan;
+use crate::lobatto::start::{Plan, mimic_gaps, units_per_kilogram};
 use crate::model::{FreeRotation, Mechanism, Plane, sine_cosine};
 use crate::state::State;
 use nalgebra::Vector3;
@@ -26,10 +26,10 @@ pub(super) struct BodyPlane {
     /// One if the joint turns about n, minus one if it turns about −n.
     pub sign: f64,
     /// Mass (kg).
-    pub mass: f64,
+    mass: f64,
     /// Moment of inertia about n through the centre of mass, and through the anchor [kg m²].
-    pub central: f64,
-    pub inertia: f64,
+    central: f64,
+    inertia: f64,
     /// Of zero displacement: from the parent's anchor to this one, to the centre of mass, and along the slides.
     arm: [f64; 2],
     com: [f64; 2],
@@ -57,7 +57,10 @@ pub(super) struct PlanarPlan {
 pub(super) struct PlanarBody {
     /// From the parent's anchor to this body's (m).
     pub arm: [f64; 2],
-    /// Mass times the arm from the anchor to the centre of mass [kg m].
+    /// In the unit of mass of the step: the mass, the moment of inertia through the anchor [m²], and the mass times the arm from the
+    /// anchor to the centre of mass (m).
+    pub mass: f64,
+    pub inertia: f64,
     pub heavy: [f64; 2],
     /// Angular velocity about n [rad/s].
     pub spin: f64,
@@ -78,17 +81,21 @@ pub(super) struct PlanarStart {
     pub axes: Vec<[f64; 2]>,
     /// Velocity of each degree of freedom.
     pub rates: Vec<f64>,
+    /// `q_follower − multiplier · q_leader − offset` of every mimic.
+    pub mimic_gaps: Vec<f64>,
     /// What forces need.
     pub applied: ForcesStart,
     /// Energy of the state.
     pub energy: Energy,
+    /// Whether every step has its own unit of mass ([`crate::lobatto::start::Start::with_units`]).
+    own_unit: bool,
 }
 
 impl PlanarPlan {
     /// Projects a mechanism to the plane it moves in.
     pub fn new(mechanism: &Mechanism, plane: &Plane) -> Self {
-        let [first, second, normal] = plane.axes;
-        let flat = |v: &Vector3<f64>| [first.dot(v), second.dot(v)];
+        let normal = plane.normal();
+        let flat = |v: &Vector3<f64>| plane.flat(v);
         let zero = body_states(mechanism, &State::zero(mechanism));
         let mut offset = 0.0;
         let anchor = |index: usize| {
@@ -137,8 +144,10 @@ impl PlanarStart {
             bodies: vec![PlanarBody::default(); mechanism.bodies.len()],
             axes: vec![[0.0; 2]; mechanism.velocity_count],
             rates: vec![0.0; mechanism.velocity_count],
+            mimic_gaps: vec![0.0; mechanism.mimics.len()],
             applied: ForcesStart::new(mechanism),
             energy: Energy::default(),
+            own_unit: mechanism.is_plain_tree(),
         }
     }
 
@@ -146,6 +155,7 @@ impl PlanarStart {
     pub fn set(&mut self, plan: &PlanarPlan, mechanism: &Mechanism, state: &State) {
         self.rates.copy_from_slice(&state.velocity);
         let mut energy = Energy { potential: plan.offset, ..Energy::default() };
+        let per_unit = if self.own_unit { units_per_kilogram(&state.velocity) } else { 1.0 };
         for (index, (tree, flat)) in plan.tree.bodies.iter().zip(&plan.bodies).enumerate() {
             let parent = match tree.parent {
                 Some(parent) => self.bodies[parent],
@@ -181,9 +191,11 @@ impl PlanarStart {
                 0.5 * flat.mass * (moving[0] * moving[0] + moving[1] * moving[1]) + 0.5 * flat.central * spin * spin;
             energy.potential -=
                 flat.mass * (plan.gravity[0] * (position[0] + com[0]) + plan.gravity[1] * (position[1] + com[1]));
-            let heavy = [flat.mass * com[0], flat.mass * com[1]];
-            self.bodies[index] = PlanarBody { arm, heavy, spin, sliding, turn, position, velocity };
+            let (mass, inertia) = (flat.mass * per_unit, flat.inertia * per_unit);
+            let heavy = [mass * com[0], mass * com[1]];
+            self.bodies[index] = PlanarBody { arm, mass, inertia, heavy, spin, sliding, turn, position, velocity };
         }
+        mimic_gaps(mechanism, state, &mut self.mimic_gaps);
         if !mechanism.forces.is_empty() {
             let stored = self.applied.set(&plan.forces, mechanism, state, &self.bodies);
             (energy.spring, energy.load) = (stored.spring, stored.load);

@@ -23,6 +23,7 @@
 use super::algebra::Vector2;
 use super::articulated::Articulated2;
 use super::stage::{PlanarStages, Turned};
+use super::start::PlanarBody;
 use crate::lobatto::articulated::Push;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::residual::Sweep;
@@ -97,12 +98,8 @@ impl<V: Lanes> PlanarStages<V> {
             let known = &self.start.bodies[index];
             let turned = &self.turned[index];
             let (along, across) = row_turn::<V, MOMENTUM>(sweep, turned);
-            let (mass, inertia) = (V::splat(flat.mass), V::splat(flat.inertia));
-            let heavy_start = Vector2::splat(&known.heavy);
-            let heavy = heavy_start.turned(along, across);
-            let (cosine, sine, path) = (turned.mixed_cosine, turned.mixed_sine, turned.path);
-            let force = heavy_start.turned_plus(cosine, sine, path.times(mass));
-            let torque = heavy.cross_plus(path, across.neg_mul_add(cosine, along * sine) * inertia);
+            let (mass, inertia) = (V::splat(known.mass), V::splat(known.inertia));
+            let (heavy, force, torque) = own_residual(known, turned, (along, across));
             // Known exactly, the inertia would round differently from the momentum, and always to the same side.
             let inertia = if MOMENTUM { across.mul_add(across, along * along) * inertia } else { inertia };
             let (mut force, mut torque) = if MOMENTUM { (force.times(-one), -torque) } else { (force, torque) };
@@ -211,9 +208,24 @@ impl<V: Lanes> PlanarStages<V> {
     }
 }
 
+/// `(1 + N_k) m r`, `f_k` and `e_k` of a body with this turn `1 + N_k` at the rows' stages.
+#[inline(always)]
+pub(super) fn own_residual<V: Lanes>(
+    known: &PlanarBody,
+    turned: &Turned<V>,
+    (along, across): (V, V),
+) -> (Vector2<V>, Vector2<V>, V) {
+    let heavy_start = Vector2::splat(&known.heavy);
+    let heavy = heavy_start.turned(along, across);
+    let (cosine, sine, path) = (turned.mixed_cosine, turned.mixed_sine, turned.path);
+    let force = heavy_start.turned_plus(cosine, sine, path.times(V::splat(known.mass)));
+    let torque = heavy.cross_plus(path, across.neg_mul_add(cosine, along * sine) * V::splat(known.inertia));
+    (heavy, force, torque)
+}
+
 /// The turn of a body at the rows' stages, as cosine and sine.
 #[inline(always)]
-fn row_turn<V: Lanes, const MOMENTUM: bool>(sweep: &Sweep<V>, turned: &Turned<V>) -> (V, V) {
+pub(super) fn row_turn<V: Lanes, const MOMENTUM: bool>(sweep: &Sweep<V>, turned: &Turned<V>) -> (V, V) {
     let one = V::splat(1.0);
     match MOMENTUM {
         true => (one + turned.cosine, turned.sine),

@@ -1,0 +1,271 @@
+//! The coupled system in space: the mass blocks of the bodies, the screws of their freedoms, and the closures.
+//!
+//! ```text
+//!     D_ki = B_ki [ m          −m x̂_i                          ]      N = R_i Σ R_kᵀ  [kg m²]
+//!                 [ m x̂_k      tr N − N − m x̂_k x̂_i            ]
+//!
+//!     s_i = (p_i × z_i, z_i) of a rotation about the axis z through p, (e_i, 0) of a translation along e
+//! ```
+//!
+//! about the common origin, x the centre of mass [m]; newton.md §4c of the project's method pages.
+
+use super::{Geometry, Mixing, Screw};
+use crate::lobatto::algebra::{Matrix, Vector};
+use crate::lobatto::closure::{EndStart, Equation, EquationValue, Moved, equations, evaluate};
+use crate::lobatto::elimination::TWIST;
+use crate::lobatto::front::{Fronts, Screws};
+use crate::lobatto::lanes::Lanes;
+use crate::lobatto::stage::Stages;
+use crate::lobatto::start::{Plan, Start};
+use crate::lobatto::sweeps::tilt;
+use crate::model::{Attachment, FreeRotation, Mechanism};
+use crate::state::State;
+use std::ops::Range;
+
+/// Where bodies and closures are in space.
+pub struct Space<V> {
+    /// Of the loops, then of the springs.
+    equations: Vec<Vec<Equation>>,
+    attachments: Vec<[Attachment; 2]>,
+    ends: Vec<[EndStart; 2]>,
+    loops: usize,
+    origin: [f64; 3],
+    /// Every body since the start of the step, at the columns' and at the rows' stages.
+    moved: Vec<[Moved<V>; 2]>,
+    /// Zero where a row has the geometry of the start.
+    mask: V,
+}
+
+impl<V: Lanes> Space<V> {
+    /// The closures of a mechanism, with or without the lines of its springs; `mask` is zero where a row has the geometry of the
+    /// start.
+    pub fn new(mechanism: &Mechanism, mask: V, springs: bool) -> Self {
+        let mut equations: Vec<_> = mechanism.loops.iter().map(|joint| equations(joint.kind)).collect();
+        let mut attachments: Vec<_> = mechanism.loops.iter().map(|joint| [joint.a, joint.b]).collect();
+        if springs {
+            equations.extend(mechanism.forces.point_springs.iter().map(|_| vec![Equation::Line]));
+            attachments.extend(mechanism.forces.point_springs.iter().map(|spring| [spring.a, spring.b]));
+        }
+        let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
+        Space {
+            equations,
+            ends: vec![[EndStart::default(); 2]; attachments.len()],
+            attachments,
+            loops: mechanism.loops.len(),
+            origin: [0.0; 3],
+            moved: vec![[still; 2]; mechanism.bodies.len()],
+            mask,
+        }
+    }
+
+    /// The bodies at all stages from the poses of a step.
+    #[inline(always)]
+    pub fn move_bodies(&mut self, stages: &Stages<V>) {
+        let mask = self.mask;
+        for (moved, pose) in self.moved.iter_mut().zip(&stages.poses) {
+            let turn = pose.increment();
+            *moved = [
+                Moved { turn, anchor: pose.anchor },
+                Moved { turn: turn.times(mask), anchor: pose.anchor.times(mask) },
+            ];
+        }
+    }
+
+    /// Where an anchor is at the columns' (0) or the rows' (1) stages, from the common origin.
+    #[inline(always)]
+    pub fn anchor(&self, start: &Start, body: usize, side: usize) -> Vector<V> {
+        let (anchor, origin) = (start.anchor(body), self.origin);
+        let from_origin = [anchor[0] - origin[0], anchor[1] - origin[1], anchor[2] - origin[2]];
+        Vector::splat(&from_origin).plus(self.moved[body][side].anchor)
+    }
+
+    /// Where the second end of a loop is at the start, from the common origin (m).
+    pub fn end_point(&self, closure: usize) -> [f64; 3] {
+        self.ends[closure][1].point
+    }
+
+    #[inline(always)]
+    fn screw(
+        &self,
+        plan: &Plan,
+        start: &Start,
+        displacement: &[V],
+        body: usize,
+        freedom: usize,
+        side: usize,
+    ) -> Screw<V> {
+        let plan = &plan.bodies[body];
+        let rotations = plan.first_axis + plan.translations;
+        let mut axis = Vector::splat(&start.axes[freedom]);
+        if freedom < rotations {
+            if let Some(parent) = plan.parent {
+                axis = self.moved[parent][side].turn.apply_plus(axis, axis);
+            }
+            return joined(axis, Vector::zero());
+        }
+        if plan.rotation == FreeRotation::Ball && !displacement.is_empty() {
+            let mut vector = Vector::zero();
+            for freedom in rotations..rotations + 3 {
+                vector = Vector::splat(&start.axes[freedom]).times_plus(displacement[freedom], vector);
+            }
+            if side == 1 {
+                vector = vector.times(self.mask);
+            }
+            axis = tilt(vector, axis);
+        }
+        let along = self.moved[body][side].turn.apply_plus(axis, axis);
+        joined(self.anchor(start, body, side).cross(along), along)
+    }
+}
+
+/// A screw of its two parts.
+#[inline(always)]
+pub fn joined<V: Lanes>(linear: Vector<V>, angular: Vector<V>) -> Screw<V> {
+    let ([a, b, c], [x, y, z]) = (linear.0, angular.0);
+    [a, b, c, x, y, z]
+}
+
+impl<V: Lanes> Geometry<V> for Space<V> {
+    type Plan = Plan;
+    type Start = Start;
+    const WIDTH: usize = TWIST;
+
+    fn tree(plan: &Plan) -> &Plan {
+        plan
+    }
+
+    fn start(mechanism: &Mechanism) -> Start {
+        Start::new(mechanism)
+    }
+
+    fn place(_: &Plan, start: &mut Start, mechanism: &Mechanism, state: &State) {
+        start.set(mechanism, state);
+    }
+
+    fn mimic_gaps(start: &Start) -> &[f64] {
+        &start.mimic_gaps
+    }
+
+    fn rows(&self) -> Vec<usize> {
+        self.equations[..self.loops].iter().map(Vec::len).collect()
+    }
+
+    fn begin(&mut self, _: &Plan, start: &Start) {
+        self.origin = if start.bodies.is_empty() { [0.0; 3] } else { start.anchor(0) };
+        for (ends, attachments) in self.ends.iter_mut().zip(&self.attachments) {
+            *ends = [0, 1].map(|end: usize| EndStart::new(&attachments[end], start, &self.origin));
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, rows_of_loop: &[Range<usize>], gaps: &mut [V], gradients: &mut [[Screw<V>; 2]]) {
+        for ((ends, equations), rows) in self.ends.iter().zip(&self.equations).zip(rows_of_loop) {
+            let mut out = [EquationValue::zero(); 6];
+            for side in 0..2 {
+                let moved = [0, 1].map(|end: usize| ends[end].body.map(|body| &self.moved[body][side]));
+                evaluate(equations, ends, moved, &mut out[..equations.len()]);
+                for (gradient, value) in gradients[rows.clone()].iter_mut().zip(&out) {
+                    gradient[side] = joined(value.force, value.torque);
+                }
+                if side == 0 {
+                    for (gap, value) in gaps[rows.clone()].iter_mut().zip(&out) {
+                        *gap = value.gap;
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn screws(&self, plan: &Plan, start: &Start, displacement: &[V], body: usize, freedom: usize) -> Screws<V> {
+        let mut sides = [[V::zero(); TWIST]; 2];
+        for (side, screw) in sides.iter_mut().enumerate() {
+            *screw = self.screw(plan, start, displacement, body, freedom, side);
+        }
+        Screws { columns: sides[0], rows: sides[1] }
+    }
+
+    #[inline(always)]
+    fn own(&self, start: &Start, body: usize, mixing: &Mixing<V>, fronts: &mut Fronts<V>, level: usize) {
+        let known = &start.bodies[body];
+        let anchors = [self.anchor(start, body, 0), self.anchor(start, body, 1)];
+        let own = OwnBody { anchors, moved: &self.moved[body], mass: known.mass, com: known.com, sigma: known.sigma };
+        own_inertia(fronts, level, mixing, own);
+    }
+}
+
+/// A body at all stages, as its part of the system needs it.
+struct OwnBody<'b, V> {
+    /// Its anchor from the common origin, at the columns' and the rows' stages.
+    anchors: [Vector<V>; 2],
+    moved: &'b [Moved<V>; 2],
+    mass: f64,
+    com: [f64; 3],
+    sigma: [f64; 6],
+}
+
+/// Adds `D_ki` of a body to the twist part of a front.
+#[inline(always)]
+fn own_inertia<V: Lanes>(fronts: &mut Fronts<V>, level: usize, mixing: &Mixing<V>, body: OwnBody<V>) {
+    let com = Vector::splat(&body.com);
+    let turn = &body.moved[0].turn;
+    let column = turn.apply_plus(com, com).plus(body.anchors[0]);
+    let row = body.moved[1].turn.apply_plus(com, com).plus(body.anchors[1]);
+    let [xx, xy, xz, yy, yz, zz] = body.sigma;
+    // Row c of R_k Σ is column c of Σ R_kᵀ.
+    let spread = spread_rows(&body.moved[1].turn, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+    let row_center = [row.0[0].to_array(), row.0[1].to_array(), row.0[2].to_array()];
+    for k in 0..mixing.active {
+        let weight = mixing.mass[k];
+        let heavy = weight * V::splat(body.mass);
+        let at = [
+            V::splat(row_center[0].as_ref()[k]),
+            V::splat(row_center[1].as_ref()[k]),
+            V::splat(row_center[2].as_ref()[k]),
+        ];
+        // Column c of N = (1 + turn) Σ R_kᵀ.
+        let mut second = [[V::zero(); 3]; 3];
+        for c in 0..3 {
+            let entry = Vector([
+                V::splat(spread[c][0].as_ref()[k]),
+                V::splat(spread[c][1].as_ref()[k]),
+                V::splat(spread[c][2].as_ref()[k]),
+            ]);
+            second[c] = turn.apply_plus(entry, entry).0;
+        }
+        let trace = second[0][0] + second[1][1] + second[2][2];
+        let across = column.dot(Vector(at));
+        for axis in 0..3 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            fronts.add(level, axis, axis, k, heavy);
+            // −m x̂_i above, m x̂_k below.
+            fronts.add(level, axis, 3 + next, k, heavy * column.0[last]);
+            fronts.add(level, axis, 3 + last, k, -(heavy * column.0[next]));
+            fronts.add(level, 3 + axis, next, k, -(heavy * at[last]));
+            fronts.add(level, 3 + axis, last, k, heavy * at[next]);
+        }
+        for r in 0..3 {
+            for c in 0..3 {
+                let mut value = -(weight * second[c][r]) - heavy * column.0[r] * at[c];
+                if r == c {
+                    value = value + weight * trace + heavy * across;
+                }
+                fronts.add(level, 3 + r, 3 + c, k, value);
+            }
+        }
+    }
+}
+
+/// The rows of `(1 + turn) Σ`, as arrays over the stages.
+#[inline(always)]
+fn spread_rows<V: Lanes>(turn: &Matrix<V>, sigma: [[f64; 3]; 3]) -> [[V::Array; 3]; 3] {
+    let mut spread = [[V::zero_array(); 3]; 3];
+    for c in 0..3 {
+        let second = Vector::splat(&sigma[c]);
+        let turned = turn.apply_plus(second, second).0;
+        for r in 0..3 {
+            spread[r][c] = turned[r].to_array();
+        }
+    }
+    spread
+}
