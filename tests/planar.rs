@@ -150,7 +150,14 @@ fn chosen_steps_in_the_plane_are_those_in_space() {
         for (tolerance, stop) in [(1e-3, 1e-7), (1e-6, 1e-10), (1e-9, 1e-13)] {
             let make = || Lobatto::adaptive_with_stop(&model.mechanism, tolerance, stop);
             let [(flat, ours), (full, theirs)] = both(&model, make, 1.0);
-            assert_eq!(counts(&ours), counts(&theirs), "{name}, {tolerance:e}");
+            assert_eq!(ours.len(), theirs.len(), "{name}, {tolerance:e}");
+            for (here, there) in counts(&ours).into_iter().zip(counts(&theirs)) {
+                // Where the guess is right to rounding, as of bodies that only slide, rounding ends the iteration.
+                assert!(
+                    here.0.abs_diff(there.0) <= 1 && here.1 == there.1,
+                    "{name}, {tolerance:e}: {here:?} {there:?}"
+                );
+            }
             // The change of the energy, of which the last digits are rounding, has a say in the length of a step: the motions differ by
             // a share of their errors.
             let gap = apart(&flat, &full);

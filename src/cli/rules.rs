@@ -2,7 +2,7 @@
 
 use super::table::{Table, counted};
 use catena::islands::Plan;
-use catena::model::{Island, Model, ReductionRule, Rule, point_bodies, sliding_bodies};
+use catena::model::{Island, Model, ReductionRule, Rule, point_bodies, sliding_bodies, spherical_bodies};
 use serde_json::{Value, json};
 
 /// What a rule does here.
@@ -35,6 +35,7 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
                 plan.spatial(kept).map(|island| counted_true(&sliding_bodies(&island.mechanism))).sum()
             }
             Rule::Points => plan.spatial(kept).map(|island| counted_true(&point_bodies(&island.mechanism))).sum(),
+            Rule::Spheres => plan.spatial(kept).map(|island| counted_true(&spherical_bodies(&island.mechanism))).sum(),
         };
         let saved = match rule {
             rule if kept.contains(&rule) => "switched off".to_string(),
@@ -45,7 +46,7 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
                 let bodies = sleeping.map(|(island, _)| island.mechanism.bodies.len()).sum();
                 format!("{}, {}", counted(bodies, "body", "bodies"), rule.saving())
             }
-            Rule::Planar | Rule::Translation | Rule::Points => {
+            Rule::Planar | Rule::Translation | Rule::Points | Rule::Spheres => {
                 format!("{}, {}", counted(count, "body", "bodies"), rule.saving())
             }
         };

@@ -10,7 +10,8 @@
 //!     Σ_k = (1 + N_k) C_k,   J_k = tr Σ_k − Σ_k                       [kg m²]     inertia at stage k
 //! ```
 //!
-//! The multiplier of `RᵀR = 1` is symmetric and drops out of the skew part that `vee(A − Aᵀ)` takes. At the end of the
+//! The multiplier of `RᵀR = 1` is symmetric and drops out of the skew part that `vee(A − Aᵀ)` takes. Of a spherical inertia,
+//! `Σ = σ 1`, a number is left: `e_k = σ vee(W_k (1 + N_k)ᵀ − …)` and `J_k = 2σ 1`. At the end of the
 //! step the same terms with the momentum weights `w_i = Σ_k b_k B_ki` make the end momentum `p̄ = p₀ + h Σ b_k F_k`:
 //!
 //! ```text
@@ -180,7 +181,7 @@ pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     let (own, torque) = if plan.point {
         (Symmetric::zero(), Vector::zero())
     } else {
-        rotational_residual::<V, MOMENTUM, REFINED>(sweep, known, products, turned, &turn)
+        rotational_residual::<V, MOMENTUM, REFINED>(sweep, plan.spherical, known, products, turned, &turn)
     };
     let torque = com.cross_plus(force, torque);
     let (force, torque) =
@@ -211,6 +212,7 @@ pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
 #[inline(always)]
 fn rotational_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,
+    spherical: bool,
     known: &BodyStart,
     products: [V; 6],
     turned: Vector<V>,
@@ -242,6 +244,16 @@ fn rotational_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
         spin = spin.plus(start_spin);
     }
     let mixed = increment_matrix(mixed, spin.0);
+    let (turn_rows, mixed_rows) = (turn.rows(), mixed.rows());
+    if spherical {
+        // Σ = σ 1, so that C = σ (1 + N)ᵀ and Σ_k = Σ: the columns of C are σ times the rows of 1 + N.
+        let (sigma, zero) = (V::splat(known.sigma[0]), V::zero());
+        let moment = sigma + sigma;
+        // Row i of W (1 + N)ᵀ, without its unit part, and that part.
+        let entry = |row: usize, column: usize| mixed_rows[row].dot_plus(turn_rows[column], mixed.0[row][column]);
+        let torque = Vector([entry(2, 1) - entry(1, 2), entry(0, 2) - entry(2, 0), entry(1, 0) - entry(0, 1)]);
+        return (Symmetric([moment, zero, zero, moment, zero, moment]), torque.times(sigma));
+    }
     let [sxx, sxy, sxz, syy, syz, szz] = known.sigma;
     let sigma_rows =
         [Vector::splat(&[sxx, sxy, sxz]), Vector::splat(&[sxy, syy, syz]), Vector::splat(&[sxz, syz, szz])];
@@ -252,8 +264,6 @@ fn rotational_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
         turn.apply_plus(sigma_rows[2], sigma_rows[2]).0,
     ]);
     let c_columns = c.columns();
-    let turn_rows = turn.rows();
-    let mixed_rows = mixed.rows();
     let entry = |row: usize, column: usize| turn_rows[row].dot_plus(c_columns[column], c.0[row][column]);
     // The trace as the sum of the entries themselves: half the trace of J, known exactly, would round differently from
     // the momentum below, and always to the same side.

@@ -18,7 +18,7 @@ use super::applied_plan::AppliedStart;
 use crate::forces::total::stored;
 use crate::invariants::Energy;
 use crate::kinematics::{Placed, WORLD, place};
-use crate::model::{FreeRotation, JointKind, Mechanism, Rule, point_bodies, sliding_bodies};
+use crate::model::{FreeRotation, JointKind, Mechanism, Rule, point_bodies, sliding_bodies, spherical_bodies};
 use crate::state::{BodyState, State};
 
 /// What receives the articulated inertia of a body's children, and how.
@@ -56,6 +56,8 @@ pub struct BodyPlan {
     pub parent_slides: bool,
     /// Whether the mass is known to be at a point.
     pub point: bool,
+    /// Whether the inertia about the centre of mass is known to be the same about all axes.
+    pub spherical: bool,
 }
 
 impl BodyPlan {
@@ -157,6 +159,7 @@ impl Plan {
                 slides: false,
                 parent_slides: body.parent.is_none(),
                 point: false,
+                spherical: false,
             })
             .collect();
         plans.reverse();
@@ -175,6 +178,9 @@ impl Plan {
         }
         if !kept.contains(&Rule::Points) {
             plan.bodies.iter_mut().zip(point_bodies(mechanism)).for_each(|(own, point)| own.point = point);
+        }
+        if !kept.contains(&Rule::Spheres) {
+            plan.bodies.iter_mut().zip(spherical_bodies(mechanism)).for_each(|(own, round)| own.spherical = round);
         }
         plan
     }

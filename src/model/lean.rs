@@ -3,9 +3,11 @@
 //! ```text
 //!     sliding:   every joint between the body and the world only slides:   R = R₀,   ω = 0,   J never counts
 //!     a point:   J = 0:   no angular momentum about the centre of mass
+//!     a sphere:  J = 2σ 1:   J is the same in every orientation
 //! ```
 //!
-//! Both hold in every state, whatever the forces.
+//! All hold in every state, whatever the forces. Spheres are made use of only under gravity alone: where the unit of mass is the
+//! same in every step, an inertia that never changes rounds to one side ([`crate::lobatto::start`]).
 
 use super::joint::FreeRotation;
 use super::mechanism::Mechanism;
@@ -19,6 +21,16 @@ pub fn sliding_bodies(mechanism: &Mechanism) -> Vec<bool> {
         sliding.push(parent_slides && body.joint.kind.rotation() == FreeRotation::None);
     }
     sliding
+}
+
+/// Principal moments count as equal if they differ by no more than this part of them: rounding.
+const EQUAL: f64 = 1e-15;
+
+/// For each body whether its inertia is the same about all axes, which counts where gravity alone acts on a tree.
+pub fn spherical_bodies(mechanism: &Mechanism) -> Vec<bool> {
+    let spherical =
+        |inertia: &Vector3<f64>| inertia.max() > 0.0 && inertia.max() - inertia.min() <= EQUAL * inertia.max();
+    mechanism.bodies.iter().map(|body| mechanism.is_plain_tree() && spherical(&body.inertia)).collect()
 }
 
 /// For each body whether its mass is at a point, or nowhere.

@@ -18,6 +18,8 @@ pub enum Rule {
     Translation,
     /// A body whose mass is at a point has no rotational inertia.
     Points,
+    /// A body with the same inertia about all axes has one moment of inertia.
+    Spheres,
 }
 
 /// There is no such rule.
@@ -27,7 +29,8 @@ pub struct UnknownRule(pub String);
 
 impl Rule {
     /// All of them, in the order in which they are tried.
-    pub const ALL: [Rule; 5] = [Rule::Islands, Rule::Sleep, Rule::Planar, Rule::Translation, Rule::Points];
+    pub const ALL: [Rule; 6] =
+        [Rule::Islands, Rule::Sleep, Rule::Planar, Rule::Translation, Rule::Points, Rule::Spheres];
 
     /// The name, for the command line.
     pub fn name(self) -> &'static str {
@@ -37,6 +40,7 @@ impl Rule {
             Rule::Planar => "planar",
             Rule::Translation => "translation",
             Rule::Points => "points",
+            Rule::Spheres => "spheres",
         }
     }
 
@@ -48,6 +52,7 @@ impl Rule {
             Rule::Planar => "all hinges about one direction, all slides across it, loops too",
             Rule::Translation => "in space, nothing but slides between body and world",
             Rule::Points => "in space, no inertia about the center of mass",
+            Rule::Spheres => "in space, under gravity alone, the same inertia about all axes",
         }
     }
 
@@ -59,6 +64,7 @@ impl Rule {
             Rule::Planar => "three coordinates each instead of six",
             Rule::Translation => "three equations each instead of six",
             Rule::Points => "no angular momentum",
+            Rule::Spheres => "one moment of inertia instead of six",
         }
     }
 }
