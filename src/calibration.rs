@@ -40,7 +40,7 @@ const SATURATED: f64 = 1e-2;
 pub struct Calibration {
     /// The iteration stop to run with.
     pub stop: f64,
-    /// The error to expect at the worst instant of the run (m).
+    /// The error to expect at the end of the worst step of the run (m).
     pub estimate: f64,
     /// The last instant up to which the wanted accuracy is expected to hold (s); the end of the run if it is reached.
     pub holds_until: f64,

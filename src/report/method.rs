@@ -109,7 +109,8 @@ pub fn energy_warning(description: &MethodDescription, relative_error: f64) -> O
 pub struct AccuracyReport {
     /// The accuracy asked for (m).
     pub wanted: f64,
-    /// The largest error to expect at any instant of the run (m).
+    /// The largest error to expect at the end of any step of the run (m). What is interpolated inside a step, as for a log, is less
+    /// accurate: by up to four times the accuracy asked for in the robots and scenes that were measured.
     pub estimated: f64,
     /// The instant up to which the wanted accuracy is expected to hold (s).
     pub holds_until: f64,

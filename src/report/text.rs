@@ -56,7 +56,7 @@ impl fmt::Display for Report {
         if let Some(accuracy) = &self.accuracy {
             writeln!(
                 out,
-                "  accuracy    {:.1e} m expected at worst, from {} pilot runs",
+                "  accuracy    {:.1e} m expected at worst where steps end, from {} pilot runs",
                 accuracy.estimated, accuracy.pilots
             )?;
         }
