@@ -88,7 +88,8 @@ fn in_vectors(kernel: &impl Make, tableau: &Tableau, isa: Isa) -> Box<dyn Step> 
         ..=2 => kernel.make::<Portable<2>>(),
         #[cfg(not(target_arch = "x86_64"))]
         3..=4 => kernel.make::<Portable<4>>(),
-        ..=8 => kernel.make::<Portable<8>>(),
+        #[cfg(not(target_arch = "x86_64"))]
+        5..=8 => kernel.make::<Portable<8>>(),
         _ => kernel.make::<Portable<16>>(),
     }
 }
