@@ -2,7 +2,7 @@
 
 use super::table::{Table, counted};
 use catena::islands::Plan;
-use catena::model::{Island, Model, ReductionRule, Rule, point_bodies, sliding_bodies, spherical_bodies};
+use catena::model::{Island, Mechanism, Model, ReductionRule, Rule, point_bodies, sliding_bodies, spherical_bodies};
 use serde_json::{Value, json};
 
 /// What a rule does here.
@@ -25,17 +25,18 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
         let saved = if count > 0 { links } else { String::new() };
         Applied { name: rule.name(), condition: rule.reason(), count, saved, switch: None }
     };
+    let bodies_in_space = |applies: fn(&Mechanism) -> Vec<bool>| -> usize {
+        plan.spatial(kept).map(|island| counted_true(&applies(&island.mechanism))).sum()
+    };
     let optional = |rule: Rule| {
         let count = match rule {
             Rule::Islands if plan.islands.len() > 1 => plan.islands.len(),
             Rule::Islands => 0,
             Rule::Sleep => plan.sleeping(),
             Rule::Planar => plan.planar().map(|island| island.mechanism.bodies.len()).sum(),
-            Rule::Translation => {
-                plan.spatial(kept).map(|island| counted_true(&sliding_bodies(&island.mechanism))).sum()
-            }
-            Rule::Points => plan.spatial(kept).map(|island| counted_true(&point_bodies(&island.mechanism))).sum(),
-            Rule::Spheres => plan.spatial(kept).map(|island| counted_true(&spherical_bodies(&island.mechanism))).sum(),
+            Rule::Translation => bodies_in_space(sliding_bodies),
+            Rule::Points => bodies_in_space(point_bodies),
+            Rule::Spheres => bodies_in_space(spherical_bodies),
         };
         let saved = match rule {
             rule if kept.contains(&rule) => "switched off".to_string(),

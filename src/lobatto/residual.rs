@@ -249,7 +249,7 @@ fn rotational_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
         // Σ = σ 1, so that C = σ (1 + N)ᵀ and Σ_k = Σ: the columns of C are σ times the rows of 1 + N.
         let (sigma, zero) = (V::splat(known.sigma[0]), V::zero());
         let moment = sigma + sigma;
-        // Row i of W (1 + N)ᵀ, without its unit part, and that part.
+        // Of W (1 + N)ᵀ = W Nᵀ + W.
         let entry = |row: usize, column: usize| mixed_rows[row].dot_plus(turn_rows[column], mixed.0[row][column]);
         let torque = Vector([entry(2, 1) - entry(1, 2), entry(0, 2) - entry(2, 0), entry(1, 0) - entry(0, 1)]);
         return (Symmetric([moment, zero, zero, moment, zero, moment]), torque.times(sigma));

@@ -188,11 +188,7 @@ impl<V: Lanes> Stages<V> {
     /// The largest increment of any freedom at any stage.
     #[inline(always)]
     pub fn largest_increment(&self) -> f64 {
-        let mut largest = V::zero();
-        for increment in &self.increment {
-            largest = increment.max_abs(largest);
-        }
-        largest.largest()
+        largest(&self.increment)
     }
 
     /// Adds the increments to the displacements; returns the largest displacement.
@@ -256,6 +252,16 @@ impl<V: Lanes> Stages<V> {
         let second = Vector::splat(&axes[1]).times_plus(self.displacement[freedom + 1], first);
         Vector::splat(&axes[2]).times_plus(self.displacement[freedom + 2], second)
     }
+}
+
+/// The largest of any freedom's values at any stage, without their signs.
+#[inline(always)]
+pub(super) fn largest<V: Lanes>(values: &[V]) -> f64 {
+    let mut largest = V::zero();
+    for value in values {
+        largest = value.max_abs(largest);
+    }
+    largest.largest()
 }
 
 /// `N v = (D − 1) v` of a rotation given as a unit quaternion, without cancellation.

@@ -293,9 +293,8 @@ impl<V: Lanes> Step for Kernel<V> {
             in_lanes!(V, stages.sweep_momentum::<false, false>(gravity));
         }
         in_lanes!(V, stages.sweep_velocities(velocity));
-        let last = self.stages.coefficients.active - 1;
-        for (end, displacement) in self.displaced.iter_mut().zip(&self.stages.displacement) {
-            *end = displacement.to_array().as_ref()[last];
+        for (end, &displacement) in self.displaced.iter_mut().zip(&self.stages.displacement) {
+            *end = at_end(displacement, self.stages.coefficients.active);
         }
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(&self.velocity);
@@ -332,7 +331,7 @@ impl<V: Lanes> Step for Kernel<V> {
     }
 
     fn last_displacement(&self, freedom: usize) -> f64 {
-        self.stages.displacement[freedom].to_array().as_ref()[self.stages.coefficients.active - 1]
+        at_end(self.stages.displacement[freedom], self.stages.coefficients.active)
     }
 
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
@@ -347,9 +346,8 @@ impl<V: Lanes> Step for Kernel<V> {
         self.stages.step = step;
         self.guess(true);
         self.iterate(false);
-        let last = self.stages.coefficients.active - 1;
-        for (out, increment) in out.iter_mut().zip(&self.stages.increment) {
-            *out = 2.0 * increment.to_array().as_ref()[last] / (step * step);
+        for (out, &increment) in out.iter_mut().zip(&self.stages.increment) {
+            *out = 2.0 * at_end(increment, self.stages.coefficients.active) / (step * step);
         }
     }
 }
@@ -388,6 +386,11 @@ fn turned_too_far<V: Lanes>(stages: &Stages<V>) -> Option<usize> {
         };
         (square > MAX_TURN * MAX_TURN).then_some(first)
     })
+}
+
+/// A value at the end of the step: the last of the `active` lanes.
+pub(super) fn at_end<V: Lanes>(value: V, active: usize) -> f64 {
+    value.to_array().as_ref()[active - 1]
 }
 
 /// Two weighted sums over the stages for each degree of freedom.

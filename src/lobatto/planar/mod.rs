@@ -28,7 +28,7 @@ use super::reversible::Pace;
 use super::stability::Mode;
 use super::stage::{Coefficients, MAX_TURN};
 use super::start::Start;
-use super::step::{Attempt, REFINED_BELOW, Step, StopRule, weigh, worst_freedom};
+use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, weigh, worst_freedom};
 use super::tableau::Tableau;
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
@@ -203,9 +203,8 @@ impl<V: Lanes> Step for PlanarKernel<V> {
         } else {
             in_lanes!(V, stages.end_velocities::<false, false>(coefficients, &gravity, velocity));
         }
-        let last = coefficients.active - 1;
-        for (end, displacement) in self.displaced.iter_mut().zip(&stages.displacement) {
-            *end = displacement.to_array().as_ref()[last];
+        for (end, &displacement) in self.displaced.iter_mut().zip(&stages.displacement) {
+            *end = at_end(displacement, coefficients.active);
         }
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(velocity);
@@ -242,7 +241,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     }
 
     fn last_displacement(&self, freedom: usize) -> f64 {
-        self.stages.displacement[freedom].to_array().as_ref()[self.coefficients.active - 1]
+        at_end(self.stages.displacement[freedom], self.coefficients.active)
     }
 
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
@@ -259,9 +258,8 @@ impl<V: Lanes> Step for PlanarKernel<V> {
         self.stages.step = step;
         self.guess(true);
         self.iterate(false);
-        let last = self.coefficients.active - 1;
-        for (out, increment) in out.iter_mut().zip(&self.stages.increment) {
-            *out = 2.0 * increment.to_array().as_ref()[last] / (step * step);
+        for (out, &increment) in out.iter_mut().zip(&self.stages.increment) {
+            *out = 2.0 * at_end(increment, self.coefficients.active) / (step * step);
         }
     }
 }

@@ -6,7 +6,7 @@ use super::start::{PlanarPlan, PlanarStart};
 use crate::lobatto::applied::Applied;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::predictor::Unknowns;
-use crate::lobatto::stage::Coefficients;
+use crate::lobatto::stage::{Coefficients, largest};
 use crate::lobatto::tableau::Tableau;
 use crate::model::{FreeRotation, Mechanism, Plane};
 
@@ -105,21 +105,13 @@ impl<V: Lanes> PlanarStages<V> {
     /// The largest increment of any freedom at any stage.
     #[inline(always)]
     pub fn largest_increment(&self) -> f64 {
-        let mut largest = V::zero();
-        for increment in &self.increment {
-            largest = increment.max_abs(largest);
-        }
-        largest.largest()
+        largest(&self.increment)
     }
 
     /// Finds the largest displacement.
     #[inline(always)]
     pub fn measure(&mut self) {
-        let mut largest = V::zero();
-        for displacement in &self.displacement {
-            largest = displacement.max_abs(largest);
-        }
-        self.largest = largest.largest();
+        self.largest = largest(&self.displacement);
     }
 
     /// One iteration: finds the increments, returns the largest; `REFINED` with twice the digits of the coefficients, `FORCED` with
