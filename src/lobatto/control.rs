@@ -14,8 +14,10 @@
 
 use super::lanes::Isa;
 use super::step::{Attempt, Step, StopRule};
+use super::stepper::Stepper;
 use super::tableau::Tableau;
 use crate::model::Mechanism;
+use crate::simulation::{StepError, StepOutcome};
 use crate::state::State;
 
 /// The number of iterations the controller steers for.
@@ -133,6 +135,49 @@ impl Control {
             .sum();
         let rate = power.sqrt().sqrt();
         self.step = if rate.is_finite() { (0.4 / rate.max(1e-3)).min(1.0) } else { 1e-3 };
+    }
+
+    /// One step of the length that this controller chooses.
+    pub(super) fn advance(
+        &mut self,
+        stepper: &mut Stepper,
+        mechanism: &Mechanism,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        let mut outcome = StepOutcome::default();
+        if !self.started() {
+            self.start(mechanism, state, stepper.kernel.as_mut());
+        }
+        let mut plain = false;
+        loop {
+            let remaining = until - state.time;
+            let reaches = self.step >= remaining * (1.0 - 1e-9);
+            let length = if reaches { remaining } else { self.step };
+            let attempt = stepper.kernel.attempt(mechanism, length, &self.rule(), plain);
+            outcome.iterations += attempt.iterations();
+            let energies = match attempt {
+                Attempt::Converged { .. } => Some(stepper.finish(mechanism, state)),
+                _ => None,
+            };
+            match self.judge(&attempt, energies, length, plain) {
+                Verdict::Accept => {
+                    let time = if reaches { until } else { state.time + length };
+                    outcome.step = length;
+                    outcome.exchange = stepper.accept(mechanism, state, length, time)?;
+                    self.keep_below(stepper.watch.safe_step());
+                    return Ok(outcome);
+                }
+                Verdict::Retry { without_past } => {
+                    outcome.rejected += 1;
+                    plain = without_past;
+                    // Below this the step vanishes against the time itself.
+                    if self.step < 1e-13 * state.time.abs().max(1e-3) {
+                        return Err(stepper.failure(mechanism, state.time, length, &attempt));
+                    }
+                }
+            }
+        }
     }
 
     /// Bounds the next step by one that is known to be stable (s).

@@ -2,8 +2,8 @@
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`] and [`iteration`] (the loop of one step), [`start`], [`stage`] (poses
 //! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations
-//! and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`control`] and [`reversible`]
-//! (step length), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to know), [`integrator`] (steps strung
+//! and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
+//! (step length), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to know), [`stepper`] and [`integrator`] (steps strung
 //! together); for closed loops [`newton`], [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`],
 //! [`closing`] and [`assembly`]; [`instants`] are samples of a motion, in lanes; [`literal`] is the scheme word for word, the oracle
 //! of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
@@ -23,6 +23,7 @@ pub mod dispatch;
 pub mod dynamics;
 pub mod elimination;
 mod extended;
+mod fixed;
 pub mod front;
 pub mod instants;
 pub mod integrator;
@@ -45,6 +46,7 @@ pub mod stability;
 pub mod stage;
 pub mod start;
 pub mod step;
+mod stepper;
 pub mod sweeps;
 pub mod tableau;
 

@@ -18,6 +18,11 @@
 
 use super::dynamics::Dynamics;
 use super::start::{Plan, Start};
+use super::step::{Attempt, StopRule};
+use super::stepper::{HALVINGS, Stepper};
+use crate::model::Mechanism;
+use crate::simulation::{StepError, StepOutcome};
+use crate::state::State;
 
 /// Pace of what hardly moves [1/s].
 const FLOOR: f64 = 1e-3;
@@ -110,6 +115,52 @@ impl Reversible {
             // Twice, because the middle of the step depends on its length.
             let first = span / pace.rate;
             self.step = first * (-0.5 * first * pace.growth).clamp(-0.5, 0.5).exp();
+        }
+    }
+
+    /// One step.
+    pub(super) fn advance(
+        &mut self,
+        stepper: &mut Stepper,
+        mechanism: &Mechanism,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        let mut outcome = StepOutcome::default();
+        if !self.started()
+            && let Some(pace) = stepper.kernel.pace(mechanism, state)
+        {
+            self.start(&pace);
+        }
+        let mut halvings = 0;
+        loop {
+            let remaining = until - state.time;
+            let reaches = self.step >= remaining * (1.0 - 1e-9);
+            let length = if reaches { remaining } else { self.step };
+            for plain in [false, true] {
+                let attempt = stepper.kernel.attempt(mechanism, length, &StopRule::ROUNDING, plain);
+                outcome.iterations += attempt.iterations();
+                if let Attempt::Converged { .. } = attempt {
+                    stepper.finish(mechanism, state);
+                    let time = if reaches { until } else { state.time + length };
+                    outcome.step = length;
+                    outcome.exchange = stepper.accept(mechanism, state, length, time)?;
+                    // A step that was cut off at the end of the run says nothing about the next.
+                    if let (false, Some(pace)) = (reaches, stepper.kernel.pace(mechanism, state)) {
+                        self.follow(&pace);
+                    }
+                    return Ok(outcome);
+                }
+                outcome.rejected += 1;
+                if plain {
+                    self.fail();
+                    halvings += 1;
+                    stepper.look_after_failure(mechanism, state, length);
+                    if halvings > HALVINGS {
+                        return Err(stepper.failure(mechanism, state.time, length, &attempt));
+                    }
+                }
+            }
         }
     }
 

@@ -1,0 +1,95 @@
+//! Fixed steps: they end on the grid `t₀ + n h`, counted, so that no sum of steps can drift.
+//!
+//! A step that does not converge is tried again without the past, then halved, and the grid is met again afterwards. A step of a
+//! closed mechanism that has come out on another branch of a singular position, which its energy shows, is treated the same way.
+
+use super::step::{Attempt, StopRule};
+use super::stepper::{HALVINGS, Stepper};
+use crate::model::Mechanism;
+use crate::simulation::{StepError, StepOutcome};
+use crate::state::State;
+
+/// A step of a closed mechanism that changes the energy by this part of the kinetic energy has solved its equations on another
+/// branch of a singular position: it is tried again, and shortened.
+const ANOTHER_MOTION: f64 = 0.25;
+
+/// A grid point this close, in steps, is where rounding left us, not a step to make.
+const CLOSE: f64 = 1e-7;
+
+/// The grid, and when an iteration ends.
+pub(super) struct FixedSteps {
+    step: f64,
+    rule: StopRule,
+    /// t₀.
+    origin: f64,
+    /// n of the grid point ahead.
+    points: u64,
+}
+
+impl FixedSteps {
+    /// Steps of `step` seconds.
+    pub fn new(step: f64, rule: StopRule) -> Self {
+        FixedSteps { step, rule, origin: 0.0, points: 0 }
+    }
+
+    /// The length of a step (s).
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Lays the grid anew.
+    pub fn begin_at(&mut self, time: f64) {
+        (self.origin, self.points) = (time, 0);
+    }
+
+    /// The grid point ahead, or `until` if that comes first.
+    fn target(&mut self, time: f64, until: f64) -> f64 {
+        while self.origin + self.points as f64 * self.step <= time + CLOSE * self.step {
+            self.points += 1;
+        }
+        let point = self.origin + self.points as f64 * self.step;
+        if point > until || until - point < CLOSE * self.step { until } else { point }
+    }
+
+    /// One step.
+    pub fn advance(
+        &mut self,
+        stepper: &mut Stepper,
+        mechanism: &Mechanism,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        let target = self.target(state.time, until);
+        let mut outcome = StepOutcome::default();
+        let mut length = target - state.time;
+        for halving in 0..=HALVINGS {
+            for plain in [false, true] {
+                let last = halving == HALVINGS && plain;
+                let attempt = stepper.kernel.attempt(mechanism, length, &self.rule, plain);
+                outcome.iterations += attempt.iterations();
+                if let Attempt::Converged { .. } = attempt {
+                    let before = stepper.kernel.energy().kinetic;
+                    let energies = stepper.finish(mechanism, state);
+                    let allowed = ANOTHER_MOTION * before.max(energies.kinetic) + 1e-9 * energies.potential;
+                    if mechanism.has_closures() && energies.change.abs() > allowed && !last {
+                        outcome.rejected += 1;
+                        continue;
+                    }
+                    let time = if halving == 0 { target } else { state.time + length };
+                    outcome.step = length;
+                    outcome.exchange = stepper.accept(mechanism, state, length, time)?;
+                    return Ok(outcome);
+                }
+                outcome.rejected += 1;
+                if halving == 0 && plain {
+                    stepper.look_after_failure(mechanism, state, length);
+                }
+                if last {
+                    return Err(stepper.failure(mechanism, state.time, length, &attempt));
+                }
+            }
+            length *= 0.5;
+        }
+        Ok(outcome)
+    }
+}

@@ -1,0 +1,196 @@
+//! Steps of the scheme, one after the other: attempted, finished, accepted or failed. How long they are is decided elsewhere.
+//!
+//! ```text
+//!     state ──attempt(h)──▶ solved stages ──finish──▶ end, energies ──accept──▶ state, the next start
+//! ```
+//!
+//! Between `finish` and `accept` the state has not moved, so that a step can still be thrown away.
+
+use super::control::Energies;
+use super::dispatch::step_for;
+use super::lanes::Isa;
+use super::sampling::LastStep;
+use super::stability::Watch;
+use super::step::{Attempt, Step};
+use super::tableau::Tableau;
+use crate::forces::total::Exchange;
+use crate::model::Mechanism;
+use crate::simulation::{SingularPosition, StepError};
+use crate::state::State;
+
+/// Whatever makes a step shorter does so at most this often before it gives up.
+pub(super) const HALVINGS: u32 = 14;
+
+/// A mechanism on its way through time.
+pub(super) struct Stepper {
+    /// Solves the stage equations.
+    pub kernel: Box<dyn Step>,
+    /// The scheme.
+    pub tableau: Tableau,
+    /// Looks now and then how near the steps are to the limit of stability.
+    pub watch: Watch,
+    /// Where the last step started, for dense output.
+    origin: State,
+    /// Where a step is finished before it is accepted, and where the last one ended.
+    end: State,
+    length: f64,
+    ranks: Ranks,
+    steps: usize,
+    stepped_time: f64,
+    /// What the last step left behind; anything else means that somebody moved the state.
+    left_at: Option<f64>,
+}
+
+impl Stepper {
+    /// A stepper that has not seen a state yet.
+    pub fn new(mechanism: &Mechanism, tableau: Tableau, isa: Isa) -> Self {
+        Stepper {
+            kernel: step_for(mechanism, &tableau, isa, &[]),
+            watch: Watch::new(&tableau, !mechanism.forces.is_empty()),
+            tableau,
+            origin: State::zero(mechanism),
+            end: State::zero(mechanism),
+            length: 0.0,
+            ranks: Ranks::default(),
+            steps: 0,
+            stepped_time: 0.0,
+            left_at: None,
+        }
+    }
+
+    /// Goes on with another kernel of the same scheme, which has no past.
+    pub fn replace_kernel(&mut self, kernel: Box<dyn Step>) {
+        self.kernel = kernel;
+        self.left_at = None;
+    }
+
+    /// Starts anew where the state is not what the last step left; returns whether that was so.
+    pub fn meet(&mut self, mechanism: &Mechanism, state: &State) -> bool {
+        let moved = self.left_at != Some(state.time) || *state != self.end;
+        if moved {
+            self.kernel.begin(mechanism, state);
+        }
+        moved
+    }
+
+    /// Finishes the solved step, without moving `state`; returns the energies at its end, with the change that nothing
+    /// accounts for.
+    pub fn finish(&mut self, mechanism: &Mechanism, state: &State) -> Energies {
+        let before = self.kernel.energy();
+        self.end.copy_from(state);
+        let after = self.kernel.finish(mechanism, &mut self.end);
+        let exchange = self.kernel.exchange();
+        Energies {
+            change: after.total() - before.total() + (exchange.dissipated - exchange.work),
+            kinetic: after.kinetic,
+            potential: after.potential.abs() + after.spring + after.load.abs(),
+        }
+    }
+
+    /// Accepts the finished step of `length` seconds: moves `state` to its end, at time `time`. Returns the energy exchanged.
+    ///
+    /// # Errors
+    /// [`StepError::NotFinite`], without moving the state, if a velocity at the end is not a number.
+    pub fn accept(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        length: f64,
+        time: f64,
+    ) -> Result<Exchange, StepError> {
+        if let Some(freedom) = self.end.velocity.iter().position(|rate| !rate.is_finite()) {
+            let joint = joint_of_freedom(mechanism, freedom);
+            return Err(StepError::NotFinite { time: state.time, step: length, joint });
+        }
+        let exchange = self.kernel.exchange();
+        if let Some(redundant) = self.kernel.redundant() {
+            self.ranks.see(redundant, time);
+        }
+        self.kernel.accept();
+        self.origin.copy_from(state);
+        self.end.time = time;
+        state.copy_from(&self.end);
+        self.length = length;
+        self.steps += 1;
+        self.stepped_time += length;
+        self.left_at = Some(time);
+        if let Some(iterations) = self.watch.due() {
+            self.look(mechanism, state, iterations, length);
+        }
+        Ok(exchange)
+    }
+
+    /// Looks how near a step of this length is to the limit of stability, after a step that did not converge.
+    pub fn look_after_failure(&mut self, mechanism: &Mechanism, state: &State, length: f64) {
+        self.look(mechanism, state, self.watch.iterations_after_failure(), length);
+    }
+
+    fn look(&mut self, mechanism: &Mechanism, state: &State, iterations: usize, length: f64) {
+        let mode = self.kernel.fastest_mode(mechanism, state, iterations);
+        self.watch.see(mode, length, state.time);
+    }
+
+    /// Why a step failed: because of its length alone, if that is beyond the limit of stability.
+    pub fn failure(&self, mechanism: &Mechanism, time: f64, step: f64, attempt: &Attempt) -> StepError {
+        if let Some(seen) = self.watch.latest().filter(|seen| seen.is_unstable() && seen.time == time) {
+            let longest = seen.longest();
+            return StepError::Unstable { time, step: seen.step, stages: self.tableau.stages, longest };
+        }
+        let joint = |freedom| joint_of_freedom(mechanism, freedom);
+        match *attempt {
+            Attempt::Converged { .. } | Attempt::Inaccurate { .. } => StepError::NotAccurate { time, step },
+            Attempt::TurnedTooFar { freedom, .. } => StepError::TurnedTooFar { time, step, joint: joint(freedom) },
+            Attempt::Failed { freedom, increment, .. } => {
+                StepError::NotConverged { time, step, joint: joint(freedom), increment }
+            }
+        }
+    }
+
+    /// The last step, for dense output.
+    pub fn last_step(&self) -> LastStep<'_> {
+        LastStep {
+            kernel: self.kernel.as_ref(),
+            inner: self.tableau.stages - 1,
+            origin: &self.origin,
+            end: &self.end,
+            length: self.length,
+        }
+    }
+
+    /// Mean length of the steps so far (s).
+    pub fn mean_step(&self) -> f64 {
+        self.stepped_time / self.steps.max(1) as f64
+    }
+
+    /// Where equations of the loops were redundant that elsewhere were not.
+    pub fn singular(&self) -> Option<SingularPosition> {
+        self.ranks.singular()
+    }
+}
+
+/// Numbers of redundant equations at ends of steps.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ranks {
+    fewest: Option<usize>,
+    most: usize,
+    most_at: f64,
+}
+
+impl Ranks {
+    fn see(&mut self, redundant: usize, time: f64) {
+        self.fewest = Some(self.fewest.map_or(redundant, |fewest| fewest.min(redundant)));
+        if redundant > self.most {
+            (self.most, self.most_at) = (redundant, time);
+        }
+    }
+
+    fn singular(&self) -> Option<SingularPosition> {
+        let extra = self.most.saturating_sub(self.fewest?);
+        (extra > 0).then_some(SingularPosition { time: self.most_at, extra })
+    }
+}
+
+fn joint_of_freedom(mechanism: &Mechanism, freedom: usize) -> String {
+    let moves = |body: &&crate::model::Body| body.joint.velocity_range().contains(&freedom);
+    mechanism.bodies.iter().find(moves).map_or_else(String::new, |body| body.joint.name.clone())
+}
