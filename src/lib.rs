@@ -25,6 +25,9 @@
 //! | speed against accuracy, drawn | [`chart`] |
 //! | where which method fails, drawn | [`stress`] |
 
+// Allowed in one file: `lobatto/lanes/x86.rs`.
+#![deny(unsafe_code)]
+
 pub mod calibration;
 pub mod chart;
 pub mod closures;

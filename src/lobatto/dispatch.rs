@@ -2,11 +2,12 @@
 //! processor has.
 
 use super::instants::{Instants, LaneInstants, LinkPlace};
+use super::kernel::Kernel;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx128, Avx256, Avx512, Pair};
 use super::lanes::{Isa, Lanes, Portable};
 use super::planar::PlanarKernel;
-use super::step::{Kernel, Step};
+use super::step::Step;
 use super::tableau::Tableau;
 use crate::model::{Mechanism, Plane, Rule};
 

@@ -8,7 +8,7 @@
 //!     too long:     E > 3 E_tol  after four iterations
 //! ```
 //!
-//! What is iterated is the kernel's: [`super::step`] in space, [`super::planar`] in a plane.
+//! What is iterated is the kernel's: [`super::kernel`] in space, [`super::planar`] in a plane.
 
 use super::stage::MAX_TURN;
 use super::step::{Attempt, StopRule};

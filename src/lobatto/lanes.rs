@@ -2,14 +2,8 @@
 //!
 //! Lane `j` holds stage `j + 2` of an s-stage step (the first stage is the known start), so that a step of s stages
 //! fills s − 1 lanes; the lanes above that carry zeros. The kernel is written once, over the [`Lanes`] trait, and
-//! instantiated for the widest vectors the processor has, found at run time ([`Isa::detect`]).
-//!
-//! This is the only file with `unsafe`. Two proofs carry every block in it:
-//!
-//! - **P1** — the intrinsics of a vector type need a processor feature. [`crate::lobatto::dispatch`] names the AVX types only
-//!   after [`Isa::detect`] has found `avx2` and `fma` (and `avx512f` for [`Avx512`]), and no other module names them.
-//! - **P2** — loads and stores go through arrays of exactly the vector's length, by value or reference, so that
-//!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
+//! instantiated for the widest vectors the processor has, found at run time ([`Isa::detect`]). The vectors of x86-64 are in a
+//! file of their own, the only one with `unsafe`.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -322,117 +316,8 @@ macro_rules! pair {
 pub use x86::{Avx128, Avx256, Avx512};
 
 #[cfg(target_arch = "x86_64")]
-mod x86 {
-    use super::{Add, Lanes, Mul, Neg, Sub};
-    use std::arch::x86_64::*;
-
-    macro_rules! vector {
-        ($(#[$doc:meta])* $name:ident, $raw:ty, $count:literal, $features:literal,
-         $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fnmadd:ident,
-         $max_abs:expr) => {
-            $(#[$doc])*
-            #[derive(Clone, Copy)]
-            pub struct $name($raw);
-
-            impl $name {
-                #[inline(always)]
-                fn lane_add(self, other: Self) -> Self {
-                    // SAFETY: P1.
-                    $name(unsafe { $add(self.0, other.0) })
-                }
-                #[inline(always)]
-                fn lane_sub(self, other: Self) -> Self {
-                    // SAFETY: P1.
-                    $name(unsafe { $sub(self.0, other.0) })
-                }
-                #[inline(always)]
-                fn lane_mul(self, other: Self) -> Self {
-                    // SAFETY: P1.
-                    $name(unsafe { $mul(self.0, other.0) })
-                }
-            }
-
-            operators!($name,);
-
-            impl Lanes for $name {
-                const COUNT: usize = $count;
-                type Array = [f64; $count];
-                #[inline(always)]
-                fn splat(value: f64) -> Self {
-                    // SAFETY: P1.
-                    $name(unsafe { $set1(value) })
-                }
-                #[inline(always)]
-                fn from_array(array: [f64; $count]) -> Self {
-                    // SAFETY: P1 and P2.
-                    $name(unsafe { $load(array.as_ptr()) })
-                }
-                #[inline(always)]
-                fn to_array(self) -> [f64; $count] {
-                    let mut array = [0.0; $count];
-                    // SAFETY: P1 and P2.
-                    unsafe { $store(array.as_mut_ptr(), self.0) };
-                    array
-                }
-                #[inline(always)]
-                fn zero_array() -> [f64; $count] {
-                    [0.0; $count]
-                }
-                #[inline(always)]
-                fn mul_add(self, b: Self, c: Self) -> Self {
-                    // SAFETY: P1.
-                    $name(unsafe { $fmadd(self.0, b.0, c.0) })
-                }
-                #[inline(always)]
-                fn neg_mul_add(self, b: Self, c: Self) -> Self {
-                    // SAFETY: P1.
-                    $name(unsafe { $fnmadd(self.0, b.0, c.0) })
-                }
-                #[inline(always)]
-                fn reciprocal(self) -> Self {
-                    // SAFETY: P1.
-                    $name(unsafe { $div($set1(1.0), self.0) })
-                }
-                #[inline(always)]
-                fn max_abs(self, bound: Self) -> Self {
-                    // The intrinsics return their second operand when either is NaN, so |self| comes second.
-                    // SAFETY: P1.
-                    $name(unsafe { $max_abs(self.0, bound.0) })
-                }
-                #[inline(always)]
-                fn run<R>(work: impl FnOnce() -> R) -> R {
-                    #[target_feature(enable = $features)]
-                    fn with_features<R>(work: impl FnOnce() -> R) -> R {
-                        work()
-                    }
-                    // SAFETY: P1.
-                    unsafe { with_features(work) }
-                }
-            }
-        };
-    }
-
-    vector!(
-        /// Two lanes in a 128-bit register.
-        Avx128, __m128d, 2, "avx2,fma",
-        _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_fmadd_pd, _mm_fnmadd_pd,
-        |a, b| _mm_max_pd(b, _mm_andnot_pd(_mm_set1_pd(-0.0), a))
-    );
-    vector!(
-        /// Four lanes in a 256-bit register.
-        Avx256, __m256d, 4, "avx2,fma",
-        _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
-        _mm256_fmadd_pd, _mm256_fnmadd_pd,
-        |a, b| _mm256_max_pd(b, _mm256_andnot_pd(_mm256_set1_pd(-0.0), a))
-    );
-    vector!(
-        /// Eight lanes in a 512-bit register.
-        Avx512, __m512d, 8, "avx512f,avx2,fma",
-        _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
-        _mm512_fmadd_pd, _mm512_fnmadd_pd,
-        |a, b| _mm512_max_pd(b, _mm512_abs_pd(a))
-    );
-}
+#[allow(unsafe_code)]
+mod x86;
 
 #[cfg(target_arch = "x86_64")]
 pair!(Avx256, 4, 8);

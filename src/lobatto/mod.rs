@@ -1,6 +1,6 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
-//! Reading order: [`tableau`] (coefficients), [`step`] and [`iteration`] (the loop of one step), [`start`], [`stage`] (poses
+//! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`start`], [`stage`] (poses
 //! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations
 //! and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
 //! (step length), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to know), [`stepper`] and [`integrator`] (steps strung
@@ -28,6 +28,7 @@ pub mod front;
 pub mod instants;
 pub mod integrator;
 mod iteration;
+pub mod kernel;
 pub mod lanes;
 pub mod limits;
 pub mod linearised;

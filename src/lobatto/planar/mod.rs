@@ -1,6 +1,6 @@
 //! A step of the scheme for mechanisms that move in a plane: three coordinates a body instead of six.
 //!
-//! The same scheme and the same iteration as in space ([`super::step`]), with SO(2) embedded in R² where space has SO(3) in R⁹: what
+//! The same scheme and the same iteration as in space ([`super::kernel`]), with SO(2) embedded in R² where space has SO(3) in R⁹: what
 //! it leaves out is zero there, so that both take the same steps, but for rounding. In reading order: [`start`], [`stage`],
 //! [`articulated`], [`sweeps`], [`applied_plan`], [`applied`]; with closed loops, and where the recursion does not converge, the exact
 //! Newton method with all stages coupled: [`newton`], [`coupled`], [`closure`].

@@ -1,0 +1,293 @@
+//! One step of the constrained Lobatto IIIA–IIIB scheme (2.5.11), at the price of a recursion.
+//!
+//! ```text
+//!     guess θ                                             predictor.rs
+//!     repeat:  poses of all stages from θ                 stage.rs         g(Q_i) = 0 to rounding at every iterate
+//!              forces F_k, if there are any               applied.rs
+//!              residual ρ_k, factors of H(q_k)            residual.rs, articulated.rs
+//!              δ_i = Σ_k Â_ik α_k,  H(q_k) α_k = −ρ_k     sweeps.rs
+//!              θ ← Anderson(θ, δ)                         anderson.rs
+//!     until |δ| is small enough
+//!     velocity from H(q̄) v̄ = Sᵀ p̄                        sweeps.rs        (2.5.11h)
+//! ```
+//!
+//! With closed loops, and where this does not converge (stiff springs, hard dampers), the iteration is the exact Newton
+//! method with all stages coupled ([`super::newton`]), and velocities are projected on the loops ([`super::projection`]).
+
+use super::anderson::Anderson;
+use super::closing::Closing;
+use super::coupled::{One, Space};
+use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_rule};
+use super::lanes::{Lanes, in_lanes};
+use super::modes::Modes;
+use super::newton::Newton;
+use super::predictor::Predictor;
+use super::projection::Projection;
+use super::reversible::Pace;
+use super::stability::Mode;
+use super::stage::{MAX_TURN, Stages};
+use super::start::Start;
+use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, weigh, worst_freedom};
+use super::tableau::Tableau;
+use crate::forces::total::Exchange;
+use crate::invariants::Energy;
+use crate::model::{FreeRotation, Mechanism, Rule};
+use crate::state::State;
+
+/// [`Step`] with the lanes of `V`.
+pub struct Kernel<V: Lanes> {
+    pub(super) stages: Stages<V>,
+    anderson: Anderson<V>,
+    predictor: Predictor<V>,
+    /// The exact Newton method, from when it is needed first.
+    newton: Option<Box<Newton<V>>>,
+    /// For how many more steps the exact Newton method comes first.
+    exact_for: usize,
+    /// Where there are closures.
+    closing: Option<Closing<Space<One>>>,
+    tableau: Tableau,
+    /// Row of the inverse Legendre matrix for the stages 2 … s.
+    top_legendre: V,
+    /// Its entry for stage 1.
+    first_legendre: f64,
+    /// Whether this step is iterated so far that the rounding of the coefficients counts.
+    refined: bool,
+    gravity: [f64; 3],
+    velocity: Vec<f64>,
+    displaced: Vec<f64>,
+    /// The end of the finished step.
+    end: Start,
+    /// What steers the steps.
+    modes: Modes,
+}
+
+impl<V: Lanes> Kernel<V> {
+    /// The workspace for a mechanism and a scheme; `kept` are the rules that leave nothing out.
+    pub fn new(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
+        let stages = Stages::new(mechanism, tableau, kept);
+        Kernel {
+            modes: Modes::new(mechanism, &stages.plan),
+            anderson: Anderson::new(mechanism.velocity_count),
+            predictor: Predictor::new(mechanism.velocity_count, stages.plan.balls(), tableau),
+            stages,
+            top_legendre: V::from_slice(&tableau.top_legendre[1..]),
+            first_legendre: tableau.top_legendre[0],
+            newton: None,
+            exact_for: if mechanism.has_closures() { usize::MAX } else { 0 },
+            closing: mechanism.has_closures().then(|| Closing::new(mechanism, Projection::new(mechanism))),
+            tableau: tableau.clone(),
+            refined: false,
+            gravity: mechanism.gravity.into(),
+            velocity: vec![0.0; mechanism.velocity_count],
+            displaced: vec![0.0; mechanism.velocity_count],
+            end: Start::with_units(mechanism),
+        }
+    }
+}
+
+/// The simplified iteration, with Anderson's acceleration.
+impl<V: Lanes> Equations for Kernel<V> {
+    fn iterate(&mut self, settled: bool) -> f64 {
+        let refines = self.refines();
+        let stages = &mut self.stages;
+        let gravity = &self.gravity;
+        in_lanes!(V, stages.sweep_poses());
+        if stages.applied.is_some() {
+            in_lanes!(V, stages.sweep_applied(false));
+            in_lanes!(V, stages.sweep_forced_residual(gravity));
+        } else if refines && settled {
+            in_lanes!(V, stages.sweep_residual::<true>(gravity));
+        } else {
+            in_lanes!(V, stages.sweep_residual::<false>(gravity));
+        }
+        in_lanes!(V, stages.sweep_increments().largest())
+    }
+
+    fn refines(&self) -> bool {
+        self.refined && self.stages.applied.is_none()
+    }
+
+    fn advance(&mut self) -> f64 {
+        let (anderson, stages) = (&mut self.anderson, &mut self.stages);
+        in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest())
+    }
+
+    fn complete(&mut self) {
+        let stages = &mut self.stages;
+        in_lanes!(V, stages.advance());
+    }
+
+    /// The scheme represents a step by polynomials of the rotation matrices' entries, so that these count as well as the joint
+    /// displacements: a steady spin is a straight line in joint coordinates and no polynomial at all in R⁹.
+    fn legendre(&self) -> f64 {
+        let (stages, top, start) = (&self.stages, self.top_legendre, self.first_legendre);
+        in_lanes!(V, largest_coefficient(stages, top, start))
+    }
+
+    fn worst_freedom(&self) -> usize {
+        worst_freedom(&self.stages.increment)
+    }
+
+    fn turned_too_far(&self) -> Option<usize> {
+        in_lanes!(V, turned_too_far(&self.stages))
+    }
+}
+
+/// The exact Newton method takes the start and the length of the step from [`Kernel::stages`], and leaves the solution there.
+impl<V: Lanes> Guarded for Kernel<V> {
+    fn guess(&mut self, plain: bool) {
+        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
+        in_lanes!(V, predictor.guess(stages.unknowns(), plain));
+    }
+
+    fn restart(&mut self) {
+        self.anderson.restart();
+    }
+
+    fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
+        let newton = self.newton.get_or_insert_with(|| Box::new(Newton::new(mechanism, &self.tableau)));
+        newton.begin(&self.stages);
+        iteration::solve(&mut Exact(self), &exact_rule(mechanism, rule))
+    }
+
+    fn exact_for(&mut self) -> &mut usize {
+        &mut self.exact_for
+    }
+}
+
+impl<V: Lanes> Coupling for Kernel<V> {
+    fn couple(&mut self) -> f64 {
+        let Kernel { stages, newton: Some(newton), gravity, .. } = self else { return f64::NAN };
+        newton.take_geometry(stages);
+        in_lanes!(V, newton.residual(stages, gravity));
+        newton.solve(stages)
+    }
+
+    fn add_increments(&mut self) -> f64 {
+        let stages = &mut self.stages;
+        in_lanes!(V, stages.advance())
+    }
+}
+
+impl<V: Lanes> Step for Kernel<V> {
+    fn begin(&mut self, mechanism: &Mechanism, state: &State) {
+        self.stages.start.set(mechanism, state);
+        self.predictor.forget();
+    }
+
+    fn energy(&self) -> Energy {
+        self.stages.start.energy
+    }
+
+    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, plain: bool) -> Attempt {
+        self.stages.step = step;
+        self.refined = rule.increment < REFINED_BELOW;
+        iteration::attempt(self, mechanism, rule, plain)
+    }
+
+    fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
+        let (stages, gravity, velocity) = (&mut self.stages, &self.gravity, &mut self.velocity);
+        in_lanes!(V, stages.sweep_poses());
+        if stages.applied.is_some() {
+            in_lanes!(V, stages.sweep_applied(true));
+            in_lanes!(V, stages.sweep_momentum::<true, true>(gravity));
+        } else if self.refined {
+            in_lanes!(V, stages.sweep_momentum::<true, false>(gravity));
+        } else {
+            in_lanes!(V, stages.sweep_momentum::<false, false>(gravity));
+        }
+        in_lanes!(V, stages.sweep_velocities(velocity));
+        for (end, &displacement) in self.displaced.iter_mut().zip(&self.stages.displacement) {
+            *end = at_end(displacement, self.stages.coefficients.active);
+        }
+        state.displace(mechanism, &self.displaced);
+        state.velocity.copy_from_slice(&self.velocity);
+        self.end.set(mechanism, state);
+        if let Some(closing) = &mut self.closing {
+            closing.velocities(mechanism, &self.end, &mut state.velocity);
+            self.end.set(mechanism, state);
+        }
+        self.end.energy
+    }
+
+    fn exchange(&self) -> Exchange {
+        self.stages.applied.as_ref().map_or(Exchange::default(), |applied| applied.exchange)
+    }
+
+    fn redundant(&self) -> Option<usize> {
+        self.closing.as_ref().map(Closing::weak)
+    }
+
+    fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {
+        if let Some(closing) = &mut self.closing {
+            closing.project(mechanism, position, velocity);
+        }
+    }
+
+    fn accept(&mut self) {
+        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
+        in_lanes!(V, predictor.learn(stages.unknowns()));
+        std::mem::swap(&mut self.stages.start, &mut self.end);
+    }
+
+    fn weigh_displacements(&self, weights: [&[f64]; 2], sums: &mut [[f64; 2]]) {
+        weigh(&self.stages.displacement, weights, sums);
+    }
+
+    fn last_displacement(&self, freedom: usize) -> f64 {
+        at_end(self.stages.displacement[freedom], self.stages.coefficients.active)
+    }
+
+    fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
+        self.modes.fastest(mechanism, &self.stages.plan, &self.stages.start, state, iterations)
+    }
+
+    fn pace(&mut self, mechanism: &Mechanism, _: &State) -> Option<Pace> {
+        self.modes.pace(mechanism, &self.stages.plan, &self.stages.start)
+    }
+
+    fn accelerations(&mut self, step: f64, out: &mut [f64]) {
+        self.stages.step = step;
+        self.guess(true);
+        self.iterate(false);
+        for (out, &increment) in out.iter_mut().zip(&self.stages.increment) {
+            *out = 2.0 * at_end(increment, self.stages.coefficients.active) / (step * step);
+        }
+    }
+}
+
+/// The largest top Legendre coefficient of the displacements, and of `sin φ` and `cos φ` of the bodies' rotations.
+#[inline(always)]
+fn largest_coefficient<V: Lanes>(stages: &Stages<V>, top: V, start: f64) -> f64 {
+    let mut largest = 0.0_f64;
+    for displacement in &stages.displacement {
+        largest = largest.max((*displacement * top).sum().abs());
+    }
+    for pose in &stages.poses {
+        let weighted = pose.w * top;
+        let twice = weighted + weighted;
+        let [x, y, z] = pose.u.0;
+        // w² − |u|² = 2w² − 1 for a unit quaternion, one at the start; the coefficient of a constant is zero.
+        let cosine = (twice * pose.w).sum() + 2.0 * start;
+        largest = largest.max((twice * x).sum().abs()).max((twice * y).sum().abs());
+        largest = largest.max((twice * z).sum().abs()).max(cosine.abs());
+    }
+    largest
+}
+
+/// The first degree of freedom whose rotation has left what the series of the stage poses represent.
+#[inline(always)]
+fn turned_too_far<V: Lanes>(stages: &Stages<V>) -> Option<usize> {
+    stages.plan.bodies.iter().find_map(|plan| {
+        let first = plan.first_axis + plan.translations;
+        let square = match plan.rotation {
+            FreeRotation::None => return None,
+            FreeRotation::AboutZ => (stages.displacement[first] * stages.displacement[first]).largest(),
+            FreeRotation::Ball => {
+                let vector = stages.rotation_vector(first);
+                vector.dot(vector).largest()
+            }
+        };
+        (square > MAX_TURN * MAX_TURN).then_some(first)
+    })
+}

@@ -1,0 +1,166 @@
+//! A run as it goes along: steps, samples inside them, and what is shown to whom.
+
+use super::observer::show;
+use super::summary::Bookkeeper;
+use super::{Integrator, Observer, ObserverError, Sample, StepError, Summary};
+use crate::kinematics::{body_states, forward_kinematics};
+use crate::model::Mechanism;
+use crate::state::{BodyState, State};
+use cpu_time::ThreadTime;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// What to run and how to watch it.
+pub struct RunOptions<'o> {
+    /// Simulated time to run (s).
+    pub duration: f64,
+    /// Samples per simulated second, `None` for the first and the last instant only.
+    pub rate: Option<f64>,
+    /// Set from outside to end the run after the current step.
+    pub interrupt: Option<&'o AtomicBool>,
+}
+
+/// How a run ended.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The integrator gave up.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// An observer gave up.
+    #[error(transparent)]
+    Observer(ObserverError),
+    /// The interrupt flag was set.
+    #[error("interrupted at t = {time} s")]
+    Interrupted { time: f64 },
+}
+
+/// Runs `integrator` from `state` for `options.duration` and shows it to the observers.
+///
+/// The summary is filled in up to where the run ended, also when it ended in an error.
+pub fn run(
+    mechanism: &Mechanism,
+    state: &mut State,
+    integrator: &mut dyn Integrator,
+    options: &RunOptions,
+    observers: &mut [&mut dyn Observer],
+) -> (Summary, Result<(), RunError>) {
+    let mut course = Course::new(mechanism, state, options.duration, options.rate);
+    let ended = course
+        .begin(observers)
+        .and_then(|()| course.proceed(mechanism, state, integrator, f64::INFINITY, options.interrupt, observers));
+    (course.summary(), ended)
+}
+
+/// A run that can be halted between steps and taken up again.
+pub(crate) struct Course {
+    start: f64,
+    end: f64,
+    rate: Option<f64>,
+    /// Samples shown so far.
+    sampled: u64,
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    bodies: Vec<BodyState>,
+    /// Time on the wall that the steps of a call of [`Course::proceed`] took.
+    solving: Duration,
+    bookkeeper: Bookkeeper,
+}
+
+impl Course {
+    /// A run of `duration` from `state` with `rate` samples a second.
+    pub(crate) fn new(mechanism: &Mechanism, state: &State, duration: f64, rate: Option<f64>) -> Self {
+        Course {
+            start: state.time,
+            end: state.time + duration,
+            rate,
+            sampled: 0,
+            position: state.position.clone(),
+            velocity: state.velocity.clone(),
+            bodies: body_states(mechanism, state),
+            solving: Duration::ZERO,
+            bookkeeper: Bookkeeper::new(mechanism, state),
+        }
+    }
+
+    /// The figures so far.
+    pub(crate) fn summary(&self) -> Summary {
+        self.bookkeeper.summary
+    }
+
+    /// The k-th sample is start + k/rate, never an accumulated sum; the last one is the end itself.
+    fn sample_time(&self, k: u64) -> f64 {
+        match self.rate {
+            Some(rate) => (self.start + k as f64 / rate).min(self.end),
+            None if k == 0 => self.start,
+            None => self.end,
+        }
+    }
+
+    /// Shows the start.
+    pub(crate) fn begin(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
+        self.sampled = 1;
+        self.show(self.start, observers)
+    }
+
+    /// Makes steps from `state`, where the last call left it, until one ends at or after `horizon` or at the end of the run.
+    pub(crate) fn proceed(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        integrator: &mut dyn Integrator,
+        horizon: f64,
+        interrupt: Option<&AtomicBool>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), RunError> {
+        let (processor, wall) = (ThreadTime::now(), Instant::now());
+        self.solving = Duration::ZERO;
+        let ended = self.steps(mechanism, state, integrator, horizon, interrupt, observers);
+        let share = self.solving.as_secs_f64() / wall.elapsed().as_secs_f64().max(f64::MIN_POSITIVE);
+        self.bookkeeper.summary.solve_cpu_seconds += share.min(1.0) * processor.elapsed().as_secs_f64();
+        ended
+    }
+
+    /// [`Course::proceed`], with the time spent in the integrator added to `solving`.
+    fn steps(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        integrator: &mut dyn Integrator,
+        horizon: f64,
+        interrupt: Option<&AtomicBool>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), RunError> {
+        while state.time < self.end && state.time < horizon {
+            if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+                return Err(RunError::Interrupted { time: state.time });
+            }
+            let clock = Instant::now();
+            let outcome = integrator.advance(mechanism, state, self.end);
+            self.solving += clock.elapsed();
+            let outcome = outcome?;
+            forward_kinematics(mechanism, &state.position, &state.velocity, &mut self.bodies);
+            self.bookkeeper.record(mechanism, state, &self.bodies, outcome);
+            observers.iter_mut().for_each(|observer| observer.step(&self.bookkeeper.last));
+            while self.sample_time(self.sampled) <= state.time {
+                let time = self.sample_time(self.sampled);
+                if time == state.time {
+                    self.position.copy_from_slice(&state.position);
+                    self.velocity.copy_from_slice(&state.velocity);
+                } else {
+                    integrator.dense(mechanism, time, &mut self.position, &mut self.velocity);
+                }
+                self.show(time, observers)?;
+                self.sampled += 1;
+                if time == self.end {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn show(&self, time: f64, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
+        let Course { position, velocity, .. } = self;
+        show(observers, &Sample { time, position, velocity, step: &self.bookkeeper.last })
+    }
+}

@@ -1,0 +1,121 @@
+//! What an integrator is to the loop: something that makes steps, fails with a reason, and can be asked for any instant of its last
+//! step.
+
+use crate::forces::total::Exchange;
+use crate::model::Mechanism;
+use crate::state::State;
+
+/// What an integrator is and how it has stepped so far; goes into reports and logs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodDescription {
+    /// Short name: `lobatto`, `dop853`, `rk4`, `euler`.
+    pub name: String,
+    /// Number of stages of the scheme.
+    pub stages: usize,
+    /// Order of convergence.
+    pub order: usize,
+    /// The fixed step, or the mean accepted step of an adaptive run (s).
+    pub step: f64,
+    /// Whether the step is chosen from a tolerance.
+    pub adaptive: bool,
+    /// The tolerance the step is chosen from.
+    pub tolerance: Option<f64>,
+    /// The nearest that any step came to the limit of linear stability, as far as it was looked at.
+    pub frequency_step: Option<FrequencyStep>,
+    /// Where the closures were nearest to saying less than elsewhere, as far as ends of steps show it.
+    pub singular: Option<SingularPosition>,
+    /// How often the symmetry of reversible steps was broken; `None` for steps that are not.
+    pub reversible_resets: Option<usize>,
+}
+
+/// An end of a step within about a milliradian of a singular position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SingularPosition {
+    /// When (s).
+    pub time: f64,
+    /// How many more equations are redundant there than elsewhere in the run.
+    pub extra: usize,
+}
+
+/// The nearest that a run has come to the limit of stability, or the first step beyond it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrequencyStep {
+    /// `h ω`: step times frequency of the fastest mode.
+    pub product: f64,
+    /// Where the scheme becomes unstable.
+    pub limit: f64,
+    /// The step (s).
+    pub step: f64,
+    /// When (s).
+    pub time: f64,
+}
+
+impl FrequencyStep {
+    /// Whether a step was beyond the limit.
+    pub fn is_unstable(&self) -> bool {
+        self.product > self.limit
+    }
+
+    /// The longest stable step where this one was made (s); infinite where nothing is stiff.
+    pub fn longest(&self) -> f64 {
+        self.step * self.limit / self.product
+    }
+}
+
+/// What one accepted step cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepOutcome {
+    /// Length of the step (s).
+    pub step: f64,
+    /// Iterations of the nonlinear solve, or evaluations of the right-hand side.
+    pub iterations: usize,
+    /// Attempts that were thrown away before this step was accepted.
+    pub rejected: usize,
+    /// Energy dissipated in the step, and work put into the mechanism (J).
+    pub exchange: Exchange,
+}
+
+/// Why a step could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// The stage equations could not be solved, even after the step was shortened again and again.
+    #[error(
+        "at t = {time} s the step from joint {joint:?} did not converge (last increment {increment:.1e}), not even with \
+         a step of {step:.1e} s; choose a smaller --step, more --stages or a smaller --tolerance"
+    )]
+    NotConverged { time: f64, step: f64, joint: String, increment: f64 },
+    /// The stage equations could not be solved, and the step was beyond what the scheme is stable for.
+    #[error(
+        "at t = {time} s a step of {step:.1e} s is beyond the stability limit of {stages} stages and does not converge; use \
+         --step below {longest:.1e} s, more --stages, or --tolerance"
+    )]
+    Unstable { time: f64, step: f64, stages: usize, longest: f64 },
+    /// A joint turns by more than half a revolution within the shortest step.
+    #[error(
+        "at t = {time} s joint {joint:?} turns by more than half a revolution within a step of {step:.1e} s; choose a smaller --step"
+    )]
+    TurnedTooFar { time: f64, step: f64, joint: String },
+    /// Every step changes the energy by more than the tolerance allows, however short.
+    #[error("at t = {time} s no step is accurate enough, not even {step:.1e} s; choose a larger --tolerance")]
+    NotAccurate { time: f64, step: f64 },
+    /// The state is not finite any more.
+    #[error(
+        "at t = {time} s the velocity of joint {joint:?} is not finite; the motion is too violent for the step {step:.1e} s"
+    )]
+    NotFinite { time: f64, step: f64, joint: String },
+}
+
+/// A way of advancing the state of a mechanism.
+pub trait Integrator {
+    /// Makes one step that ends at or before `until`, and exactly at `until` if the step reaches it.
+    ///
+    /// # Errors
+    /// [`StepError`] when no step could be made; the state is then that of the last accepted step.
+    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError>;
+
+    /// Positions and velocities at a `time` inside the last step, from its dense output.
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]);
+
+    /// What this integrator is.
+    fn description(&self) -> MethodDescription;
+}

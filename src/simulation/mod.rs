@@ -1,0 +1,17 @@
+//! The loop: step, sample, observe, until the end of the run.
+//!
+//! An [`Integrator`] advances the state and can be asked for any instant of its last step; [`Observer`]s see samples at
+//! a fixed rate (the log) and the end of every step (energy, constraint and solver figures). The loop is the same for
+//! the Lobatto scheme and for the reduced-coordinate comparators, so that charts compare like with like.
+
+mod course;
+mod integrator;
+mod observer;
+mod summary;
+
+pub(crate) use course::Course;
+pub use course::{RunError, RunOptions, run};
+pub use integrator::{FrequencyStep, Integrator, MethodDescription, SingularPosition, StepError, StepOutcome};
+pub(crate) use observer::show;
+pub use observer::{Counts, Observer, ObserverError, Sample, StepEnd};
+pub use summary::Summary;

@@ -1,0 +1,66 @@
+//! What watches a run: samples at a fixed rate, and the figures at the end of every step.
+
+use crate::forces::total::Exchange;
+use crate::invariants::{Energy, Violation};
+
+use super::{RunError, StepOutcome};
+
+/// The mechanism at one sampled instant.
+pub struct Sample<'s> {
+    /// The sampled time (s).
+    pub time: f64,
+    /// Joint positions and velocities from dense output.
+    pub position: &'s [f64],
+    /// Joint velocities from dense output.
+    pub velocity: &'s [f64],
+    /// The end of the step in which the sample lies (or the start of the run).
+    pub step: &'s StepEnd,
+}
+
+/// The figures at the end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepEnd {
+    /// Time at the end of the step (s).
+    pub time: f64,
+    /// Energy there.
+    pub energy: Energy,
+    /// Energy dissipated since the start of the run, and work put in (J).
+    pub exchange: Exchange,
+    /// Constraint violation there.
+    pub violation: Violation,
+    /// What the step cost.
+    pub outcome: StepOutcome,
+    /// Accepted steps, their iterations and attempts thrown away, from the start of the run to here.
+    pub so_far: Counts,
+}
+
+/// What a run, or a part of it, has cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Accepted steps.
+    pub steps: usize,
+    /// Iterations of all steps.
+    pub iterations: usize,
+    /// Attempts thrown away.
+    pub rejected: usize,
+}
+
+/// Anything an observer may fail with (a full disk, a closed pipe).
+pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Sees a run as it goes along.
+pub trait Observer {
+    /// A sample of the motion, in order of time, the first at the start and the last at the end of the run.
+    ///
+    /// # Errors
+    /// Whatever stops the run, for instance a disk that is full.
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError>;
+
+    /// The end of a step, before the samples inside it.
+    fn step(&mut self, _end: &StepEnd) {}
+}
+
+/// Shows a sample to every observer.
+pub(crate) fn show(observers: &mut [&mut dyn Observer], sample: &Sample) -> Result<(), RunError> {
+    observers.iter_mut().try_for_each(|observer| observer.sample(sample)).map_err(RunError::Observer)
+}

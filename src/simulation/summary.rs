@@ -1,0 +1,104 @@
+//! The figures of a run, collected step by step.
+
+use super::{Counts, StepEnd, StepOutcome};
+use crate::forces::total::Exchange;
+use crate::invariants::{Energy, Violation, energy_with_forces, violation};
+use crate::kinematics::{WORLD, forward_kinematics};
+use crate::model::Mechanism;
+use crate::state::{BodyState, State};
+
+/// The figures of a whole run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Accepted steps.
+    pub steps: usize,
+    /// Iterations of all steps.
+    pub iterations: usize,
+    /// Attempts thrown away.
+    pub rejected_steps: usize,
+    /// CPU time in the integrator alone (s): that of the thread, divided as the clock on the wall divides it. To ask for the
+    /// thread's own time is a call of the system, which would take as long as a small step.
+    pub solve_cpu_seconds: f64,
+    /// Energy at the start.
+    pub initial_energy: Energy,
+    /// Energy at the end.
+    pub final_energy: Energy,
+    /// Energy dissipated over the run, and work put in by forces without a potential (J).
+    pub exchange: Exchange,
+    /// Largest deviation of the total energy, plus what was dissipated, less what was put in, from its start, relative to
+    /// the largest kinetic energy seen.
+    pub max_relative_energy_error: f64,
+    /// Largest violation of any constraint at the end of any step.
+    pub max_violation: Violation,
+}
+
+/// Collects the figures of the run.
+pub(super) struct Bookkeeper {
+    pub summary: Summary,
+    pub last: StepEnd,
+    largest_kinetic: f64,
+    largest_deviation: f64,
+    /// What rounding has cut off the sums of dissipated energy and work.
+    rest: Exchange,
+}
+
+impl Bookkeeper {
+    pub fn new(mechanism: &Mechanism, state: &State) -> Self {
+        let mut bodies = vec![WORLD; mechanism.bodies.len()];
+        forward_kinematics(mechanism, &state.position, &state.velocity, &mut bodies);
+        let initial = energy_with_forces(mechanism, &state.position, &bodies);
+        let violation = violation(mechanism, &bodies);
+        Bookkeeper {
+            summary: Summary {
+                initial_energy: initial,
+                final_energy: initial,
+                max_violation: violation,
+                ..Summary::default()
+            },
+            last: StepEnd {
+                time: state.time,
+                energy: initial,
+                exchange: Exchange::default(),
+                violation,
+                outcome: StepOutcome::default(),
+                so_far: Counts::default(),
+            },
+            largest_kinetic: initial.kinetic,
+            largest_deviation: 0.0,
+            rest: Exchange::default(),
+        }
+    }
+
+    pub fn record(&mut self, mechanism: &Mechanism, state: &State, bodies: &[BodyState], outcome: StepOutcome) {
+        let energy = energy_with_forces(mechanism, &state.position, bodies);
+        let violation = violation(mechanism, bodies);
+        let summary = &mut self.summary;
+        add(&mut summary.exchange.dissipated, &mut self.rest.dissipated, outcome.exchange.dissipated);
+        add(&mut summary.exchange.work, &mut self.rest.work, outcome.exchange.work);
+        let exchange = summary.exchange;
+        summary.steps += 1;
+        summary.iterations += outcome.iterations;
+        summary.rejected_steps += outcome.rejected;
+        let so_far = Counts { steps: summary.steps, iterations: summary.iterations, rejected: summary.rejected_steps };
+        self.last = StepEnd { time: state.time, energy, exchange, violation, outcome, so_far };
+        summary.final_energy = energy;
+        summary.max_violation.position = summary.max_violation.position.max(violation.position);
+        summary.max_violation.velocity = summary.max_violation.velocity.max(violation.velocity);
+        self.largest_kinetic = self.largest_kinetic.max(energy.kinetic);
+        let balance = energy.total() - summary.initial_energy.total() + (exchange.dissipated - exchange.work);
+        self.largest_deviation = self.largest_deviation.max(balance.abs());
+        summary.max_relative_energy_error = if self.largest_kinetic > 0.0 {
+            self.largest_deviation / self.largest_kinetic
+        } else {
+            self.largest_deviation
+        };
+    }
+}
+
+/// `sum += term`, compensated (Kahan).
+fn add(sum: &mut f64, rest: &mut f64, term: f64) {
+    let wanted = term + *rest;
+    let next = *sum + wanted;
+    *rest = wanted - (next - *sum);
+    *sum = next;
+}
