@@ -124,7 +124,7 @@ fn energy_drifts_by_less_than_one_rounding_a_step_over_ten_million_steps() {
         early / kinetic,
         late / kinetic
     );
-    // Not the random walk that one would like (that would be 1e-11): what is left is half a rounding a step, always to the
-    // same side, and its cause is not known. A whole one (1.1e-16) would make 1.1e-9.
+    // Not the random walk that one would like (that would be 1e-11): what is left is a quarter of a rounding a step, always to
+    // the same side, what the last iterate is off (benches/README.md). A whole one (1.1e-16) would make 1.1e-9.
     assert!(late / kinetic < 1.1e-9, "{:.1e}", late / kinetic);
 }
