@@ -115,7 +115,7 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
             "max_frequency_step": null, "reversible_resets": null},
         "model": {"links": 0, "bodies": 0, "joints": 0, "degrees_of_freedom": 0, "loops": 0, "redundant_constraints": 0,
             "islands": 0, "sleeping_islands": 0},
-        "steps": 0, "iterations": 0, "rejected_steps": 0,
+        "steps": 0, "iterations": 0, "rejected_steps": 0, "exact_newton_steps": 0,
         "wall_seconds": 0, "cpu_seconds": 0, "solve_cpu_seconds": 0,
         "energy": {"initial": 0, "final": 0, "max_relative_error": 0,
             "parts": {"kinetic": 0, "gravity": 0, "spring": 0, "load": 0}, "dissipated": 0, "work": 0},
@@ -180,6 +180,21 @@ fn the_report_is_of_the_end_of_the_run_that_was_asked_for() {
     near(&report["links"]["rod"]["center_of_mass"][2], -0.5);
     near(&report["links"]["rod"]["linear_velocity"][0], 1.0);
     near(&report["links"]["tip"]["angular_velocity"][1], -2.0);
+}
+
+#[test]
+fn the_report_counts_the_steps_that_the_exact_newton_method_solved() {
+    let folder = folder("exact");
+    let loops = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/four_bar_1.toml");
+    for (input, words) in [("pendulum.urdf", " rejected\n"), (loops, " rejected, by the exact Newton method\n")] {
+        let arguments = ["simulate", input, "--no-log", "--duration", "0.5"];
+        let report = run(&folder, &[&arguments[..], &["--json"]].concat());
+        let report: Value = serde_json::from_slice(&report.stdout).expect("one JSON object");
+        let all = if input == loops { report["steps"].as_u64() } else { Some(0) };
+        assert_eq!(report["exact_newton_steps"].as_u64(), all, "{input}");
+        let lines = run(&folder, &arguments);
+        assert!(text(&lines.stdout).contains(words), "{input}: {}", text(&lines.stdout));
+    }
 }
 
 #[test]

@@ -207,6 +207,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         steps: summary.steps,
         iterations: summary.iterations,
         rejected_steps: summary.rejected_steps,
+        exact_newton_steps: summary.exact_steps,
         wall_seconds,
         cpu_seconds,
         solve_cpu_seconds: summary.solve_cpu_seconds,

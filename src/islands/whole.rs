@@ -113,6 +113,7 @@ impl Whole {
             summary.steps += 1;
             summary.iterations += end.outcome.iterations;
             summary.rejected_steps += end.outcome.rejected;
+            summary.exact_steps += usize::from(end.outcome.exact);
             summary.max_violation.position = summary.max_violation.position.max(end.violation.position);
             summary.max_violation.velocity = summary.max_violation.velocity.max(end.violation.velocity);
             self.since.step += end.outcome.step;

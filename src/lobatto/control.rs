@@ -157,7 +157,10 @@ impl Control {
             let attempt = stepper.kernel.attempt(mechanism, length, &self.rule(), plain);
             outcome.iterations += attempt.iterations();
             let energies = match attempt {
-                Attempt::Converged { .. } => Some(stepper.finish(mechanism, state)),
+                Attempt::Converged { exact, .. } => {
+                    outcome.exact = exact;
+                    Some(stepper.finish(mechanism, state))
+                }
                 _ => None,
             };
             match self.judge(&attempt, energies, length, plain) {
@@ -203,7 +206,7 @@ impl Control {
                 self.step = step * (self.wanted / legendre).powf(1.0 / order).clamp(0.2, 0.9);
                 Verdict::Retry { without_past: false }
             }
-            Attempt::Converged { iterations, legendre } => {
+            Attempt::Converged { iterations, legendre, .. } => {
                 // Less is rounding, and its ratio to that of the step before says nothing.
                 let error = legendre.max(1e-16);
                 if error > self.limit() {

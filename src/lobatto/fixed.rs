@@ -67,7 +67,7 @@ impl FixedSteps {
                 let last = halving == HALVINGS && plain;
                 let attempt = stepper.kernel.attempt(mechanism, length, &self.rule, plain);
                 outcome.iterations += attempt.iterations();
-                if let Attempt::Converged { .. } = attempt {
+                if let Attempt::Converged { exact, .. } = attempt {
                     let before = stepper.kernel.energy().kinetic;
                     let energies = stepper.finish(mechanism, state);
                     let allowed = ANOTHER_MOTION * before.max(energies.kinetic) + 1e-9 * energies.potential;
@@ -76,7 +76,7 @@ impl FixedSteps {
                         continue;
                     }
                     let time = if halving == 0 { target } else { state.time + length };
-                    outcome.step = length;
+                    (outcome.step, outcome.exact) = (length, exact);
                     outcome.exchange = stepper.accept(mechanism, state, length, time)?;
                     return Ok(outcome);
                 }

@@ -114,10 +114,13 @@ pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule:
         spent = attempt.iterations();
     }
     equations.guess(plain);
-    let attempt = equations.solve_exactly(mechanism, rule).after(spent);
-    if matches!(attempt, Attempt::Converged { .. }) && !mechanism.has_closures() {
-        let steps = equations.exact_for();
-        *steps = if spent > 0 { EXACT_STEPS } else { steps.saturating_sub(1) };
+    let mut attempt = equations.solve_exactly(mechanism, rule).after(spent);
+    if let Attempt::Converged { exact, .. } = &mut attempt {
+        *exact = true;
+        if !mechanism.has_closures() {
+            let steps = equations.exact_for();
+            *steps = if spent > 0 { EXACT_STEPS } else { steps.saturating_sub(1) };
+        }
     }
     attempt
 }
@@ -141,7 +144,7 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
             equations.complete();
             // Fixed steps do not ask how accurate they are.
             let legendre = if rule.legendre.is_finite() { equations.legendre() } else { 0.0 };
-            return Attempt::Converged { iterations: iteration, legendre };
+            return Attempt::Converged { iterations: iteration, legendre, exact: false };
         }
         // By then the iterate shows the shape of the motion to a digit or two.
         if iteration == 4 && rule.legendre.is_finite() {

@@ -140,10 +140,10 @@ impl Reversible {
             for plain in [false, true] {
                 let attempt = stepper.kernel.attempt(mechanism, length, &StopRule::ROUNDING, plain);
                 outcome.iterations += attempt.iterations();
-                if let Attempt::Converged { .. } = attempt {
+                if let Attempt::Converged { exact, .. } = attempt {
                     stepper.finish(mechanism, state);
                     let time = if reaches { until } else { state.time + length };
-                    outcome.step = length;
+                    (outcome.step, outcome.exact) = (length, exact);
                     outcome.exchange = stepper.accept(mechanism, state, length, time)?;
                     // A step that was cut off at the end of the run says nothing about the next.
                     if let (false, Some(pace)) = (reaches, stepper.kernel.pace(mechanism, state)) {

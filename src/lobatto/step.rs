@@ -37,7 +37,8 @@ impl StopRule {
 pub enum Attempt {
     /// The stage equations are solved; `legendre` is `E`, the largest top Legendre coefficient of any joint displacement
     /// and of any body's rotation matrix over the step; zero if the rule does not limit it.
-    Converged { iterations: usize, legendre: f64 },
+    /// `exact` if it was the exact Newton method that solved them.
+    Converged { iterations: usize, legendre: f64, exact: bool },
     /// The iteration was broken off, because the step is too long for the wanted accuracy.
     Inaccurate { iterations: usize, legendre: f64 },
     /// A rotation within the step is too large to be represented.

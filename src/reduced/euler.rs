@@ -61,7 +61,7 @@ impl Integrator for Euler {
         state.velocity.copy_from_slice(&self.velocity);
         state.time = time;
         self.end.clone_from(state);
-        Ok(StepOutcome { step, iterations: 1, rejected: 0, exchange })
+        Ok(StepOutcome { step, iterations: 1, exchange, ..StepOutcome::default() })
     }
 
     /// Linear in between, which is as accurate as the method.

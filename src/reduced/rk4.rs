@@ -69,7 +69,12 @@ impl Integrator for Rk4 {
         ode.store(&self.end, state);
         (self.start_time, self.end_time) = (state.time, time);
         state.time = time;
-        Ok(StepOutcome { step, iterations: 4, rejected: 0, exchange: ode.exchange(&self.start, &self.end) })
+        Ok(StepOutcome {
+            step,
+            iterations: 4,
+            exchange: ode.exchange(&self.start, &self.end),
+            ..StepOutcome::default()
+        })
     }
 
     /// Cubic Hermite interpolation, as accurate as the method.

@@ -38,6 +38,8 @@ pub struct Report {
     pub iterations: usize,
     /// Steps that were thrown away.
     pub rejected_steps: usize,
+    /// Accepted steps whose equations needed the exact Newton method: all with closed loops, few without.
+    pub exact_newton_steps: usize,
     /// Time the run took (s).
     pub wall_seconds: f64,
     /// Processor time the run took (s).

@@ -64,7 +64,12 @@ impl fmt::Display for Report {
         if self.steps > 0 {
             write!(out, " ({:.1} a step)", self.iterations as f64 / self.steps as f64)?;
         }
-        writeln!(out, ", {} rejected", self.rejected_steps)?;
+        write!(out, ", {} rejected", self.rejected_steps)?;
+        match self.exact_newton_steps {
+            0 => writeln!(out)?,
+            all if all == self.steps => writeln!(out, ", by the exact Newton method")?,
+            some => writeln!(out, ", {some} by the exact Newton method")?,
+        }
         writeln!(
             out,
             "  energy      {:.6} J at the start, largest relative error {:.1e}",

@@ -71,6 +71,8 @@ pub struct StepOutcome {
     pub iterations: usize,
     /// Attempts that were thrown away before this step was accepted.
     pub rejected: usize,
+    /// Whether the stage equations were solved by the exact Newton method, with all stages coupled.
+    pub exact: bool,
     /// Energy dissipated in the step, and work put into the mechanism (J).
     pub exchange: Exchange,
 }

@@ -16,6 +16,8 @@ pub struct Summary {
     pub iterations: usize,
     /// Attempts thrown away.
     pub rejected_steps: usize,
+    /// Accepted steps whose equations the exact Newton method solved: all with closed loops, and where nothing else converges.
+    pub exact_steps: usize,
     /// CPU time in the integrator alone (s): that of the thread, divided as the clock on the wall divides it. To ask for the
     /// thread's own time is a call of the system, which would take as long as a small step.
     pub solve_cpu_seconds: f64,
@@ -79,6 +81,7 @@ impl Bookkeeper {
         summary.steps += 1;
         summary.iterations += outcome.iterations;
         summary.rejected_steps += outcome.rejected;
+        summary.exact_steps += usize::from(outcome.exact);
         let so_far = Counts { steps: summary.steps, iterations: summary.iterations, rejected: summary.rejected_steps };
         self.last = StepEnd { time: state.time, energy, exchange, violation, outcome, so_far };
         summary.final_energy = energy;
