@@ -98,14 +98,6 @@ pub fn quaternion_exponential(theta: &[f64]) -> [f64; 4] {
     [half.cos(), scale * theta[0], scale * theta[1], scale * theta[2]]
 }
 
-/// The rotation vector (rad) of a unit quaternion (w, x, y, z), of length at most π.
-pub fn quaternion_logarithm(q: &[f64; 4]) -> [f64; 3] {
-    let sign = if q[0] < 0.0 { -1.0 } else { 1.0 };
-    let sine = (q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
-    let scale = if sine < 1e-9 { 2.0 } else { 2.0 * sine.atan2(sign * q[0]) / sine };
-    [sign * scale * q[1], sign * scale * q[2], sign * scale * q[3]]
-}
-
 /// The Hamilton product of two quaternions (w, x, y, z).
 pub fn quaternion_product(a: &[f64], b: &[f64]) -> [f64; 4] {
     [

@@ -108,6 +108,7 @@ pub(super) fn worst_freedom<V: Lanes>(increments: &[V]) -> usize {
 }
 
 /// A value at the end of the step: the last of the `active` lanes.
+#[inline(always)]
 pub(super) fn at_end<V: Lanes>(value: V, active: usize) -> f64 {
     value.to_array().as_ref()[active - 1]
 }
