@@ -89,22 +89,16 @@ pub trait Lanes:
         lanes[0]
     }
 
-    /// Largest lane; NaN if any lane is NaN.
+    /// Largest of lanes that are not negative; NaN if any lane is NaN.
     #[inline(always)]
     fn largest(self) -> f64 {
-        let mut array = self.to_array();
-        let lanes = array.as_mut();
-        let mut half = Self::COUNT / 2;
-        while half > 0 {
-            let mut lane = 0;
-            while lane < half {
-                let (low, high) = (lanes[lane], lanes[lane + half]);
-                lanes[lane] = if high > low || high.is_nan() { high } else { low };
-                lane += 1;
-            }
-            half /= 2;
+        let array = self.to_array();
+        // Doubles without sign are ordered as their bits are, and a NaN comes last: no comparison of doubles, no branch.
+        let mut bits = 0;
+        for lane in array.as_ref() {
+            bits = lane.to_bits().max(bits);
         }
-        lanes[0]
+        f64::from_bits(bits)
     }
 }
 
