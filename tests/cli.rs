@@ -198,6 +198,15 @@ fn the_report_counts_the_steps_that_the_exact_newton_method_solved() {
 }
 
 #[test]
+fn the_help_names_every_rule_that_can_be_switched_off() {
+    let folder = folder("rules");
+    let help = run(&folder, &["simulate", "--help"]);
+    for rule in catena::model::Rule::ALL {
+        assert!(text(&help.stdout).contains(rule.name()), "{} is missing: {}", rule.name(), text(&help.stdout));
+    }
+}
+
+#[test]
 fn a_floating_base_reports_seven_positions_and_six_velocities() {
     let folder = folder("floating");
     let motion = ["--base", "floating", "--base-velocity", "1,0,0,0,0,0", "--gravity", "0,0,0"];

@@ -21,8 +21,8 @@ pub struct InputArgs {
     #[command(flatten)]
     pub world: WorldArgs,
 
-    /// Switch off a rule that leaves something out: islands, sleep, planar, translation or points (repeatable); `catena model` shows what each does
-    #[arg(long, value_name = "RULE")]
+    /// Rules that are switched off.
+    #[arg(long, value_name = "RULE", help = keep_help())]
     pub keep: Vec<Rule>,
 }
 
@@ -217,4 +217,10 @@ fn package(text: &str) -> Result<(String, PathBuf), String> {
         Some((name, folder)) if !name.is_empty() && !folder.is_empty() => Ok((name.to_string(), folder.into())),
         _ => Err("give NAME=DIR, the name of the package and its folder".to_string()),
     }
+}
+
+/// The help of `--keep`, with the names of all rules.
+fn keep_help() -> String {
+    let names = Rule::ALL.map(Rule::name).join(", ");
+    format!("Switch off a rule that leaves something out (repeatable): {names}; `catena model` shows what each does")
 }
