@@ -29,7 +29,7 @@ fn integrator(mechanism: &Mechanism, state: &State, duration: f64, way: Way) -> 
         Way::Fixed(stages, step) => Lobatto::fixed(mechanism, stages, step).expect("a number of stages from 2 to 16"),
         Way::Tolerance(tolerance) => {
             let found = calibrate(mechanism, state, duration, tolerance, &[], &mut |_| true).expect("pilot runs");
-            Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop)
+            found.integrator(mechanism, tolerance)
         }
     }
 }

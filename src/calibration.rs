@@ -10,16 +10,23 @@
 //! ```
 //!
 //! with the distance of [`crate::distance`], seen at 32 instants. Pilots that are apart by more than a hundredth of the
-//! mechanism's size have parted and say nothing; the next pair is 10⁴ times finer. If the finest pair cannot hold the
-//! accuracy to the end, the calibration says until when it is held.
+//! mechanism's size have parted and say nothing; the next pair is 10⁴ times finer. If the finest pair cannot hold the accuracy to the
+//! end, the calibration says until when it is held.
+//!
+//! Pilots have the number of stages of the run ([`crate::lobatto::stages`]), later pairs that of a tolerance that would begin with them. A pair
+//! with few stages whose steps are limited by stability, and not by accuracy, begins again with more.
 
 use crate::distance::{distance, probes, size};
 use crate::lobatto::Lobatto;
+use crate::lobatto::lanes::Isa;
+use crate::lobatto::stages::Stages;
 use crate::model::{Mechanism, Rule};
 use crate::simulation::{Integrator, StepError, StepOutcome};
 use crate::state::State;
 use nalgebra::Vector3;
 
+/// Stop of the first pair over the tolerance.
+const FIRST: f64 = 1e-3;
 /// Instants at which two pilots are compared.
 const INSTANTS: usize = 32;
 /// Ratio of the stops of the two pilots of a pair.
@@ -40,6 +47,8 @@ const SATURATED: f64 = 1e-2;
 pub struct Calibration {
     /// The iteration stop to run with.
     pub stop: f64,
+    /// The number of stages it is for.
+    pub stages: Stages,
     /// The error to expect at the end of the worst step of the run (m).
     pub estimate: f64,
     /// The last instant up to which the wanted accuracy is expected to hold (s); the end of the run if it is reached.
@@ -59,6 +68,13 @@ pub enum CalibrationError {
     Interrupted,
 }
 
+impl Calibration {
+    /// The integrator that was calibrated, for the same mechanism and tolerance (m).
+    pub fn integrator(&self, mechanism: &Mechanism, tolerance: f64) -> Lobatto {
+        Lobatto::adaptive_with_stages(mechanism, tolerance, self.stop, self.stages)
+    }
+}
+
 /// Finds the iteration stop with which a run of `duration` from `state` is accurate to `tolerance` (m), with these rules switched off.
 ///
 /// # Errors
@@ -74,25 +90,39 @@ pub fn calibrate(
     let size = size(mechanism, state);
     let end = state.time + duration;
     let instant = |index: usize| state.time + duration * index as f64 / INSTANTS as f64;
-    let mut stop = (1e-3 * tolerance).clamp(FINEST * RATIO, COARSEST);
+    let mut stop = (FIRST * tolerance).clamp(FINEST * RATIO, COARSEST);
+    let (mut accuracy, mut stiff) = (tolerance, false);
+    let count = |stages: Stages| stages.count(Isa::detect());
     let mut pilots = 0;
     loop {
-        let mut coarse = Pilot::new(mechanism, state, tolerance, stop, kept);
-        let mut fine = Pilot::new(mechanism, state, tolerance, stop / RATIO, kept);
+        let stages = if stiff { Stages::Filling } else { Stages::of(mechanism, accuracy) };
+        let pilot = |stop| Pilot {
+            mechanism,
+            lobatto: Lobatto::adaptive_with_stages(mechanism, tolerance, stop, stages).keeping(mechanism, kept),
+            state: state.clone(),
+        };
+        let (mut coarse, mut fine) = (pilot(stop), pilot(stop / RATIO));
         pilots += 2;
         // The worst so far at every instant: an error that has been made does not heal.
         let mut worst = Vec::with_capacity(INSTANTS);
         let mut apart = 0.0_f64;
         // Pilots that have parted need no following.
-        while worst.len() < INSTANTS && apart <= SATURATED * size {
+        let mut held_back = false;
+        while worst.len() < INSTANTS && apart <= SATURATED * size && !held_back {
             let until = if worst.len() + 1 == INSTANTS { end } else { instant(worst.len() + 1) };
             let seen = distance(&coarse.advance(until, go_on)?, &fine.advance(until, go_on)?);
             apart = if seen.is_nan() { f64::INFINITY } else { apart.max(seen) };
             worst.push(apart);
+            held_back = count(stages) < count(Stages::Filling) && coarse.lobatto.was_held_by_stability();
+        }
+        if held_back {
+            stiff = true;
+            continue;
         }
         let saturated = apart > SATURATED * size;
         if saturated && stop > FINEST * RATIO * (1.0 + 1e-9) {
             stop = (stop * REFINEMENT).max(FINEST * RATIO);
+            accuracy = stop / FIRST;
             continue;
         }
         // Errors below rounding cannot be seen and need not be.
@@ -102,6 +132,7 @@ pub fn calibrate(
         let held = worst.iter().take_while(|&&apart| apart * run_stop / stop <= tolerance).count();
         return Ok(Calibration {
             stop: run_stop,
+            stages,
             // What has parted ends as far apart as the mechanism is large.
             estimate: if saturated { size } else { amplification * run_stop },
             holds_until: if held == INSTANTS { end } else { instant(held) },
@@ -117,12 +148,7 @@ struct Pilot<'m> {
     state: State,
 }
 
-impl<'m> Pilot<'m> {
-    fn new(mechanism: &'m Mechanism, start: &State, tolerance: f64, stop: f64, kept: &[Rule]) -> Self {
-        let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, stop).keeping(mechanism, kept);
-        Pilot { mechanism, lobatto, state: start.clone() }
-    }
-
+impl Pilot<'_> {
     /// The probes at `until`, where a step ends, so that no interpolation error is taken for an error of the run.
     fn advance(
         &mut self,

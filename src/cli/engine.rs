@@ -118,7 +118,7 @@ fn integrator(
     let StepChoice::Tolerance(tolerance) = choice else { return Ok((uncalibrated(mechanism, choice)?, None)) };
     match calibrate(mechanism, state, duration, tolerance, kept, &mut |_| !interrupted.load(Ordering::Relaxed)) {
         Ok(found) => {
-            let lobatto = Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop);
+            let lobatto = found.integrator(mechanism, tolerance);
             Ok((lobatto, Some(AccuracyReport::new(tolerance, state.time + duration, &found))))
         }
         Err(CalibrationError::Interrupted) => Err(Failure::interrupted(CalibrationError::Interrupted)),

@@ -2,7 +2,8 @@
 //!
 //! One number, the stop of the iteration `ε`, sets everything: the top Legendre coefficient `E` of the joint
 //! displacements and of the bodies' rotations over the step is kept near `E_tol = c √ε`, because the local error behaves
-//! like `E²`, and the number of iterations `N` near `N*`, where the cost per simulated second is smallest:
+//! like `E²`, and the number of iterations `N` near `N*`, where the cost per simulated second is smallest; the number of stages and `c`
+//! are chosen in [`super::stages`]:
 //!
 //! ```text
 //!     h ← h · clip( min( (E_tol/E_n)^{.7/(s−1)} (E_{n−1}/E_n)^{.3/(s−1)},  ((N* + 1)/(N + 1))^{1/2} ), 0.3, 2 )
@@ -13,9 +14,9 @@
 //! passage near a singular position. Whatever these say, a step stays within the limit of stability ([`super::stability`]).
 
 use super::lanes::Isa;
+use super::stages::Stages;
 use super::step::{Attempt, Step, StopRule};
 use super::stepper::Stepper;
-use super::tableau::Tableau;
 use crate::model::Mechanism;
 use crate::simulation::{StepError, StepOutcome};
 use crate::state::State;
@@ -71,30 +72,26 @@ pub struct Control {
     refused: Option<(f64, f64)>,
     /// What rounding alone was seen to change the energy by (J).
     rounding: f64,
+    /// Whether stability has bounded a step.
+    held: bool,
 }
 
 impl Control {
-    /// A controller for an iteration stop `ε`; `tolerance` bounds the change of the energy.
-    pub fn new(tolerance: f64, stop: f64, isa: Isa) -> Self {
+    /// A controller for an iteration stop `ε` and a number of stages; `tolerance` bounds the change of the energy.
+    pub fn new(tolerance: f64, stop: f64, stages: Stages, isa: Isa) -> Self {
         let stop = stop.clamp(1e-16, 1e-3);
-        let stages = if isa == Isa::Avx512 { 9 } else { 5 };
-        let factor = if stages == 9 { 0.3 } else { 1.0 };
         Control {
             tolerance,
-            stages,
+            stages: stages.count(isa),
             stop,
-            wanted: factor * stop.sqrt(),
+            wanted: stages.wanted_share(isa) * stop.sqrt(),
             step: 0.0,
             previous: None,
             kinetic: 0.0,
             refused: None,
             rounding: 0.0,
+            held: false,
         }
-    }
-
-    /// The scheme: nine stages fill the eight lanes of AVX-512, five the four lanes of anything less.
-    pub fn tableau(&self) -> Tableau {
-        Tableau::new(self.stages).expect("five and nine stages are in range")
     }
 
     /// The tolerance asked for.
@@ -185,7 +182,13 @@ impl Control {
 
     /// Bounds the next step by one that is known to be stable (s).
     pub fn keep_below(&mut self, longest: f64) {
+        self.held |= longest < self.step;
         self.step = self.step.min(longest);
+    }
+
+    /// Whether stability has ever bounded a step.
+    pub fn was_held(&self) -> bool {
+        self.held
     }
 
     /// Judges an attempt of length `step` and sets the next one.

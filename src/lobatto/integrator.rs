@@ -9,6 +9,7 @@ use super::dispatch::step_for;
 use super::fixed::FixedSteps;
 use super::lanes::Isa;
 use super::reversible::Reversible;
+use super::stages::Stages;
 use super::step::StopRule;
 use super::stepper::Stepper;
 use super::tableau::{Tableau, TableauError};
@@ -109,12 +110,21 @@ impl Lobatto {
     }
 
     /// Steps chosen for an iteration stop, the local accuracy of joint displacements [m or rad]; `tolerance` bounds the
-    /// change of the energy relative to the kinetic energy.
+    /// change of the energy relative to the kinetic energy. The number of stages is the one for this tolerance.
     pub fn adaptive_with_stop(mechanism: &Mechanism, tolerance: f64, stop: f64) -> Self {
+        Self::adaptive_with_stages(mechanism, tolerance, stop, Stages::of(mechanism, tolerance))
+    }
+
+    /// The same with another choice of stages.
+    pub fn adaptive_with_stages(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: Stages) -> Self {
         let isa = Isa::detect();
-        let control = Control::new(tolerance, stop, isa);
-        let tableau = control.tableau();
-        Self::with_tableau(mechanism, tableau, Mode::Chosen(control), isa)
+        let control = Control::new(tolerance, stop, stages, isa);
+        Self::with_tableau(mechanism, stages.tableau(isa), Mode::Chosen(control), isa)
+    }
+
+    /// Whether a step that was to be chosen for its accuracy was shortened for the stability of the scheme.
+    pub fn was_held_by_stability(&self) -> bool {
+        matches!(&self.mode, Mode::Chosen(control) if control.was_held())
     }
 
     fn with_tableau(mechanism: &Mechanism, tableau: Tableau, mode: Mode, isa: Isa) -> Self {

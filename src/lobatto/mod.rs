@@ -3,7 +3,8 @@
 //! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`start`], [`stage`] (poses
 //! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations
 //! and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
-//! (step length), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to know), [`stepper`] and [`integrator`] (steps strung
+//! (step length), [`stages`] (their number), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to know),
+//! [`stepper`] and [`integrator`] (steps strung
 //! together); for closed loops [`newton`], [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`],
 //! [`closing`] and [`assembly`]; [`instants`] are samples of a motion, in lanes; [`literal`] is the scheme word for word, the oracle
 //! of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
@@ -45,6 +46,7 @@ pub mod reversible;
 mod sampling;
 pub mod stability;
 pub mod stage;
+pub mod stages;
 pub mod start;
 pub mod step;
 mod stepper;

@@ -8,7 +8,6 @@ use crate::chart::{Method as ChartMethod, Setting};
 use crate::forces::total::Exchange;
 use crate::invariants::energy_with_forces;
 use crate::kinematics::body_states;
-use crate::lobatto::Lobatto;
 use crate::lobatto::assembly::{AssemblyError, assemble};
 use crate::model::Mechanism;
 use crate::report::{AccuracyReport, energy_warning};
@@ -80,7 +79,7 @@ impl<'m> Runner<'m> {
             };
             match calibrate(&case.mechanism, state, case.duration, tolerance, &[], go_on) {
                 Ok(found) => {
-                    *integrator = Box::new(Lobatto::adaptive_with_stop(&case.mechanism, tolerance, found.stop));
+                    *integrator = Box::new(found.integrator(&case.mechanism, tolerance));
                     let end = state.time + case.duration;
                     runner.foretold = AccuracyReport::new(tolerance, end, &found).warning();
                 }

@@ -112,7 +112,7 @@ pub fn run_until(mechanism: &Mechanism, state: &mut State, integrator: &mut dyn 
 pub fn by_tolerance(mechanism: &Mechanism, start: &State, duration: f64, tolerance: f64) -> Lobatto {
     let found = calibrate(mechanism, start, duration, tolerance, &[], &mut |_| true)
         .unwrap_or_else(|error| panic!("{}: {error}", mechanism.name));
-    Lobatto::adaptive_with_stop(mechanism, tolerance, found.stop)
+    found.integrator(mechanism, tolerance)
 }
 
 /// The models of a robot with a fixed base and, where it can float, with a floating one.

@@ -1,0 +1,168 @@
+//! The number of stages that a tolerance is given.
+
+mod closed;
+mod common;
+mod models;
+
+use catena::calibration::calibrate;
+use catena::distance::{distance, probes};
+use catena::forces::JointDamper;
+use catena::islands::{Islands, Plan, Threads};
+use catena::lobatto::Lobatto;
+use catena::lobatto::assembly::assemble;
+use catena::lobatto::lanes::Isa;
+use catena::lobatto::stages::Stages;
+use catena::model::{Mechanism, Model};
+use catena::scene::{PackagePath, read_scene};
+use catena::simulation::Integrator;
+use catena::state::State;
+use closed::four_bars;
+use common::{by_tolerance, run_until};
+use nalgebra::Vector3;
+use std::path::PathBuf;
+
+/// A scene of `robots/`, assembled.
+fn scene(name: &str) -> (Mechanism, State) {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("robots").join(format!("{name}.toml"));
+    let scene = read_scene(&file, &PackagePath::default()).unwrap_or_else(|error| panic!("{error}"));
+    let (model, start) = Model::from_scene(&scene).unwrap_or_else(|error| panic!("{error}"));
+    let mut state = model.initial_state(&start.positions, &start.velocities, None).unwrap();
+    assemble(&model.mechanism, &mut state).unwrap();
+    (model.mechanism, state)
+}
+
+/// Where the bodies are after a run from `start`.
+fn end(mechanism: &Mechanism, start: &State, duration: f64, mut lobatto: Lobatto) -> Vec<Vector3<f64>> {
+    let mut state = start.clone();
+    run_until(mechanism, &mut state, &mut lobatto, start.time + duration);
+    probes(mechanism, &state)
+}
+
+#[test]
+fn loops_have_five_stages_down_to_a_micrometre_and_small_or_planar_trees_nine_from_a_nanometre_on() {
+    let filling = [9, 5, 5];
+    let few = [5, 5, 5];
+    let many = [9, 9, 5];
+    let (rows_of_ten, _) = four_bars(10, 5);
+    let (two, _) = four_bars(2, 5);
+    let mut damped = rows_of_ten.clone();
+    damped.forces.joint_dampers.push(JointDamper { freedom: 0, coefficient: 0.1 });
+    let (in_space, _) = scene("slider_crank");
+    let (pendulum, chain, flat) =
+        (models::spatial_pendulum().mechanism, models::chain(4).mechanism, models::planar_chain(10).mechanism);
+    let mut damped_pendulum = pendulum.clone();
+    damped_pendulum.forces.joint_dampers.push(JointDamper { freedom: 0, coefficient: 0.1 });
+    for (name, mechanism, tolerance, expected) in [
+        ("ten four-bars", &rows_of_ten, 1e-1, few),
+        ("ten four-bars", &rows_of_ten, 1e-6, few),
+        ("ten four-bars", &rows_of_ten, 1e-7, filling),
+        ("a loop in space", &in_space, 1e-3, few),
+        ("a loop in space", &in_space, 1e-9, filling),
+        ("two four-bars", &two, 1e-3, filling),
+        ("loops with a damper", &damped, 1e-3, few),
+        ("two bodies", &pendulum, 1e-8, filling),
+        ("two bodies", &pendulum, 1e-9, many),
+        ("two bodies", &pendulum, 1e-12, many),
+        ("two bodies with a damper", &damped_pendulum, 1e-9, filling),
+        ("four bodies", &chain, 1e-12, filling),
+        ("ten bodies in a plane", &flat, 1e-9, many),
+        ("ten bodies in a plane", &flat, 1e-8, filling),
+    ] {
+        let stages = Stages::of(mechanism, tolerance);
+        assert_eq!(
+            [Isa::Avx512, Isa::Avx2, Isa::Portable].map(|isa| stages.count(isa)),
+            expected,
+            "{name}, {tolerance:e}"
+        );
+        let lobatto = Lobatto::adaptive(mechanism, tolerance);
+        assert_eq!(lobatto.description().stages, stages.count(Isa::detect()), "{name}, {tolerance:e}: the integrator");
+    }
+}
+
+/// Five four-bars and the row of ten are the scenes where five stages come nearest to the tolerance: 0.4 of it, and with twice the
+/// Legendre coefficient more than all of it.
+#[test]
+fn loops_with_five_stages_end_as_near_as_was_asked() {
+    let five = four_bars(5, 5);
+    let mut all = vec![("five four-bars", five, 3.0)];
+    for (name, duration) in [
+        ("four_bar_10", 3.0),
+        ("four_bar_40", 2.0),
+        ("ring_100", 0.2),
+        ("strandbeest_leg", 3.0),
+        ("andrews_squeezer", 0.03),
+        ("slider_crank", 2.0),
+        ("stewart_platform", 2.0),
+        ("bricard", 3.6),
+    ] {
+        all.push((name, scene(name), duration));
+    }
+    for (name, (mechanism, start), duration) in all {
+        let exact = Lobatto::adaptive_with_stages(&mechanism, 1e-9, 1e-16, Stages::Filling);
+        let truth = end(&mechanism, &start, duration, exact);
+        for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
+            assert_eq!(Stages::of(&mechanism, tolerance), Stages::Few, "{name}");
+            let chosen = by_tolerance(&mechanism, &start, duration, tolerance);
+            let error = distance(&end(&mechanism, &start, duration, chosen), &truth);
+            println!("{name}, {tolerance:e}: {:.2} of it", error / tolerance);
+            assert!(error < tolerance, "{name}: {error:e} instead of {tolerance:e}");
+        }
+    }
+}
+
+/// Pilots of a tolerance of 1 mm part in a second and a half of the ring; the finer ones after them are those of 1e-7 m.
+#[test]
+fn loops_that_need_finer_pilots_are_run_with_the_stages_of_these() {
+    let (ring, start) = scene("ring_100");
+    let calibrated = |duration| calibrate(&ring, &start, duration, 1e-3, &[], &mut |_| true).expect("pilots");
+    let (calm, chaotic) = (calibrated(0.2), calibrated(1.5));
+    assert_eq!((calm.pilots, calm.stages), (2, Stages::Few));
+    assert!(chaotic.pilots > 2 && chaotic.stages == Stages::Filling, "{chaotic:?}");
+    let stages = chaotic.integrator(&ring, 1e-3).description().stages;
+    assert_eq!(stages, Stages::Filling.count(Isa::detect()));
+}
+
+/// The leaf springs of the first limit steps with five stages all along; the springs and dampers of the others do not.
+#[test]
+fn loops_whose_steps_stability_limits_are_run_with_as_many_stages_as_fill_the_vectors() {
+    for (name, duration, expected) in [
+        ("cassie_like_leg", 1.0, Stages::Filling),
+        ("strandbeest_leg", 1.0, Stages::Few),
+        ("andrews_squeezer", 0.01, Stages::Few),
+        ("stewart_platform", 1.0, Stages::Few),
+    ] {
+        let (mechanism, start) = scene(name);
+        for tolerance in [1e-2, 1e-4, 1e-6] {
+            let found = calibrate(&mechanism, &start, duration, tolerance, &[], &mut |_| true).expect("pilots");
+            println!("{name}, {tolerance:e}: {:?}, {} pilots", found.stages, found.pilots);
+            let count = |stages: Stages| stages.count(Isa::detect());
+            assert_eq!(Stages::of(&mechanism, tolerance), Stages::Few, "{name}, {tolerance:e}");
+            assert_eq!(count(found.stages), count(expected), "{name}, {tolerance:e}");
+        }
+    }
+}
+
+#[test]
+fn every_island_has_the_stages_of_its_own() {
+    let (mut mechanism, mut state) = four_bars(10, 5);
+    let chain = models::chain(10);
+    let first = mechanism.bodies.len();
+    let bodies = chain.mechanism.bodies.iter().cloned().map(|mut body| {
+        body.parent = body.parent.map(|parent| parent + first);
+        body
+    });
+    let all = mechanism.bodies.drain(..).chain(bodies).collect();
+    let loops = std::mem::take(&mut mechanism.loops);
+    mechanism = Mechanism::new("both", mechanism.gravity, all).expect("a mechanism");
+    mechanism.loops = loops;
+    state.position.extend(chain.state.position);
+    state.compensation.extend(chain.state.compensation);
+    state.velocity.extend(chain.state.velocity);
+    let plan = Plan::new(&mechanism, &state, &[]);
+    let (islands, _) = Islands::new(plan, &state, Threads::WherePaid, 0.0, |part: &Mechanism, start: &State| {
+        Ok::<_, ()>((by_tolerance(part, start, 0.1, 1e-4), ()))
+    })
+    .expect("integrators");
+    let found: Vec<usize> = islands.figures().filter_map(|figures| Some(figures.method?.stages)).collect();
+    assert_eq!(found, [Stages::Few, Stages::Filling].map(|stages| stages.count(Isa::detect())));
+}
