@@ -14,7 +14,7 @@
 //! end, the calibration says until when it is held.
 //!
 //! Pilots have the number of stages of the run ([`crate::lobatto::stages`]), later pairs that of a tolerance that would begin with them. A pair
-//! with few stages whose steps are limited by stability, and not by accuracy, begins again with more.
+//! with few stages whose first steps are limited by stability, and not by accuracy, begins again with more.
 
 use crate::distance::{distance, probes, size};
 use crate::lobatto::Lobatto;
@@ -29,6 +29,8 @@ use nalgebra::Vector3;
 const FIRST: f64 = 1e-3;
 /// Instants at which two pilots are compared.
 const INSTANTS: usize = 32;
+/// Up to so many instants stability decides on the stages: what is stiff is so from the start, and to begin again later is dear.
+const EARLY: usize = 2;
 /// Ratio of the stops of the two pilots of a pair.
 const RATIO: f64 = 30.0;
 /// The finest stop: rounding.
@@ -113,7 +115,9 @@ pub fn calibrate(
             let seen = distance(&coarse.advance(until, go_on)?, &fine.advance(until, go_on)?);
             apart = if seen.is_nan() { f64::INFINITY } else { apart.max(seen) };
             worst.push(apart);
-            held_back = count(stages) < count(Stages::Filling) && coarse.lobatto.was_held_by_stability();
+            held_back = worst.len() <= EARLY
+                && count(stages) < count(Stages::Filling)
+                && coarse.lobatto.was_held_by_stability();
         }
         if held_back {
             stiff = true;
