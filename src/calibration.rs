@@ -13,13 +13,13 @@
 //! mechanism's size have parted and say nothing; the next pair is 10⁴ times finer. If the finest pair cannot hold the accuracy to the
 //! end, the calibration says until when it is held.
 //!
-//! Pilots have the number of stages of the run ([`crate::lobatto::stages`]), later pairs that of a tolerance that would begin with them. A pair
+//! Pilots have the number of stages of the run ([`crate::lobatto::stage_choice`]), later pairs that of a tolerance that would begin with them. A pair
 //! with few stages whose first steps are limited by stability, and not by accuracy, begins again with more.
 
 use crate::distance::{distance, probes, size};
 use crate::lobatto::Lobatto;
 use crate::lobatto::lanes::Isa;
-use crate::lobatto::stages::Stages;
+use crate::lobatto::stage_choice::StageChoice;
 use crate::model::{Mechanism, Rule};
 use crate::simulation::{Integrator, StepError, StepOutcome};
 use crate::state::State;
@@ -50,7 +50,7 @@ pub struct Calibration {
     /// The iteration stop to run with.
     pub stop: f64,
     /// The number of stages it is for.
-    pub stages: Stages,
+    pub stages: StageChoice,
     /// The error to expect at the end of the worst step of the run (m).
     pub estimate: f64,
     /// The last instant up to which the wanted accuracy is expected to hold (s); the end of the run if it is reached.
@@ -94,10 +94,10 @@ pub fn calibrate(
     let instant = |index: usize| state.time + duration * index as f64 / INSTANTS as f64;
     let mut stop = (FIRST * tolerance).clamp(FINEST * RATIO, COARSEST);
     let (mut accuracy, mut stiff) = (tolerance, false);
-    let count = |stages: Stages| stages.count(Isa::detect());
+    let count = |stages: StageChoice| stages.count(Isa::detect());
     let mut pilots = 0;
     loop {
-        let stages = if stiff { Stages::Filling } else { Stages::of(mechanism, accuracy) };
+        let stages = if stiff { StageChoice::Filling } else { StageChoice::of(mechanism, accuracy) };
         let pilot = |stop| Pilot {
             mechanism,
             lobatto: Lobatto::adaptive_with_stages(mechanism, tolerance, stop, stages).keeping(mechanism, kept),
@@ -116,7 +116,7 @@ pub fn calibrate(
             apart = if seen.is_nan() { f64::INFINITY } else { apart.max(seen) };
             worst.push(apart);
             held_back = worst.len() <= EARLY
-                && count(stages) < count(Stages::Filling)
+                && count(stages) < count(StageChoice::Filling)
                 && coarse.lobatto.was_held_by_stability();
         }
         if held_back {

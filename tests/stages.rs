@@ -11,7 +11,7 @@ use catena::islands::{Islands, Plan, Threads};
 use catena::lobatto::Lobatto;
 use catena::lobatto::assembly::assemble;
 use catena::lobatto::lanes::Isa;
-use catena::lobatto::stages::Stages;
+use catena::lobatto::stage_choice::StageChoice;
 use catena::model::{Mechanism, Model};
 use catena::scene::{PackagePath, read_scene};
 use catena::simulation::Integrator;
@@ -68,7 +68,7 @@ fn loops_have_five_stages_down_to_a_micrometre_and_small_or_planar_trees_nine_fr
         ("ten bodies in a plane", &flat, 1e-9, many),
         ("ten bodies in a plane", &flat, 1e-8, filling),
     ] {
-        let stages = Stages::of(mechanism, tolerance);
+        let stages = StageChoice::of(mechanism, tolerance);
         assert_eq!(
             [Isa::Avx512, Isa::Avx2, Isa::Portable].map(|isa| stages.count(isa)),
             expected,
@@ -98,10 +98,10 @@ fn loops_with_five_stages_end_as_near_as_was_asked() {
         all.push((name, scene(name), duration));
     }
     for (name, (mechanism, start), duration) in all {
-        let exact = Lobatto::adaptive_with_stages(&mechanism, 1e-9, 1e-16, Stages::Filling);
+        let exact = Lobatto::adaptive_with_stages(&mechanism, 1e-9, 1e-16, StageChoice::Filling);
         let truth = end(&mechanism, &start, duration, exact);
         for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
-            assert_eq!(Stages::of(&mechanism, tolerance), Stages::Few, "{name}");
+            assert_eq!(StageChoice::of(&mechanism, tolerance), StageChoice::Few, "{name}");
             let chosen = by_tolerance(&mechanism, &start, duration, tolerance);
             let error = distance(&end(&mechanism, &start, duration, chosen), &truth);
             println!("{name}, {tolerance:e}: {:.2} of it", error / tolerance);
@@ -116,27 +116,27 @@ fn loops_that_need_finer_pilots_are_run_with_the_stages_of_these() {
     let (ring, start) = scene("ring_100");
     let calibrated = |duration| calibrate(&ring, &start, duration, 1e-3, &[], &mut |_| true).expect("pilots");
     let (calm, chaotic) = (calibrated(0.2), calibrated(1.5));
-    assert_eq!((calm.pilots, calm.stages), (2, Stages::Few));
-    assert!(chaotic.pilots > 2 && chaotic.stages == Stages::Filling, "{chaotic:?}");
+    assert_eq!((calm.pilots, calm.stages), (2, StageChoice::Few));
+    assert!(chaotic.pilots > 2 && chaotic.stages == StageChoice::Filling, "{chaotic:?}");
     let stages = chaotic.integrator(&ring, 1e-3).description().stages;
-    assert_eq!(stages, Stages::Filling.count(Isa::detect()));
+    assert_eq!(stages, StageChoice::Filling.count(Isa::detect()));
 }
 
 /// The leaf springs of the first limit steps with five stages all along; the springs and dampers of the others do not.
 #[test]
 fn loops_whose_steps_stability_limits_are_run_with_as_many_stages_as_fill_the_vectors() {
     for (name, duration, expected) in [
-        ("cassie_like_leg", 1.0, Stages::Filling),
-        ("strandbeest_leg", 1.0, Stages::Few),
-        ("andrews_squeezer", 0.01, Stages::Few),
-        ("stewart_platform", 5.0, Stages::Few),
+        ("cassie_like_leg", 1.0, StageChoice::Filling),
+        ("strandbeest_leg", 1.0, StageChoice::Few),
+        ("andrews_squeezer", 0.01, StageChoice::Few),
+        ("stewart_platform", 5.0, StageChoice::Few),
     ] {
         let (mechanism, start) = scene(name);
         for tolerance in [1e-2, 1e-4, 1e-6] {
             let found = calibrate(&mechanism, &start, duration, tolerance, &[], &mut |_| true).expect("pilots");
             println!("{name}, {tolerance:e}: {:?}, {} pilots", found.stages, found.pilots);
-            let count = |stages: Stages| stages.count(Isa::detect());
-            assert_eq!(Stages::of(&mechanism, tolerance), Stages::Few, "{name}, {tolerance:e}");
+            let count = |stages: StageChoice| stages.count(Isa::detect());
+            assert_eq!(StageChoice::of(&mechanism, tolerance), StageChoice::Few, "{name}, {tolerance:e}");
             assert_eq!(count(found.stages), count(expected), "{name}, {tolerance:e}");
         }
     }
@@ -164,5 +164,5 @@ fn every_island_has_the_stages_of_its_own() {
     })
     .expect("integrators");
     let found: Vec<usize> = islands.figures().filter_map(|figures| Some(figures.method?.stages)).collect();
-    assert_eq!(found, [Stages::Few, Stages::Filling].map(|stages| stages.count(Isa::detect())));
+    assert_eq!(found, [StageChoice::Few, StageChoice::Filling].map(|stages| stages.count(Isa::detect())));
 }

@@ -3,7 +3,7 @@
 //! One number, the stop of the iteration `ε`, sets everything: the top Legendre coefficient `E` of the joint
 //! displacements and of the bodies' rotations over the step is kept near `E_tol = c √ε`, because the local error behaves
 //! like `E²`, and the number of iterations `N` near `N*`, where the cost per simulated second is smallest; the number of stages and `c`
-//! are chosen in [`super::stages`]:
+//! are chosen in [`super::stage_choice`]:
 //!
 //! ```text
 //!     h ← h · clip( min( (E_tol/E_n)^{.7/(s−1)} (E_{n−1}/E_n)^{.3/(s−1)},  ((N* + 1)/(N + 1))^{1/2} ), 0.3, 2 )
@@ -14,7 +14,7 @@
 //! passage near a singular position. Whatever these say, a step stays within the limit of stability ([`super::stability`]).
 
 use super::lanes::Isa;
-use super::stages::Stages;
+use super::stage_choice::StageChoice;
 use super::step::{Attempt, Step, StopRule};
 use super::stepper::Stepper;
 use crate::model::Mechanism;
@@ -78,7 +78,7 @@ pub struct Control {
 
 impl Control {
     /// A controller for an iteration stop `ε` and a number of stages; `tolerance` bounds the change of the energy.
-    pub fn new(tolerance: f64, stop: f64, stages: Stages, isa: Isa) -> Self {
+    pub fn new(tolerance: f64, stop: f64, stages: StageChoice, isa: Isa) -> Self {
         let stop = stop.clamp(1e-16, 1e-3);
         Control {
             tolerance,

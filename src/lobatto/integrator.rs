@@ -9,7 +9,7 @@ use super::dispatch::step_for;
 use super::fixed::FixedSteps;
 use super::lanes::Isa;
 use super::reversible::Reversible;
-use super::stages::Stages;
+use super::stage_choice::StageChoice;
 use super::step::StopRule;
 use super::stepper::Stepper;
 use super::tableau::{Tableau, TableauError};
@@ -112,11 +112,11 @@ impl Lobatto {
     /// Steps chosen for an iteration stop, the local accuracy of joint displacements [m or rad]; `tolerance` bounds the
     /// change of the energy relative to the kinetic energy. The number of stages is the one for this tolerance.
     pub fn adaptive_with_stop(mechanism: &Mechanism, tolerance: f64, stop: f64) -> Self {
-        Self::adaptive_with_stages(mechanism, tolerance, stop, Stages::of(mechanism, tolerance))
+        Self::adaptive_with_stages(mechanism, tolerance, stop, StageChoice::of(mechanism, tolerance))
     }
 
     /// The same with another choice of stages.
-    pub fn adaptive_with_stages(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: Stages) -> Self {
+    pub fn adaptive_with_stages(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice) -> Self {
         let isa = Isa::detect();
         let control = Control::new(tolerance, stop, stages, isa);
         Self::with_tableau(mechanism, stages.tableau(isa), Mode::Chosen(control), isa)

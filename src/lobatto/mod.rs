@@ -3,11 +3,10 @@
 //! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`start`], [`stage`] (poses
 //! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations
 //! and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
-//! (step length), [`stages`] (their number), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to know),
-//! [`stepper`] and [`integrator`] (steps strung
-//! together); for closed loops [`newton`], [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`],
-//! [`closing`] and [`assembly`]; [`instants`] are samples of a motion, in lanes; [`literal`] is the scheme word for word, the oracle
-//! of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
+//! (step length), [`stage_choice`] (how many stages), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to
+//! know), [`stepper`] and [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
+//! [`elimination`], [`front`], [`projection`], [`closing`] and [`assembly`]; [`instants`] are samples of a motion, in lanes;
+//! [`literal`] is the scheme word for word, the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
 pub mod algebra;
 pub mod anderson;
@@ -46,7 +45,7 @@ pub mod reversible;
 mod sampling;
 pub mod stability;
 pub mod stage;
-pub mod stages;
+pub mod stage_choice;
 pub mod start;
 pub mod step;
 mod stepper;

@@ -43,7 +43,7 @@ const SMALL_TREE: usize = 3;
 
 /// What decides on the number of stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stages {
+pub enum StageChoice {
     /// Five.
     Few,
     /// As many as fill a vector of the processor: nine or five.
@@ -52,26 +52,26 @@ pub enum Stages {
     Many,
 }
 
-impl Stages {
+impl StageChoice {
     /// The choice for a mechanism and a tolerance (m), whatever the processor.
     pub fn of(mechanism: &Mechanism, tolerance: f64) -> Self {
         let bodies = mechanism.bodies.len();
         let in_a_plane = || Plane::of(mechanism).is_some();
         let closed = !mechanism.loops.is_empty();
         if mechanism.is_plain_tree() && tolerance <= MANY_FROM && (bodies <= SMALL_TREE || in_a_plane()) {
-            Stages::Many
+            StageChoice::Many
         } else if closed && tolerance >= FEW_DOWN_TO && (bodies >= SMALLEST_IN_A_PLANE || !in_a_plane()) {
-            Stages::Few
+            StageChoice::Few
         } else {
-            Stages::Filling
+            StageChoice::Filling
         }
     }
 
     /// The number of stages on a processor. Without AVX2 nothing was measured, and nine stages are never taken.
     pub fn count(self, isa: Isa) -> usize {
         match (self, isa) {
-            (Stages::Filling | Stages::Many, Isa::Avx512) | (Stages::Many, Isa::Avx2) => 9,
-            (Stages::Few, _) | (_, Isa::Avx2 | Isa::Portable) => 5,
+            (StageChoice::Filling | StageChoice::Many, Isa::Avx512) | (StageChoice::Many, Isa::Avx2) => 9,
+            (StageChoice::Few, _) | (_, Isa::Avx2 | Isa::Portable) => 5,
         }
     }
 
@@ -85,7 +85,7 @@ impl Stages {
     /// with ½ within one, for the same time.
     pub(super) fn wanted_share(self, isa: Isa) -> f64 {
         match (self, self.count(isa)) {
-            (Stages::Few, _) => 0.5,
+            (StageChoice::Few, _) => 0.5,
             (_, 9) => 0.3,
             _ => 1.0,
         }
