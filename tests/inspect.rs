@@ -141,6 +141,60 @@ fn a_log_that_was_cut_off_is_shown_up_to_there_and_said_to_be_truncated() {
     assert!(samples == 151 && readable >= 19, "{samples} {readable}");
 }
 
+/// Where each message of a log of uncompressed chunks ends, in bytes, and its channel.
+fn ends_of_messages(log: &[u8]) -> Vec<(usize, u16)> {
+    let number = |at: usize| u64::from_le_bytes(log[at..at + 8].try_into().expect("eight bytes")) as usize;
+    let (mut ends, mut at) = (Vec::new(), 8);
+    while at + 9 <= log.len() - 8 {
+        let next = at + 9 + number(at + 1);
+        if log[at] == 6 {
+            // Two times, two sizes, the checksum and no compression come before the records.
+            let mut inside = at + 9 + 8 + 8 + 8 + 4 + 4 + 8;
+            while inside < next {
+                let end = inside + 9 + number(inside + 1);
+                if log[inside] == 5 {
+                    ends.push((end, u16::from_le_bytes([log[inside + 9], log[inside + 10]])));
+                }
+                inside = end;
+            }
+        }
+        at = next;
+    }
+    ends
+}
+
+#[test]
+fn every_whole_message_before_a_cut_is_read_also_those_of_the_chunk_that_was_cut() {
+    let folder = folder("torn");
+    simulate(&folder, &["--rate", "100"]);
+    let whole = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let ends = ends_of_messages(&whole);
+    let channels: std::collections::BTreeSet<u16> = ends.iter().map(|(_, channel)| *channel).collect();
+    let mut numbers = common::Numbers::new(11);
+    let mut cuts: Vec<usize> = (0..12).map(|_| numbers.next(ends[0].0 as f64, whole.len() as f64) as usize).collect();
+    // Just before and at the end of a message, the first of all and one in the middle of the samples.
+    cuts.extend([ends[0].0, ends[ends.len() / 2].0].iter().flat_map(|end| [end - 1, *end]));
+    for cut in cuts {
+        std::fs::write(folder.join("cut.mcap"), &whole[..cut]).expect("written");
+        let summary = inspect(&folder, &["cut.mcap"]);
+        let topics = summary["topics"].as_array().expect("topics");
+        let mut found: Vec<u64> = topics.iter().map(|topic| topic["messages"].as_u64().expect("a count")).collect();
+        let count = |channel| ends.iter().filter(|(end, of)| *end <= cut && of == channel).count() as u64;
+        let mut expected: Vec<u64> = channels.iter().map(count).collect();
+        // Channels without a message are in the chunks too, or not yet.
+        [&mut found, &mut expected].into_iter().for_each(|counts| {
+            counts.retain(|count| *count > 0);
+            counts.sort_unstable();
+        });
+        assert_eq!(found, expected, "{cut} of {} bytes", whole.len());
+        let words = run(&folder, &["inspect", "cut.mcap"]);
+        assert!(text(&words.stdout).contains("TRUNCATED"), "{}", text(&words.stdout));
+        // The last sample may lack messages: it is no row of the table, which would have other columns.
+        let output = run(&folder, &["inspect", "cut.mcap", "--csv", "cut.csv"]);
+        assert_eq!(output.status.code(), Some(0), "{cut}: {}", text(&output.stderr));
+    }
+}
+
 #[test]
 fn a_log_that_ends_inside_a_sample_has_the_joints_of_the_samples_before() {
     let folder = folder("inside");

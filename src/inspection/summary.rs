@@ -229,7 +229,12 @@ impl Summary {
         summary.being_written = is_locked(log);
         summary.complete = completeness == Some(Completeness::Complete);
         summary.broken_off = match completeness {
-            Some(Completeness::Cut { bytes }) => Some(format!("it ends in the middle, after {bytes} bytes")),
+            Some(Completeness::Cut { bytes, unchecked: 0 }) => {
+                Some(format!("it ends in the middle, after {bytes} bytes"))
+            }
+            Some(Completeness::Cut { bytes, unchecked }) => Some(format!(
+                "it ends in the middle, after {bytes} bytes, and its last {unchecked} messages lack their checksum"
+            )),
             Some(Completeness::Damaged { reason }) => Some(format!("from some place on it cannot be read: {reason}")),
             Some(Completeness::Complete) | None => None,
         };

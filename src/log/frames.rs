@@ -1,7 +1,7 @@
 //! A log as a row of frames: everything that is known of one sampled instant.
 //!
 //! The messages of a sample have the same time. Figures of a step belong to its end; a frame has those of the last step
-//! that ended at or before it.
+//! that ended at or before it. Where a log was cut, a last sample that lacks messages is no frame.
 
 use super::decode::{self, JointStates, LinkPose, LogLine, MultiDofStates};
 use super::reader::{Completeness, Item, LogChannel, ReadError, read_log};
@@ -53,6 +53,11 @@ impl Frame {
     pub fn time(&self) -> f64 {
         self.nanoseconds as f64 * 1e-9
     }
+
+    /// How many links, joints and reactions it has.
+    fn shape(&self) -> [usize; 4] {
+        [self.links.len(), self.joints.names.len(), self.multi_dof.names.len(), self.reactions.names.len()]
+    }
 }
 
 /// What a log has besides frames.
@@ -86,7 +91,8 @@ pub trait Visitor {
 /// # Errors
 /// [`ReadError`] if it is not a log, or a message of it is not what it should be.
 pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completeness>, ReadError> {
-    let mut builder = Builder { frame: None, figures: None, last: Figures::default(), visitor, problem: None };
+    let mut builder =
+        Builder { frame: None, figures: None, last: Figures::default(), shape: None, visitor, problem: None };
     let ended = read_log(path, |item| match item {
         Item::Library(_) => ControlFlow::Continue(()),
         Item::Channel(channel) => {
@@ -120,6 +126,10 @@ pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completene
     if let Some(problem) = builder.problem.take() {
         return Err(problem);
     }
+    if ended.as_ref().is_some_and(|ended| *ended != Completeness::Complete) {
+        let shape = builder.shape;
+        builder.frame.take_if(|frame| shape.is_some_and(|shape| shape != frame.shape()));
+    }
     if ended.is_some() && builder.flush().is_break() {
         return Ok(None);
     }
@@ -130,6 +140,8 @@ struct Builder<'v> {
     frame: Option<Frame>,
     figures: Option<Figures>,
     last: Figures,
+    /// That of the last frame.
+    shape: Option<[usize; 4]>,
     visitor: &'v mut dyn Visitor,
     problem: Option<ReadError>,
 }
@@ -185,7 +197,10 @@ impl Builder<'_> {
             self.last = figures;
         }
         match self.frame.take() {
-            Some(frame) => self.visitor.frame(&Frame { figures: self.last, ..frame }),
+            Some(frame) => {
+                self.shape = Some(frame.shape());
+                self.visitor.frame(&Frame { figures: self.last, ..frame })
+            }
             None => ControlFlow::Continue(()),
         }
     }
