@@ -97,7 +97,9 @@ def main():
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         recording, view = str(Path(folder) / "log.rrd"), str(Path(folder) / "view.rbl")
-        convert = ["rerun", "mcap", "convert", "--application-id", APPLICATION, str(arguments.log), "-o", recording]
+        # The log of a run that was killed has no index.
+        convert = ["rerun", "mcap", "convert", "--recover", "--application-id", APPLICATION]
+        convert += [str(arguments.log), "-o", recording]
         subprocess.run(convert, check=True)
         # Read first, because for a recording that is there already the viewer may have arranged something of its own.
         blueprint(arguments.eye, arguments.target).save(APPLICATION, view)

@@ -3,15 +3,13 @@
 //! Everything is read from the log; what the samples do not hold (velocities of links) is worked out with the model
 //! that the log carries. A log that was cut off is shown up to there, with a warning on standard error.
 
+use super::inspect_files::{check_absent, check_ending, draw, kinds, not_itself, recover_into, write_csv};
 use super::recorded::Recorded;
 use super::{Failure, print};
-use anyhow::{Context, anyhow, bail};
-use catena::chart::files::write_with;
-use catena::chart::picture::Figure;
+use anyhow::anyhow;
 use catena::inspection::compare::compare;
-use catena::inspection::curves::{JointKinds, curves, joint_kinds};
+use catena::inspection::curves::curves;
 use catena::inspection::summary::Summary;
-use catena::inspection::table::write_table;
 use catena::log::frames::{Frame, Visitor, visit};
 use catena::log::{is_locked, neighbour};
 use catena::report::{
@@ -21,8 +19,6 @@ use clap::Args;
 use serde::Serialize;
 use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{BufWriter, Write as _};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -39,7 +35,7 @@ pub struct InspectArgs {
     log: PathBuf,
 
     /// Another log to compare with, link by link
-    #[arg(value_name = "LOG.mcap", conflicts_with_all = ["at", "csv", "plot", "follow"])]
+    #[arg(value_name = "LOG.mcap", conflicts_with_all = ["at", "csv", "plot", "recover", "follow"])]
     other: Option<PathBuf>,
 
     /// Show the links and joints at the logged instant nearest to T [s]
@@ -54,8 +50,12 @@ pub struct InspectArgs {
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     plot: Option<PathBuf>,
 
+    /// Write all that can be read as a new, complete log: of a run that was killed, for viewers that need its index
+    #[arg(long, value_name = "FILE.mcap")]
+    recover: Option<PathBuf>,
+
     /// Go on looking while a run writes the log, a line whenever there is something new
-    #[arg(long, conflicts_with_all = ["at", "csv", "plot"])]
+    #[arg(long, conflicts_with_all = ["at", "csv", "plot", "recover"])]
     follow: bool,
 
     /// Print JSON: one object, with --follow one a line
@@ -76,9 +76,13 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
     if arguments.follow {
         return follow(log, arguments.json);
     }
-    let shows_more = arguments.at.is_some() || arguments.csv.is_some() || arguments.plot.is_some();
+    let files = [&arguments.csv, &arguments.plot, &arguments.recover];
+    let shows_more = arguments.at.is_some() || files.iter().any(|file| file.is_some());
     if let Some(plot) = &arguments.plot {
         check_ending(plot).map_err(Failure::input)?;
+    }
+    if let Some(whole) = &arguments.recover {
+        check_absent(whole).map_err(Failure::input)?;
     }
     let summary = Summary::read(log).map_err(Failure::input)?;
     if shows_more && !summary.complete {
@@ -96,6 +100,9 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
         let figure = curves(log, &kinds(log)).map_err(Failure::input)?;
         draw(&figure, plot).map_err(Failure::run)?;
     }
+    if let Some(whole) = &arguments.recover {
+        recover_into(log, whole)?;
+    }
     match (shows_more, arguments.json) {
         (true, _) => Ok(()),
         (false, true) => print_json(&summary),
@@ -106,76 +113,6 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
 fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     let json = serde_json::to_string_pretty(value).map_err(Failure::run)?;
     print(format_args!("{json}\n"))
-}
-
-/// What is written must not replace what it is made from.
-fn not_itself(log: &Path, output: &Path) -> anyhow::Result<()> {
-    match (log.canonicalize(), output.canonicalize()) {
-        (Ok(log), Ok(same)) if log == same => bail!("the output {} is the log itself", output.display()),
-        _ => Ok(()),
-    }
-}
-
-/// The kinds of the joints, as far as the log tells them.
-fn kinds(log: &Path) -> JointKinds {
-    match Recorded::open(log) {
-        Ok(recorded) => joint_kinds(&recorded.loaded.model),
-        Err(error) => {
-            eprintln!("catena: warning: units of joints are not known: {error:#}");
-            JointKinds::new()
-        }
-    }
-}
-
-fn write_csv(log: &Path, table: &Path) -> anyhow::Result<()> {
-    let kinds = kinds(log);
-    if std::fs::metadata(table).is_ok_and(|file| !file.is_file()) {
-        // A pipe or device cannot be replaced by a finished file.
-        let mut out = BufWriter::new(File::create(table).with_context(|| format!("cannot write {}", table.display()))?);
-        write_table(log, &kinds, &mut out).with_context(|| format!("cannot write {}", table.display()))?;
-        return out.flush().with_context(|| format!("cannot write {}", table.display()));
-    }
-    let mut result = Ok(());
-    write_with(table, |part| {
-        let write = || -> anyhow::Result<()> {
-            let mut out = BufWriter::new(File::create(part)?);
-            write_table(log, &kinds, &mut out)?;
-            Ok(out.flush()?)
-        };
-        result = write().with_context(|| format!("cannot write {}", table.display()));
-        // Whatever it is, the part must go; the error itself is told below.
-        match &result {
-            Ok(()) => Ok(()),
-            Err(error) => Err(catena::chart::ChartError::Write {
-                path: table.to_path_buf(),
-                source: std::io::Error::other(format!("{error:#}")),
-            }),
-        }
-    })
-    .map_or_else(|error| Err(result.err().unwrap_or_else(|| error.into())), Ok)
-}
-
-fn check_ending(plot: &Path) -> anyhow::Result<()> {
-    match ending(plot).as_deref() {
-        Some("svg" | "png") => Ok(()),
-        _ => bail!("{}: a plot ends in .svg or .png", plot.display()),
-    }
-}
-
-fn ending(path: &Path) -> Option<String> {
-    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase())
-}
-
-fn draw(figure: &Figure, plot: &Path) -> anyhow::Result<()> {
-    if figure.pictures.is_empty() {
-        bail!("{}: the log has nothing that could be drawn", plot.display());
-    }
-    let drawn = if ending(plot).as_deref() == Some("png") {
-        write_with(plot, |part| figure.write_png(part))
-    } else {
-        figure.svg().and_then(|text| catena::chart::files::write_text(plot, &text))
-    };
-    drawn.with_context(|| format!("cannot write {}", plot.display()))
 }
 
 /// One instant of a log, as the report of a run shows its end.
@@ -275,7 +212,7 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
     }
     let figures = &frame.figures;
     let constraint = figures.violation.map(|[position, velocity]| Violation {
-        time: figures.nanoseconds as f64 * 1e-9,
+        time: figures.nanoseconds as f64 / 1e9,
         position,
         velocity,
     });

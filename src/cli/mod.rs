@@ -14,6 +14,7 @@ mod couplings;
 mod engine;
 mod input;
 mod inspect;
+mod inspect_files;
 mod model;
 mod numbers;
 mod progress;

@@ -225,7 +225,7 @@ impl Visitor for Gatherer<'_> {
     }
 
     fn figures(&mut self, figures: &Figures) {
-        let time = figures.nanoseconds as f64 * 1e-9;
+        let time = figures.nanoseconds as f64 / 1e9;
         if let (Some([kinetic, ..]), Some(balance)) = (figures.energy, figures.balance()) {
             let initial = *self.initial.get_or_insert(balance);
             self.largest_kinetic = self.largest_kinetic.max(kinetic);

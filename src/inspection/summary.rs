@@ -270,7 +270,7 @@ impl fmt::Display for Summary {
         let entry = |name: &str| self.simulation.get(name).map(String::as_str).filter(|text| !text.is_empty());
         writeln!(out, "{}: {}", self.log, self.state())?;
         write!(out, "  run         {}, ", entry("robot").unwrap_or("?"))?;
-        let last = nanoseconds(self.duration) as f64 * 1e-9;
+        let last = nanoseconds(self.duration) as f64 / 1e9;
         write!(out, "t = 0 to {last} s")?;
         if let Some(asked) = entry("duration").and_then(|text| text.parse::<f64>().ok()).filter(|asked| *asked > last) {
             write!(out, " of {asked} s")?;

@@ -74,7 +74,7 @@ fn cells(frame: &Frame, kinds: &JointKinds) -> Vec<(String, Option<f64>)> {
     }
     let figures = &frame.figures;
     let known = figures.energy.is_some() || figures.violation.is_some();
-    cells.push(("step_end [s]".to_string(), known.then_some(figures.nanoseconds as f64 * 1e-9)));
+    cells.push(("step_end [s]".to_string(), known.then_some(figures.nanoseconds as f64 / 1e9)));
     for (place, name) in ["kinetic", "potential", "total", "dissipated", "work"].into_iter().enumerate() {
         cells.push((format!("energy.{name} [J]"), figures.energy.map(|energy| energy[place])));
     }

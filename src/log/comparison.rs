@@ -127,7 +127,7 @@ impl Comparison {
     }
 
     fn compare(&mut self, topic: &str, time: u64, data: &[u8]) -> Result<(), Difference> {
-        let seconds = |nanoseconds: u64| nanoseconds as f64 * 1e-9;
+        let seconds = |nanoseconds: u64| nanoseconds as f64 / 1e9;
         let Some(expected) = self.next()? else { return Err(Difference::LogEnded { time: self.compared.time }) };
         let differs = |what: String| Err(Difference::Message { topic: topic.to_string(), time: seconds(time), what });
         if (expected.topic.as_str(), expected.time) != (topic, time) {

@@ -1,7 +1,7 @@
 //! A log as a row of frames: everything that is known of one sampled instant.
 //!
 //! The messages of a sample have the same time. Figures of a step belong to its end; a frame has those of the last step
-//! that ended at or before it. Where a log was cut, a last sample that lacks messages is no frame.
+//! that ended at or before it. A last sample that lacks messages is no frame.
 
 use super::decode::{self, JointStates, LinkPose, LogLine, MultiDofStates};
 use super::reader::{Completeness, Item, LogChannel, ReadError, read_log};
@@ -51,7 +51,7 @@ impl Figures {
 impl Frame {
     /// Its time (s).
     pub fn time(&self) -> f64 {
-        self.nanoseconds as f64 * 1e-9
+        self.nanoseconds as f64 / 1e9
     }
 
     /// How many links, joints and reactions it has.
@@ -126,10 +126,9 @@ pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completene
     if let Some(problem) = builder.problem.take() {
         return Err(problem);
     }
-    if ended.as_ref().is_some_and(|ended| *ended != Completeness::Complete) {
-        let shape = builder.shape;
-        builder.frame.take_if(|frame| shape.is_some_and(|shape| shape != frame.shape()));
-    }
+    // The messages of a sample are not written at once: of the last one of a killed run some may be missing.
+    let shape = builder.shape;
+    builder.frame.take_if(|frame| shape.is_some_and(|shape| shape != frame.shape()));
     if ended.is_some() && builder.flush().is_break() {
         return Ok(None);
     }

@@ -23,13 +23,14 @@
 //! Chunks are not compressed (`container.rs` says why).
 //!
 //! Rerun draws the robot from `/robot_description` and `/tf` and plots the ROS messages by itself; Foxglove and
-//! Lichtblick draw `/scene`; every channel has a schema because PlotJuggler skips those without. The metadata record
+//! Lichtblick draw `/scene` when a layout makes it visible; every channel has a schema because PlotJuggler cannot do without. The
+//! images of meshes are not in the log: with one a Collada mesh is plain in Foxglove, which says so. The metadata record
 //! `simulation` says how the run was made, `inputs` has the hashes of the attachments, which are the URDF and scene files
 //! as they were read, and `end` says how the run ended, with the figures of all its steps. Log time and publish time are
 //! both the simulated time in nanoseconds and nothing in the file depends on the clock of the wall or of the processor
 //! (which is why `/solver` has no CPU time), so that the same run gives the same bytes.
 //!
-//! A log is written by [`Recorder`] and read by [`reader`], [`decode`] and [`frames`].
+//! A log is written by [`Recorder`] and read by [`reader`], [`decode`] and [`frames`]; [`recovery`] completes one that was cut.
 //!
 //! [`Recorder`] is the [`crate::simulation::Observer`].
 
@@ -49,6 +50,8 @@ mod place;
 mod queue;
 pub mod reader;
 mod recorder;
+mod records;
+pub mod recovery;
 mod ros;
 mod standin;
 mod transforms;

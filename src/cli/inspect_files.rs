@@ -1,0 +1,108 @@
+//! The files that `catena inspect` makes of a log: tables, plots, and complete logs.
+
+use super::recorded::Recorded;
+use super::{Failure, print};
+use anyhow::{Context, bail};
+use catena::chart::files::write_with;
+use catena::chart::picture::Figure;
+use catena::inspection::curves::{JointKinds, joint_kinds};
+use catena::inspection::table::write_table;
+use catena::log::recovery::recover;
+use std::cell::Cell;
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+
+/// What is written must not replace what it is made from.
+pub(super) fn not_itself(log: &Path, output: &Path) -> anyhow::Result<()> {
+    match (log.canonicalize(), output.canonicalize()) {
+        (Ok(log), Ok(same)) if log == same => bail!("the output {} is the log itself", output.display()),
+        _ => Ok(()),
+    }
+}
+
+/// The kinds of the joints, as far as the log tells them.
+pub(super) fn kinds(log: &Path) -> JointKinds {
+    match Recorded::open(log) {
+        Ok(recorded) => joint_kinds(&recorded.loaded.model),
+        Err(error) => {
+            eprintln!("catena: warning: units of joints are not known: {error:#}");
+            JointKinds::new()
+        }
+    }
+}
+
+pub(super) fn write_csv(log: &Path, table: &Path) -> anyhow::Result<()> {
+    let kinds = kinds(log);
+    if std::fs::metadata(table).is_ok_and(|file| !file.is_file()) {
+        // A pipe or device cannot be replaced by a finished file.
+        let mut out = BufWriter::new(File::create(table).with_context(|| format!("cannot write {}", table.display()))?);
+        write_table(log, &kinds, &mut out).with_context(|| format!("cannot write {}", table.display()))?;
+        return out.flush().with_context(|| format!("cannot write {}", table.display()));
+    }
+    write_whole(table, |out| Ok(write_table(log, &kinds, out).map(drop)?))
+}
+
+/// Writes a file that is not there before all of it is.
+fn write_whole(path: &Path, write: impl Fn(&mut BufWriter<File>) -> anyhow::Result<()>) -> anyhow::Result<()> {
+    let mut result = Ok(());
+    write_with(path, |part| {
+        let write = || -> anyhow::Result<()> {
+            let mut out = BufWriter::new(File::create(part)?);
+            write(&mut out)?;
+            Ok(out.flush()?)
+        };
+        result = write().with_context(|| format!("cannot write {}", path.display()));
+        // Whatever it is, the part must go; the error itself is told below.
+        match &result {
+            Ok(()) => Ok(()),
+            Err(error) => Err(catena::chart::ChartError::Write {
+                path: path.to_path_buf(),
+                source: std::io::Error::other(format!("{error:#}")),
+            }),
+        }
+    })
+    .map_or_else(|error| Err(result.err().unwrap_or_else(|| error.into())), Ok)
+}
+
+/// A recovered log replaces nothing, since what is there may be a log as well.
+pub(super) fn check_absent(whole: &Path) -> anyhow::Result<()> {
+    if whole.exists() {
+        bail!("{} is there already", whole.display());
+    }
+    Ok(())
+}
+
+/// Writes a complete log of what can be read in another.
+pub(super) fn recover_into(log: &Path, whole: &Path) -> Result<(), Failure> {
+    let messages = Cell::new(0);
+    let write = |out: &mut BufWriter<File>| {
+        messages.set(recover(log, out)?);
+        Ok(())
+    };
+    write_whole(whole, write).map_err(Failure::run)?;
+    print(format_args!("{}: a complete log of {} messages\n", whole.display(), messages.get()))
+}
+
+pub(super) fn check_ending(plot: &Path) -> anyhow::Result<()> {
+    match ending(plot).as_deref() {
+        Some("svg" | "png") => Ok(()),
+        _ => bail!("{}: a plot ends in .svg or .png", plot.display()),
+    }
+}
+
+fn ending(path: &Path) -> Option<String> {
+    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+}
+
+pub(super) fn draw(figure: &Figure, plot: &Path) -> anyhow::Result<()> {
+    if figure.pictures.is_empty() {
+        bail!("{}: the log has nothing that could be drawn", plot.display());
+    }
+    let drawn = if ending(plot).as_deref() == Some("png") {
+        write_with(plot, |part| figure.write_png(part))
+    } else {
+        figure.svg().and_then(|text| catena::chart::files::write_text(plot, &text))
+    };
+    drawn.with_context(|| format!("cannot write {}", plot.display()))
+}
