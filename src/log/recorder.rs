@@ -260,7 +260,7 @@ fn describe(sink: &mut dyn MessageSink, model: &Model) -> Result<Vec<String>, Lo
         encode(&looks.scene, &mut buffer);
         sink.message(channel, 0, &buffer)?;
     }
-    Ok(looks.warnings)
+    Ok(looks.warnings())
 }
 
 /// Encodes into the emptied buffer.

@@ -12,7 +12,7 @@ use foxglove::messages::{
     SpherePrimitive, Vector3 as VectorMessage,
 };
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What has no material is drawn in this grey.
 const PLAIN: [f64; 4] = [0.7, 0.7, 0.72, 1.0];
@@ -25,12 +25,27 @@ const MESH_BYTES: u64 = 1 << 26;
 pub(super) struct Looks {
     /// One entity a link.
     pub scene: SceneUpdate,
-    /// What viewers will not see.
-    pub warnings: Vec<String>,
+    missing: Vec<String>,
+    /// Meshes that name files which are not in the log.
+    plain: Vec<PathBuf>,
     mesh_bytes: u64,
 }
 
 impl Looks {
+    /// What viewers will not see.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let plain = self.plain.first().map(|first| {
+            let count = self.plain.len();
+            let meshes = if count == 1 { "1 mesh".to_string() } else { format!("{count} meshes") };
+            format!(
+                "images, materials or parts that {meshes} take from other files are not in the log, so that some viewers \
+                 leave them out: {}",
+                first.display()
+            )
+        });
+        self.missing.iter().cloned().chain(plain).collect()
+    }
+
     /// Adds the links of a robot that have looks or a stand-in, with `prefix` before their names.
     pub(super) fn add(&mut self, links: &[Link], prefix: &str, standins: &[Standin]) {
         for (index, link) in links.iter().enumerate() {
@@ -60,12 +75,15 @@ impl Looks {
         let Some(file) = &mesh.resolved else { return };
         match self.mesh(file) {
             Ok((media_type, data)) => {
+                if names_other_files(media_type, &data) && !self.plain.contains(file) {
+                    self.plain.push(file.clone());
+                }
                 // A viewer takes one or the other.
                 model.url.clear();
                 model.media_type = media_type.to_string();
                 model.data = data.into();
             }
-            Err(reason) => self.warnings.push(format!("the mesh {} is not in the log: {reason}", file.display())),
+            Err(reason) => self.missing.push(format!("the mesh {} is not in the log: {reason}", file.display())),
         }
     }
 
@@ -87,6 +105,24 @@ impl Looks {
         let data = std::fs::read(file).map_err(|error| error.to_string())?;
         self.mesh_bytes += size;
         Ok((media_type, data))
+    }
+}
+
+/// Whether a mesh takes something from other files.
+fn names_other_files(media_type: &str, data: &[u8]) -> bool {
+    let text = || String::from_utf8_lossy(data);
+    match media_type {
+        // The name of an image file; without an ending it is that of another element.
+        "model/vnd.collada+xml" => text()
+            .split("<init_from>")
+            .skip(1)
+            .any(|rest| rest.split('<').next().is_some_and(|name| name.contains('.'))),
+        "model/obj" => text().lines().any(|line| line.starts_with("mtllib ")),
+        "model/gltf+json" => text()
+            .split("\"uri\"")
+            .skip(1)
+            .any(|rest| !rest.trim_start_matches(|c: char| c == ':' || c.is_whitespace()).starts_with("\"data:")),
+        _ => false,
     }
 }
 
@@ -137,4 +173,26 @@ fn place(pose: &Pose) -> PoseMessage {
 
 fn vector(vector: &Vector3<f64>) -> VectorMessage {
     VectorMessage { x: vector.x, y: vector.y, z: vector.z }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::names_other_files;
+
+    #[test]
+    fn a_mesh_with_images_or_materials_in_other_files_is_told_from_one_without() {
+        let collada = "model/vnd.collada+xml";
+        let cases = [
+            (collada, "<image><init_from>carbon.jpg</init_from></image><surface><init_from>carbon</init_from>", true),
+            (collada, "<surface><init_from>carbon</init_from></surface>", false),
+            ("model/obj", "# leg\nmtllib leg.mtl\nv 0 0 0\n", true),
+            ("model/obj", "# mtllib is not used\nv 0 0 0\n", false),
+            ("model/gltf+json", r#"{"buffers": [{"uri" : "leg.bin"}]}"#, true),
+            ("model/gltf+json", r#"{"buffers": [{"uri": "data:application/octet-stream;base64,AA=="}]}"#, false),
+            ("model/stl", "solid mtllib <init_from>a.png", false),
+        ];
+        for (media_type, text, expected) in cases {
+            assert_eq!(names_other_files(media_type, text.as_bytes()), expected, "{text}");
+        }
+    }
 }
