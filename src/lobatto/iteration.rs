@@ -4,6 +4,7 @@
 //!
 //! ```text
 //!     converged:    |δ_n| ≤ ε max(1, |θ|),   or   |δ_n| ≤ 10⁻¹¹ max(1, |θ|)  and  |δ_n| > ½ |δ_{n−1}|      (rounding)
+//!                   |δ_n|, |δ_{n−1}| ≤ 10⁻⁹ max(1, |θ|)  after fifteen iterations, exact method alone      (beside a singular position)
 //!     hopeless:     |δ_n| > 0.3 |δ_{n−5}|  after eight iterations
 //!     too long:     E > 3 E_tol  after four iterations
 //! ```
@@ -21,6 +22,10 @@ pub(super) trait Equations {
     fn iterate(&mut self, settled: bool) -> f64;
     /// Whether iterations that are not settled do without the second half of the coefficients' digits, and those that are do not.
     fn refines(&self) -> bool {
+        false
+    }
+    /// Whether this is the exact method, behind which there is no other.
+    fn is_exact(&self) -> bool {
         false
     }
     /// Takes the next iterate; returns the largest displacement.
@@ -63,6 +68,10 @@ impl<K: Coupling> Equations for Exact<'_, K> {
         self.0.couple()
     }
 
+    fn is_exact(&self) -> bool {
+        true
+    }
+
     fn advance(&mut self) -> f64 {
         self.0.add_increments()
     }
@@ -99,6 +108,13 @@ pub(super) fn exact_rule(mechanism: &Mechanism, rule: &StopRule) -> StopRule {
 
 /// Once the exact Newton method was needed, it comes first for so many steps: what made it necessary seldom ends at once.
 const EXACT_STEPS: usize = 50;
+
+/// Beside a singular position the roundings of gaps, 10⁻¹⁶ m, move a mechanism by so much (rad, m) along what the loops hardly
+/// hold: increments of the exact method that are below this and stay there are rounding, however large.
+const SLACK: f64 = 1e-9;
+
+/// After so many iterations they are seen to stay there.
+const PATIENCE: usize = 15;
 
 /// Solves the stage equations, with the exact method as the last resort.
 pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule: &StopRule, plain: bool) -> Attempt {
@@ -137,9 +153,11 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
         // after the next increment if it falls as the last one did; and a step to rounding has not ended without them.
         let settled = previous < 1e-13 || (earlier.is_finite() && previous * previous < 1e-15 * earlier);
         let increment = equations.iterate(settled);
+        let slack = iteration >= PATIENCE && equations.is_exact() && previous.max(increment) <= SLACK * scale;
         let converged = (settled || !refines)
             && (increment <= rule.increment * scale
-                || (increment <= rule.rounding * scale && increment > 0.5 * previous));
+                || (increment <= rule.rounding * scale && increment > 0.5 * previous)
+                || slack);
         if converged {
             equations.complete();
             // Fixed steps do not ask how accurate they are.
@@ -168,4 +186,55 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
     }
     let increment = recent[(rule.iterations + 4) % 5];
     Attempt::Failed { iterations: rule.iterations, freedom: equations.worst_freedom(), increment }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Equations whose increments fall to some rounding and stay there.
+    struct Rounding {
+        floor: f64,
+        exact: bool,
+        iterations: i32,
+    }
+
+    impl Equations for Rounding {
+        fn iterate(&mut self, _: bool) -> f64 {
+            self.iterations += 1;
+            // Never below half of the one before for long, as roundings are.
+            self.floor * if self.iterations % 2 == 0 { 1.0 } else { 1.6 } + 0.01_f64.powi(self.iterations)
+        }
+
+        fn is_exact(&self) -> bool {
+            self.exact
+        }
+
+        fn advance(&mut self) -> f64 {
+            0.1
+        }
+
+        fn complete(&mut self) {}
+
+        fn legendre(&self) -> f64 {
+            0.0
+        }
+
+        fn worst_freedom(&self) -> usize {
+            7
+        }
+
+        fn turned_too_far(&self) -> Option<usize> {
+            None
+        }
+    }
+
+    #[test]
+    fn roundings_beside_a_singular_position_end_the_exact_method_and_no_other() {
+        let solved = |floor, exact| solve(&mut Rounding { floor, exact, iterations: 0 }, &StopRule::ROUNDING);
+        assert!(matches!(solved(2e-12, false), Attempt::Converged { iterations: ..=8, .. }));
+        assert_eq!(solved(2e-11, true), Attempt::Converged { iterations: PATIENCE, legendre: 0.0, exact: false });
+        assert!(matches!(solved(2e-11, false), Attempt::Failed { iterations: 60, freedom: 7, .. }));
+        assert!(matches!(solved(2e-9, true), Attempt::Failed { .. }));
+    }
 }
