@@ -266,7 +266,7 @@ fn mechanisms_with_springs_dampers_and_loads_move_as_published_from_their_files(
 }
 
 #[test]
-#[ignore = "a quarter of an hour; cargo test --release --test scenes -- --ignored"]
+#[ignore = "half an hour; cargo test --release --test scenes -- --ignored"]
 fn the_gaps_of_every_closed_scene_are_rounding_over_a_million_steps() {
     for file in scene_files() {
         let name = stem(&file);
@@ -276,8 +276,13 @@ fn the_gaps_of_every_closed_scene_are_rounding_over_a_million_steps() {
             continue;
         }
         assemble(mechanism, &mut state).unwrap();
-        // The squeezer's motor spins it up without end: within 0.1 s to some 4000 rad/s.
-        let step = if name == "andrews_squeezer" { 1e-7 } else { 0.002 };
+        let step = match name {
+            // Its motor spins it up without end: within 0.1 s to some 4000 rad/s.
+            "andrews_squeezer" => 1e-7,
+            // It cracks like a whip, and three stages are stable up to 1.4 ms at first.
+            "ring_100" => 2e-4,
+            _ => 0.002,
+        };
         let mut lobatto = Lobatto::fixed(mechanism, 3, step).unwrap();
         let (mut gap, mut size) = (0.0_f64, 1.0_f64);
         for _ in 0..1_000_000 {
