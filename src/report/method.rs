@@ -118,7 +118,16 @@ pub struct AccuracyReport {
     pub reached: bool,
     /// Number of pilot runs.
     pub pilots: usize,
+    /// Whether pilot runs can tell at all.
+    #[serde(skip)]
+    can_tell: bool,
 }
+
+/// Where a motion amplifies errors more than [`CALM`] times, finer accuracies than this (m) are among the roundings of the run, and of the
+/// pilot runs alike (benches/README.md, "Is the accuracy what was asked for?").
+const FINEST: f64 = 1e-9;
+/// Error at the end over the stop of the iteration.
+const CALM: f64 = 100.0;
 
 impl AccuracyReport {
     /// What a calibration found for a run that ends at `end`.
@@ -129,6 +138,7 @@ impl AccuracyReport {
             holds_until: found.holds_until,
             reached: found.holds_until >= end,
             pilots: found.pilots,
+            can_tell: wanted >= 0.99 * FINEST || found.estimate <= CALM * found.stop,
         }
     }
 
@@ -142,18 +152,44 @@ impl AccuracyReport {
             holds_until: all.iter().map(|one| one.holds_until).fold(end, f64::min),
             reached: all.iter().all(|one| one.reached),
             pilots: all.iter().map(|one| one.pilots).sum(),
+            can_tell: all.iter().all(|one| one.can_tell),
         })
     }
 
-    /// What the user should know, if the accuracy does not hold to the end.
+    /// What the user should know, if the accuracy does not hold to the end, or if that cannot be told.
     pub fn warning(&self) -> Option<String> {
-        (!self.reached).then(|| {
-            format!(
-                "the motion amplifies every error: the accuracy of {:e} m is expected to hold until t = {} s only; after \
+        let wanted = self.wanted;
+        if !self.reached {
+            return Some(format!(
+                "the motion amplifies every error: the accuracy of {wanted:e} m is expected to hold until t = {} s only; after \
                  that the run is one of many possible motions, with the right energy and constraints",
-                self.wanted,
                 rounded(self.holds_until)
+            ));
+        }
+        (!self.can_tell).then(|| {
+            format!(
+                "the motion amplifies every error, roundings too: pilot runs cannot tell whether the accuracy of {wanted:e} m is \
+                 reached; the end may be a hundred times further off"
             )
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lobatto::stage_choice::StageChoice;
+
+    #[test]
+    fn accuracies_among_the_roundings_of_a_motion_that_amplifies_them_are_not_said_to_be_reached_without_a_word() {
+        let warning = |wanted: f64, amplification: f64| {
+            let stop = 1e-15;
+            let stages = StageChoice::Filling;
+            let found = Calibration { stop, stages, estimate: amplification * stop, holds_until: 2.0, pilots: 2 };
+            AccuracyReport::new(wanted, 2.0, &found).warning()
+        };
+        assert!(warning(1e-10, 2e4).is_some_and(|words| words.contains("cannot tell")));
+        assert_eq!(warning(1e-10, 3.0), None, "a calm motion");
+        assert_eq!(warning(1e-9, 2e4), None, "an accuracy that can be told");
     }
 }
