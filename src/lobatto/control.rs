@@ -16,7 +16,7 @@
 use super::lanes::Isa;
 use super::stage_choice::StageChoice;
 use super::step::{Attempt, Step, StopRule};
-use super::stepper::Stepper;
+use super::stepper::{Stepper, Stride};
 use crate::model::Mechanism;
 use crate::simulation::{StepError, StepOutcome};
 use crate::state::State;
@@ -148,9 +148,7 @@ impl Control {
         }
         let mut plain = false;
         loop {
-            let remaining = until - state.time;
-            let reaches = self.step >= remaining * (1.0 - 1e-9);
-            let length = if reaches { remaining } else { self.step };
+            let Stride { length, end, .. } = Stride::towards(until, state.time, self.step);
             let attempt = stepper.kernel.attempt(mechanism, length, &self.rule(), plain);
             outcome.iterations += attempt.iterations();
             let energies = match attempt {
@@ -162,9 +160,8 @@ impl Control {
             };
             match self.judge(&attempt, energies, length, plain) {
                 Verdict::Accept => {
-                    let time = if reaches { until } else { state.time + length };
                     outcome.step = length;
-                    outcome.exchange = stepper.accept(mechanism, state, length, time)?;
+                    outcome.exchange = stepper.accept(mechanism, state, length, end)?;
                     self.keep_below(stepper.watch.safe_step());
                     return Ok(outcome);
                 }

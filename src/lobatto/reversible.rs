@@ -19,7 +19,7 @@
 use super::dynamics::Dynamics;
 use super::start::{Plan, Start};
 use super::step::{Attempt, StopRule};
-use super::stepper::{HALVINGS, Stepper};
+use super::stepper::{HALVINGS, Stepper, Stride};
 use crate::model::Mechanism;
 use crate::simulation::{StepError, StepOutcome};
 use crate::state::State;
@@ -134,17 +134,14 @@ impl Reversible {
         }
         let mut halvings = 0;
         loop {
-            let remaining = until - state.time;
-            let reaches = self.step >= remaining * (1.0 - 1e-9);
-            let length = if reaches { remaining } else { self.step };
+            let Stride { length, end, reaches } = Stride::towards(until, state.time, self.step);
             for plain in [false, true] {
                 let attempt = stepper.kernel.attempt(mechanism, length, &StopRule::ROUNDING, plain);
                 outcome.iterations += attempt.iterations();
                 if let Attempt::Converged { exact, .. } = attempt {
                     stepper.finish(mechanism, state);
-                    let time = if reaches { until } else { state.time + length };
                     (outcome.step, outcome.exact) = (length, exact);
-                    outcome.exchange = stepper.accept(mechanism, state, length, time)?;
+                    outcome.exchange = stepper.accept(mechanism, state, length, end)?;
                     // A step that was cut off at the end of the run says nothing about the next.
                     if let (false, Some(pace)) = (reaches, stepper.kernel.pace(mechanism, state)) {
                         self.follow(&pace);

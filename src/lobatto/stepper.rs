@@ -21,6 +21,28 @@ use crate::state::State;
 /// Whatever makes a step shorter does so at most this often before it gives up.
 pub(super) const HALVINGS: u32 = 14;
 
+/// A step that is not longer than what is left.
+pub(super) struct Stride {
+    /// Its length (s).
+    pub length: f64,
+    /// Where it ends (s).
+    pub end: f64,
+    /// Whether that is where the run ends.
+    pub reaches: bool,
+}
+
+impl Stride {
+    /// From `time` as far as `step`, but exactly to `until` where that is nearer, or further by a rounding.
+    pub fn towards(until: f64, time: f64, step: f64) -> Self {
+        let remaining = until - time;
+        if step >= remaining * (1.0 - 1e-9) {
+            Stride { length: remaining, end: until, reaches: true }
+        } else {
+            Stride { length: step, end: time + step, reaches: false }
+        }
+    }
+}
+
 /// A mechanism on its way through time.
 pub(super) struct Stepper {
     /// Solves the stage equations.
