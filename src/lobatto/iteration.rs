@@ -130,13 +130,10 @@ pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule:
         spent = attempt.iterations();
     }
     equations.guess(plain);
-    let mut attempt = equations.solve_exactly(mechanism, rule).after(spent);
-    if let Attempt::Converged { exact, .. } = &mut attempt {
-        *exact = true;
-        if !mechanism.has_closures() {
-            let steps = equations.exact_for();
-            *steps = if spent > 0 { EXACT_STEPS } else { steps.saturating_sub(1) };
-        }
+    let attempt = equations.solve_exactly(mechanism, rule).after(spent);
+    if matches!(attempt, Attempt::Converged { .. }) && !mechanism.has_closures() {
+        let steps = equations.exact_for();
+        *steps = if spent > 0 { EXACT_STEPS } else { steps.saturating_sub(1) };
     }
     attempt
 }
@@ -162,7 +159,7 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
             equations.complete();
             // Fixed steps do not ask how accurate they are.
             let legendre = if rule.legendre.is_finite() { equations.legendre() } else { 0.0 };
-            return Attempt::Converged { iterations: iteration, legendre, exact: false };
+            return Attempt::Converged { iterations: iteration, legendre, exact: equations.is_exact() };
         }
         // By then the iterate shows the shape of the motion to a digit or two.
         if iteration == 4 && rule.legendre.is_finite() {
@@ -233,7 +230,7 @@ mod tests {
     fn roundings_beside_a_singular_position_end_the_exact_method_and_no_other() {
         let solved = |floor, exact| solve(&mut Rounding { floor, exact, iterations: 0 }, &StopRule::ROUNDING);
         assert!(matches!(solved(2e-12, false), Attempt::Converged { iterations: ..=8, .. }));
-        assert_eq!(solved(2e-11, true), Attempt::Converged { iterations: PATIENCE, legendre: 0.0, exact: false });
+        assert_eq!(solved(2e-11, true), Attempt::Converged { iterations: PATIENCE, legendre: 0.0, exact: true });
         assert!(matches!(solved(2e-11, false), Attempt::Failed { iterations: 60, freedom: 7, .. }));
         assert!(matches!(solved(2e-9, true), Attempt::Failed { .. }));
     }
