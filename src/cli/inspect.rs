@@ -11,7 +11,7 @@ use catena::inspection::compare::compare;
 use catena::inspection::curves::curves;
 use catena::inspection::summary::Summary;
 use catena::log::frames::{Frame, Visitor, visit};
-use catena::log::{is_locked, neighbour};
+use catena::log::{is_locked, neighbour, seconds};
 use catena::report::{
     JointReport, LinkReport, LoopReport, Numbers, as_object, joint_reports, link_reports, loop_reports,
 };
@@ -212,7 +212,7 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
     }
     let figures = &frame.figures;
     let constraint = figures.violation.map(|[position, velocity]| Violation {
-        time: figures.nanoseconds as f64 / 1e9,
+        time: seconds(figures.nanoseconds),
         position,
         velocity,
     });

@@ -13,6 +13,7 @@ use crate::chart::style::curve;
 use crate::log::decode::MultiDofStates;
 use crate::log::frames::{Figures, Frame, Visitor, visit};
 use crate::log::reader::{Completeness, ReadError};
+use crate::log::seconds;
 use crate::model::Model;
 use crate::scene::UrdfJointKind;
 use std::collections::HashMap;
@@ -225,7 +226,7 @@ impl Visitor for Gatherer<'_> {
     }
 
     fn figures(&mut self, figures: &Figures) {
-        let time = figures.nanoseconds as f64 / 1e9;
+        let time = seconds(figures.nanoseconds);
         if let (Some([kinetic, ..]), Some(balance)) = (figures.energy, figures.balance()) {
             let initial = *self.initial.get_or_insert(balance);
             self.largest_kinetic = self.largest_kinetic.max(kinetic);

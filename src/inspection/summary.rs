@@ -3,7 +3,7 @@
 use crate::log::decode::LogLine;
 use crate::log::frames::{Figures, Frame, Visitor, visit};
 use crate::log::reader::{Completeness, LogChannel, ReadError};
-use crate::log::{is_locked, nanoseconds};
+use crate::log::{is_locked, nanoseconds, seconds};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -190,7 +190,7 @@ impl Collector {
         summary.outcome = end.get("outcome").cloned();
         summary.rate = summary.simulation.get("rate").and_then(|rate| rate.parse().ok());
         for topic in &mut summary.topics {
-            let span = (topic.range.1 - topic.range.0) as f64 * 1e-9;
+            let span = seconds(topic.range.1 - topic.range.0);
             topic.rate = (topic.messages > 1 && span > 0.0).then(|| (topic.messages - 1) as f64 / span);
         }
         let scale = if self.largest_kinetic > 0.0 { self.largest_kinetic } else { 1.0 };
@@ -270,7 +270,7 @@ impl fmt::Display for Summary {
         let entry = |name: &str| self.simulation.get(name).map(String::as_str).filter(|text| !text.is_empty());
         writeln!(out, "{}: {}", self.log, self.state())?;
         write!(out, "  run         {}, ", entry("robot").unwrap_or("?"))?;
-        let last = nanoseconds(self.duration) as f64 / 1e9;
+        let last = seconds(nanoseconds(self.duration));
         write!(out, "t = 0 to {last} s")?;
         if let Some(asked) = entry("duration").and_then(|text| text.parse::<f64>().ok()).filter(|asked| *asked > last) {
             write!(out, " of {asked} s")?;

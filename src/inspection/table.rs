@@ -12,6 +12,7 @@ use super::curves::{JointKinds, joint_values};
 use crate::chart::comma_separated::field;
 use crate::log::frames::{Frame, Frames};
 use crate::log::reader::ReadError;
+use crate::log::seconds;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -74,7 +75,7 @@ fn cells(frame: &Frame, kinds: &JointKinds) -> Vec<(String, Option<f64>)> {
     }
     let figures = &frame.figures;
     let known = figures.energy.is_some() || figures.violation.is_some();
-    cells.push(("step_end [s]".to_string(), known.then_some(figures.nanoseconds as f64 / 1e9)));
+    cells.push(("step_end [s]".to_string(), known.then_some(seconds(figures.nanoseconds))));
     for (place, name) in ["kinetic", "potential", "total", "dissipated", "work"].into_iter().enumerate() {
         cells.push((format!("energy.{name} [J]"), figures.energy.map(|energy| energy[place])));
     }

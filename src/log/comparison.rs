@@ -5,6 +5,7 @@
 use super::batch::Batch;
 use super::file::{LogError, MessageSink};
 use super::reader::{Completeness, Item, ReadError, read_log};
+use super::seconds;
 use foxglove::Decode;
 use foxglove::messages::FrameTransforms;
 use std::ops::ControlFlow;
@@ -127,7 +128,6 @@ impl Comparison {
     }
 
     fn compare(&mut self, topic: &str, time: u64, data: &[u8]) -> Result<(), Difference> {
-        let seconds = |nanoseconds: u64| nanoseconds as f64 / 1e9;
         let Some(expected) = self.next()? else { return Err(Difference::LogEnded { time: self.compared.time }) };
         let differs = |what: String| Err(Difference::Message { topic: topic.to_string(), time: seconds(time), what });
         if (expected.topic.as_str(), expected.time) != (topic, time) {
@@ -143,7 +143,7 @@ impl Comparison {
     /// Ends the comparison.
     pub(super) fn finish(mut self) -> (Compared, Result<(), Difference>) {
         let ended = self.settle().and_then(|()| match self.next()? {
-            Some(Message { topic, time, .. }) => Err(Difference::LogGoesOn { topic, time: time as f64 * 1e-9 }),
+            Some(Message { topic, time, .. }) => Err(Difference::LogGoesOn { topic, time: seconds(time) }),
             None => Ok(()),
         });
         (self.compared, ended)

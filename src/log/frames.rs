@@ -5,6 +5,7 @@
 
 use super::decode::{self, JointStates, LinkPose, LogLine, MultiDofStates};
 use super::reader::{Completeness, Item, LogChannel, ReadError, read_log};
+use super::seconds;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -51,7 +52,7 @@ impl Figures {
 impl Frame {
     /// Its time (s).
     pub fn time(&self) -> f64 {
-        self.nanoseconds as f64 / 1e9
+        seconds(self.nanoseconds)
     }
 
     /// How many links, joints and reactions it has.
@@ -115,7 +116,7 @@ pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completene
                     builder.problem = Some(ReadError::Message {
                         path: path.to_path_buf(),
                         topic: channel.topic.clone(),
-                        time: time as f64 * 1e-9,
+                        time: seconds(time),
                         reason,
                     });
                     ControlFlow::Break(())
