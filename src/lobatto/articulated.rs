@@ -52,13 +52,15 @@ pub struct Eliminated<V> {
     pub torque_ratio: Vector<V>,
     /// `(τ − sᵀ(bias)) / (sᵀ A s)`.
     pub bias: V,
+    /// `1 / (sᵀ A s)`.
+    pub inverse: V,
 }
 
 impl<V: Lanes> Eliminated<V> {
     /// Nothing.
     pub fn zero() -> Self {
         let (axis, zero) = (Vector::zero(), V::zero());
-        Eliminated { axis, force_ratio: axis, torque_ratio: axis, bias: zero }
+        Eliminated { axis, force_ratio: axis, torque_ratio: axis, bias: zero, inverse: zero }
     }
 }
 
@@ -102,7 +104,7 @@ impl<V: Lanes> Articulated<V> {
         let force_ratio = force.times(inverse);
         self.mass = self.mass.minus_outer(force, force_ratio);
         self.force = force.times_plus(bias, self.force);
-        Eliminated { axis, force_ratio, torque_ratio: Vector::zero(), bias }
+        Eliminated { axis, force_ratio, torque_ratio: Vector::zero(), bias, inverse }
     }
 
     /// Eliminates a rotation about `axis` through the anchor, with the push of forces in the joint, if there are any.
@@ -120,7 +122,7 @@ impl<V: Lanes> Articulated<V> {
     pub fn solve_rotation(&self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {
         let inverse = resisting(axis.dot(self.inertia.apply(axis)), push).reciprocal();
         let bias = unbalanced(axis.dot(self.torque), push, inverse);
-        Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias }
+        Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias, inverse }
     }
 
     /// Eliminates a rotation about `axis` where nothing couples it to translations.
@@ -132,7 +134,7 @@ impl<V: Lanes> Articulated<V> {
         let torque_ratio = torque.times(inverse);
         self.inertia = self.inertia.minus_outer(torque, torque_ratio);
         self.torque = torque.times_plus(bias, self.torque);
-        Eliminated { axis, force_ratio: Vector::zero(), torque_ratio, bias }
+        Eliminated { axis, force_ratio: Vector::zero(), torque_ratio, bias, inverse }
     }
 
     /// The solution for a translation along `axis` of a body that floats alone: the axes do not couple either.
@@ -140,7 +142,7 @@ impl<V: Lanes> Articulated<V> {
     pub fn solve_translation(&self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {
         let inverse = resisting(axis.dot(self.mass.apply(axis)), push).reciprocal();
         let bias = unbalanced(axis.dot(self.force), push, inverse);
-        Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias }
+        Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias, inverse }
     }
 
     /// Eliminates a translation along `axis`.
@@ -168,7 +170,7 @@ impl<V: Lanes> Articulated<V> {
         self.inertia = self.inertia.minus_outer(torque, torque_ratio);
         self.force = force.times_plus(bias, self.force);
         self.torque = torque.times_plus(bias, self.torque);
-        Eliminated { axis, force_ratio, torque_ratio, bias }
+        Eliminated { axis, force_ratio, torque_ratio, bias, inverse }
     }
 
     /// The same about a point `arm` back: `v_here = v_there + φ × arm`.

@@ -5,6 +5,7 @@
 //!     repeat:  poses of all stages from θ                 stage.rs         g(Q_i) = 0 to rounding at every iterate
 //!              forces F_k, if there are any               applied.rs
 //!              residual ρ_k, factors of H(q_k)            residual.rs, articulated.rs
+//!              or ρ_k alone, with factors kept            chord.rs
 //!              δ_i = Σ_k Â_ik α_k,  H(q_k) α_k = −ρ_k     sweeps.rs
 //!              θ ← Anderson(θ, δ)                         anderson.rs
 //!     until |δ| is small enough
@@ -15,6 +16,7 @@
 //! method with all stages coupled ([`super::newton`]), and velocities are projected on the loops ([`super::projection`]).
 
 use super::anderson::Anderson;
+use super::chord::Chord;
 use super::closing::Closing;
 use super::coupled::{One, Space};
 use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_rule};
@@ -38,6 +40,7 @@ use crate::state::State;
 pub struct Kernel<V: Lanes> {
     pub(super) stages: Stages<V>,
     anderson: Anderson<V>,
+    chord: Chord,
     predictor: Predictor<V>,
     /// The exact Newton method, from when it is needed first.
     newton: Option<Box<Newton<V>>>,
@@ -68,6 +71,7 @@ impl<V: Lanes> Kernel<V> {
         Kernel {
             modes: Modes::new(mechanism, &stages.plan),
             anderson: Anderson::new(mechanism.velocity_count),
+            chord: Chord::NEW,
             predictor: Predictor::new(mechanism.velocity_count, stages.plan.balls(), tableau),
             stages,
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
@@ -91,16 +95,25 @@ impl<V: Lanes> Equations for Kernel<V> {
         let refines = self.refines();
         let stages = &mut self.stages;
         let gravity = &self.gravity;
+        let keeps = self.chord.keeps();
         in_lanes!(V, stages.sweep_poses());
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(false));
-            in_lanes!(V, stages.sweep_forced_residual(gravity));
+            if keeps {
+                in_lanes!(V, stages.sweep_forced_wrenches(gravity));
+            } else {
+                in_lanes!(V, stages.sweep_forced_residual(gravity));
+            }
         } else if refines && settled {
-            in_lanes!(V, stages.sweep_residual::<true>(gravity));
+            in_lanes!(V, stages.sweep_wrenches::<true>(gravity));
+        } else if keeps {
+            in_lanes!(V, stages.sweep_wrenches::<false>(gravity));
         } else {
-            in_lanes!(V, stages.sweep_residual::<false>(gravity));
+            in_lanes!(V, stages.sweep_residual(gravity));
         }
-        in_lanes!(V, stages.sweep_increments().largest())
+        let increment = in_lanes!(V, stages.sweep_increments().largest());
+        self.chord.see(increment);
+        increment
     }
 
     fn refines(&self) -> bool {
@@ -141,6 +154,7 @@ impl<V: Lanes> Guarded for Kernel<V> {
     }
 
     fn restart(&mut self) {
+        self.chord.restart();
         self.anderson.restart();
     }
 
@@ -249,6 +263,7 @@ impl<V: Lanes> Step for Kernel<V> {
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {
         self.stages.step = step;
         self.guess(true);
+        self.chord.restart();
         self.iterate(false);
         for (out, &increment) in out.iter_mut().zip(&self.stages.increment) {
             *out = 2.0 * at_end(increment, self.stages.coefficients.active) / (step * step);

@@ -14,6 +14,7 @@ pub mod applied;
 pub mod applied_plan;
 pub mod articulated;
 pub mod assembly;
+pub mod chord;
 mod closing;
 pub mod closure;
 pub mod control;

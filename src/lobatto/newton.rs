@@ -48,7 +48,7 @@ impl<V: Lanes> Newton<V> {
         let square = V::splat(stages.step * stages.step);
         for (index, plan) in stages.plan.bodies.iter().enumerate() {
             let known = &stages.start.bodies[index];
-            let (own, _) = body_residual::<V, false, true>(&sweep, plan, known, &stages.poses[index]);
+            let own = body_residual::<V, false, true>(&sweep, plan, known, &stages.poses[index]);
             let anchor = space.anchor(&stages.start, index, 1);
             let (mut force, mut torque) = (own.force, own.torque);
             if let Some(applied) = &stages.applied {

@@ -135,7 +135,7 @@ pub fn sliding_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
 
 /// `f` of a centre of mass `displaced` since the start.
 #[inline(always)]
-fn force_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
+pub fn force_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,
     known: &BodyStart,
     displaced: Vector<V>,
@@ -157,14 +157,29 @@ fn force_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     path.plus(Vector::splat(&sweep.gravity)).times(V::splat(known.mass))
 }
 
-/// Inertia and residual of one body about its anchor, and `N` at the rows' stages.
+/// The residual of one body about its anchor, and what its inertia is made of; all with the geometry of the rows.
+pub struct BodyResidual<V> {
+    /// `f`.
+    pub force: Vector<V>,
+    /// `e` about the anchor.
+    pub torque: Vector<V>,
+    /// `N`.
+    pub turn: Matrix<V>,
+    /// From the anchor to the centre of mass (m).
+    com: Vector<V>,
+    /// `J` about the centre of mass [kg m²].
+    own: Symmetric<V>,
+    mass: V,
+}
+
+/// The residual of one body; where nobody asks for its inertia the compiler leaves that out.
 #[inline(always)]
 pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,
     plan: &BodyPlan,
     known: &BodyStart,
     pose: &StagePose<V>,
-) -> (Articulated<V>, Matrix<V>) {
+) -> BodyResidual<V> {
     let [x, y, z] = pose.u.0;
     let (x2, y2, z2) = (x + x, y + y, z + z);
     // N = sym + hat(antisymmetric part): the products of the quaternion, which is what gets mixed.
@@ -186,26 +201,34 @@ pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     let torque = com.cross_plus(force, torque);
     let (force, torque) =
         if MOMENTUM { (force.times(V::splat(-1.0)), torque.times(V::splat(-1.0))) } else { (force, torque) };
+    BodyResidual { force, torque, turn, com, own, mass: V::splat(known.mass) }
+}
 
-    let mass = V::splat(known.mass);
-    // Parallel axes: I + m (|c|² − c cᵀ), and the coupling −m ĉ.
-    let heavy = com.times(mass);
-    let ([cx, cy, cz], [mx, my, mz]) = (com.0, heavy.0);
-    let [ixx, ixy, ixz, iyy, iyz, izz] = own.0;
-    let (mxx, myy, mzz) = (mx * cx, my * cy, mz * cz);
-    let inertia = Symmetric([
-        ixx + (myy + mzz),
-        mx.neg_mul_add(cy, ixy),
-        mx.neg_mul_add(cz, ixz),
-        iyy + (mxx + mzz),
-        my.neg_mul_add(cz, iyz),
-        izz + (mxx + myy),
-    ]);
-    let zero = V::zero();
-    let coupling = Matrix([[zero, mz, -my], [-mz, zero, mx], [my, -mx, zero]]);
-    let articulated =
-        Articulated { mass: Symmetric([mass, zero, zero, mass, zero, mass]), coupling, inertia, force, torque };
-    (articulated, turn)
+impl<V: Lanes> BodyResidual<V> {
+    /// With the inertia about the anchor: `J + m (|c|² − c cᵀ)`, and the coupling `−m ĉ`.
+    #[inline(always)]
+    pub fn with_inertia(&self) -> Articulated<V> {
+        let heavy = self.com.times(self.mass);
+        let ([cx, cy, cz], [mx, my, mz]) = (self.com.0, heavy.0);
+        let [ixx, ixy, ixz, iyy, iyz, izz] = self.own.0;
+        let (mxx, myy, mzz) = (mx * cx, my * cy, mz * cz);
+        let inertia = Symmetric([
+            ixx + (myy + mzz),
+            mx.neg_mul_add(cy, ixy),
+            mx.neg_mul_add(cz, ixz),
+            iyy + (mxx + mzz),
+            my.neg_mul_add(cz, iyz),
+            izz + (mxx + myy),
+        ]);
+        let zero = V::zero();
+        Articulated {
+            mass: Symmetric([self.mass, zero, zero, self.mass, zero, self.mass]),
+            coupling: Matrix([[zero, mz, -my], [-mz, zero, mx], [my, -mx, zero]]),
+            inertia,
+            force: self.force,
+            torque: self.torque,
+        }
+    }
 }
 
 /// `J` and `e` about the centre of mass, from the `products` and `turned` of [`increment_matrix`] and N at the rows' stages.

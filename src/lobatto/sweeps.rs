@@ -9,6 +9,8 @@
 //!     α = α₀ − (A s)ᵀ η / d,    η ← η + s α,         δ_i = Σ_k Â_ik α_k
 //! ```
 //!
+//! What an iteration needs that keeps the factors of the one before is in [`super::chord`].
+//!
 //! Of a body that never turns, three of the six rows are left: its children hand it their mass and force alone.
 //!
 //! Forces in joints enter the row of their freedom, all others the wrench of their body ([`super::applied`]).
@@ -25,14 +27,13 @@ use super::start::{BodyPlan, Children};
 use crate::model::FreeRotation;
 
 impl<V: Lanes> Stages<V> {
-    /// Residual and articulated factorisation of all rows, leaf to root, after [`Stages::sweep_poses`]; `REFINED` with twice the digits of the coefficients, for the last iterations of a step
-    /// that is iterated to rounding.
+    /// Residual and articulated factorisation of all rows, leaf to root, after [`Stages::sweep_poses`].
     #[inline(always)]
-    pub fn sweep_residual<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
+    pub fn sweep_residual(&mut self, gravity: &[f64; 3]) {
         let columns = self.coefficients.residual;
         let rest = self.coefficients.residual_rest;
         let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
-        self.backward::<false, REFINED, false>(&sweep);
+        self.backward::<false, false, false>(&sweep);
     }
 
     /// [`Stages::sweep_residual`] of a mechanism with forces, after [`Stages::sweep_applied`]; always refined, which costs less
@@ -93,7 +94,9 @@ impl<V: Lanes> Stages<V> {
                 }
                 continue;
             }
-            let (mut own, turn) = body_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, &pose);
+            let residual = body_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, &pose);
+            let turn = residual.turn;
+            let mut own = residual.with_inertia();
             if FORCED && let Some(applied) = &applied {
                 let (force, torque) = applied.wrenches[index];
                 own.force = force.times_minus(scale, own.force);

@@ -1,0 +1,224 @@
+//! Iterations that keep the factors of an earlier one.
+//!
+//! A chord method: the residual `ρ_k` has the geometry of the iterate, and so have the axes `s` and arms that it gathers along; what a joint
+//! takes of it is divided by the inertia of an earlier iterate `q⁰`,
+//!
+//! ```text
+//!     H(q⁰_k) α_k = −ρ_k(q):     α₀ = (τ − sᵀ p)/d⁰,   p ← p + (A s)⁰ α₀,      d⁰ = s⁰ᵀ A⁰ s⁰ + κ
+//! ```
+//!
+//! so that a solution is a solution, and the work on the articulated inertias, a third of an iteration, is left out. The inertia changes
+//! by the increments: where these are small the iteration converges as before. Where the masses of a tree differ by thousands, increments
+//! that look small change `H` along the heavy directions by more than its light ones are; [`Chord`] finds out and keeps factors later.
+//! Source: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (1995), section 5.4.
+
+use super::algebra::Vector;
+use super::articulated::Eliminated;
+use super::lanes::Lanes;
+use super::residual::{Sweep, body_residual, force_residual};
+use super::stage::{Stages, rotate_increment};
+use super::start::{BodyPlan, Children};
+use super::sweeps::{tangent, tilted};
+use crate::model::FreeRotation;
+
+/// When to keep the factors.
+#[derive(Clone, Copy, Debug)]
+pub struct Chord {
+    /// Factors are kept where the last increment is below this (rad, m).
+    below: f64,
+    /// The last increment of this step.
+    last: f64,
+    /// Whether the last iteration kept its factors.
+    kept: bool,
+    /// Whether keeping them was seen to be a loss in this step.
+    lost: bool,
+}
+
+impl Chord {
+    /// Before the first step.
+    pub const NEW: Chord = Chord { below: SMALL, last: f64::INFINITY, kept: false, lost: false };
+
+    /// A new step, or another guess: no factors.
+    pub fn restart(&mut self) {
+        (self.last, self.kept, self.lost) = (f64::INFINITY, false, false);
+        self.below = (self.below * SOONER).min(SMALL);
+    }
+
+    /// Whether the next iteration keeps the factors of the last one.
+    pub fn keeps(&mut self) -> bool {
+        self.kept = !self.lost && self.last < self.below;
+        self.kept
+    }
+
+    /// Takes note of an increment.
+    pub fn see(&mut self, increment: f64) {
+        if self.kept && increment > SLOW * self.last && increment > SETTLED {
+            self.lost = true;
+            self.below *= LATER;
+        }
+        self.last = increment;
+    }
+}
+
+/// Below this (rad, m) increments change an inertia little.
+const SMALL: f64 = 0.1;
+/// An increment that is a larger part of the one before, with kept factors,
+const SLOW: f64 = 0.5;
+/// and above rounding says that they were kept too early:
+const SETTLED: f64 = 1e-11;
+/// from now on they are kept when increments are smaller by this factor,
+const LATER: f64 = 0.1;
+/// and a little earlier again in every step.
+const SOONER: f64 = 1.2;
+
+/// What a body hands to its parent: a wrench about the parent's anchor.
+#[derive(Clone, Copy)]
+struct Wrench<V> {
+    force: Vector<V>,
+    torque: Vector<V>,
+}
+
+impl<V: Lanes> Wrench<V> {
+    /// Takes out what a joint takes along an axis of which the wrench is `load` (minus the push).
+    #[inline(always)]
+    fn relieve(&mut self, axis: Vector<V>, load: V, joint: &mut Eliminated<V>) {
+        joint.axis = axis;
+        joint.bias = -(load * joint.inverse);
+        self.force = joint.force_ratio.times_minus(load, self.force);
+        self.torque = joint.torque_ratio.times_minus(load, self.torque);
+    }
+}
+
+impl<V: Lanes> Stages<V> {
+    /// Residual of all rows, leaf to root, after [`Stages::sweep_poses`], with the factors of the last [`Stages::sweep_residual`];
+    /// `REFINED` with twice the digits of the coefficients, for the last iterations of a step that is iterated to rounding.
+    #[inline(always)]
+    pub fn sweep_wrenches<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
+        let columns = self.coefficients.residual;
+        let rest = self.coefficients.residual_rest;
+        let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
+        self.gather::<REFINED, false>(&sweep);
+    }
+
+    /// [`Stages::sweep_wrenches`] of a mechanism with forces, after [`Stages::sweep_applied`].
+    #[inline(always)]
+    pub fn sweep_forced_wrenches(&mut self, gravity: &[f64; 3]) {
+        let columns = self.coefficients.residual;
+        let rest = self.coefficients.residual_rest;
+        let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
+        self.gather::<true, true>(&sweep);
+    }
+
+    #[inline(always)]
+    fn gather<const REFINED: bool, const FORCED: bool>(&mut self, sweep: &Sweep<V>) {
+        let applied = if FORCED { self.applied.take() } else { None };
+        let scale = V::splat(sweep.forces);
+        let effort = |freedom: usize| match &applied {
+            Some(applied) if FORCED => Some(applied.efforts[freedom] * scale),
+            _ => None,
+        };
+        let nothing = Wrench { force: Vector::zero(), torque: Vector::zero() };
+        let mut carried = nothing;
+        for index in (0..self.plan.bodies.len()).rev() {
+            let plan = &self.plan.bodies[index];
+            let known = &self.start.bodies[index];
+            let pose = self.poses[index];
+            let (mut total, turn) = if plan.slides {
+                let force = force_residual::<V, false, REFINED>(sweep, known, pose.anchor);
+                (Wrench { force, ..nothing }, None)
+            } else {
+                let own = body_residual::<V, false, REFINED>(sweep, plan, known, &pose);
+                (Wrench { force: own.force, torque: own.torque }, Some(own.turn))
+            };
+            if FORCED && let Some(applied) = &applied {
+                let (force, torque) = applied.wrenches[index];
+                total.force = force.times_minus(scale, total.force);
+                total.torque = torque.times_minus(scale, total.torque);
+            }
+            match plan.children {
+                Children::None => {}
+                Children::Next => {
+                    total.force = total.force.plus(carried.force);
+                    total.torque = total.torque.plus(carried.torque);
+                }
+                Children::Slot(slot) => {
+                    total.force = total.force.plus(self.slots[slot].force);
+                    total.torque = total.torque.plus(self.slots[slot].torque);
+                }
+            }
+            let rotations = plan.first_axis + plan.translations;
+            if let Some(turn) = turn {
+                match plan.rotation {
+                    FreeRotation::None => {}
+                    FreeRotation::AboutZ => {
+                        let axis = Vector::splat(&self.start.axes[rotations]);
+                        let axis = turn.apply_plus(axis, axis);
+                        let load = less(axis.dot(total.torque), effort(rotations));
+                        total.relieve(axis, load, &mut self.eliminated[rotations]);
+                    }
+                    FreeRotation::Ball => {
+                        let vector = self.rotation_vector(rotations).times(sweep.moved);
+                        let coefficients = tangent(vector.dot(vector));
+                        for freedom in (rotations..rotations + 3).rev() {
+                            let axis = Vector::splat(&self.start.axes[freedom]);
+                            let tilt = tilted(vector, axis, coefficients);
+                            let axis = turn.apply_plus(tilt, tilt);
+                            let load = less(axis.dot(total.torque), effort(freedom));
+                            total.relieve(axis, load, &mut self.eliminated[freedom]);
+                        }
+                    }
+                }
+            }
+            for freedom in (plan.first_axis..rotations).rev() {
+                let axis = Vector::splat(&self.start.axes[freedom]);
+                let axis = match plan.parent.filter(|_| !plan.parent_slides) {
+                    Some(parent) => {
+                        let parent = self.poses[parent];
+                        rotate_increment(parent.w, parent.u, axis).times_plus(sweep.moved, axis)
+                    }
+                    None => axis,
+                };
+                let load = less(axis.dot(total.force), effort(freedom));
+                total.relieve(axis, load, &mut self.eliminated[freedom]);
+            }
+            if let Some(parent) = plan.parent {
+                if !plan.parent_slides {
+                    let moved = pose.anchor.minus(self.poses[parent].anchor);
+                    let arm = moved.times_plus(sweep.moved, Vector::splat(&known.arm));
+                    self.arms[index] = arm;
+                    total.torque = arm.cross_plus(total.force, total.torque);
+                }
+                self.hand_over(index, &mut carried, total);
+            }
+        }
+        if FORCED {
+            self.applied = applied;
+        }
+    }
+
+    /// Hands what a body leaves to its parent.
+    #[inline(always)]
+    fn hand_over(&mut self, body: usize, carried: &mut Wrench<V>, left: Wrench<V>) {
+        let BodyPlan { parent_collects, first_collected, .. } = self.plan.bodies[body];
+        match parent_collects {
+            Children::Slot(slot) => {
+                let slot = &mut self.slots[slot];
+                (slot.force, slot.torque) = if first_collected {
+                    (left.force, left.torque)
+                } else {
+                    (slot.force.plus(left.force), slot.torque.plus(left.torque))
+                };
+            }
+            _ => *carried = left,
+        }
+    }
+}
+
+/// The load of an axis, less the effort of forces in the joint, if there are any.
+#[inline(always)]
+fn less<V: Lanes>(load: V, effort: Option<V>) -> V {
+    match effort {
+        None => load,
+        Some(effort) => load - effort,
+    }
+}
