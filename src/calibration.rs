@@ -36,7 +36,7 @@ const RATIO: f64 = 30.0;
 /// The finest stop: rounding.
 const FINEST: f64 = 1e-16;
 /// The coarsest stop worth running.
-const COARSEST: f64 = 1e-4;
+const COARSEST: f64 = 1e-3;
 /// The run aims at this part of the tolerance: two runs of one motion, with other steps, differ by some such factor.
 const AIM: f64 = 10.0;
 /// Ratio of the stops of successive pairs.

@@ -10,8 +10,10 @@
 //! ```
 //!
 //! A step with `E > 1.3^{s−1} E_tol` is thrown away, and so is a finished one that changes the energy by more than its
-//! share of the tolerance; what is near that share does not grow. The energy sees what the polynomials do not, such as a
-//! passage near a singular position. Whatever these say, a step stays within the limit of stability ([`super::stability`]).
+//! share of the tolerance; what is near that share does not grow, unless `E` is so small that the change can only be what the iteration
+//! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
+//! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
+//! seldom has done so once. Whatever these say, a step stays within the limit of stability ([`super::stability`]).
 
 use super::lanes::Isa;
 use super::stage_choice::StageChoice;
@@ -27,6 +29,11 @@ const WANTED_ITERATIONS: f64 = 12.0;
 /// The share of the tolerance by which one step may change the energy, relative to the largest kinetic energy: the
 /// changes of some hundred steps, of either sign, then stay below the tolerance.
 const ENERGY_SHARE: f64 = 0.03;
+
+/// Below this share of the wanted E the error of a step is that of its iteration.
+const NEGLIGIBLE: f64 = 0.1;
+/// But not for so many steps after one that changed the energy too much.
+const WARY: usize = 20;
 
 /// No rounding changes the energy by a larger part of the kinetic energy in a step.
 const ROUNDED: f64 = 1e-6;
@@ -74,6 +81,10 @@ pub struct Control {
     rounding: f64,
     /// Whether stability has bounded a step.
     held: bool,
+    /// Whether an attempt at the present step was thrown away.
+    rejected: bool,
+    /// For how many steps small changes of the energy are taken for the steps' own, whatever E says.
+    wary: usize,
 }
 
 impl Control {
@@ -91,6 +102,8 @@ impl Control {
             refused: None,
             rounding: 0.0,
             held: false,
+            rejected: false,
+            wary: 0,
         }
     }
 
@@ -167,6 +180,7 @@ impl Control {
                 }
                 Verdict::Retry { without_past } => {
                     outcome.rejected += 1;
+                    self.rejected = true;
                     plain = without_past;
                     // Below this the step vanishes against the time itself.
                     if self.step < 1e-13 * state.time.abs().max(1e-3) {
@@ -222,19 +236,23 @@ impl Control {
                     // What rounding changes does not fall with the step.
                     let change = (energies.change.abs() - rounding).max(0.0);
                     // At rest nothing is allowed and nothing changes.
-                    if change > 0.0 {
+                    if change > 0.0 && (error > NEGLIGIBLE * self.wanted || self.wary > 0 || change > allowed) {
                         by_energy = 0.9 * (allowed / change).powf(1.0 / (2.0 * order + 1.0));
                     }
                     // A step in which the energy is not finite fails this test too.
                     if energies.change.is_nan() || change > allowed && !self.is_rounding(step, change + rounding) {
                         self.step = step * by_energy.clamp(0.2, 0.9);
+                        self.wary = WARY;
                         return Verdict::Retry { without_past: false };
                     }
                 }
                 let previous = self.previous.unwrap_or(error);
                 let by_error = (self.wanted / error).powf(0.7 / order) * (previous / error).powf(0.3 / order);
                 let by_iterations = ((WANTED_ITERATIONS + 1.0) / (iterations as f64 + 1.0)).sqrt();
-                let factor = by_error.min(by_iterations).min(by_energy).clamp(0.3, 2.0);
+                let longest = if self.rejected { 1.0 } else { 2.0 };
+                let factor = by_error.min(by_iterations).min(by_energy).clamp(0.3, longest);
+                self.rejected = false;
+                self.wary = self.wary.saturating_sub(1);
                 self.previous = Some(error);
                 self.refused = None;
                 self.rounding *= FORGOTTEN;

@@ -86,7 +86,7 @@ impl StageChoice {
     pub(super) fn wanted_share(self, isa: Isa) -> f64 {
         match (self, self.count(isa)) {
             (StageChoice::Few, _) => 0.5,
-            (_, 9) => 0.3,
+            (_, 9) => 0.03,
             _ => 1.0,
         }
     }
