@@ -155,9 +155,11 @@ fn the_one_moment_of_a_sphere_says_what_six_say() {
         let (lean, steps) = run(&model, lobatto());
         let (full, full_steps) = run(&model, lobatto().keeping(&model.mechanism, &[Rule::Spheres]));
         let [lean, full] = [lean, full].map(|state| body_states(&model.mechanism, &state));
-        // A hundred steps at most, each with roundings of 4e-15, of a motion that amplifies them by less than ten.
+        // A hundred steps at most, each with roundings of 4e-15, of a motion that amplifies them by less than ten; with nine stages
+        // the end velocity has weights of 36 instead of 10. (Of twelve starts the worst are 6e-13 up to five stages and 3e-12.)
         let apart = models::pose_distance(&lean, &full).max(models::velocity_distance(&lean, &full));
-        assert!(apart < 1e-12, "{stages:?} stages: {apart:.1e}");
+        let bound = if stages.is_some_and(|stages| stages < 9) { 1e-12 } else { 6e-12 };
+        assert!(apart < bound, "{stages:?} stages: {apart:.1e}");
         assert_eq!(steps.len(), full_steps.len(), "{stages:?} stages");
     }
 }
