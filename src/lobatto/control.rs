@@ -35,6 +35,9 @@ const NEGLIGIBLE: f64 = 0.1;
 /// But not for so many steps after one that changed the energy too much.
 const WARY: usize = 20;
 
+/// The largest E of a kink over that of other steps.
+const KINK: f64 = 10.0;
+
 /// No rounding changes the energy by a larger part of the kinetic energy in a step.
 const ROUNDED: f64 = 1e-6;
 /// The part of a rounding that is expected to come again after each step.
@@ -77,6 +80,8 @@ pub struct Control {
     kinetic: f64,
     /// Length and change of energy of the first attempt at this step that changed the energy too much.
     refused: Option<(f64, f64)>,
+    /// Length and E of the first attempt at this step whose E was too large.
+    unresolved: Option<(f64, f64)>,
     /// What rounding alone was seen to change the energy by (J).
     rounding: f64,
     /// Whether stability has bounded a step.
@@ -100,6 +105,7 @@ impl Control {
             previous: None,
             kinetic: 0.0,
             refused: None,
+            unresolved: None,
             rounding: 0.0,
             held: false,
             rejected: false,
@@ -223,7 +229,7 @@ impl Control {
             Attempt::Converged { iterations, legendre, .. } => {
                 // Less is rounding, and its ratio to that of the step before says nothing.
                 let error = legendre.max(1e-16);
-                if error > self.limit() {
+                if error > self.limit() && !self.is_kink(step, error) {
                     self.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
                     return Verdict::Retry { without_past: false };
                 }
@@ -254,13 +260,21 @@ impl Control {
                 self.rejected = false;
                 self.wary = self.wary.saturating_sub(1);
                 self.previous = Some(error);
-                self.refused = None;
+                (self.refused, self.unresolved) = (None, None);
                 self.rounding *= FORGOTTEN;
                 // A truncated last step must not shorten what follows.
                 self.step = if step < 0.999 * self.step { self.step.max(step * factor) } else { step * factor };
                 Verdict::Accept
             }
         }
+    }
+
+    /// Whether E is that of a kink: a shorter step has as large a one, while truncation would fall to nothing. Joint coordinates have one
+    /// where a motion passes a gimbal lock, which is best passed in one step: the more ends of steps come near, the more rates are rounded.
+    /// The energy decides on such a step.
+    fn is_kink(&mut self, step: f64, error: f64) -> bool {
+        let (first_step, first_error) = *self.unresolved.get_or_insert((step, error));
+        step <= 0.8 * first_step && error >= 0.5 * first_error && error <= KINK * self.limit()
     }
 
     /// Whether a change of energy is one of rounding alone: a step half as long changes it as much, where truncation would fall to

@@ -95,21 +95,17 @@ impl<V: Lanes> Equations for Kernel<V> {
         let refines = self.refines();
         let stages = &mut self.stages;
         let gravity = &self.gravity;
-        let keeps = self.chord.keeps();
         in_lanes!(V, stages.sweep_poses());
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(false));
-            if keeps {
-                in_lanes!(V, stages.sweep_forced_wrenches(gravity));
-            } else {
-                in_lanes!(V, stages.sweep_forced_residual(gravity));
-            }
-        } else if refines && settled {
-            in_lanes!(V, stages.sweep_wrenches::<true>(gravity));
-        } else if keeps {
-            in_lanes!(V, stages.sweep_wrenches::<false>(gravity));
-        } else {
-            in_lanes!(V, stages.sweep_residual(gravity));
+        }
+        match (stages.applied.is_some(), self.chord.keeps(), refines && settled) {
+            (true, false, _) => in_lanes!(V, stages.sweep_forced_residual(gravity)),
+            (true, true, _) => in_lanes!(V, stages.sweep_forced_wrenches(gravity)),
+            // Increments that settle are small.
+            (false, _, true) => in_lanes!(V, stages.sweep_wrenches::<true>(gravity)),
+            (false, true, false) => in_lanes!(V, stages.sweep_wrenches::<false>(gravity)),
+            (false, false, false) => in_lanes!(V, stages.sweep_residual(gravity)),
         }
         let increment = in_lanes!(V, stages.sweep_increments().largest());
         self.chord.see(increment);

@@ -35,12 +35,14 @@ pub(super) struct Eliminated2<V> {
     pub force_ratio: Vector2<V>,
     pub torque_ratio: V,
     pub bias: V,
+    /// `1/d`.
+    pub inverse: V,
 }
 
 impl<V: Lanes> Eliminated2<V> {
     /// Nothing.
     pub fn zero() -> Self {
-        Eliminated2 { force_ratio: Vector2::zero(), torque_ratio: V::zero(), bias: V::zero() }
+        Eliminated2 { force_ratio: Vector2::zero(), torque_ratio: V::zero(), bias: V::zero(), inverse: V::zero() }
     }
 }
 
@@ -74,7 +76,7 @@ impl<V: Lanes> Articulated2<V> {
     #[inline(always)]
     pub fn solve_rotation(&self, push: Option<Push<V>>) -> Eliminated2<V> {
         let (inverse, bias) = self.turning(push);
-        Eliminated2 { force_ratio: Vector2::zero(), torque_ratio: self.inertia * inverse, bias }
+        Eliminated2 { force_ratio: Vector2::zero(), torque_ratio: self.inertia * inverse, bias, inverse }
     }
 
     /// Eliminates the rotation about the anchor.
@@ -97,7 +99,7 @@ impl<V: Lanes> Articulated2<V> {
                 ratio
             }
         };
-        Eliminated2 { force_ratio, torque_ratio, bias }
+        Eliminated2 { force_ratio, torque_ratio, bias, inverse }
     }
 
     /// `1/d` and the bias of a rotation.
@@ -139,7 +141,7 @@ impl<V: Lanes> Articulated2<V> {
         self.inertia = torque.neg_mul_add(torque_ratio, self.inertia);
         self.force = force.times_plus(bias, self.force);
         self.torque = torque.mul_add(bias, self.torque);
-        Eliminated2 { force_ratio, torque_ratio, bias }
+        Eliminated2 { force_ratio, torque_ratio, bias, inverse }
     }
 
     #[inline(always)]

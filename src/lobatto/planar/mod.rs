@@ -2,13 +2,14 @@
 //!
 //! The same scheme and the same iteration as in space ([`super::kernel`]), with SO(2) embedded in R² where space has SO(3) in R⁹: what
 //! it leaves out is zero there, so that both take the same steps, but for rounding. In reading order: [`start`], [`stage`],
-//! [`articulated`], [`sweeps`], [`applied_plan`], [`applied`]; with closed loops, and where the recursion does not converge, the exact
+//! [`articulated`], [`sweeps`], [`chord`], [`applied_plan`], [`applied`]; with closed loops, and where the recursion does not converge, the exact
 //! Newton method with all stages coupled: [`newton`], [`coupled`], [`closure`].
 
 mod algebra;
 mod applied;
 mod applied_plan;
 mod articulated;
+mod chord;
 mod closure;
 mod coupled;
 mod newton;
@@ -17,6 +18,7 @@ mod start;
 mod sweeps;
 
 use super::anderson::Anderson;
+use super::chord::Chord;
 use super::closing::Closing;
 use super::coupled::One;
 use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_rule};
@@ -44,6 +46,7 @@ pub struct PlanarKernel<V: Lanes> {
     stages: PlanarStages<V>,
     coefficients: Coefficients<V>,
     anderson: Anderson<V>,
+    chord: Chord,
     predictor: Predictor<V>,
     /// The exact Newton method, from when it is needed first.
     newton: Option<Box<PlanarNewton<V>>>,
@@ -74,6 +77,7 @@ impl<V: Lanes> PlanarKernel<V> {
         PlanarKernel {
             coefficients: Coefficients::new(tableau),
             anderson: Anderson::new(freedoms),
+            chord: Chord::NEW,
             predictor: Predictor::new(freedoms, Vec::new(), tableau),
             newton: None,
             exact_for: if mechanism.has_closures() { usize::MAX } else { 0 },
@@ -101,13 +105,15 @@ impl<V: Lanes> Equations for PlanarKernel<V> {
         let refines = self.refines();
         let (stages, coefficients) = (&mut self.stages, &self.coefficients);
         let gravity = stages.plan.gravity;
-        if stages.applied.is_some() {
-            in_lanes!(V, stages.increments::<true, true>(coefficients, &gravity))
-        } else if refines && settled {
-            in_lanes!(V, stages.increments::<true, false>(coefficients, &gravity))
-        } else {
-            in_lanes!(V, stages.increments::<false, false>(coefficients, &gravity))
-        }
+        let increment = match (stages.applied.is_some(), self.chord.keeps(), refines && settled) {
+            (true, false, _) => in_lanes!(V, stages.increments::<true, true, false>(coefficients, &gravity)),
+            (true, true, _) => in_lanes!(V, stages.increments::<true, true, true>(coefficients, &gravity)),
+            (false, _, true) => in_lanes!(V, stages.increments::<true, false, true>(coefficients, &gravity)),
+            (false, true, false) => in_lanes!(V, stages.increments::<false, false, true>(coefficients, &gravity)),
+            (false, false, false) => in_lanes!(V, stages.increments::<false, false, false>(coefficients, &gravity)),
+        };
+        self.chord.see(increment);
+        increment
     }
 
     fn refines(&self) -> bool {
@@ -150,6 +156,7 @@ impl<V: Lanes> Guarded for PlanarKernel<V> {
     }
 
     fn restart(&mut self) {
+        self.chord.restart();
         self.anderson.restart();
     }
 
@@ -257,6 +264,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {
         self.stages.step = step;
         self.guess(true);
+        self.chord.restart();
         self.iterate(false);
         for (out, &increment) in out.iter_mut().zip(&self.stages.increment) {
             *out = 2.0 * at_end(increment, self.coefficients.active) / (step * step);

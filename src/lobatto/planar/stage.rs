@@ -115,9 +115,9 @@ impl<V: Lanes> PlanarStages<V> {
     }
 
     /// One iteration: finds the increments, returns the largest; `REFINED` with twice the digits of the coefficients, `FORCED` with
-    /// forces.
+    /// forces, `KEPT` with the factors of the iteration before.
     #[inline(always)]
-    pub fn increments<const REFINED: bool, const FORCED: bool>(
+    pub fn increments<const REFINED: bool, const FORCED: bool, const KEPT: bool>(
         &mut self,
         coefficients: &Coefficients<V>,
         gravity: &[f64; 3],
@@ -127,7 +127,11 @@ impl<V: Lanes> PlanarStages<V> {
         if FORCED {
             self.sweep_applied(coefficients, false);
         }
-        self.sweep_back::<false, FORCED>(&sweep);
+        if KEPT {
+            self.sweep_wrenches::<FORCED>(&sweep);
+        } else {
+            self.sweep_back::<false, FORCED>(&sweep);
+        }
         let mut largest = V::zero();
         self.forward(
             #[inline(always)]
