@@ -111,10 +111,11 @@ fn check(periods: f64) {
         // Without a bound from above garbage would have no trend either, without one from below nothing could be seen.
         assert!((1e-7..1e-3).contains(&top), "{top:.1e}");
     }
-    // The ordinary controller drifts, until the motion is a smaller one that it happens to keep.
+    // The ordinary controller drifts, until the motion is one that it happens to keep: within the first tenth of the longer run.
     let ordinary = Lobatto::adaptive_with_stop(&model.mechanism, 1e-4, 1e-6);
     let (largest, means, _) = run("tolerance", ordinary);
-    assert!((means[9] - means[0]).abs() > 0.5 * largest[9], "means {}", listed(&means));
+    assert!((means[9] - means[0]).abs() > 0.5 * largest[9] || periods > 1e4, "means {}", listed(&means));
+    assert!(means[9].abs() > 0.5 * largest[9], "means {}", listed(&means));
     assert!(largest[9] > 100.0 * worst, "largest errors {}", listed(&largest));
 }
 

@@ -82,7 +82,9 @@ impl StageChoice {
 
     /// `c = E_tol / √ε` of the step control ([`super::control`]). On closed loops Newton's method leaves no error of the iteration, and
     /// where a motion passes singular positions truncation is well above `E²`: with c = 1 four-bars ended up to two tolerances off,
-    /// with ½ within one, for the same time.
+    /// with ½ within one, for the same time. Nine stages grow so fast with the step that a tenth of a step is a decade of E²: a small c
+    /// costs nothing there, and leaves truncation well below what the iteration does (chain of ten links: of 68 runs two end more than
+    /// ten tolerances off, with c = 0.3 eight).
     pub(super) fn wanted_share(self, isa: Isa) -> f64 {
         match (self, self.count(isa)) {
             (StageChoice::Few, _) => 0.5,
