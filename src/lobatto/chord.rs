@@ -7,9 +7,10 @@
 //!     H(q⁰_k) α_k = −ρ_k(q):     α₀ = (τ − sᵀ p)/d⁰,   p ← p + (A s)⁰ α₀,      d⁰ = s⁰ᵀ A⁰ s⁰ + κ
 //! ```
 //!
-//! so that a solution is a solution, and the work on the articulated inertias, a third of an iteration, is left out. The inertia changes
-//! by the increments: where these are small the iteration converges as before. Where the masses of a tree differ by thousands, increments
-//! that look small change `H` along the heavy directions by more than its light ones are; [`Chord`] finds out and keeps factors later.
+//! (symbols as in [`super::articulated`]), so that a solution is a solution, and the work on the articulated inertias, a third of an
+//! iteration, is left out. The inertia changes by the increments: where these are small the iteration converges as before. Where the
+//! masses of a tree differ by thousands, increments that look small change `H` along the heavy directions by more than its light ones
+//! are; [`Chord`] finds out and keeps factors later.
 //! Source: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (1995), section 5.4.
 
 use super::algebra::Vector;
@@ -216,7 +217,7 @@ impl<V: Lanes> Stages<V> {
 
 /// The load of an axis, less the effort of forces in the joint, if there are any.
 #[inline(always)]
-fn less<V: Lanes>(load: V, effort: Option<V>) -> V {
+pub(super) fn less<V: Lanes>(load: V, effort: Option<V>) -> V {
     match effort {
         None => load,
         Some(effort) => load - effort,

@@ -1,8 +1,8 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`start`], [`stage`] (poses
-//! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`] and [`sweeps`] (the stage equations
-//! and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
+//! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`], [`sweeps`] and [`chord`] (the stage
+//! equations and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
 //! (step length), [`stage_choice`] (how many stages), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to
 //! know), [`stepper`] and [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
 //! [`elimination`], [`front`], [`projection`], [`closing`] and [`assembly`]; [`instants`] are samples of a motion, in lanes;
