@@ -17,7 +17,7 @@ use super::algebra::Vector;
 use super::articulated::Eliminated;
 use super::lanes::Lanes;
 use super::residual::{Sweep, body_residual, force_residual};
-use super::stage::{Stages, rotate_increment};
+use super::stage::Stages;
 use super::start::{BodyPlan, Children};
 use super::sweeps::{tangent, tilted};
 use crate::model::FreeRotation;
@@ -171,14 +171,7 @@ impl<V: Lanes> Stages<V> {
                 }
             }
             for freedom in (plan.first_axis..rotations).rev() {
-                let axis = Vector::splat(&self.start.axes[freedom]);
-                let axis = match plan.parent.filter(|_| !plan.parent_slides) {
-                    Some(parent) => {
-                        let parent = self.poses[parent];
-                        rotate_increment(parent.w, parent.u, axis).times_plus(sweep.moved, axis)
-                    }
-                    None => axis,
-                };
+                let axis = self.slide_axis(plan, freedom, sweep.moved);
                 let load = less(axis.dot(total.force), effort(freedom));
                 total.relieve(axis, load, &mut self.eliminated[freedom]);
             }

@@ -22,7 +22,7 @@ use super::algebra::Vector;
 use super::articulated::{Articulated, Push};
 use super::lanes::Lanes;
 use super::residual::{Sweep, body_residual, sliding_residual};
-use super::stage::{Stages, horner};
+use super::stage::{Stages, horner, rotate_increment};
 use super::start::{BodyPlan, Children};
 use crate::model::FreeRotation;
 
@@ -139,14 +139,7 @@ impl<V: Lanes> Stages<V> {
             }
             if plan.translations > 0 {
                 for freedom in (plan.first_axis..rotations).rev() {
-                    let axis = Vector::splat(&self.start.axes[freedom]);
-                    let turned = match plan.parent.filter(|_| !plan.parent_slides) {
-                        Some(parent) => {
-                            let parent = self.poses[parent];
-                            super::stage::rotate_increment(parent.w, parent.u, axis).times_plus(sweep.moved, axis)
-                        }
-                        None => axis,
-                    };
+                    let turned = self.slide_axis(plan, freedom, sweep.moved);
                     self.eliminated[freedom] = if plan.alone {
                         total.solve_translation(turned, push(freedom))
                     } else {
@@ -170,6 +163,19 @@ impl<V: Lanes> Stages<V> {
         }
         if FORCED {
             self.applied = applied;
+        }
+    }
+
+    /// A free translation axis of a body at the rows' stages: it turns with the parent.
+    #[inline(always)]
+    pub(super) fn slide_axis(&self, plan: &BodyPlan, freedom: usize, moved: V) -> Vector<V> {
+        let axis = Vector::splat(&self.start.axes[freedom]);
+        match plan.parent.filter(|_| !plan.parent_slides) {
+            Some(parent) => {
+                let parent = self.poses[parent];
+                rotate_increment(parent.w, parent.u, axis).times_plus(moved, axis)
+            }
+            None => axis,
         }
     }
 

@@ -44,10 +44,8 @@ impl<V: Lanes> PlanarStages<V> {
             let known = &self.start.bodies[index];
             let turned = &self.turned[index];
             let (_, mut force, mut torque) = own_residual(known, turned, row_turn::<V, false>(sweep, turned));
-            if FORCED && let Some((pull, turn)) = self.acting.get(index) {
-                let scale = V::splat(sweep.forces);
-                force = pull.times_minus(scale, force);
-                torque = turn.neg_mul_add(scale, torque);
+            if FORCED {
+                (force, torque) = self.less_acting(index, sweep, force, torque);
             }
             let own = Wrench2 { force, torque };
             let mut total = match tree.children {

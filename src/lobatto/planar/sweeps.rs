@@ -103,10 +103,8 @@ impl<V: Lanes> PlanarStages<V> {
             // Known exactly, the inertia would round differently from the momentum, and always to the same side.
             let inertia = if MOMENTUM { across.mul_add(across, along * along) * inertia } else { inertia };
             let (mut force, mut torque) = if MOMENTUM { (force.times(-one), -torque) } else { (force, torque) };
-            if FORCED && let Some((pull, turn)) = self.acting.get(index) {
-                let scale = V::splat(sweep.forces);
-                force = pull.times_minus(scale, force);
-                torque = turn.neg_mul_add(scale, torque);
+            if FORCED {
+                (force, torque) = self.less_acting(index, sweep, force, torque);
             }
             let zero = V::zero();
             let own = Articulated2 { mass: [mass, zero, mass], coupling: heavy.quarter_turn(), inertia, force, torque };
@@ -187,6 +185,18 @@ impl<V: Lanes> PlanarStages<V> {
             if let Children::Slot(slot) = children {
                 self.twists[slot] = twist;
             }
+        }
+    }
+
+    /// A residual wrench less the forces that act on the body.
+    #[inline(always)]
+    pub(super) fn less_acting(&self, body: usize, sweep: &Sweep<V>, force: Vector2<V>, torque: V) -> (Vector2<V>, V) {
+        match self.acting.get(body) {
+            Some((pull, turn)) => {
+                let scale = V::splat(sweep.forces);
+                (pull.times_minus(scale, force), turn.neg_mul_add(scale, torque))
+            }
+            None => (force, torque),
         }
     }
 
