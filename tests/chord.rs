@@ -25,7 +25,7 @@ fn every_model() -> Vec<Model> {
 
 /// The stages of a step of 20 ms from the state of a model, guessed to stay where they are.
 fn stages_of(model: &Model) -> Stages<Sixteen> {
-    let mut stages = Stages::new(&model.mechanism, &Tableau::new(5).unwrap(), &[]);
+    let mut stages = Stages::new(&model.mechanism, Tableau::of(5).unwrap(), &[]);
     stages.start.set(&model.mechanism, &model.state);
     stages.step = 0.02;
     stages

@@ -115,7 +115,7 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
             "max_frequency_step": null, "reversible_resets": null},
         "model": {"links": 0, "bodies": 0, "joints": 0, "degrees_of_freedom": 0, "loops": 0, "redundant_constraints": 0,
             "islands": 0, "sleeping_islands": 0},
-        "steps": 0, "iterations": 0, "rejected_steps": 0, "exact_newton_steps": 0,
+        "steps": 0, "iterations": 0, "kept_factor_iterations": 0, "rejected_steps": 0, "exact_newton_steps": 0,
         "wall_seconds": 0, "cpu_seconds": 0, "solve_cpu_seconds": 0,
         "energy": {"initial": 0, "final": 0, "max_relative_error": 0,
             "parts": {"kinetic": 0, "gravity": 0, "spring": 0, "load": 0}, "dissipated": 0, "work": 0},
@@ -153,6 +153,22 @@ fn assert_same_shape(expected: &Value, got: &Value, place: &str) {
             }
         }
         _ => assert_eq!(std::mem::discriminant(expected), std::mem::discriminant(got), "{place}: {got}"),
+    }
+}
+
+#[test]
+fn the_report_says_how_many_iterations_kept_their_factors() {
+    let folder = folder("kept");
+    let robot = |name: &str| format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"));
+    for (input, some) in [(robot("arm7.urdf"), true), (robot("four_bar_1.toml"), false)] {
+        let arguments = ["simulate", input.as_str(), "--no-log", "--duration", "0.5"];
+        let report = run(&folder, &[&arguments[..], &["--json"]].concat());
+        let report: Value = serde_json::from_slice(&report.stdout).expect("one JSON object");
+        let [all, kept] = ["iterations", "kept_factor_iterations"].map(|key| report[key].as_u64().expect("a count"));
+        // Every step begins with factors of its own; the exact Newton method of a loop keeps none.
+        assert!(kept < all && (kept > 0) == some, "{input}: {kept} of {all}");
+        let lines = run(&folder, &arguments);
+        assert_eq!(text(&lines.stdout).contains(" % with kept factors)"), some, "{input}: {}", text(&lines.stdout));
     }
 }
 

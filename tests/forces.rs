@@ -269,7 +269,7 @@ fn any_damper_alone_is_stable_for_any_step() {
     // y'' = −c y' with z = h c: v̄ = v₀ − z Σ b_k V_k, V = v₀ − z Ā V. The amplification is the diagonal Padé approximant of
     // exp(−z), which never exceeds one.
     for stages in 2..=16 {
-        let tableau = Tableau::new(stages).unwrap();
+        let tableau = Tableau::of(stages).unwrap();
         let a_bar = DMatrix::from_row_slice(stages, stages, &tableau.a_bar);
         let ones = DVector::from_element(stages, 1.0);
         for exponent in -20..=60 {
@@ -306,10 +306,10 @@ fn growth(tableau: &Tableau, omega: f64, damping_ratio: f64) -> f64 {
 fn spring_under_a_hard_damper_limits_the_step_at_the_documented_place() {
     // benches/README.md: h ω = (s − 1) √(2s) for any hard damper; a per mille to either side.
     for stages in 2..=9 {
-        let tableau = Tableau::new(stages).unwrap();
+        let tableau = Tableau::of(stages).unwrap();
         let limit = (stages as f64 - 1.0) * (2.0 * stages as f64).sqrt();
-        assert!(growth(&tableau, 0.999 * limit, 1e3) < 1.0, "s={stages}");
-        assert!(growth(&tableau, 1.001 * limit, 1e3) > 1.0, "s={stages}");
+        assert!(growth(tableau, 0.999 * limit, 1e3) < 1.0, "s={stages}");
+        assert!(growth(tableau, 1.001 * limit, 1e3) > 1.0, "s={stages}");
     }
 }
 

@@ -13,8 +13,8 @@ use models::Model;
 
 /// Poses and velocities after one step of the fast kernel in space; `tests/planar.rs` has that in a plane.
 fn fast_step(model: &Model, stages: usize, step: f64, isa: Isa) -> Vec<catena::state::BodyState> {
-    let tableau = Tableau::new(stages).unwrap();
-    let mut kernel = step_for(&model.mechanism, &tableau, isa, &[Rule::Planar]);
+    let tableau = Tableau::of(stages).unwrap();
+    let mut kernel = step_for(&model.mechanism, tableau, isa, &[Rule::Planar]);
     let mut state = model.state.clone();
     kernel.begin(&model.mechanism, &state);
     let attempt = kernel.attempt(&model.mechanism, step, &StopRule::ROUNDING, true);
@@ -36,9 +36,9 @@ fn one_step_equals_the_literal_scheme_for_every_joint_kind_and_two_to_five_stage
     // condition (at most some 1e3 here) times 1e-16 is well below the bound.
     for model in every_model() {
         for stages in 2..=5 {
-            let tableau = Tableau::new(stages).unwrap();
+            let tableau = Tableau::of(stages).unwrap();
             let step = 0.02;
-            let literal = Literal::new(&model.mechanism, &tableau).unwrap().step(&model.bodies(), step).unwrap();
+            let literal = Literal::new(&model.mechanism, tableau).unwrap().step(&model.bodies(), step).unwrap();
             let fast = fast_step(&model, stages, step, Isa::detect());
             let position = models::pose_distance(&fast, &literal.bodies);
             let velocity = models::velocity_distance(&fast, &literal.bodies);
@@ -63,9 +63,9 @@ fn one_step_equals_the_literal_scheme_for_every_force_every_joint_kind_and_two_t
                 if model.mechanism.bodies.len() > 2 && (kind != "all forces" || stages > 3) {
                     continue;
                 }
-                let tableau = Tableau::new(stages).unwrap();
+                let tableau = Tableau::of(stages).unwrap();
                 let step = 0.02;
-                let literal = Literal::new(&model.mechanism, &tableau).unwrap().step(&model.bodies(), step).unwrap();
+                let literal = Literal::new(&model.mechanism, tableau).unwrap().step(&model.bodies(), step).unwrap();
                 let fast = fast_step(&model, stages, step, Isa::detect());
                 let position = models::pose_distance(&fast, &literal.bodies);
                 let velocity = models::velocity_distance(&fast, &literal.bodies);

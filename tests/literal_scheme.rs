@@ -18,8 +18,8 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 /// The state after `count` equal steps over `duration` seconds.
 fn run(model: &Model, stages: usize, duration: f64, count: usize) -> Vec<BodyState> {
-    let tableau = Tableau::new(stages).unwrap();
-    let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+    let tableau = Tableau::of(stages).unwrap();
+    let literal = Literal::new(&model.mechanism, tableau).unwrap();
     let step = duration / count as f64;
     (0..count).fold(model.bodies(), |bodies, _| literal.step(&bodies, step).unwrap().bodies)
 }
@@ -77,8 +77,8 @@ fn every_joint_holds_to_rounding_at_position_and_velocity_level() {
     all.extend([models::floating_tree(), models::double_pendulum(), models::chain(4)]);
     for model in all {
         for stages in [2, 3, 5] {
-            let tableau = Tableau::new(stages).unwrap();
-            let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+            let tableau = Tableau::of(stages).unwrap();
+            let literal = Literal::new(&model.mechanism, tableau).unwrap();
             let mut bodies = model.bodies();
             for _ in 0..5 {
                 bodies = literal.step(&bodies, 0.01).unwrap().bodies;
@@ -101,8 +101,8 @@ fn step_back_undoes_a_step() {
         [moving_double_pendulum(), models::floating_tree(), models::one_joint(catena::model::JointKind::Planar)]
     {
         for stages in [2, 3, 4, 6] {
-            let tableau = Tableau::new(stages).unwrap();
-            let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+            let tableau = Tableau::of(stages).unwrap();
+            let literal = Literal::new(&model.mechanism, tableau).unwrap();
             let (start, step) = (model.bodies(), 0.02);
             let there = literal.step(&start, step).unwrap().bodies;
             let back = literal.step(&there, -step).unwrap().bodies;
@@ -121,8 +121,8 @@ fn step_back_undoes_a_step() {
 fn energy_error_does_not_grow_with_time() {
     // The order-2 scheme at a coarse step: a method that is not symplectic would drift. Second half against first half.
     let model = models::double_pendulum();
-    let tableau = Tableau::new(2).unwrap();
-    let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+    let tableau = Tableau::of(2).unwrap();
+    let literal = Literal::new(&model.mechanism, tableau).unwrap();
     let mut bodies = model.bodies();
     let start = energy(&model.mechanism, &bodies).total();
     let mut worst = [0.0f64; 2];
@@ -142,8 +142,8 @@ fn energy_error_does_not_grow_with_time() {
 #[test]
 fn singular_second_moments_are_refused_by_name() {
     let model = models::heavy_top();
-    let tableau = Tableau::new(3).unwrap();
-    match Literal::new(&model.mechanism, &tableau) {
+    let tableau = Tableau::of(3).unwrap();
+    match Literal::new(&model.mechanism, tableau) {
         Err(LiteralError::Mass { body, moments, .. }) => {
             assert_eq!(body, "top");
             assert_eq!(moments[1], 0.0);
@@ -156,8 +156,8 @@ fn singular_second_moments_are_refused_by_name() {
 fn step_beyond_the_embedding_is_an_error() {
     // A body turned by one s = 2 step obeys sin θ = hω: no solution beyond hω = 1.
     let model = models::free_body();
-    let tableau = Tableau::new(2).unwrap();
-    let literal = Literal::new(&model.mechanism, &tableau).unwrap();
+    let tableau = Tableau::of(2).unwrap();
+    let literal = Literal::new(&model.mechanism, tableau).unwrap();
     assert!(literal.step(&model.bodies(), 0.3).is_err());
     assert!(literal.step(&model.bodies(), 0.1).is_ok());
 }
@@ -316,9 +316,9 @@ fn stages_make_the_discrete_action_stationary_and_multipliers_are_its_reactions(
     let model = moving_double_pendulum();
     let step = 0.05;
     for stages in [2, 3, 4, 5, 9] {
-        let tableau = Tableau::new(stages).unwrap();
-        let literal = Literal::new(&model.mechanism, &tableau).unwrap();
-        let discrete = DiscreteLagrangian::new(&model.mechanism, &tableau, step);
+        let tableau = Tableau::of(stages).unwrap();
+        let literal = Literal::new(&model.mechanism, tableau).unwrap();
+        let discrete = DiscreteLagrangian::new(&model.mechanism, tableau, step);
         let first = literal.step(&model.bodies(), step).unwrap();
         let second = literal.step(&first.bodies, step).unwrap();
         // Rounding of the coordinates, amplified by M D b D / h: the largest such entry is that of B, times b, over h.
@@ -388,9 +388,9 @@ fn trajectories_satisfy_the_discrete_euler_lagrange_equations() {
         (4, fast_angles),
         (5, fast_angles),
     ] {
-        let tableau = Tableau::new(stages).unwrap();
-        let discrete = DiscreteLagrangian::new(&model.mechanism, &tableau, step);
-        let [start, middle, end] = solver(&model, &tableau, step);
+        let tableau = Tableau::of(stages).unwrap();
+        let discrete = DiscreteLagrangian::new(&model.mechanism, tableau, step);
+        let [start, middle, end] = solver(&model, tableau, step);
         for joint in 0..middle.len() {
             // A quotient of fourth order: error ε⁴ of the fifth derivative (1e-12 here) and 1e-16/ε of rounding.
             let width = 2e-3;
@@ -415,9 +415,9 @@ fn start_and_end_momenta_are_the_derivatives_of_the_discrete_lagrangian() {
     // p = −D₁L_d and p̄ = D₂L_d on the tangent space of N, where the multipliers do not act.
     let model = moving_double_pendulum();
     let step = 0.05;
-    let tableau = Tableau::new(4).unwrap();
-    let literal = Literal::new(&model.mechanism, &tableau).unwrap();
-    let discrete = DiscreteLagrangian::new(&model.mechanism, &tableau, step);
+    let tableau = Tableau::of(4).unwrap();
+    let literal = Literal::new(&model.mechanism, tableau).unwrap();
+    let discrete = DiscreteLagrangian::new(&model.mechanism, tableau, step);
     let taken = literal.step(&model.bodies(), step).unwrap();
     for (stage, sign, momentum) in [(0, -1.0, &taken.start_momentum), (3, 1.0, &taken.end_momentum)] {
         let q = &taken.stage_coordinates[stage];

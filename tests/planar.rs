@@ -129,9 +129,9 @@ fn one_step_in_the_plane_is_that_of_the_literal_scheme() {
         let tree = random_tree(seed, 4, Vector3::new(0.4, 0.2, 0.9));
         let model = if with_forces { forced(tree) } else { tree };
         for stages in 2..=4 {
-            let tableau = Tableau::new(stages).expect("stages");
+            let tableau = Tableau::of(stages).expect("stages");
             let step = 0.02;
-            let literal = Literal::new(&model.mechanism, &tableau).expect("second moments that can be inverted");
+            let literal = Literal::new(&model.mechanism, tableau).expect("second moments that can be inverted");
             let expected = literal.step(&model.bodies(), step).expect("a step").bodies;
             let (state, _) = run(&model, Lobatto::fixed(&model.mechanism, stages, step).expect("stages"), step);
             let bodies = body_states(&model.mechanism, &state);
@@ -241,7 +241,7 @@ fn every_vector_type_makes_the_same_steps_in_the_plane() {
 fn the_energy_of_a_step_in_the_plane_is_that_of_the_bodies() {
     for (name, model) in everything() {
         let Model { mechanism, state } = &model;
-        let mut kernel = step_for(mechanism, &Tableau::new(5).expect("stages"), Isa::detect(), &[]);
+        let mut kernel = step_for(mechanism, Tableau::of(5).expect("stages"), Isa::detect(), &[]);
         kernel.begin(mechanism, state);
         let ours = kernel.energy();
         let expected = energy_with_forces(mechanism, &state.position, &body_states(mechanism, state));

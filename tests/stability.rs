@@ -32,7 +32,7 @@ fn the_stability_limits_are_those_of_the_pair() {
     // (a scan of the 2 x 2 propagation with the tableau from another program), to the digits given.
     let known = [(2, 2.0), (3, 8f64.sqrt()), (4, 5.477), (5, 6.054), (6, 8.841), (7, 9.267), (8, 12.15), (9, 12.46)];
     for (stages, expected) in known {
-        let found = limit(&Tableau::new(stages).unwrap());
+        let found = limit(Tableau::of(stages).unwrap());
         assert!((found - expected).abs() < 1e-3 * expected, "{stages} stages: {found}, expected {expected}");
     }
 }
@@ -361,9 +361,9 @@ fn a_spring_beyond_the_limit_is_named_from_the_first_step_and_chosen_steps_stay_
 #[test]
 fn a_damped_spring_is_stable_just_below_its_limit_and_grows_just_above() {
     for stages in [3, 5, 9] {
-        let tableau = Tableau::new(stages).unwrap();
+        let tableau = Tableau::of(stages).unwrap();
         for ratio in [0.02, 0.1, 0.5] {
-            let limit = damped_limit(&tableau, ratio);
+            let limit = damped_limit(tableau, ratio);
             let growth = |product: f64| {
                 let frequency = 100.0;
                 let inertia = 1.0 / 3.0;

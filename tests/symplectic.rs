@@ -45,7 +45,7 @@ fn canonical_step(mechanism: &Mechanism, kernel: &mut dyn Step, step: f64, z: &D
 fn symplectic_defect(model: &Model, stages: usize, step: f64) -> f64 {
     let mechanism = &model.mechanism;
     let count = mechanism.velocity_count;
-    let mut kernel = step_for(mechanism, &Tableau::new(stages).unwrap(), Isa::detect(), &[]);
+    let mut kernel = step_for(mechanism, Tableau::of(stages).unwrap(), Isa::detect(), &[]);
     let momentum = mass_matrix(mechanism, &model.state.position) * DVector::from_row_slice(&model.state.velocity);
     let z = DVector::from_iterator(2 * count, model.state.position.iter().copied().chain(momentum.iter().copied()));
     let mut jacobian = DMatrix::zeros(2 * count, 2 * count);
@@ -91,7 +91,7 @@ fn a_step_forth_and_a_step_back_return_to_the_start() {
     for model in [models::double_pendulum(), models::floating_tree(), models::slow_heavy_top()] {
         for stages in [2, 3, 4, 5, 9] {
             let mechanism = &model.mechanism;
-            let mut kernel = step_for(mechanism, &Tableau::new(stages).unwrap(), Isa::detect(), &[]);
+            let mut kernel = step_for(mechanism, Tableau::of(stages).unwrap(), Isa::detect(), &[]);
             let mut state = model.state.clone();
             for step in [0.03, -0.03] {
                 kernel.begin(mechanism, &state);

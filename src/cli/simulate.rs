@@ -207,6 +207,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         steps: summary.steps,
         iterations: summary.iterations,
         rejected_steps: summary.rejected_steps,
+        kept_factor_iterations: summary.kept_iterations,
         exact_newton_steps: summary.exact_steps,
         wall_seconds,
         cpu_seconds,

@@ -109,13 +109,7 @@ impl Whole {
             self.deviation += part.deviation - before.1;
             self.exchange.dissipated += part.exchange.dissipated - before.2.dissipated;
             self.exchange.work += part.exchange.work - before.2.work;
-            let summary = &mut self.summary;
-            summary.steps += 1;
-            summary.iterations += end.outcome.iterations;
-            summary.rejected_steps += end.outcome.rejected;
-            summary.exact_steps += usize::from(end.outcome.exact);
-            summary.max_violation.position = summary.max_violation.position.max(end.violation.position);
-            summary.max_violation.velocity = summary.max_violation.velocity.max(end.violation.velocity);
+            self.summary.count(&end.outcome, end.violation);
             self.since.step += end.outcome.step;
             self.since.iterations += end.outcome.iterations;
             self.since.rejected += end.outcome.rejected;

@@ -350,7 +350,7 @@ mod tests {
 
     #[test]
     fn share_of_a_damper_in_the_inertia_is_exact_for_two_stages_and_falls_with_their_number() {
-        let shares: Vec<f64> = (2..=16).map(|stages| damper_share(&Tableau::new(stages).unwrap())).collect();
+        let shares: Vec<f64> = (2..=16).map(|stages| damper_share(Tableau::of(stages).unwrap())).collect();
         assert!((shares[0] - 0.5).abs() < 1e-15 && (shares[1] - 1.0 / 3.0).abs() < 1e-14, "{shares:?}");
         assert!(shares.windows(2).all(|pair| 0.0 < pair[1] && pair[1] < pair[0]), "{shares:?}");
     }

@@ -33,11 +33,13 @@ pub struct Chord {
     kept: bool,
     /// Whether keeping them was seen to be a loss in this step.
     lost: bool,
+    /// Iterations that kept theirs since somebody asked.
+    count: usize,
 }
 
 impl Chord {
     /// Before the first step.
-    pub const NEW: Chord = Chord { below: SMALL, last: f64::INFINITY, kept: false, lost: false };
+    pub const NEW: Chord = Chord { below: SMALL, last: f64::INFINITY, kept: false, lost: false, count: 0 };
 
     /// A new step, or another guess: no factors.
     pub fn restart(&mut self) {
@@ -48,7 +50,13 @@ impl Chord {
     /// Whether the next iteration keeps the factors of the last one.
     pub fn keeps(&mut self) -> bool {
         self.kept = !self.lost && self.last < self.below;
+        self.count += usize::from(self.kept);
         self.kept
+    }
+
+    /// How many iterations have kept their factors since this was asked last.
+    pub fn take_count(&mut self) -> usize {
+        std::mem::take(&mut self.count)
     }
 
     /// Takes note of an increment.

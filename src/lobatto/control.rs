@@ -179,8 +179,7 @@ impl Control {
             };
             match self.judge(&attempt, energies, length, plain) {
                 Verdict::Accept => {
-                    outcome.step = length;
-                    outcome.exchange = stepper.accept(mechanism, state, length, end)?;
+                    stepper.accept(mechanism, state, length, end, &mut outcome)?;
                     self.keep_below(stepper.watch.safe_step());
                     return Ok(outcome);
                 }

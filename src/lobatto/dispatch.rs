@@ -15,7 +15,7 @@ use crate::model::{Mechanism, Plane, Rule};
 /// leave nothing out.
 ///
 /// `isa` must not be more than [`Isa::detect`] found: it is checked, and lowered if need be.
-pub fn step_for(mechanism: &Mechanism, tableau: &Tableau, isa: Isa, kept: &[Rule]) -> Box<dyn Step> {
+pub fn step_for(mechanism: &Mechanism, tableau: &'static Tableau, isa: Isa, kept: &[Rule]) -> Box<dyn Step> {
     match Plane::of(mechanism).filter(|_| !kept.contains(&Rule::Planar)) {
         Some(plane) => in_vectors(&Planar { mechanism, tableau, plane }, tableau, isa),
         None => in_vectors(&Spatial { mechanism, tableau, kept }, tableau, isa),
@@ -40,13 +40,13 @@ trait Make {
 
 struct Spatial<'m> {
     mechanism: &'m Mechanism,
-    tableau: &'m Tableau,
+    tableau: &'static Tableau,
     kept: &'m [Rule],
 }
 
 struct Planar<'m> {
     mechanism: &'m Mechanism,
-    tableau: &'m Tableau,
+    tableau: &'static Tableau,
     plane: Plane,
 }
 

@@ -76,8 +76,8 @@ impl FixedSteps {
                         continue;
                     }
                     let time = if halving == 0 { target } else { state.time + length };
-                    (outcome.step, outcome.exact) = (length, exact);
-                    outcome.exchange = stepper.accept(mechanism, state, length, time)?;
+                    outcome.exact = exact;
+                    stepper.accept(mechanism, state, length, time, &mut outcome)?;
                     return Ok(outcome);
                 }
                 outcome.rejected += 1;

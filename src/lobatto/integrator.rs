@@ -87,7 +87,7 @@ impl Lobatto {
         isa: Isa,
     ) -> Result<Self, TableauError> {
         let mode = Mode::Fixed(FixedSteps::new(step, rule));
-        Ok(Self::with_tableau(mechanism, Tableau::new(stages)?, mode, isa))
+        Ok(Self::with_tableau(mechanism, Tableau::of(stages)?, mode, isa))
     }
 
     /// Steps of varying length for very long runs, the first of `step` seconds, iterated to rounding: a run that is turned
@@ -96,7 +96,7 @@ impl Lobatto {
     /// # Errors
     /// [`MethodError`] if the number of stages is not from 2 to 16, or if there is more than a tree under gravity.
     pub fn reversible(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
-        let tableau = Tableau::new(stages)?;
+        let tableau = Tableau::of(stages)?;
         if !mechanism.is_plain_tree() {
             return Err(MethodError::NotReversible);
         }
@@ -127,9 +127,9 @@ impl Lobatto {
         matches!(&self.mode, Mode::Chosen(control) if control.was_held())
     }
 
-    fn with_tableau(mechanism: &Mechanism, tableau: Tableau, mode: Mode, isa: Isa) -> Self {
+    fn with_tableau(mechanism: &Mechanism, tableau: &'static Tableau, mode: Mode, isa: Isa) -> Self {
         Lobatto {
-            dense: DenseRule::new(&tableau),
+            dense: DenseRule::new(tableau),
             dense_sums: vec![[0.0; 2]; mechanism.velocity_count],
             stepper: Stepper::new(mechanism, tableau, isa),
             mode,
@@ -142,7 +142,7 @@ impl Lobatto {
     #[must_use]
     pub fn keeping(mut self, mechanism: &Mechanism, switched_off: &[Rule]) -> Self {
         if !switched_off.is_empty() {
-            self.stepper.replace_kernel(step_for(mechanism, &self.stepper.tableau, self.isa, switched_off));
+            self.stepper.replace_kernel(step_for(mechanism, self.stepper.tableau, self.isa, switched_off));
         }
         self
     }

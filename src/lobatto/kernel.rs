@@ -48,7 +48,7 @@ pub struct Kernel<V: Lanes> {
     exact_for: usize,
     /// Where there are closures.
     closing: Option<Closing<Space<One>>>,
-    tableau: Tableau,
+    tableau: &'static Tableau,
     /// Row of the inverse Legendre matrix for the stages 2 … s.
     top_legendre: V,
     /// Its entry for stage 1.
@@ -66,7 +66,7 @@ pub struct Kernel<V: Lanes> {
 
 impl<V: Lanes> Kernel<V> {
     /// The workspace for a mechanism and a scheme; `kept` are the rules that leave nothing out.
-    pub fn new(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
+    pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kept: &[Rule]) -> Self {
         let stages = Stages::new(mechanism, tableau, kept);
         Kernel {
             modes: Modes::new(mechanism, &stages.plan),
@@ -79,7 +79,7 @@ impl<V: Lanes> Kernel<V> {
             newton: None,
             exact_for: if mechanism.has_closures() { usize::MAX } else { 0 },
             closing: mechanism.has_closures().then(|| Closing::new(mechanism, Projection::new(mechanism))),
-            tableau: tableau.clone(),
+            tableau,
             refined: false,
             gravity: mechanism.gravity.into(),
             velocity: vec![0.0; mechanism.velocity_count],
@@ -155,7 +155,7 @@ impl<V: Lanes> Guarded for Kernel<V> {
     }
 
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
-        let newton = self.newton.get_or_insert_with(|| Box::new(Newton::new(mechanism, &self.tableau)));
+        let newton = self.newton.get_or_insert_with(|| Box::new(Newton::new(mechanism, self.tableau)));
         newton.begin(&self.stages);
         iteration::solve(&mut Exact(self), &exact_rule(mechanism, rule))
     }
@@ -222,6 +222,10 @@ impl<V: Lanes> Step for Kernel<V> {
 
     fn exchange(&self) -> Exchange {
         self.stages.applied.as_ref().map_or(Exchange::default(), |applied| applied.exchange)
+    }
+
+    fn take_kept(&mut self) -> usize {
+        self.chord.take_count()
     }
 
     fn redundant(&self) -> Option<usize> {

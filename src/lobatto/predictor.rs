@@ -233,8 +233,8 @@ mod tests {
 
     #[test]
     fn the_past_of_a_ball_joint_is_the_logarithm_of_its_turns_since_the_new_start() {
-        let tableau = Tableau::new(9).expect("stages");
-        let coefficients = Coefficients::<Portable<8>>::new(&tableau);
+        let tableau = Tableau::of(9).expect("stages");
+        let coefficients = Coefficients::<Portable<8>>::new(tableau);
         // The relative turns of the two paths go up to 1.4 rad and to 2.9 rad.
         for (pace, bound) in [(1.0, 1e-14), (2.0, 1e-5)] {
             let turn = |node: f64| pace * Vector3::new(1.3 * node, 0.4 - 0.4 * (2.0 * node).cos(), -0.2 * node * node);
@@ -243,7 +243,7 @@ mod tests {
                     Portable::from_slice(&tableau.nodes[1..].iter().map(|&c| turn(c)[axis]).collect::<Vec<_>>())
                 })
                 .collect();
-            let mut predictor = Predictor::new(3, vec![0], &tableau);
+            let mut predictor = Predictor::new(3, vec![0], tableau);
             let rates = [0.0; 3];
             predictor.learn(Unknowns {
                 displacement: &mut displacement,

@@ -140,8 +140,8 @@ impl Reversible {
                 outcome.iterations += attempt.iterations();
                 if let Attempt::Converged { exact, .. } = attempt {
                     stepper.finish(mechanism, state);
-                    (outcome.step, outcome.exact) = (length, exact);
-                    outcome.exchange = stepper.accept(mechanism, state, length, end)?;
+                    outcome.exact = exact;
+                    stepper.accept(mechanism, state, length, end, &mut outcome)?;
                     // A step that was cut off at the end of the run says nothing about the next.
                     if let (false, Some(pace)) = (reaches, stepper.kernel.pace(mechanism, state)) {
                         self.follow(&pace);

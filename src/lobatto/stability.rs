@@ -138,7 +138,7 @@ pub struct Mode {
 
 /// When to look at the frequency, and what has been seen.
 pub struct Watch {
-    tableau: Tableau,
+    tableau: &'static Tableau,
     /// Steps until the next look.
     wait: usize,
     latest: Option<FrequencyStep>,
@@ -148,9 +148,9 @@ pub struct Watch {
 impl Watch {
     /// A watch for a scheme. The first look is after some steps, because a run of few steps has no time for it; with `forces`
     /// at once, because springs may leave nothing to look at after a few.
-    pub fn new(tableau: &Tableau, forces: bool) -> Self {
+    pub fn new(tableau: &'static Tableau, forces: bool) -> Self {
         let wait = if forces { 1 } else { CLOSE_INTERVAL };
-        Watch { tableau: tableau.clone(), wait, latest: None, nearest: None }
+        Watch { tableau, wait, latest: None, nearest: None }
     }
 
     /// Counts an accepted step; returns the number of power iterations to look with, if it is time to.
@@ -173,7 +173,7 @@ impl Watch {
     pub fn see(&mut self, mode: Mode, step: f64, time: f64) {
         self.wait = INTERVAL;
         let product = step * mode.frequency;
-        let limit = limit_for(&self.tableau, product, mode.damping);
+        let limit = limit_for(self.tableau, product, mode.damping);
         let seen = FrequencyStep { product, limit, step, time };
         if product > NEAR * limit {
             self.wait = CLOSE_INTERVAL;
@@ -285,8 +285,8 @@ mod tests {
     #[test]
     fn the_table_of_limits_is_where_the_trace_of_a_step_leaves_one() {
         for stages in 2..=MAXIMUM_STAGES {
-            let tableau = Tableau::new(stages).expect("in range");
-            let excess = |frequency: f64| half_trace(&tableau, frequency).abs() - 1.0;
+            let tableau = Tableau::of(stages).expect("in range");
+            let excess = |frequency: f64| half_trace(tableau, frequency).abs() - 1.0;
             let (mut low, mut frequency) = (0.0, 0.0);
             while excess(frequency) <= GAP {
                 if excess(frequency) <= 0.0 {
@@ -300,7 +300,7 @@ mod tests {
                 *(if excess(middle) <= 0.0 { &mut low } else { &mut high }) = middle;
             }
             // The digits of the table.
-            assert!((limit(&tableau) - low).abs() < 1e-11, "{stages} stages: {low:?}");
+            assert!((limit(tableau) - low).abs() < 1e-11, "{stages} stages: {low:?}");
         }
     }
 }

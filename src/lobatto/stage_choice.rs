@@ -76,8 +76,8 @@ impl StageChoice {
     }
 
     /// The scheme on a processor.
-    pub fn tableau(self, isa: Isa) -> Tableau {
-        Tableau::new(self.count(isa)).expect("five and nine stages are in range")
+    pub fn tableau(self, isa: Isa) -> &'static Tableau {
+        Tableau::of(self.count(isa)).expect("five and nine stages are in range")
     }
 
     /// `c = E_tol / √ε` of the step control ([`super::control`]). On closed loops Newton's method leaves no error of the iteration, and

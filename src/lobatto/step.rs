@@ -82,6 +82,8 @@ pub trait Step: Send {
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy;
     /// Energy dissipated in the finished step, and work put into it, by the quadrature of the scheme (J).
     fn exchange(&self) -> Exchange;
+    /// How many iterations have kept the factors of an earlier one since this was asked last.
+    fn take_kept(&mut self) -> usize;
     /// Number of equations of the closures that the others imply at the end of the finished step; none without closures.
     fn redundant(&self) -> Option<usize>;
     /// Brings positions and velocities near the closures, if there are any, on them.

@@ -13,9 +13,8 @@ use super::sampling::LastStep;
 use super::stability::Watch;
 use super::step::{Attempt, Step};
 use super::tableau::Tableau;
-use crate::forces::total::Exchange;
 use crate::model::Mechanism;
-use crate::simulation::{SingularPosition, StepError};
+use crate::simulation::{SingularPosition, StepError, StepOutcome};
 use crate::state::State;
 
 /// Whatever makes a step shorter does so at most this often before it gives up.
@@ -48,7 +47,7 @@ pub(super) struct Stepper {
     /// Solves the stage equations.
     pub kernel: Box<dyn Step>,
     /// The scheme.
-    pub tableau: Tableau,
+    pub tableau: &'static Tableau,
     /// Looks now and then how near the steps are to the limit of stability.
     pub watch: Watch,
     /// Where the last step started, for dense output.
@@ -65,10 +64,10 @@ pub(super) struct Stepper {
 
 impl Stepper {
     /// A stepper that has not seen a state yet.
-    pub fn new(mechanism: &Mechanism, tableau: Tableau, isa: Isa) -> Self {
+    pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, isa: Isa) -> Self {
         Stepper {
-            kernel: step_for(mechanism, &tableau, isa, &[]),
-            watch: Watch::new(&tableau, !mechanism.forces.is_empty()),
+            kernel: step_for(mechanism, tableau, isa, &[]),
+            watch: Watch::new(tableau, !mechanism.forces.is_empty()),
             tableau,
             origin: State::zero(mechanism),
             end: State::zero(mechanism),
@@ -109,7 +108,7 @@ impl Stepper {
         }
     }
 
-    /// Accepts the finished step of `length` seconds: moves `state` to its end, at time `time`. Returns the energy exchanged.
+    /// Accepts the finished step of `length` seconds: moves `state` to its end, at time `time`, and completes its `outcome`.
     ///
     /// # Errors
     /// [`StepError::NotFinite`], without moving the state, if a velocity at the end is not a number.
@@ -119,12 +118,15 @@ impl Stepper {
         state: &mut State,
         length: f64,
         time: f64,
-    ) -> Result<Exchange, StepError> {
+        outcome: &mut StepOutcome,
+    ) -> Result<(), StepError> {
         if let Some(freedom) = self.end.velocity.iter().position(|rate| !rate.is_finite()) {
             let joint = joint_of_freedom(mechanism, freedom);
             return Err(StepError::NotFinite { time: state.time, step: length, joint });
         }
-        let exchange = self.kernel.exchange();
+        outcome.step = length;
+        outcome.exchange = self.kernel.exchange();
+        outcome.kept = self.kernel.take_kept();
         if let Some(redundant) = self.kernel.redundant() {
             self.ranks.see(redundant, time);
         }
@@ -139,7 +141,7 @@ impl Stepper {
         if let Some(iterations) = self.watch.due() {
             self.look(mechanism, state, iterations, length);
         }
-        Ok(exchange)
+        Ok(())
     }
 
     /// Looks how near a step of this length is to the limit of stability, after a step that did not converge.

@@ -30,6 +30,7 @@
 //! Integration", sections II.1, IV.2 and VII.1; the pair (b, D) on Gauss–Lobatto nodes is textbook spectral elements.
 
 use super::extended::Extended;
+use std::sync::OnceLock;
 
 /// Fewest stages: two, where the scheme is RATTLE.
 pub const MINIMUM_STAGES: usize = 2;
@@ -98,17 +99,23 @@ pub enum TableauError {
 impl Tableau {
     /// The coefficients for a number of stages from 2 to 16, each correctly rounded but for ties within 1e-28.
     ///
+    /// They are worked out once a process, which takes as long as a second of the motion of a double pendulum.
+    ///
     /// # Errors
     /// [`TableauError::Stages`] if the number is out of range.
-    pub fn new(stages: usize) -> Result<Tableau, TableauError> {
+    pub fn of(stages: usize) -> Result<&'static Tableau, TableauError> {
+        static KNOWN: [OnceLock<Tableau>; MAXIMUM_STAGES + 1] = [const { OnceLock::new() }; MAXIMUM_STAGES + 1];
         if !(MINIMUM_STAGES..=MAXIMUM_STAGES).contains(&stages) {
             return Err(TableauError::Stages { stages });
         }
-        let exact = Exact::new(stages);
+        Ok(KNOWN[stages].get_or_init(|| Tableau::rounded(&Exact::new(stages))))
+    }
+
+    fn rounded(exact: &Exact) -> Tableau {
         let round = |values: &[Extended]| values.iter().map(|value| value.rounded()).collect();
         let rest = |values: &[Extended]| values.iter().map(|value| value.remainder()).collect();
-        Ok(Tableau {
-            stages,
+        Tableau {
+            stages: exact.nodes.len(),
             remainders: Remainders {
                 nodes: rest(&exact.nodes),
                 b_matrix: rest(&exact.b_matrix),
@@ -125,7 +132,7 @@ impl Tableau {
             velocity: round(&exact.velocity),
             top_legendre: round(&exact.top_legendre),
             barycentric: round(&exact.barycentric),
-        })
+        }
     }
 
     /// Order of convergence of the constrained scheme, 2s − 2 (theorem 2.5.2).
@@ -420,14 +427,14 @@ mod tests {
         // Hairer, Lubich, Wanner, tables II.1.3 and II.1.4; the same numbers as tables 2.4 to 2.6 of the source.
         let over =
             |numerators: &[f64], denominator: f64| -> Vec<f64> { numerators.iter().map(|n| n / denominator).collect() };
-        let two = Tableau::new(2).unwrap();
+        let two = Tableau::of(2).unwrap();
         assert_eq!(two.nodes, [0.0, 1.0]);
         assert_eq!(two.weights, [0.5, 0.5]);
         assert_eq!(two.a, [0.0, 0.0, 0.5, 0.5]);
         assert_eq!(two.a_bar, [0.5, 0.0, 0.5, 0.0]);
         assert_eq!((two.a_hat[0], two.b_matrix[0], two.momentum_weights[0]), (0.5, 2.0, 1.0));
 
-        let three = Tableau::new(3).unwrap();
+        let three = Tableau::of(3).unwrap();
         assert_eq!(three.nodes, [0.0, 0.5, 1.0]);
         assert_eq!(three.weights, over(&[1.0, 4.0, 1.0], 6.0)[..]);
         assert_eq!(three.a, over(&[0.0, 0.0, 0.0, 5.0, 8.0, -1.0, 4.0, 16.0, 4.0], 24.0)[..]);
@@ -435,7 +442,7 @@ mod tests {
         assert_eq!(three.a_hat, over(&[2.0, 1.0, 4.0, 8.0], 24.0)[..]);
         assert_eq!(three.b_matrix, [16.0, -2.0, -8.0, 4.0]);
 
-        let four = Tableau::new(4).unwrap();
+        let four = Tableau::of(4).unwrap();
         let root = 5f64.sqrt();
         let nodes = [0.0, (5.0 - root) / 10.0, (5.0 + root) / 10.0, 1.0];
         let a = [
@@ -463,12 +470,12 @@ mod tests {
     #[test]
     fn entries_of_b_are_correctly_rounded() {
         // Computed independently with 60 digits by inverting Â, itself from the Vandermonde system of the nodes.
-        let nine = Tableau::new(9).unwrap().b_matrix;
+        let nine = &Tableau::of(9).unwrap().b_matrix;
         assert_eq!(nine[0], 1943.2767947162022);
         assert_eq!(nine[1], -241.3454209431098);
         assert_eq!(nine[7 * 8], -2.4704642097882883);
         assert_eq!(nine.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs())), nine[0]);
-        let sixteen = Tableau::new(16).unwrap();
+        let sixteen = Tableau::of(16).unwrap();
         assert_eq!(sixteen.nodes[1], 0.015215976864891033);
         assert_eq!(sixteen.b_matrix[0], 21338.70013068561);
         assert_eq!(sixteen.b_matrix[14 * 15], 2.127518804361214);
@@ -477,7 +484,7 @@ mod tests {
     #[test]
     fn stages_out_of_range_are_refused() {
         for stages in [0, 1, 17] {
-            assert_eq!(Tableau::new(stages), Err(TableauError::Stages { stages }));
+            assert_eq!(Tableau::of(stages).err(), Some(TableauError::Stages { stages }));
         }
     }
 }

@@ -36,6 +36,8 @@ pub struct Report {
     pub steps: usize,
     /// Iterations of all steps.
     pub iterations: usize,
+    /// Those of them that kept the factors of the articulated inertias of an earlier one ([`crate::lobatto::chord`]).
+    pub kept_factor_iterations: usize,
     /// Steps that were thrown away.
     pub rejected_steps: usize,
     /// Accepted steps whose equations needed the exact Newton method: all with closed loops, few without.

@@ -62,7 +62,11 @@ impl fmt::Display for Report {
         }
         write!(out, "  steps       {}, {}", self.steps, counted(self.iterations, "iteration"))?;
         if self.steps > 0 {
-            write!(out, " ({:.1} a step)", self.iterations as f64 / self.steps as f64)?;
+            write!(out, " ({:.1} a step", self.iterations as f64 / self.steps as f64)?;
+            match 100 * self.kept_factor_iterations / self.iterations.max(1) {
+                0 => write!(out, ")")?,
+                share => write!(out, ", {share} % with kept factors)")?,
+            }
         }
         write!(out, ", {} rejected", self.rejected_steps)?;
         match self.exact_newton_steps {

@@ -69,6 +69,8 @@ pub struct StepOutcome {
     pub step: f64,
     /// Iterations of the nonlinear solve, or evaluations of the right-hand side.
     pub iterations: usize,
+    /// Those of the iterations that kept the factors of an earlier one.
+    pub kept: usize,
     /// Attempts that were thrown away before this step was accepted.
     pub rejected: usize,
     /// Whether the stage equations were solved by the exact Newton method, with all stages coupled.

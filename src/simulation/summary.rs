@@ -14,6 +14,8 @@ pub struct Summary {
     pub steps: usize,
     /// Iterations of all steps.
     pub iterations: usize,
+    /// Those of them that kept the factors of the articulated inertias of an earlier one.
+    pub kept_iterations: usize,
     /// Attempts thrown away.
     pub rejected_steps: usize,
     /// Accepted steps whose equations the exact Newton method solved: all with closed loops, and where nothing else converges.
@@ -32,6 +34,19 @@ pub struct Summary {
     pub max_relative_energy_error: f64,
     /// Largest violation of any constraint at the end of any step.
     pub max_violation: Violation,
+}
+
+impl Summary {
+    /// Counts an accepted step, at whose end the constraints are violated by so much.
+    pub(crate) fn count(&mut self, outcome: &StepOutcome, violation: Violation) {
+        self.steps += 1;
+        self.iterations += outcome.iterations;
+        self.kept_iterations += outcome.kept;
+        self.rejected_steps += outcome.rejected;
+        self.exact_steps += usize::from(outcome.exact);
+        self.max_violation.position = self.max_violation.position.max(violation.position);
+        self.max_violation.velocity = self.max_violation.velocity.max(violation.velocity);
+    }
 }
 
 /// Collects the figures of the run.
@@ -78,15 +93,10 @@ impl Bookkeeper {
         add(&mut summary.exchange.dissipated, &mut self.rest.dissipated, outcome.exchange.dissipated);
         add(&mut summary.exchange.work, &mut self.rest.work, outcome.exchange.work);
         let exchange = summary.exchange;
-        summary.steps += 1;
-        summary.iterations += outcome.iterations;
-        summary.rejected_steps += outcome.rejected;
-        summary.exact_steps += usize::from(outcome.exact);
+        summary.count(&outcome, violation);
         let so_far = Counts { steps: summary.steps, iterations: summary.iterations, rejected: summary.rejected_steps };
         self.last = StepEnd { time: state.time, energy, exchange, violation, outcome, so_far };
         summary.final_energy = energy;
-        summary.max_violation.position = summary.max_violation.position.max(violation.position);
-        summary.max_violation.velocity = summary.max_violation.velocity.max(violation.velocity);
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic);
         let balance = energy.total() - summary.initial_energy.total() + (exchange.dissipated - exchange.work);
         self.largest_deviation = self.largest_deviation.max(balance.abs());

@@ -55,7 +55,7 @@ pub struct PlanarKernel<V: Lanes> {
     /// Where there are closures.
     closing: Option<Closing<Flat<One>>>,
     plane: Plane,
-    tableau: Tableau,
+    tableau: &'static Tableau,
     /// Row of the inverse Legendre matrix for the stages 2 … s.
     top_legendre: V,
     /// Whether this step is iterated so far that the rounding of the coefficients counts.
@@ -71,7 +71,7 @@ pub struct PlanarKernel<V: Lanes> {
 
 impl<V: Lanes> PlanarKernel<V> {
     /// The workspace for a mechanism in its plane and a scheme.
-    pub fn new(mechanism: &Mechanism, plane: &Plane, tableau: &Tableau) -> Self {
+    pub fn new(mechanism: &Mechanism, plane: &Plane, tableau: &'static Tableau) -> Self {
         let stages = PlanarStages::new(mechanism, plane, tableau);
         let freedoms = mechanism.velocity_count;
         PlanarKernel {
@@ -86,7 +86,7 @@ impl<V: Lanes> PlanarKernel<V> {
                 Closing::new(mechanism, Projection::of(mechanism, flat, PlanarPlan::new(mechanism, plane)))
             }),
             plane: *plane,
-            tableau: tableau.clone(),
+            tableau,
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
             refined: false,
             velocity: vec![0.0; freedoms],
@@ -225,6 +225,10 @@ impl<V: Lanes> Step for PlanarKernel<V> {
 
     fn exchange(&self) -> Exchange {
         self.stages.applied.as_ref().map_or(Exchange::default(), |applied| applied.exchange)
+    }
+
+    fn take_kept(&mut self) -> usize {
+        self.chord.take_count()
     }
 
     fn redundant(&self) -> Option<usize> {
