@@ -24,9 +24,9 @@
 use super::algebra::{Matrix, Symmetric, Vector};
 use super::articulated::{Articulated, Eliminated, Push};
 use super::lanes::{Lanes, Portable};
-use super::start::{BodyPlan, BodyStart, Plan, Start};
+use super::start::{BodyPlan, BodyStart, Children, Plan, Start};
+use super::sweeps::collect;
 use crate::forces::total::BodyWrench;
-use crate::model::FreeRotation;
 use nalgebra::{Matrix3, Vector3};
 
 /// One number where the step has a lane for each stage.
@@ -65,7 +65,8 @@ type Pair = (Vector3<f64>, Vector3<f64>);
 pub struct Dynamics {
     bodies: Vec<Body>,
     rows: Vec<Row>,
-    inertias: Vec<Articulated<Scalar>>,
+    /// Where the children of branching bodies meet.
+    slots: Vec<Articulated<Scalar>>,
     /// Twists of the last forward sweep; wrenches on the way to it.
     pairs: Vec<Pair>,
     /// What wrenches change by, leaf to root.
@@ -84,7 +85,7 @@ impl Dynamics {
         Dynamics {
             bodies: vec![Body::default(); count],
             rows: vec![Row::default(); freedoms],
-            inertias: vec![Articulated::zero(); count],
+            slots: vec![Articulated::zero(); plan.slots],
             pairs: vec![Pair::default(); count],
             changes: vec![Pair::default(); count],
             accelerations: vec![0.0; freedoms],
@@ -121,13 +122,17 @@ impl Dynamics {
             let body = &mut self.bodies[index];
             body.angular = parent.angular + spin.cross(&turn);
             body.linear = parent.linear + parent.angular.cross(&arm) + spin.cross(&(spin.cross(&arm) + 2.0 * slide));
-            let (force, torque, _) = body_wrench(known, body, &gravity);
-            let (force, torque) = (force - self.wrenches[index].0, torque - self.wrenches[index].1);
-            self.inertias[index] = body_inertia(known, force, torque);
         }
-        for (index, own) in plan.bodies.iter().enumerate().rev() {
-            let total = &mut self.inertias[index];
-            for freedom in freedoms(own).rev() {
+        let mut carried = Articulated::zero();
+        for (index, (own, known)) in plan.bodies.iter().zip(&start.bodies).enumerate().rev() {
+            let (force, torque, _) = body_wrench(known, &self.bodies[index], &gravity);
+            let alone = body_inertia(known, force - self.wrenches[index].0, torque - self.wrenches[index].1);
+            let mut total = match own.children {
+                Children::None => alone,
+                Children::Next => alone.plus(&carried),
+                Children::Slot(slot) => alone.plus(&self.slots[slot]),
+            };
+            for freedom in own.freedoms().rev() {
                 let axis = Vector::splat(&start.axes[freedom]);
                 let push = Some(Push { effort: lane(self.efforts[freedom]), inertia: lane(0.0) });
                 let (size, left) = if freedom < own.first_axis + own.translations {
@@ -143,9 +148,8 @@ impl Dynamics {
                     inverse: 1.0 / scalar(size),
                 };
             }
-            if let Some(parent) = own.parent {
-                let shifted = self.inertias[index].shifted(Vector::splat(&start.bodies[index].arm));
-                self.inertias[parent] = self.inertias[parent].plus(&shifted);
+            if own.parent.is_some() {
+                collect(own, &mut self.slots, &mut carried, &total.shifted(Vector::splat(&known.arm)));
             }
         }
         let mut accelerations = std::mem::take(&mut self.accelerations);
@@ -176,7 +180,7 @@ impl Dynamics {
         self.pairs.fill(Pair::default());
         for (index, own) in plan.bodies.iter().enumerate().rev() {
             let (mut force, mut torque) = self.pairs[index];
-            for freedom in freedoms(own).rev() {
+            for freedom in own.freedoms().rev() {
                 let row = &self.rows[freedom];
                 let axis = Vector3::from(start.axes[freedom]);
                 let along = if freedom < own.first_axis + own.translations { force } else { torque };
@@ -274,7 +278,7 @@ impl Dynamics {
     fn rows_of(&self, own: &BodyPlan, start: &Start, index: usize, turn: &Vector3<f64>, out: &mut [f64]) {
         let (force, torque) = self.changes[index];
         let body = &self.bodies[index];
-        for freedom in freedoms(own) {
+        for freedom in own.freedoms() {
             let axis = Vector3::from(start.axes[freedom]);
             let (change, carried) =
                 if freedom < own.first_axis + own.translations { (force, body.force) } else { (torque, body.torque) };
@@ -287,7 +291,7 @@ impl Dynamics {
         for (index, (own, known)) in plan.bodies.iter().zip(&start.bodies).enumerate() {
             let (mut linear, mut angular) = self.parent_twist(own);
             linear += angular.cross(&Vector3::from(known.arm));
-            for freedom in freedoms(own) {
+            for freedom in own.freedoms() {
                 let row = &self.rows[freedom];
                 let value = values[freedom] - row.force_ratio.dot(&linear) - row.torque_ratio.dot(&angular);
                 let axis = Vector3::from(start.axes[freedom]);
@@ -312,20 +316,10 @@ impl Dynamics {
     }
 }
 
-/// The degrees of freedom of a joint, translations first.
-fn freedoms(own: &BodyPlan) -> std::ops::Range<usize> {
-    let rotations = match own.rotation {
-        FreeRotation::None => 0,
-        FreeRotation::AboutZ => 1,
-        FreeRotation::Ball => 3,
-    };
-    own.first_axis..own.first_axis + own.translations + rotations
-}
-
 /// Sliding and turning of a joint for values of its degrees of freedom.
 fn joint_motion(own: &BodyPlan, start: &Start, values: &[f64]) -> Pair {
     let mut motion = Pair::default();
-    for freedom in freedoms(own) {
+    for freedom in own.freedoms() {
         let part = if freedom < own.first_axis + own.translations { &mut motion.0 } else { &mut motion.1 };
         *part += Vector3::from(start.axes[freedom]) * values[freedom];
     }

@@ -203,12 +203,8 @@ impl<V: Lanes> Stages<V> {
         let mut twist = (Vector::zero(), Vector::zero());
         for index in 0..self.plan.bodies.len() {
             let plan = &self.plan.bodies[index];
-            let (first_axis, translations, children) = (plan.first_axis, plan.translations, plan.children);
-            let rotations = match plan.rotation {
-                FreeRotation::None => 0,
-                FreeRotation::AboutZ => 1,
-                FreeRotation::Ball => 3,
-            };
+            let (freedoms, children) = (plan.freedoms(), plan.children);
+            let turning = plan.first_axis + plan.translations;
             match plan.parent_collects {
                 Children::None => twist = (Vector::zero(), Vector::zero()),
                 Children::Next => twist.0 = twist.1.cross_plus(self.arms[index], twist.0),
@@ -217,8 +213,7 @@ impl<V: Lanes> Stages<V> {
                     twist.0 = twist.1.cross_plus(self.arms[index], twist.0);
                 }
             }
-            let turning = first_axis + translations;
-            for freedom in first_axis..turning + rotations {
+            for freedom in freedoms {
                 let joint = self.eliminated[freedom];
                 // Two chains of three, because each body waits for its parent's.
                 let alpha = joint.force_ratio.dot_from(twist.0, joint.bias) - joint.torque_ratio.dot(twist.1);
@@ -238,7 +233,7 @@ impl<V: Lanes> Stages<V> {
 
 /// Hands what a body leaves to its parent.
 #[inline(always)]
-fn collect<V: Lanes>(
+pub(super) fn collect<V: Lanes>(
     plan: &BodyPlan,
     slots: &mut [Articulated<V>],
     carried: &mut Articulated<V>,
