@@ -52,6 +52,10 @@ fn loops_have_five_stages_down_to_a_micrometre_and_small_or_planar_trees_nine_fr
         (models::spatial_pendulum().mechanism, models::chain(4).mechanism, models::planar_chain(10).mechanism);
     let mut damped_pendulum = pendulum.clone();
     damped_pendulum.forces.joint_dampers.push(JointDamper { freedom: 0, coefficient: 0.1 });
+    let (long, not_long) = (models::chain(200).mechanism, models::chain(199).mechanism);
+    let long_flat = models::planar_chain(200).mechanism;
+    let mut damped_long = long.clone();
+    damped_long.forces.joint_dampers.push(JointDamper { freedom: 0, coefficient: 0.1 });
     for (name, mechanism, tolerance, expected) in [
         ("ten four-bars", &rows_of_ten, 1e-1, few),
         ("ten four-bars", &rows_of_ten, 1e-6, few),
@@ -67,6 +71,11 @@ fn loops_have_five_stages_down_to_a_micrometre_and_small_or_planar_trees_nine_fr
         ("four bodies", &chain, 1e-12, filling),
         ("ten bodies in a plane", &flat, 1e-9, many),
         ("ten bodies in a plane", &flat, 1e-8, filling),
+        ("two hundred bodies", &long, 1e-4, few),
+        ("two hundred bodies", &long, 1e-5, filling),
+        ("two hundred bodies with a damper", &damped_long, 1e-2, filling),
+        ("two hundred bodies in a plane", &long_flat, 1e-2, filling),
+        ("199 bodies", &not_long, 1e-2, filling),
     ] {
         let stages = StageChoice::of(mechanism, tolerance);
         assert_eq!(
@@ -76,6 +85,28 @@ fn loops_have_five_stages_down_to_a_micrometre_and_small_or_planar_trees_nine_fr
         );
         let lobatto = Lobatto::adaptive(mechanism, tolerance);
         assert_eq!(lobatto.description().stages, stages.count(Isa::detect()), "{name}, {tolerance:e}: the integrator");
+    }
+}
+
+/// Half of the steps of long chains that are too long for the simplified iteration converge by the exact Newton method, at ten times the price
+/// for this step and the next fifty.
+#[test]
+fn steps_of_a_tree_that_do_not_converge_are_made_shorter_and_not_exact() {
+    for links in [30, 200] {
+        let model = models::chain(links);
+        let calm = end(&model.mechanism, &model.state, 0.2, Lobatto::adaptive(&model.mechanism, 1e-8));
+        for stop in [1e-3, 1e-4, 1e-5] {
+            let mut lobatto = Lobatto::adaptive_with_stages(&model.mechanism, 1e4 * stop, stop, StageChoice::Filling);
+            let mut state = model.state.clone();
+            let summary = run_until(&model.mechanism, &mut state, &mut lobatto, 0.2);
+            let error = distance(&probes(&model.mechanism, &state), &calm);
+            println!(
+                "{links} links, stop {stop:e}: {} steps, {} rejected, {error:.1e} m",
+                summary.steps, summary.rejected_steps
+            );
+            assert!(summary.rejected_steps > 0, "{links} links, stop {stop:e}: nothing was too long");
+            assert_eq!(summary.exact_steps, 0, "{links} links, stop {stop:e}");
+        }
     }
 }
 

@@ -14,6 +14,10 @@
 //! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
 //! seldom has done so once. Whatever these say, a step stays within the limit of stability ([`super::stability`]).
+//!
+//! Where the simplified iteration does not converge, not from the plain guess either, a tree under gravity gets half the step: one of the exact
+//! Newton method costs ten times as much, and it is tried after some halvings only. With forces it is tried at once, because a stiff
+//! spring would ask for shorter steps all along.
 
 use super::lanes::Isa;
 use super::stage_choice::StageChoice;
@@ -37,6 +41,9 @@ const WARY: usize = 20;
 
 /// The largest E of a kink over that of other steps.
 const KINK: f64 = 10.0;
+
+/// After so many halvings of a step of a tree under gravity that does not converge the exact Newton method is tried.
+const PATIENCE: usize = 3;
 
 /// No rounding changes the energy by a larger part of the kinetic energy in a step.
 const ROUNDED: f64 = 1e-6;
@@ -90,11 +97,15 @@ pub struct Control {
     rejected: bool,
     /// For how many steps small changes of the energy are taken for the steps' own, whatever E says.
     wary: usize,
+    /// How often a step that does not converge is halved before the exact Newton method is tried.
+    patience: usize,
+    /// How often the present one was.
+    halvings: usize,
 }
 
 impl Control {
-    /// A controller for an iteration stop `ε` and a number of stages; `tolerance` bounds the change of the energy.
-    pub fn new(tolerance: f64, stop: f64, stages: StageChoice, isa: Isa) -> Self {
+    /// A controller for a mechanism, an iteration stop `ε` and a number of stages; `tolerance` bounds the change of the energy.
+    pub fn new(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice, isa: Isa) -> Self {
         let stop = stop.clamp(1e-16, 1e-3);
         Control {
             tolerance,
@@ -110,6 +121,8 @@ impl Control {
             held: false,
             rejected: false,
             wary: 0,
+            patience: if mechanism.is_plain_tree() { PATIENCE } else { 0 },
+            halvings: 0,
         }
     }
 
@@ -125,7 +138,13 @@ impl Control {
 
     /// Where the iteration stops.
     pub fn rule(&self) -> StopRule {
-        StopRule { increment: self.stop, rounding: self.stop.max(1e-11), iterations: 40, legendre: self.limit() }
+        StopRule {
+            increment: self.stop,
+            rounding: self.stop.max(1e-11),
+            iterations: 40,
+            legendre: self.limit(),
+            exactly: self.halvings >= self.patience,
+        }
     }
 
     /// The largest E of a step that is kept.
@@ -165,8 +184,9 @@ impl Control {
         if !self.started() {
             self.start(mechanism, state, stepper.kernel.as_mut());
         }
-        let mut plain = false;
+        let mut without_past = false;
         loop {
+            let plain = without_past || !stepper.kernel.has_past();
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.step);
             let attempt = stepper.kernel.attempt(mechanism, length, &self.rule(), plain);
             outcome.iterations += attempt.iterations();
@@ -183,10 +203,10 @@ impl Control {
                     self.keep_below(stepper.watch.safe_step());
                     return Ok(outcome);
                 }
-                Verdict::Retry { without_past } => {
+                Verdict::Retry { without_past: next } => {
                     outcome.rejected += 1;
                     self.rejected = true;
-                    plain = without_past;
+                    without_past = next;
                     // Below this the step vanishes against the time itself.
                     if self.step < 1e-13 * state.time.abs().max(1e-3) {
                         return Err(stepper.failure(mechanism, state.time, length, &attempt));
@@ -213,6 +233,7 @@ impl Control {
         match *attempt {
             Attempt::Failed { .. } => {
                 if plain {
+                    self.halvings += 1;
                     self.step = 0.5 * step;
                 }
                 Verdict::Retry { without_past: !plain }
@@ -257,6 +278,7 @@ impl Control {
                 let longest = if self.rejected { 1.0 } else { 2.0 };
                 let factor = by_error.min(by_iterations).min(by_energy).clamp(0.3, longest);
                 self.rejected = false;
+                self.halvings = 0;
                 self.wary = self.wary.saturating_sub(1);
                 self.previous = Some(error);
                 (self.refused, self.unresolved) = (None, None);

@@ -118,7 +118,7 @@ impl Lobatto {
     /// The same with another choice of stages.
     pub fn adaptive_with_stages(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice) -> Self {
         let isa = Isa::detect();
-        let control = Control::new(tolerance, stop, stages, isa);
+        let control = Control::new(mechanism, tolerance, stop, stages, isa);
         Self::with_tableau(mechanism, stages.tableau(isa), Mode::Chosen(control), isa)
     }
 

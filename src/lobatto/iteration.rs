@@ -9,6 +9,7 @@
 //!     too long:     E > 3 E_tol  after four iterations
 //! ```
 //!
+//! What is hopeless is tried again with a plain guess, and then by the exact Newton method if the rule says so.
 //! What is iterated is the kernel's: [`super::kernel`] in space, [`super::planar`] in a plane.
 
 use super::stage::MAX_TURN;
@@ -124,7 +125,7 @@ pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule:
         equations.restart();
         let attempt = solve(equations, rule);
         // The exact method is dear: the other guess comes first.
-        if !matches!(attempt, Attempt::Failed { .. }) || !plain {
+        if !matches!(attempt, Attempt::Failed { .. }) || !plain || !rule.exactly {
             return attempt;
         }
         spent = attempt.iterations();

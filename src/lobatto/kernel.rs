@@ -189,6 +189,10 @@ impl<V: Lanes> Step for Kernel<V> {
         self.stages.start.energy
     }
 
+    fn has_past(&self) -> bool {
+        self.predictor.has_past()
+    }
+
     fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, plain: bool) -> Attempt {
         self.stages.step = step;
         self.refined = rule.increment < REFINED_BELOW;

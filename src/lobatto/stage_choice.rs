@@ -1,13 +1,15 @@
 //! How many stages the steps of a tolerance have.
 //!
 //! On trees all stages are solved side by side in the lanes of a vector, so that an iteration costs the same with few stages as with
-//! those that fill it: nine with AVX-512, five with the four lanes of anything less. There are two exceptions, measured in
+//! those that fill it: nine with AVX-512, five with the four lanes of anything less. There are three exceptions, measured in
 //! benches/README.md ("Stages for a tolerance"):
 //!
 //! - On closed loops all stages are coupled, and an iteration with nine costs twice as much as one with five. Nine make steps so long that
 //!   Newton's method limits them, and not the accuracy, until a fine one is asked for. One or two four-bars, which pass singular positions,
 //!   need much shorter steps with five, and keep what fills the vector; and so do springs and dampers so stiff that the stability of the
 //!   scheme limits the step, which nine stages extend to twice the length: the pilot runs see that ([`crate::calibration`]).
+//! - The vectors of a tree of hundreds of bodies leave the caches, and an iteration with five stages costs little more than half of one with
+//!   nine. Where a coarse tolerance asks for few digits, that is worth more than longer steps.
 //! - In a plane arithmetic waits for arithmetic, so that two vectors of four lanes take 1.3 to 1.5 times as long as one, and not twice; and
 //!   two or three bodies converge in few iterations however long the step. There nine stages save more than they cost with fine tolerances.
 //!
@@ -38,6 +40,10 @@ const FEW_DOWN_TO: f64 = 0.99e-6;
 const SMALLEST_IN_A_PLANE: usize = 6;
 /// The coarsest tolerance at which small trees and those in a plane have many stages (m), and what rounding may add to it.
 const MANY_FROM: f64 = 1.01e-9;
+/// The finest tolerance at which long trees have few stages (m), less what rounding may take from it.
+const LONG_DOWN_TO: f64 = 0.99e-4;
+/// A tree of so many bodies is long.
+const LONG_TREE: usize = 200;
 /// A tree of so many bodies is small.
 const SMALL_TREE: usize = 3;
 
@@ -57,10 +63,14 @@ impl StageChoice {
     pub fn of(mechanism: &Mechanism, tolerance: f64) -> Self {
         let bodies = mechanism.bodies.len();
         let in_a_plane = || Plane::of(mechanism).is_some();
-        let closed = !mechanism.loops.is_empty();
+        let few = if mechanism.loops.is_empty() {
+            mechanism.is_plain_tree() && tolerance >= LONG_DOWN_TO && bodies >= LONG_TREE && !in_a_plane()
+        } else {
+            tolerance >= FEW_DOWN_TO && (bodies >= SMALLEST_IN_A_PLANE || !in_a_plane())
+        };
         if mechanism.is_plain_tree() && tolerance <= MANY_FROM && (bodies <= SMALL_TREE || in_a_plane()) {
             StageChoice::Many
-        } else if closed && tolerance >= FEW_DOWN_TO && (bodies >= SMALLEST_IN_A_PLANE || !in_a_plane()) {
+        } else if few {
             StageChoice::Few
         } else {
             StageChoice::Filling

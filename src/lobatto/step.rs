@@ -24,12 +24,14 @@ pub struct StopRule {
     pub iterations: usize,
     /// An attempt whose top Legendre coefficient is well above this is not worth finishing.
     pub legendre: f64,
+    /// Whether the exact Newton method follows where the simplified iteration does not converge.
+    pub exactly: bool,
 }
 
 impl StopRule {
     /// Iterate to rounding.
     pub const ROUNDING: StopRule =
-        StopRule { increment: 2e-16, rounding: 1e-11, iterations: 60, legendre: f64::INFINITY };
+        StopRule { increment: 2e-16, rounding: 1e-11, iterations: 60, legendre: f64::INFINITY, exactly: true };
 }
 
 /// How an attempt at a step ended.
@@ -76,6 +78,8 @@ pub trait Step: Send {
     fn begin(&mut self, mechanism: &Mechanism, state: &State);
     /// Energy at the start of the step.
     fn energy(&self) -> Energy;
+    /// Whether there is a step before this one to guess from: without, every guess is a plain one.
+    fn has_past(&self) -> bool;
     /// Solves the stage equations of a step of length `step` from the start; `plain` guesses without the past.
     fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, plain: bool) -> Attempt;
     /// Projects the momentum at the end of the solved step (2.5.11h): moves `state` there; returns its energy.
