@@ -9,9 +9,12 @@
 //!     ε_run = ε E / (10 max_t d(t))
 //! ```
 //!
-//! with the distance of [`crate::distance`], seen at 32 instants. Pilots that are apart by more than a hundredth of the
-//! mechanism's size have parted and say nothing; the next pair is 10⁴ times finer. If the finest pair cannot hold the accuracy to the
-//! end, the calibration says until when it is held.
+//! with the distance of [`crate::distance`], seen at 32 instants. A coarse pilot may be right by luck, a hundred times nearer than its stop lets
+//! expect in one of fifty runs of a chain of ten links. So where `ε_run` would be about as coarse as its stop, or coarser, a third pilot tries
+//! it, and the finer one of the pair says how far off that is.
+//!
+//! Pilots that are apart by more than a hundredth of the mechanism's size have parted and say nothing; the next pair is 10⁴ times finer. If
+//! the finest pair cannot hold the accuracy to the end, the calibration says until when it is held.
 //!
 //! Pilots have the number of stages of the run ([`crate::lobatto::stage_choice`]), later pairs that of a tolerance that would begin with them. A pair
 //! with few stages whose first steps are limited by stability, and not by accuracy, begins again with more.
@@ -39,6 +42,8 @@ const FINEST: f64 = 1e-16;
 const COARSEST: f64 = 1e-3;
 /// The run aims at this part of the tolerance: two runs of one motion, with other steps, differ by some such factor.
 const AIM: f64 = 10.0;
+/// Runs with a stop above this part of that of the coarser pilot are tried first.
+const LUCKY: f64 = 0.25;
 /// Ratio of the stops of successive pairs.
 const REFINEMENT: f64 = 1e-4;
 /// Pilots that are apart by this share of the mechanism's size have parted and say nothing about smaller errors.
@@ -95,6 +100,7 @@ pub fn calibrate(
     let mut stop = (FIRST * tolerance).clamp(FINEST * RATIO, COARSEST);
     let (mut accuracy, mut stiff) = (tolerance, false);
     let count = |stages: StageChoice| stages.count(Isa::detect());
+    let until = |index: usize| if index == INSTANTS { end } else { instant(index) };
     let mut pilots = 0;
     loop {
         let stages = if stiff { StageChoice::Filling } else { StageChoice::of(mechanism, accuracy) };
@@ -102,20 +108,18 @@ pub fn calibrate(
             mechanism,
             lobatto: Lobatto::adaptive_with_stages(mechanism, tolerance, stop, stages).keeping(mechanism, kept),
             state: state.clone(),
+            apart: Vec::with_capacity(INSTANTS),
         };
         let (mut coarse, mut fine) = (pilot(stop), pilot(stop / RATIO));
         pilots += 2;
-        // The worst so far at every instant: an error that has been made does not heal.
-        let mut worst = Vec::with_capacity(INSTANTS);
-        let mut apart = 0.0_f64;
+        let mut truth = Vec::with_capacity(INSTANTS);
         // Pilots that have parted need no following.
         let mut held_back = false;
-        while worst.len() < INSTANTS && apart <= SATURATED * size && !held_back {
-            let until = if worst.len() + 1 == INSTANTS { end } else { instant(worst.len() + 1) };
-            let seen = distance(&coarse.advance(until, go_on)?, &fine.advance(until, go_on)?);
-            apart = if seen.is_nan() { f64::INFINITY } else { apart.max(seen) };
-            worst.push(apart);
-            held_back = worst.len() <= EARLY
+        while truth.len() < INSTANTS && coarse.worst() <= SATURATED * size && !held_back {
+            let until = until(truth.len() + 1);
+            truth.push(fine.advance(until, go_on)?);
+            coarse.compare(until, &truth[truth.len() - 1], go_on)?;
+            held_back = truth.len() <= EARLY
                 && count(stages) < count(StageChoice::Filling)
                 && coarse.lobatto.was_held_by_stability();
         }
@@ -123,17 +127,36 @@ pub fn calibrate(
             stiff = true;
             continue;
         }
-        let saturated = apart > SATURATED * size;
+        let saturated = coarse.worst() > SATURATED * size;
         if saturated && stop > FINEST * RATIO * (1.0 + 1e-9) {
             stop = (stop * REFINEMENT).max(FINEST * RATIO);
             accuracy = stop / FIRST;
             continue;
         }
         // Errors below rounding cannot be seen and need not be.
-        let amplification = apart.max(1e-16 * size) / stop;
+        let mut amplification = coarse.worst().max(1e-16 * size) / stop;
         // No coarser than a hundredth of the tolerance, however calm the motion: the energy has to be kept as well.
-        let run_stop = (tolerance / (AIM * amplification)).min(0.01 * tolerance).clamp(FINEST, COARSEST);
-        let held = worst.iter().take_while(|&&apart| apart * run_stop / stop <= tolerance).count();
+        let stop_for =
+            |amplification: f64| (tolerance / (AIM * amplification)).min(0.01 * tolerance).clamp(FINEST, COARSEST);
+        let mut apart: Vec<f64> = coarse.apart.iter().map(|apart| apart / stop).collect();
+        let tried = stop_for(amplification);
+        if !saturated && tried > LUCKY * stop {
+            let mut trial = pilot(tried);
+            pilots += 1;
+            let mut instants = truth.iter().enumerate();
+            let found = match instants.try_for_each(|(index, truth)| trial.compare(until(index + 1), truth, go_on)) {
+                Ok(()) => trial.worst() / tried,
+                // What fails so coarsely may do as the coarser pilot did.
+                Err(CalibrationError::Step(_)) => tolerance / (AIM * stop),
+                Err(interrupted) => return Err(interrupted),
+            };
+            amplification = amplification.max(found);
+            for (apart, tried_apart) in apart.iter_mut().zip(&trial.apart) {
+                *apart = apart.max(tried_apart / tried);
+            }
+        }
+        let run_stop = stop_for(amplification);
+        let held = apart.iter().take_while(|&&apart| apart * run_stop <= tolerance).count();
         return Ok(Calibration {
             stop: run_stop,
             stages,
@@ -150,9 +173,28 @@ struct Pilot<'m> {
     mechanism: &'m Mechanism,
     lobatto: Lobatto,
     state: State,
+    /// How far it is from another at every instant up to now, the worst so far: an error that has been made does not heal (m).
+    apart: Vec<f64>,
 }
 
 impl Pilot<'_> {
+    /// The furthest that it has been from another (m).
+    fn worst(&self) -> f64 {
+        self.apart.last().copied().unwrap_or(0.0)
+    }
+
+    /// Goes on to the next instant and sees how far it is from where another was there.
+    fn compare(
+        &mut self,
+        until: f64,
+        other: &[Vector3<f64>],
+        go_on: &mut dyn FnMut(&StepOutcome) -> bool,
+    ) -> Result<(), CalibrationError> {
+        let seen = distance(&self.advance(until, go_on)?, other);
+        self.apart.push(if seen.is_nan() { f64::INFINITY } else { self.worst().max(seen) });
+        Ok(())
+    }
+
     /// The probes at `until`, where a step ends, so that no interpolation error is taken for an error of the run.
     fn advance(
         &mut self,

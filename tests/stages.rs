@@ -147,8 +147,8 @@ fn loops_that_need_finer_pilots_are_run_with_the_stages_of_these() {
     let (ring, start) = scene("ring_100");
     let calibrated = |duration| calibrate(&ring, &start, duration, 1e-3, &[], &mut |_| true).expect("pilots");
     let (calm, chaotic) = (calibrated(0.2), calibrated(1.5));
-    assert_eq!((calm.pilots, calm.stages), (2, StageChoice::Few));
-    assert!(chaotic.pilots > 2 && chaotic.stages == StageChoice::Filling, "{chaotic:?}");
+    assert_eq!((calm.pilots, calm.stages), (3, StageChoice::Few));
+    assert!(chaotic.pilots > 3 && chaotic.stages == StageChoice::Filling, "{chaotic:?}");
     let stages = chaotic.integrator(&ring, 1e-3).description().stages;
     assert_eq!(stages, StageChoice::Filling.count(Isa::detect()));
 }
