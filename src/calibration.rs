@@ -96,11 +96,14 @@ pub fn calibrate(
 ) -> Result<Calibration, CalibrationError> {
     let size = size(mechanism, state);
     let end = state.time + duration;
-    let instant = |index: usize| state.time + duration * index as f64 / INSTANTS as f64;
+    // The last is the end itself, to the bit.
+    let instant = |index: usize| match index {
+        INSTANTS => end,
+        _ => state.time + duration * index as f64 / INSTANTS as f64,
+    };
     let mut stop = (FIRST * tolerance).clamp(FINEST * RATIO, COARSEST);
     let (mut accuracy, mut stiff) = (tolerance, false);
     let count = |stages: StageChoice| stages.count(Isa::detect());
-    let until = |index: usize| if index == INSTANTS { end } else { instant(index) };
     let mut pilots = 0;
     loop {
         let stages = if stiff { StageChoice::Filling } else { StageChoice::of(mechanism, accuracy) };
@@ -116,7 +119,7 @@ pub fn calibrate(
         // Pilots that have parted need no following.
         let mut held_back = false;
         while truth.len() < INSTANTS && coarse.worst() <= SATURATED * size && !held_back {
-            let until = until(truth.len() + 1);
+            let until = instant(truth.len() + 1);
             truth.push(fine.advance(until, go_on)?);
             coarse.compare(until, &truth[truth.len() - 1], go_on)?;
             held_back = truth.len() <= EARLY
@@ -144,7 +147,7 @@ pub fn calibrate(
             let mut trial = pilot(tried);
             pilots += 1;
             let mut instants = truth.iter().enumerate();
-            let found = match instants.try_for_each(|(index, truth)| trial.compare(until(index + 1), truth, go_on)) {
+            let found = match instants.try_for_each(|(index, truth)| trial.compare(instant(index + 1), truth, go_on)) {
                 Ok(()) => trial.worst() / tried,
                 // What fails so coarsely may do as the coarser pilot did.
                 Err(CalibrationError::Step(_)) => tolerance / (AIM * stop),
@@ -162,7 +165,7 @@ pub fn calibrate(
             stages,
             // What has parted ends as far apart as the mechanism is large.
             estimate: if saturated { size } else { amplification * run_stop },
-            holds_until: if held == INSTANTS { end } else { instant(held) },
+            holds_until: instant(held),
             pilots,
         });
     }

@@ -88,22 +88,16 @@ fn loops_have_five_stages_down_to_a_micrometre_and_small_or_planar_trees_nine_fr
     }
 }
 
-/// Half of the steps of long chains that are too long for the simplified iteration converge by the exact Newton method, at ten times the price
-/// for this step and the next fifty.
+/// What is too long for the simplified iteration may converge by the exact Newton method, at ten times the price and for the next fifty
+/// steps as well.
 #[test]
 fn steps_of_a_tree_that_do_not_converge_are_made_shorter_and_not_exact() {
     for links in [30, 200] {
         let model = models::chain(links);
-        let calm = end(&model.mechanism, &model.state, 0.2, Lobatto::adaptive(&model.mechanism, 1e-8));
         for stop in [1e-3, 1e-4, 1e-5] {
             let mut lobatto = Lobatto::adaptive_with_stages(&model.mechanism, 1e4 * stop, stop, StageChoice::Filling);
             let mut state = model.state.clone();
             let summary = run_until(&model.mechanism, &mut state, &mut lobatto, 0.2);
-            let error = distance(&probes(&model.mechanism, &state), &calm);
-            println!(
-                "{links} links, stop {stop:e}: {} steps, {} rejected, {error:.1e} m",
-                summary.steps, summary.rejected_steps
-            );
             assert!(summary.rejected_steps > 0, "{links} links, stop {stop:e}: nothing was too long");
             assert_eq!(summary.exact_steps, 0, "{links} links, stop {stop:e}");
         }

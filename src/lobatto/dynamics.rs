@@ -24,8 +24,8 @@
 use super::algebra::{Matrix, Symmetric, Vector};
 use super::articulated::{Articulated, Eliminated, Push};
 use super::lanes::{Lanes, Portable};
-use super::start::{BodyPlan, BodyStart, Children, Plan, Start};
-use super::sweeps::collect;
+use super::start::{BodyPlan, BodyStart, Plan, Start};
+use super::sweeps::{collect, with_children};
 use crate::forces::total::BodyWrench;
 use nalgebra::{Matrix3, Vector3};
 
@@ -127,11 +127,7 @@ impl Dynamics {
         for (index, (own, known)) in plan.bodies.iter().zip(&start.bodies).enumerate().rev() {
             let (force, torque, _) = body_wrench(known, &self.bodies[index], &gravity);
             let alone = body_inertia(known, force - self.wrenches[index].0, torque - self.wrenches[index].1);
-            let mut total = match own.children {
-                Children::None => alone,
-                Children::Next => alone.plus(&carried),
-                Children::Slot(slot) => alone.plus(&self.slots[slot]),
-            };
+            let mut total = with_children(own, alone, &self.slots, &carried);
             for freedom in own.freedoms().rev() {
                 let axis = Vector::splat(&start.axes[freedom]);
                 let push = Some(Push { effort: lane(self.efforts[freedom]), inertia: lane(0.0) });

@@ -102,11 +102,7 @@ impl<V: Lanes> Stages<V> {
                 own.force = force.times_minus(scale, own.force);
                 own.torque = torque.times_minus(scale, own.torque);
             }
-            let mut total = match plan.children {
-                Children::None => own,
-                Children::Next => own.plus(&carried),
-                Children::Slot(slot) => own.plus(&self.slots[slot]),
-            };
+            let mut total = with_children(plan, own, &self.slots, &carried);
 
             // Rotations first: they are the outermost axes of the joint.
             let rotations = plan.first_axis + plan.translations;
@@ -228,6 +224,21 @@ impl<V: Lanes> Stages<V> {
                 self.twists[slot] = twist;
             }
         }
+    }
+}
+
+/// What is a body's own, and what its children have left.
+#[inline(always)]
+pub(super) fn with_children<V: Lanes>(
+    plan: &BodyPlan,
+    own: Articulated<V>,
+    slots: &[Articulated<V>],
+    carried: &Articulated<V>,
+) -> Articulated<V> {
+    match plan.children {
+        Children::None => own,
+        Children::Next => own.plus(carried),
+        Children::Slot(slot) => own.plus(&slots[slot]),
     }
 }
 

@@ -99,7 +99,7 @@ pub enum TableauError {
 impl Tableau {
     /// The coefficients for a number of stages from 2 to 16, each correctly rounded but for ties within 1e-28.
     ///
-    /// They are worked out once a process, which takes as long as a second of the motion of a double pendulum.
+    /// They are worked out once a process, which takes as long as ten seconds of the motion of a double pendulum.
     ///
     /// # Errors
     /// [`TableauError::Stages`] if the number is out of range.

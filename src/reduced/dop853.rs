@@ -176,8 +176,7 @@ impl Integrator for Dop853 {
                 self.error_before = error.max(LEAST_ERROR_BEFORE);
                 self.next_step = Some(if last { proposed.max(wanted) } else { proposed });
                 let exchange = work.ode.exchange(&work.start, &work.end);
-                let iterations = evaluations;
-                return Ok(StepOutcome { step, iterations, rejected, exchange, ..StepOutcome::default() });
+                return Ok(StepOutcome { step, iterations: evaluations, rejected, exchange, ..StepOutcome::default() });
             }
             rejected += 1;
             // A step that ran into infinity has no error to go by.
