@@ -1,6 +1,6 @@
 //! Three-vectors and 3×3 matrices whose entries are lanes: one number for each stage.
 
-use super::lanes::Lanes;
+use super::numbers::Numbers;
 
 /// A vector in space, one for each lane.
 #[derive(Clone, Copy)]
@@ -14,7 +14,7 @@ pub struct Symmetric<V>(pub [V; 6]);
 #[derive(Clone, Copy)]
 pub struct Matrix<V>(pub [[V; 3]; 3]);
 
-impl<V: Lanes> Vector<V> {
+impl<V: Numbers> Vector<V> {
     /// The zero vector.
     #[inline(always)]
     pub fn zero() -> Self {
@@ -22,8 +22,8 @@ impl<V: Lanes> Vector<V> {
     }
     /// The same vector in every lane.
     #[inline(always)]
-    pub fn splat(v: &[f64; 3]) -> Self {
-        Vector([V::splat(v[0]), V::splat(v[1]), V::splat(v[2])])
+    pub fn splat(v: &[V::Real; 3]) -> Self {
+        Vector([V::whole(v[0]), V::whole(v[1]), V::whole(v[2])])
     }
     /// `self + other`.
     #[inline(always)]
@@ -92,7 +92,7 @@ impl<V: Lanes> Vector<V> {
     }
 }
 
-impl<V: Lanes> Symmetric<V> {
+impl<V: Numbers> Symmetric<V> {
     /// The zero matrix.
     #[inline(always)]
     pub fn zero() -> Self {
@@ -131,7 +131,7 @@ impl<V: Lanes> Symmetric<V> {
     }
 }
 
-impl<V: Lanes> Matrix<V> {
+impl<V: Numbers> Matrix<V> {
     /// The zero matrix.
     #[inline(always)]
     pub fn zero() -> Self {

@@ -14,7 +14,7 @@
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7; here lane by lane.
 
 use super::algebra::{Matrix, Symmetric, Vector};
-use super::lanes::Lanes;
+use super::numbers::Numbers;
 
 /// An articulated inertia and bias wrench about the anchor of a body, in world axes:
 /// `[force; torque] = [mass coupling; couplingᵀ inertia] [acceleration; angular acceleration] + [force; torque]`.
@@ -56,7 +56,7 @@ pub struct Eliminated<V> {
     pub inverse: V,
 }
 
-impl<V: Lanes> Eliminated<V> {
+impl<V: Numbers> Eliminated<V> {
     /// Nothing.
     pub fn zero() -> Self {
         let (axis, zero) = (Vector::zero(), V::zero());
@@ -64,7 +64,7 @@ impl<V: Lanes> Eliminated<V> {
     }
 }
 
-impl<V: Lanes> Articulated<V> {
+impl<V: Numbers> Articulated<V> {
     /// Nothing.
     #[inline(always)]
     pub fn zero() -> Self {
@@ -211,7 +211,7 @@ impl<V: Lanes> Articulated<V> {
 
 /// `d`; what calls with a `None` in its code pays nothing for it.
 #[inline(always)]
-fn resisting<V: Lanes>(inertia: V, push: Option<Push<V>>) -> V {
+fn resisting<V: Numbers>(inertia: V, push: Option<Push<V>>) -> V {
     match push {
         None => inertia,
         Some(push) => inertia + push.inertia,
@@ -220,7 +220,7 @@ fn resisting<V: Lanes>(inertia: V, push: Option<Push<V>>) -> V {
 
 /// `(τ − sᵀ p) / d`.
 #[inline(always)]
-fn unbalanced<V: Lanes>(carried: V, push: Option<Push<V>>, inverse: V) -> V {
+fn unbalanced<V: Numbers>(carried: V, push: Option<Push<V>>, inverse: V) -> V {
     match push {
         None => -(carried * inverse),
         Some(push) => (push.effort - carried) * inverse,
@@ -229,7 +229,7 @@ fn unbalanced<V: Lanes>(carried: V, push: Option<Push<V>>, inverse: V) -> V {
 
 /// `start − a × b`.
 #[inline(always)]
-fn cross_from<V: Lanes>(a: Vector<V>, b: Vector<V>, start: Vector<V>) -> Vector<V> {
+fn cross_from<V: Numbers>(a: Vector<V>, b: Vector<V>, start: Vector<V>) -> Vector<V> {
     let ([ax, ay, az], [bx, by, bz]) = (a.0, b.0);
     Vector([
         az.mul_add(by, ay.neg_mul_add(bz, start.0[0])),

@@ -15,7 +15,7 @@
 
 use super::algebra::Vector;
 use super::articulated::Eliminated;
-use super::lanes::Lanes;
+use super::numbers::Numbers;
 use super::residual::{Sweep, body_residual, force_residual};
 use super::stage::Stages;
 use super::start::{BodyPlan, Children};
@@ -87,7 +87,7 @@ struct Wrench<V> {
     torque: Vector<V>,
 }
 
-impl<V: Lanes> Wrench<V> {
+impl<V: Numbers> Wrench<V> {
     /// Takes out what a joint takes along an axis of which the wrench is `load` (minus the push).
     #[inline(always)]
     fn relieve(&mut self, axis: Vector<V>, load: V, joint: &mut Eliminated<V>) {
@@ -98,7 +98,7 @@ impl<V: Lanes> Wrench<V> {
     }
 }
 
-impl<V: Lanes> Stages<V> {
+impl<V: Numbers> Stages<V> {
     /// Residual of all rows, leaf to root, after [`Stages::sweep_poses`], with the factors of the last [`Stages::sweep_residual`];
     /// `REFINED` with twice the digits of the coefficients, for the last iterations of a step that is iterated to rounding.
     #[inline(always)]
@@ -121,7 +121,7 @@ impl<V: Lanes> Stages<V> {
     #[inline(always)]
     fn gather<const REFINED: bool, const FORCED: bool>(&mut self, sweep: &Sweep<V>) {
         let applied = if FORCED { self.applied.take() } else { None };
-        let scale = V::splat(sweep.forces);
+        let scale = sweep.forces;
         let effort = |freedom: usize| match &applied {
             Some(applied) if FORCED => Some(applied.efforts[freedom] * scale),
             _ => None,
@@ -218,7 +218,7 @@ impl<V: Lanes> Stages<V> {
 
 /// The load of an axis, less the effort of forces in the joint, if there are any.
 #[inline(always)]
-pub(super) fn less<V: Lanes>(load: V, effort: Option<V>) -> V {
+pub(super) fn less<V: Numbers>(load: V, effort: Option<V>) -> V {
     match effort {
         None => load,
         Some(effort) => load - effort,

@@ -11,8 +11,8 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number held as the sum of two doubles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Extended {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extended {
     /// The value rounded to a double.
     high: f64,
     /// What that rounding cut off.
@@ -39,7 +39,7 @@ impl Extended {
     pub(crate) const ONE: Extended = Extended { high: 1.0, low: 0.0 };
 
     /// The sum of a leading part and a smaller one.
-    fn from_parts(high: f64, low: f64) -> Self {
+    pub(crate) fn from_parts(high: f64, low: f64) -> Self {
         let sum = high + low;
         Extended { high: sum, low: low - (sum - high) }
     }

@@ -27,12 +27,19 @@ pub trait Lanes:
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// `c − self · b`.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
+    /// What rounding has cut off `product`, which is `self · b` rounded: exact.
+    #[inline(always)]
+    fn lost(self, b: Self, product: Self) -> Self {
+        self.mul_add(b, -product)
+    }
     /// `1 / self`.
     fn reciprocal(self) -> Self;
     /// The larger of `|self|` and `bound`, lane by lane; a NaN in `self` gives NaN.
     fn max_abs(self, bound: Self) -> Self;
     /// Runs `work` compiled for this vector type.
     fn run<R>(work: impl FnOnce() -> R) -> R;
+    /// The same in a function of its own, which is compiled once however often it is called.
+    fn apart<R>(work: impl FnOnce() -> R) -> R;
 
     /// All lanes zero.
     #[inline(always)]
@@ -225,6 +232,11 @@ where
         c - self * b
     }
     #[inline(always)]
+    fn lost(self, b: Self, product: Self) -> Self {
+        // Slow where the processor cannot, but right.
+        Portable(std::array::from_fn(|lane| self.0[lane].mul_add(b.0[lane], -product.0[lane])))
+    }
+    #[inline(always)]
     fn reciprocal(self) -> Self {
         Portable(self.0.map(|value| 1.0 / value))
     }
@@ -234,6 +246,10 @@ where
     }
     #[inline(always)]
     fn run<R>(work: impl FnOnce() -> R) -> R {
+        work()
+    }
+    #[inline(never)]
+    fn apart<R>(work: impl FnOnce() -> R) -> R {
         work()
     }
 }
@@ -301,6 +317,10 @@ macro_rules! pair {
             #[inline(always)]
             fn run<R>(work: impl FnOnce() -> R) -> R {
                 <$half>::run(work)
+            }
+            #[inline(always)]
+            fn apart<R>(work: impl FnOnce() -> R) -> R {
+                <$half>::apart(work)
             }
         }
     };

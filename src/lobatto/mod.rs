@@ -6,7 +6,7 @@
 //! (step length), [`stage_choice`] (how many stages), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to
 //! know), [`stepper`] and [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
 //! [`elimination`], [`front`], [`projection`], [`closing`] and [`assembly`]; [`instants`] are samples of a motion, in lanes;
-//! [`literal`] is the scheme word for word, the oracle of the tests; [`lanes`], [`algebra`] and [`dispatch`] are the SIMD underneath.
+//! [`literal`] is the scheme word for word, the oracle of the tests; [`lanes`], [`numbers`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
 pub mod algebra;
 pub mod anderson;
@@ -38,6 +38,7 @@ mod literal_constraints;
 mod literal_forces;
 pub mod modes;
 pub mod newton;
+pub mod numbers;
 pub mod planar;
 pub mod predictor;
 pub mod projection;

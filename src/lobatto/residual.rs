@@ -21,7 +21,7 @@
 
 use super::algebra::{Matrix, Symmetric, Vector};
 use super::articulated::Articulated;
-use super::lanes::Lanes;
+use super::numbers::Numbers;
 use super::stage::{Coefficients, MAX_LANES, StagePose};
 use super::start::{BodyPlan, BodyStart};
 
@@ -38,12 +38,12 @@ pub struct Sweep<'s, V> {
     /// One where a row has its stage's geometry.
     pub moved: V,
     /// What gravity adds to the mixed displacement of a centre of mass.
-    pub gravity: [f64; 3],
-    /// What multiplies applied forces: h², or the impulse's `h b_s`.
-    pub forces: f64,
+    pub gravity: Vector<V>,
+    /// What multiplies applied forces: −h², or the impulse's `h b_s`.
+    pub forces: V,
 }
 
-impl<'s, V: Lanes> Sweep<'s, V> {
+impl<'s, V: Numbers> Sweep<'s, V> {
     /// What the residual has in common over all bodies of a step, with copies of its columns.
     #[inline(always)]
     pub fn of_residual(
@@ -53,20 +53,20 @@ impl<'s, V: Lanes> Sweep<'s, V> {
         step: f64,
         gravity: &[f64; 3],
     ) -> Self {
-        let square = -step * step;
+        let square = V::splat(-step) * V::splat(step);
         Sweep {
             columns,
             rest,
             times: coefficients.nodes * V::splat(step),
             times_rest: coefficients.times_rest(step),
             moved: coefficients.moved,
-            gravity: [square * gravity[0], square * gravity[1], square * gravity[2]],
+            gravity: Vector(gravity.map(V::splat)).times(square),
             forces: -square,
         }
     }
 }
 
-impl<V: Lanes> Coefficients<V> {
+impl<V: Numbers> Coefficients<V> {
     /// What the residual has in common over all bodies of a step.
     #[inline(always)]
     pub fn residual_sweep(&self, step: f64, gravity: &[f64; 3]) -> Sweep<'_, V> {
@@ -78,12 +78,12 @@ impl<V: Lanes> Coefficients<V> {
     pub fn momentum_columns(&self, step: f64) -> ([V; MAX_LANES], [V; MAX_LANES]) {
         let (mut columns, mut rest) = (self.momentum, self.momentum_rest);
         // Neither 1/h nor the product with it may be rounded.
-        let inverse = 1.0 / step;
-        let inverse_rest = V::splat(inverse.mul_add(-step, 1.0) * inverse);
-        let inverse = V::splat(inverse);
+        let whole = V::splat(step);
+        let inverse = whole.reciprocal();
+        let inverse_rest = -(inverse.lost(whole, V::splat(1.0)) * inverse);
         for (column, rest) in columns.iter_mut().zip(&mut rest) {
             let rounded = *column * inverse;
-            let lost = column.mul_add(inverse_rest, column.mul_add(inverse, -rounded));
+            let lost = column.mul_add(inverse_rest, column.lost(inverse, rounded));
             *rest = rest.mul_add(inverse, lost);
             *column = rounded;
         }
@@ -99,14 +99,14 @@ impl<V: Lanes> Coefficients<V> {
         step: f64,
         gravity: &[f64; 3],
     ) -> Sweep<'s, V> {
-        let factor = step * self.last_weight;
+        let factor = V::splat(step) * self.last_weight;
         Sweep {
             columns,
             rest,
             times: self.nodes * V::splat(step),
             times_rest: self.times_rest(step),
             moved: V::splat(1.0),
-            gravity: [factor * gravity[0], factor * gravity[1], factor * gravity[2]],
+            gravity: Vector(gravity.map(V::splat)).times(factor),
             forces: factor,
         }
     }
@@ -116,28 +116,28 @@ impl<V: Lanes> Coefficients<V> {
     fn times_rest(&self, step: f64) -> V {
         let step = V::splat(step);
         let rounded = self.nodes * step;
-        self.nodes_rest.mul_add(step, self.nodes.mul_add(step, -rounded))
+        self.nodes_rest.mul_add(step, self.nodes.lost(step, rounded))
     }
 }
 
 /// Mass and force part of the residual of a body that never turns.
 #[inline(always)]
-pub fn sliding_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
+pub fn sliding_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,
-    known: &BodyStart,
+    known: &BodyStart<V::Real>,
     pose: &StagePose<V>,
 ) -> (Symmetric<V>, Vector<V>) {
     let force = force_residual::<V, MOMENTUM, REFINED>(sweep, known, pose.anchor);
-    let (mass, zero) = (V::splat(known.mass), V::zero());
+    let (mass, zero) = (V::whole(known.mass), V::zero());
     let force = if MOMENTUM { force.times(V::splat(-1.0)) } else { force };
     (Symmetric([mass, zero, zero, mass, zero, mass]), force)
 }
 
 /// `f` of a centre of mass `displaced` since the start.
 #[inline(always)]
-pub fn force_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
+pub fn force_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,
-    known: &BodyStart,
+    known: &BodyStart<V::Real>,
     displaced: Vector<V>,
 ) -> Vector<V> {
     let columns = sweep.columns;
@@ -154,7 +154,7 @@ pub fn force_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     if MOMENTUM {
         path = path.plus(start_velocity);
     }
-    path.plus(Vector::splat(&sweep.gravity)).times(V::splat(known.mass))
+    path.plus(sweep.gravity).times(V::whole(known.mass))
 }
 
 /// The residual of one body about its anchor, and what its inertia is made of; all with the geometry of the rows.
@@ -174,10 +174,10 @@ pub struct BodyResidual<V> {
 
 /// The residual of one body; where nobody asks for its inertia the compiler leaves that out.
 #[inline(always)]
-pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
+pub fn body_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,
     plan: &BodyPlan,
-    known: &BodyStart,
+    known: &BodyStart<V::Real>,
     pose: &StagePose<V>,
 ) -> BodyResidual<V> {
     let [x, y, z] = pose.u.0;
@@ -201,10 +201,10 @@ pub fn body_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     let torque = com.cross_plus(force, torque);
     let (force, torque) =
         if MOMENTUM { (force.times(V::splat(-1.0)), torque.times(V::splat(-1.0))) } else { (force, torque) };
-    BodyResidual { force, torque, turn, com, own, mass: V::splat(known.mass) }
+    BodyResidual { force, torque, turn, com, own, mass: V::whole(known.mass) }
 }
 
-impl<V: Lanes> BodyResidual<V> {
+impl<V: Numbers> BodyResidual<V> {
     /// With the inertia about the anchor: `J + m (|c|² − c cᵀ)`, and the coupling `−m ĉ`.
     #[inline(always)]
     pub fn with_inertia(&self) -> Articulated<V> {
@@ -233,10 +233,10 @@ impl<V: Lanes> BodyResidual<V> {
 
 /// `J` and `e` about the centre of mass, from the `products` and `turned` of [`increment_matrix`] and N at the rows' stages.
 #[inline(always)]
-fn rotational_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
+fn rotational_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
     sweep: &Sweep<V>,
     spherical: bool,
-    known: &BodyStart,
+    known: &BodyStart<V::Real>,
     products: [V; 6],
     turned: Vector<V>,
     turn: &Matrix<V>,
@@ -270,7 +270,7 @@ fn rotational_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     let (turn_rows, mixed_rows) = (turn.rows(), mixed.rows());
     if spherical {
         // Σ = σ 1, so that C = σ (1 + N)ᵀ and Σ_k = Σ: the columns of C are σ times the rows of 1 + N.
-        let (sigma, zero) = (V::splat(known.sigma[0]), V::zero());
+        let (sigma, zero) = (V::whole(known.sigma[0]), V::zero());
         let moment = sigma + sigma;
         // Of W (1 + N)ᵀ = W Nᵀ + W.
         let entry = |row: usize, column: usize| mixed_rows[row].dot_plus(turn_rows[column], mixed.0[row][column]);
@@ -302,6 +302,6 @@ fn rotational_residual<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
 
 /// `N = 2 (w û + u uᵀ − |u|²)` from the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u`; linear in both.
 #[inline(always)]
-pub fn increment_matrix<V: Lanes>([xx, xy, xz, yy, yz, zz]: [V; 6], [wx, wy, wz]: [V; 3]) -> Matrix<V> {
+pub fn increment_matrix<V: Numbers>([xx, xy, xz, yy, yz, zz]: [V; 6], [wx, wy, wz]: [V; 3]) -> Matrix<V> {
     Matrix([[-(yy + zz), xy - wz, xz + wy], [xy + wz, -(xx + zz), yz - wx], [xz - wy, yz + wx, -(xx + yy)]])
 }

@@ -15,6 +15,7 @@ use super::algebra::{Matrix, Vector};
 use super::applied::Applied;
 use super::articulated::{Articulated, Eliminated};
 use super::lanes::Lanes;
+use super::numbers::Numbers;
 use super::predictor::Unknowns;
 use super::residual::increment_matrix;
 use super::start::{Plan, Start};
@@ -38,7 +39,7 @@ pub struct StagePose<V> {
     pub anchor: Vector<V>,
 }
 
-impl<V: Lanes> StagePose<V> {
+impl<V: Numbers> StagePose<V> {
     /// `N = R R₀ᵀ − 1 = 2 (w û + u uᵀ − |u|²)`, without cancellation.
     #[inline(always)]
     pub fn increment(&self) -> Matrix<V> {
@@ -74,7 +75,7 @@ pub struct Coefficients<V> {
     /// One where a row has its stage's geometry, zero where it has that of the start.
     pub moved: V,
     /// The last weight, b_s.
-    pub last_weight: f64,
+    pub last_weight: V,
 }
 
 /// The stage (0 is the start) that a lane of a residual stands for, of `active` lanes in use.
@@ -83,12 +84,12 @@ pub fn row_stage(lane: usize, active: usize) -> usize {
 }
 
 /// One in the lanes of residuals that have the geometry of their stage, zero in that of the start.
-pub fn moved_rows<V: Lanes>(active: usize) -> V {
+pub fn moved_rows<V: Numbers>(active: usize) -> V {
     let moved: Vec<f64> = (0..active).map(|lane| if row_stage(lane, active) == 0 { 0.0 } else { 1.0 }).collect();
-    V::from_slice(&moved)
+    V::from_parts(&moved, &[])
 }
 
-impl<V: Lanes> Coefficients<V> {
+impl<V: Numbers> Coefficients<V> {
     /// Arranges a tableau in lanes.
     pub fn new(tableau: &Tableau) -> Self {
         let active = tableau.stages - 1;
@@ -101,36 +102,38 @@ impl<V: Lanes> Coefficients<V> {
         for column in 0..active {
             let rows: Vec<f64> =
                 (0..active).map(|lane| tableau.b_matrix[row_of_lane(lane) * active + column]).collect();
-            residual[column] = V::from_slice(&rows);
             let rest: Vec<f64> =
                 (0..active).map(|lane| tableau.remainders.b_matrix[row_of_lane(lane) * active + column]).collect();
-            residual_rest[column] = V::from_slice(&rest);
-            momentum_rest[column] = V::splat(tableau.remainders.momentum_weights[column]);
+            residual[column] = V::from_parts(&rows, &rest);
+            residual_rest[column] = V::from_parts(&rest, &[]);
+            let (weight, rest) = (tableau.momentum_weights[column], tableau.remainders.momentum_weights[column]);
+            momentum[column] = V::splat(weight) + V::splat(rest);
+            momentum_rest[column] = V::splat(rest);
             let rows: Vec<f64> = (0..active).map(|lane| tableau.a_hat[lane * active + row_of_lane(column)]).collect();
-            solve[column] = V::from_slice(&rows);
-            momentum[column] = V::splat(tableau.momentum_weights[column]);
+            solve[column] = V::from_parts(&rows, &[]);
         }
         Coefficients {
             active,
             residual,
             residual_rest,
             momentum_rest,
-            nodes_rest: V::from_slice(&tableau.remainders.nodes[1..]),
+            nodes_rest: V::from_parts(&tableau.remainders.nodes[1..], &[]),
             solve,
             momentum,
-            nodes: V::from_slice(&tableau.nodes[1..]),
+            nodes: V::from_parts(&tableau.nodes[1..], &tableau.remainders.nodes[1..]),
             moved: moved_rows(active),
-            last_weight: tableau.weights[active],
+            // b_s = 1/(s(s − 1))
+            last_weight: V::splat((tableau.stages * active) as f64).reciprocal(),
         }
     }
 }
 
 /// The workspace of a step: everything that has lanes.
-pub struct Stages<V> {
+pub struct Stages<V: Numbers> {
     /// Which bodies hang where.
     pub plan: Plan,
     /// The known start of the step.
-    pub start: Start,
+    pub start: Start<V::Real>,
     /// The scheme.
     pub coefficients: Coefficients<V>,
     /// Displacement of every degree of freedom since the start: the unknowns.
@@ -153,9 +156,10 @@ pub struct Stages<V> {
     pub step: f64,
 }
 
-impl<V: Lanes> Stages<V> {
-    /// A workspace for a mechanism and a scheme, without the rules that are `kept` from leaving something out.
-    pub fn new(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
+impl<V: Numbers> Stages<V> {
+    /// A workspace for a mechanism on which nothing acts but gravity and a scheme, without the rules that are `kept` from leaving
+    /// something out.
+    pub fn unforced(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
         let plan = Plan::lean(mechanism, kept);
         let bodies = mechanism.bodies.len();
         let freedoms = mechanism.velocity_count;
@@ -168,27 +172,11 @@ impl<V: Lanes> Stages<V> {
             eliminated: vec![Eliminated::zero(); freedoms],
             slots: vec![Articulated::zero(); plan.slots],
             twists: vec![(Vector::zero(), Vector::zero()); plan.slots],
-            applied: Applied::new(mechanism, tableau),
+            applied: None,
             start: Start::with_units(mechanism),
             plan,
             step: 0.0,
         }
-    }
-
-    /// What the predictor is to guess.
-    pub fn unknowns(&mut self) -> Unknowns<'_, V> {
-        Unknowns {
-            displacement: &mut self.displacement,
-            rates: &self.start.rates,
-            step: self.step,
-            coefficients: &self.coefficients,
-        }
-    }
-
-    /// The largest increment of any freedom at any stage.
-    #[inline(always)]
-    pub fn largest_increment(&self) -> f64 {
-        largest(&self.increment)
     }
 
     /// Adds the increments to the displacements; returns the largest displacement.
@@ -229,13 +217,13 @@ impl<V: Lanes> Stages<V> {
                 FreeRotation::None => {}
                 FreeRotation::AboutZ => {
                     let angle = self.displacement[freedom];
-                    let (cosine, sine) = half_angle(angle * angle);
+                    let (cosine, sine) = V::half_angle(angle * angle);
                     let axis = Vector::splat(&start.axes[freedom]).times(sine * angle);
                     (pose.w, pose.u) = if turns { compose(pose.w, pose.u, cosine, axis) } else { (cosine, axis) };
                 }
                 FreeRotation::Ball => {
                     let turn = self.rotation_vector(freedom);
-                    let (cosine, sine) = half_angle(turn.dot(turn));
+                    let (cosine, sine) = V::half_angle(turn.dot(turn));
                     let axis = turn.times(sine);
                     (pose.w, pose.u) = if turns { compose(pose.w, pose.u, cosine, axis) } else { (cosine, axis) };
                 }
@@ -254,9 +242,32 @@ impl<V: Lanes> Stages<V> {
     }
 }
 
+impl<V: Lanes> Stages<V> {
+    /// A workspace for a mechanism and a scheme, without the rules that are `kept` from leaving something out.
+    pub fn new(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
+        Stages { applied: Applied::new(mechanism, tableau), ..Stages::unforced(mechanism, tableau, kept) }
+    }
+
+    /// What the predictor is to guess.
+    pub fn unknowns(&mut self) -> Unknowns<'_, V> {
+        Unknowns {
+            displacement: &mut self.displacement,
+            rates: &self.start.rates,
+            step: self.step,
+            coefficients: &self.coefficients,
+        }
+    }
+
+    /// The largest increment of any freedom at any stage.
+    #[inline(always)]
+    pub fn largest_increment(&self) -> f64 {
+        largest(&self.increment)
+    }
+}
+
 /// The largest of any freedom's values at any stage, without their signs.
 #[inline(always)]
-pub(super) fn largest<V: Lanes>(values: &[V]) -> f64 {
+pub(super) fn largest<V: Numbers>(values: &[V]) -> f64 {
     let mut largest = V::zero();
     for value in values {
         largest = value.max_abs(largest);
@@ -266,7 +277,7 @@ pub(super) fn largest<V: Lanes>(values: &[V]) -> f64 {
 
 /// `N v = (D − 1) v` of a rotation given as a unit quaternion, without cancellation.
 #[inline(always)]
-pub fn rotate_increment<V: Lanes>(w: V, u: Vector<V>, v: Vector<V>) -> Vector<V> {
+pub fn rotate_increment<V: Numbers>(w: V, u: Vector<V>, v: Vector<V>) -> Vector<V> {
     let twice = u.times(V::splat(2.0));
     let across = twice.cross(v);
     u.cross_plus(across, across.times(w))
@@ -274,7 +285,7 @@ pub fn rotate_increment<V: Lanes>(w: V, u: Vector<V>, v: Vector<V>) -> Vector<V>
 
 /// The product of two quaternions.
 #[inline(always)]
-pub(super) fn compose<V: Lanes>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (V, Vector<V>) {
+pub(super) fn compose<V: Numbers>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (V, Vector<V>) {
     let real = u.dot_from(u2, w * w2);
     (real, u.cross_plus(u2, u2.times_plus(w, u.times(w2))))
 }
@@ -312,7 +323,7 @@ const fn series(odd: usize, first: f64) -> [f64; 12] {
 
 /// A polynomial with ascending coefficients.
 #[inline(always)]
-pub fn horner<V: Lanes>(coefficients: &[f64], x: V) -> V {
+pub fn horner<V: Numbers>(coefficients: &[f64], x: V) -> V {
     let mut value = V::splat(coefficients[coefficients.len() - 1]);
     let mut index = coefficients.len() - 1;
     while index > 0 {

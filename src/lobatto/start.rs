@@ -74,19 +74,19 @@ impl BodyPlan {
 
 /// The start-of-step part of a body.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct BodyStart {
+pub struct BodyStart<R = f64> {
     /// Mass (kg, or the unit of the step).
-    pub mass: f64,
+    pub mass: R,
     /// From the parent's anchor to this body's (m).
-    pub arm: [f64; 3],
+    pub arm: [R; 3],
     /// From the anchor to the centre of mass (m).
-    pub com: [f64; 3],
+    pub com: [R; 3],
     /// Σ: xx, xy, xz, yy, yz, zz [kg m²].
-    pub sigma: [f64; 6],
+    pub sigma: [R; 6],
     /// Velocity of the centre of mass [m/s].
-    pub velocity: [f64; 3],
+    pub velocity: [R; 3],
     /// Angular velocity [rad/s].
-    pub spin: [f64; 3],
+    pub spin: [R; 3],
 }
 
 /// The plan of the sweeps over a mechanism; constant.
@@ -98,13 +98,13 @@ pub struct Plan {
 }
 
 /// The start of a step.
-pub struct Start {
+pub struct Start<R = f64> {
     /// One entry a body.
-    pub bodies: Vec<BodyStart>,
+    pub bodies: Vec<BodyStart<R>>,
     /// World direction of each degree of freedom.
-    pub axes: Vec<[f64; 3]>,
+    pub axes: Vec<[R; 3]>,
     /// Velocity of each degree of freedom.
-    pub rates: Vec<f64>,
+    pub rates: Vec<R>,
     /// `q_follower − multiplier · q_leader − offset` of every mimic.
     pub mimic_gaps: Vec<f64>,
     /// What forces need.
@@ -192,13 +192,13 @@ impl Plan {
     }
 }
 
-impl Start {
+impl<R: Copy + Default> Start<R> {
     /// Room for the start of a step.
     pub fn new(mechanism: &Mechanism) -> Self {
         Start {
             bodies: vec![BodyStart::default(); mechanism.bodies.len()],
-            axes: vec![[0.0; 3]; mechanism.velocity_count],
-            rates: vec![0.0; mechanism.velocity_count],
+            axes: vec![[R::default(); 3]; mechanism.velocity_count],
+            rates: vec![R::default(); mechanism.velocity_count],
             mimic_gaps: vec![0.0; mechanism.mimics.len()],
             applied: AppliedStart::new(mechanism),
             energy: Energy::default(),
@@ -211,7 +211,9 @@ impl Start {
     pub fn with_units(mechanism: &Mechanism) -> Self {
         Start { own_unit: mechanism.is_plain_tree(), ..Start::new(mechanism) }
     }
+}
 
+impl Start {
     /// Poses and velocities of all bodies.
     pub fn body_states(&self) -> &[BodyState] {
         &self.states

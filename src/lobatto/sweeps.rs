@@ -20,13 +20,13 @@
 
 use super::algebra::Vector;
 use super::articulated::{Articulated, Push};
-use super::lanes::Lanes;
+use super::numbers::Numbers;
 use super::residual::{Sweep, body_residual, sliding_residual};
 use super::stage::{Stages, horner, rotate_increment};
 use super::start::{BodyPlan, Children};
 use crate::model::FreeRotation;
 
-impl<V: Lanes> Stages<V> {
+impl<V: Numbers> Stages<V> {
     /// Residual and articulated factorisation of all rows, leaf to root, after [`Stages::sweep_poses`].
     #[inline(always)]
     pub fn sweep_residual(&mut self, gravity: &[f64; 3]) {
@@ -58,7 +58,7 @@ impl<V: Lanes> Stages<V> {
     #[inline(always)]
     fn backward<const MOMENTUM: bool, const REFINED: bool, const FORCED: bool>(&mut self, sweep: &Sweep<V>) {
         let applied = if FORCED { self.applied.take() } else { None };
-        let scale = V::splat(sweep.forces);
+        let scale = sweep.forces;
         let step = self.step;
         let push = |freedom: usize| {
             if !FORCED {
@@ -189,9 +189,9 @@ impl<V: Lanes> Stages<V> {
 
     /// Root to leaf after [`Stages::sweep_momentum`]: the new velocities, from the last active lane.
     #[inline(always)]
-    pub fn sweep_velocities(&mut self, velocity: &mut [f64]) {
+    pub fn sweep_velocities(&mut self, velocity: &mut [V::Real]) {
         let last = self.coefficients.active - 1;
-        self.forward(|_, freedom, rate| velocity[freedom] = rate.to_array().as_ref()[last]);
+        self.forward(|_, freedom, rate| velocity[freedom] = rate.lane(last));
     }
 
     #[inline(always)]
@@ -229,7 +229,7 @@ impl<V: Lanes> Stages<V> {
 
 /// What is a body's own, and what its children have left.
 #[inline(always)]
-pub(super) fn with_children<V: Lanes>(
+pub(super) fn with_children<V: Numbers>(
     plan: &BodyPlan,
     own: Articulated<V>,
     slots: &[Articulated<V>],
@@ -244,7 +244,7 @@ pub(super) fn with_children<V: Lanes>(
 
 /// Hands what a body leaves to its parent.
 #[inline(always)]
-pub(super) fn collect<V: Lanes>(
+pub(super) fn collect<V: Numbers>(
     plan: &BodyPlan,
     slots: &mut [Articulated<V>],
     carried: &mut Articulated<V>,
@@ -259,21 +259,21 @@ pub(super) fn collect<V: Lanes>(
 
 /// A free axis of a ball joint turned by a rotation vector, in the axes of the start: `(1 − k₁ θ̂ + k₂ θ̂²) axis`.
 #[inline(always)]
-pub fn tilted<V: Lanes>(vector: Vector<V>, axis: Vector<V>, (first, second): (V, V)) -> Vector<V> {
+pub fn tilted<V: Numbers>(vector: Vector<V>, axis: Vector<V>, (first, second): (V, V)) -> Vector<V> {
     let once = vector.cross(axis);
     vector.cross(once).times_plus(second, once.times_minus(first, axis))
 }
 
 /// [`tilted`] for one axis alone.
 #[inline(always)]
-pub fn tilt<V: Lanes>(vector: Vector<V>, axis: Vector<V>) -> Vector<V> {
+pub fn tilt<V: Numbers>(vector: Vector<V>, axis: Vector<V>) -> Vector<V> {
     tilted(vector, axis, tangent(vector.dot(vector)))
 }
 
 /// `(1 − cos φ)/φ²` and `(φ − sin φ)/φ³` from `φ²`: the coefficients of the tangent of the exponential map. They only
 /// span the projection and steer the Newton step, so their series may be shorter than the poses'.
 #[inline(always)]
-pub fn tangent<V: Lanes>(square: V) -> (V, V) {
+pub fn tangent<V: Numbers>(square: V) -> (V, V) {
     const FIRST: [f64; 10] = tangent_series(2);
     const SECOND: [f64; 10] = tangent_series(3);
     (horner(&FIRST, square), horner(&SECOND, square))

@@ -4,7 +4,7 @@
 //!
 //! - **P1** — the intrinsics of a vector type need a processor feature. [`crate::lobatto::dispatch`] names the AVX types only
 //!   after [`Isa::detect`](super::Isa::detect) has found `avx2` and `fma` (and `avx512f` for [`Avx512`]), and no other module
-//!   names them.
+//!   names them but tests that ask the same.
 //! - **P2** — loads and stores go through arrays of exactly the vector's length, by value or reference, so that
 //!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
 
@@ -87,6 +87,16 @@ macro_rules! vector {
             #[inline(always)]
             fn run<R>(work: impl FnOnce() -> R) -> R {
                 #[target_feature(enable = $features)]
+                fn with_features<R>(work: impl FnOnce() -> R) -> R {
+                    work()
+                }
+                // SAFETY: P1.
+                unsafe { with_features(work) }
+            }
+            #[inline(always)]
+            fn apart<R>(work: impl FnOnce() -> R) -> R {
+                #[target_feature(enable = $features)]
+                #[inline(never)]
                 fn with_features<R>(work: impl FnOnce() -> R) -> R {
                     work()
                 }

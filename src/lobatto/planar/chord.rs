@@ -94,7 +94,7 @@ impl<V: Lanes> PlanarStages<V> {
     #[inline(always)]
     fn effort<const FORCED: bool>(&self, sweep: &Sweep<V>, freedom: usize, sign: f64) -> Option<V> {
         match &self.applied {
-            Some(applied) if FORCED => Some(applied.efforts[freedom] * V::splat(sign * sweep.forces)),
+            Some(applied) if FORCED => Some(applied.efforts[freedom] * V::splat(sign) * sweep.forces),
             _ => None,
         }
     }

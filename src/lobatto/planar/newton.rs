@@ -62,7 +62,7 @@ fn residual<V: Lanes>(
         stages.sweep_applied(coefficients, false);
     }
     flat.move_bodies(stages);
-    let square = V::splat(sweep.forces);
+    let square = sweep.forces;
     for (index, known) in stages.start.bodies.iter().enumerate() {
         let turned = &stages.turned[index];
         let (_, mut force, mut torque) = own_residual(known, turned, row_turn::<V, false>(&sweep, turned));

@@ -46,7 +46,8 @@ impl<V: Lanes> PlanarStages<V> {
                     (own, true)
                 }
                 None => {
-                    let path = Vector2::splat(&[sweep.gravity[0], sweep.gravity[1]]);
+                    let [x, y, _] = sweep.gravity.0;
+                    let path = Vector2([x, y]);
                     (Turned { path, ..Turned::zero() }, false)
                 }
             };
@@ -193,7 +194,7 @@ impl<V: Lanes> PlanarStages<V> {
     pub(super) fn less_acting(&self, body: usize, sweep: &Sweep<V>, force: Vector2<V>, torque: V) -> (Vector2<V>, V) {
         match self.acting.get(body) {
             Some((pull, turn)) => {
-                let scale = V::splat(sweep.forces);
+                let scale = sweep.forces;
                 (pull.times_minus(scale, force), turn.neg_mul_add(scale, torque))
             }
             None => (force, torque),
@@ -210,7 +211,7 @@ impl<V: Lanes> PlanarStages<V> {
     ) -> Option<Push<V>> {
         match &self.applied {
             Some(applied) if FORCED => Some(Push {
-                effort: applied.efforts[freedom] * V::splat(sign * sweep.forces),
+                effort: applied.efforts[freedom] * V::splat(sign) * sweep.forces,
                 inertia: V::splat(if MOMENTUM { 0.0 } else { self.step * applied.resistance[freedom] }),
             }),
             _ => None,

@@ -1,0 +1,101 @@
+//! What the equations of a step are written in: one number for each stage, of sixteen digits or of thirty-two.
+//!
+//! [`Lanes`] are doubles; [`Double`] are pairs of them. The poses, residuals and sweeps are written once, over [`Numbers`], so that a
+//! step can be solved to sixteen digits fast and then to thirty-two ([`super::precise`]) by the same lines.
+
+use super::lanes::Lanes;
+use super::stage::half_angle;
+use std::ops::{Add, Mul, Neg, Sub};
+
+mod double;
+
+pub use double::Double;
+
+/// One number for each stage, and the arithmetic of a step.
+pub trait Numbers:
+    Copy + Send + 'static + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+    /// What is known of the start of a step, with as many digits.
+    type Real: Copy + Default + Send + 'static;
+    /// The same double for all stages.
+    fn splat(value: f64) -> Self;
+    /// The same number for all stages.
+    fn whole(value: Self::Real) -> Self;
+    /// Doubles for the stages, zero above their end, and what rounding has cut off them, for those who keep it.
+    fn from_parts(high: &[f64], low: &[f64]) -> Self;
+    /// The number of one lane.
+    fn lane(self, lane: usize) -> Self::Real;
+    /// `self · b + c`.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// `c − self · b`.
+    fn neg_mul_add(self, b: Self, c: Self) -> Self;
+    /// What rounding has cut off `product`, which is `self · b` rounded; nothing of numbers that keep it.
+    fn lost(self, b: Self, product: Self) -> Self;
+    /// `1 / self`.
+    fn reciprocal(self) -> Self;
+    /// Mixes stages: `Σ_i columns[i] · self[i]`, a matrix (by columns) times the vector of the stages.
+    fn mix(self, columns: &[Self]) -> Self;
+    /// The larger of `|self|` and `bound`, stage by stage, to sixteen digits; a NaN in `self` gives NaN.
+    fn max_abs(self, bound: Self) -> Self;
+    /// Largest of numbers that are not negative, to sixteen digits; NaN if any is NaN.
+    fn largest(self) -> f64;
+    /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](super::stage::MAX_TURN).
+    fn half_angle(square: Self) -> (Self, Self);
+
+    /// All zero.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+}
+
+impl<V: Lanes> Numbers for V {
+    type Real = f64;
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        <V as Lanes>::splat(value)
+    }
+    #[inline(always)]
+    fn whole(value: f64) -> Self {
+        <V as Lanes>::splat(value)
+    }
+    fn from_parts(high: &[f64], _: &[f64]) -> Self {
+        V::from_slice(high)
+    }
+    #[inline(always)]
+    fn lane(self, lane: usize) -> f64 {
+        self.to_array().as_ref()[lane]
+    }
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        <V as Lanes>::mul_add(self, b, c)
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        <V as Lanes>::neg_mul_add(self, b, c)
+    }
+    #[inline(always)]
+    fn lost(self, b: Self, product: Self) -> Self {
+        <V as Lanes>::lost(self, b, product)
+    }
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        <V as Lanes>::reciprocal(self)
+    }
+    #[inline(always)]
+    fn mix(self, columns: &[Self]) -> Self {
+        <V as Lanes>::mix(self, columns)
+    }
+    #[inline(always)]
+    fn max_abs(self, bound: Self) -> Self {
+        <V as Lanes>::max_abs(self, bound)
+    }
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        <V as Lanes>::largest(self)
+    }
+    #[inline(always)]
+    fn half_angle(square: Self) -> (Self, Self) {
+        half_angle(square)
+    }
+}
