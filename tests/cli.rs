@@ -112,7 +112,7 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
         r#"{
         "catena": "", "input": "", "scene": "", "duration": 0,
         "method": {"stages": 0, "order": 0, "step": 0, "adaptive": true, "tolerance": 0,
-            "max_frequency_step": null, "reversible_resets": null},
+            "max_frequency_step": null, "digits": 16, "reversible_resets": null},
         "model": {"links": 0, "bodies": 0, "joints": 0, "degrees_of_freedom": 0, "loops": 0, "redundant_constraints": 0,
             "islands": 0, "sleeping_islands": 0},
         "steps": 0, "iterations": 0, "kept_factor_iterations": 0, "rejected_steps": 0, "exact_newton_steps": 0,
@@ -357,6 +357,24 @@ fn a_step_beyond_the_stability_limit_is_a_warning_that_names_a_shorter_one() {
         let (value, limit) = (seen["value"].as_f64().unwrap(), seen["limit"].as_f64().unwrap());
         assert!((limit - 2.0).abs() < 1e-9 && (value > limit) == beyond, "{seen}");
     }
+}
+
+#[test]
+fn steps_with_32_digits_are_asked_for_with_a_step_and_named_in_the_report() {
+    let folder = folder("precise");
+    let arguments = ["simulate", "pendulum.urdf", "--no-log", "--precise", "--position", "hinge=2"];
+    assert_eq!(run(&folder, &arguments).status.code(), Some(2));
+    let fixed = [&arguments[..], &["--stages", "9", "--step", "0.02"]].concat();
+    let text = String::from_utf8(run(&folder, &fixed).stdout).unwrap();
+    assert!(text.contains("step 20.0 ms, 32 digits"), "{text}");
+    let report: Value = serde_json::from_slice(&run(&folder, &[&fixed[..], &["--json"]].concat()).stdout).unwrap();
+    assert_eq!(report["method"]["digits"], 32);
+    // A scheme of order 16 is exact here but for rounding, and that of the energy at a sample is some 1e-16.
+    let error = report["energy"]["max_relative_error"].as_f64().unwrap();
+    assert!(error < 3e-15, "{error:.1e}");
+    let refused = run(&folder, &[&arguments[..], &["--stages", "12", "--step", "0.02"]].concat());
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("at most 9 stages"));
 }
 
 #[test]

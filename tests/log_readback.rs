@@ -69,6 +69,7 @@ impl Integrator for Coasting {
             tolerance: None,
             frequency_step: None,
             singular: None,
+            digits: 16,
             reversible_resets: None,
         }
     }

@@ -27,7 +27,8 @@ fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_l
         let integrators = [2, 5, 9]
             .map(|stages| Lobatto::fixed(mechanism, stages, 0.01).unwrap())
             .into_iter()
-            .chain([Lobatto::adaptive(mechanism, 1e-6)]);
+            .chain([Lobatto::adaptive(mechanism, 1e-6)])
+            .chain(Lobatto::precise(mechanism, 5, 0.01));
         for mut lobatto in integrators {
             let mut state = model.state.clone();
             // The first step sets up the controller.

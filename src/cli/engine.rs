@@ -47,7 +47,7 @@ impl Engine {
         let plan = plan.grouped(
             mechanism,
             match choice {
-                StepChoice::Fixed { .. } => SMALLEST,
+                StepChoice::Fixed { .. } | StepChoice::Precise { .. } => SMALLEST,
                 StepChoice::Tolerance(_) | StepChoice::Reversible { .. } => SMALLEST_OF_OWN_STEPS,
             },
         );
@@ -62,14 +62,14 @@ impl Engine {
         }
         let expected = match choice {
             StepChoice::Tolerance(_) => 2.0 * PILOT_SECONDS * mechanism.bodies.len() as f64 * duration,
-            StepChoice::Fixed { .. } | StepChoice::Reversible { .. } => 0.0,
+            StepChoice::Fixed { .. } | StepChoice::Reversible { .. } | StepChoice::Precise { .. } => 0.0,
         };
         let nothing = Mechanism::new(&mechanism.name, mechanism.gravity, Vec::new()).map_err(Failure::run)?;
         let idle = uncalibrated(&nothing, choice)?.description();
         let (islands, accuracies) = Islands::new(plan, state, Threads::WherePaid, expected, make)?;
         let accuracy = match choice {
             StepChoice::Tolerance(tolerance) => AccuracyReport::together(tolerance, state.time + duration, &accuracies),
-            StepChoice::Fixed { .. } | StepChoice::Reversible { .. } => None,
+            StepChoice::Fixed { .. } | StepChoice::Reversible { .. } | StepChoice::Precise { .. } => None,
         };
         Ok((Engine::Islands { islands, idle }, accuracy))
     }
@@ -132,6 +132,7 @@ fn uncalibrated(mechanism: &Mechanism, choice: StepChoice) -> Result<Lobatto, Fa
     match choice {
         StepChoice::Fixed { stages, step } => Lobatto::fixed(mechanism, stages, step).map_err(Failure::input),
         StepChoice::Reversible { stages, step } => Lobatto::reversible(mechanism, stages, step).map_err(Failure::input),
+        StepChoice::Precise { stages, step } => Lobatto::precise(mechanism, stages, step).map_err(Failure::input),
         StepChoice::Tolerance(tolerance) => Ok(Lobatto::adaptive(mechanism, tolerance)),
     }
 }

@@ -7,6 +7,7 @@ use super::kernel::Kernel;
 use super::lanes::{Avx128, Avx256, Avx512, Pair};
 use super::lanes::{Isa, Lanes, Portable};
 use super::planar::PlanarKernel;
+use super::precise::Precise;
 use super::step::Step;
 use super::tableau::Tableau;
 use crate::model::{Mechanism, Plane, Rule};
@@ -19,6 +20,20 @@ pub fn step_for(mechanism: &Mechanism, tableau: &'static Tableau, isa: Isa, kept
     match Plane::of(mechanism).filter(|_| !kept.contains(&Rule::Planar)) {
         Some(plane) => in_vectors(&Planar { mechanism, tableau, plane }, tableau, isa),
         None => in_vectors(&Spatial { mechanism, tableau, kept }, tableau, isa),
+    }
+}
+
+/// Most stages of steps with 32 digits: they have eight lanes, whatever the processor.
+pub const MOST_PRECISE_STAGES: usize = 9;
+
+/// A step with 32 digits for a tree under gravity alone, of at most [`MOST_PRECISE_STAGES`] stages.
+pub fn precise_step_for(mechanism: &Mechanism, tableau: &'static Tableau, kept: &[Rule]) -> Box<dyn Step> {
+    match Isa::detect() {
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512 => Box::new(Precise::<Avx512>::new(mechanism, tableau, kept)),
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx2 => Box::new(Precise::<Pair<Avx256, 8>>::new(mechanism, tableau, kept)),
+        _ => Box::new(Precise::<Portable<8>>::new(mechanism, tableau, kept)),
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::control::Control;
 use super::dense::DenseRule;
-use super::dispatch::step_for;
+use super::dispatch::{MOST_PRECISE_STAGES, precise_step_for, step_for};
 use super::fixed::FixedSteps;
 use super::lanes::Isa;
 use super::reversible::Reversible;
@@ -43,6 +43,8 @@ pub struct Lobatto {
     stepper: Stepper,
     mode: Mode,
     isa: Isa,
+    /// Whether steps are solved to 32 digits.
+    precise: bool,
     dense: DenseRule,
     /// Room for what dense output sums over the stages.
     dense_sums: Vec<[f64; 2]>,
@@ -64,6 +66,17 @@ pub enum MethodError {
     /// Reversible steps need a motion that is reversible itself and whose pace is known.
     #[error("reversible steps are for trees of joints under gravity alone; this one has loops, mimic joints or forces")]
     NotReversible,
+    /// Steps with 32 digits know no more than gravity.
+    #[error(
+        "steps with 32 digits are for trees of joints under gravity alone; this one has loops, mimic joints or forces"
+    )]
+    NotPlain,
+    /// Steps with 32 digits have eight lanes.
+    #[error("steps with 32 digits have at most {MOST_PRECISE_STAGES} stages, not {stages}")]
+    TooManyStages {
+        /// What was asked for.
+        stages: usize,
+    },
 }
 
 impl Lobatto {
@@ -88,6 +101,25 @@ impl Lobatto {
     ) -> Result<Self, TableauError> {
         let mode = Mode::Fixed(FixedSteps::new(step, rule));
         Ok(Self::with_tableau(mechanism, Tableau::of(stages)?, mode, isa))
+    }
+
+    /// Fixed steps of `step` seconds, solved to 32 digits ([`super::precise`]): conserved quantities do not drift by rounding.
+    ///
+    /// # Errors
+    /// [`MethodError`] if the number of stages is not from 2 to 9, or if there is more than a tree under gravity.
+    pub fn precise(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
+        let tableau = Tableau::of(stages)?;
+        if !mechanism.is_plain_tree() {
+            return Err(MethodError::NotPlain);
+        }
+        if stages > MOST_PRECISE_STAGES {
+            return Err(MethodError::TooManyStages { stages });
+        }
+        let mode = Mode::Fixed(FixedSteps::new(step, StopRule::ROUNDING));
+        let mut lobatto = Self::with_tableau(mechanism, tableau, mode, Isa::detect());
+        lobatto.stepper.replace_kernel(precise_step_for(mechanism, tableau, &[]));
+        lobatto.precise = true;
+        Ok(lobatto)
     }
 
     /// Steps of varying length for very long runs, the first of `step` seconds, iterated to rounding: a run that is turned
@@ -134,6 +166,7 @@ impl Lobatto {
             stepper: Stepper::new(mechanism, tableau, isa),
             mode,
             isa,
+            precise: false,
         }
     }
 
@@ -142,7 +175,12 @@ impl Lobatto {
     #[must_use]
     pub fn keeping(mut self, mechanism: &Mechanism, switched_off: &[Rule]) -> Self {
         if !switched_off.is_empty() {
-            self.stepper.replace_kernel(step_for(mechanism, self.stepper.tableau, self.isa, switched_off));
+            let tableau = self.stepper.tableau;
+            self.stepper.replace_kernel(if self.precise {
+                precise_step_for(mechanism, tableau, switched_off)
+            } else {
+                step_for(mechanism, tableau, self.isa, switched_off)
+            });
         }
         self
     }
@@ -185,6 +223,7 @@ impl Integrator for Lobatto {
             tolerance,
             frequency_step: stepper.watch.nearest(),
             singular: stepper.singular(),
+            digits: if self.precise { 32 } else { 16 },
             reversible_resets: resets,
         }
     }

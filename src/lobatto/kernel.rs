@@ -19,6 +19,7 @@ use super::anderson::Anderson;
 use super::chord::Chord;
 use super::closing::Closing;
 use super::coupled::{One, Space};
+use super::extended::Extended;
 use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_rule};
 use super::lanes::{Lanes, in_lanes};
 use super::modes::Modes;
@@ -86,6 +87,30 @@ impl<V: Lanes> Kernel<V> {
             displaced: vec![0.0; mechanism.velocity_count],
             end: Start::with_units(mechanism),
         }
+    }
+}
+
+impl<V: Lanes> Kernel<V> {
+    /// Takes the end of a step that was solved to 32 digits: moves `state` there; returns its energy.
+    pub(super) fn arrive(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        displaced: &[Extended],
+        rates: &[Extended],
+    ) -> Energy {
+        let parts: [fn(Extended) -> f64; 2] = [Extended::rounded, Extended::remainder];
+        for part in parts {
+            for (own, &displacement) in self.displaced.iter_mut().zip(displaced) {
+                *own = part(displacement);
+            }
+            state.displace(mechanism, &self.displaced);
+        }
+        for (own, &rate) in state.velocity.iter_mut().zip(rates) {
+            *own = rate.rounded();
+        }
+        self.end.set(mechanism, state);
+        self.end.energy
     }
 }
 

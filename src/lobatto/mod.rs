@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`start`], [`stage`] (poses
 //! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`], [`sweeps`] and [`chord`] (the stage
-//! equations and their solve), [`planar`] (the same in a plane), [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
+//! equations and their solve), [`planar`] (the same in a plane), [`precise`] (the same to 32 digits), [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
 //! (step length), [`stage_choice`] (how many stages), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to
 //! know), [`stepper`] and [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
 //! [`elimination`], [`front`], [`projection`], [`closing`] and [`assembly`]; [`instants`] are samples of a motion, in lanes;
@@ -40,6 +40,7 @@ pub mod modes;
 pub mod newton;
 pub mod numbers;
 pub mod planar;
+pub mod precise;
 pub mod predictor;
 pub mod projection;
 pub mod residual;

@@ -224,6 +224,7 @@ impl Integrator for Dop853 {
             tolerance,
             frequency_step: None,
             singular: None,
+            digits: 16,
             reversible_resets: None,
         }
     }

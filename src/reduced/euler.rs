@@ -87,6 +87,7 @@ impl Integrator for Euler {
             tolerance: None,
             frequency_step: None,
             singular: None,
+            digits: 16,
             reversible_resets: None,
         }
     }

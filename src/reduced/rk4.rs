@@ -104,6 +104,7 @@ impl Integrator for Rk4 {
             tolerance: None,
             frequency_step: None,
             singular: None,
+            digits: 16,
             reversible_resets: None,
         }
     }

@@ -23,6 +23,8 @@ pub struct MethodReport {
     pub tolerance: Option<f64>,
     /// The nearest that any step came to the limit of linear stability; null where nobody looked, as in a run of a few steps.
     pub max_frequency_step: Option<FrequencyReport>,
+    /// Decimal digits that steps were solved to: 16, or 32.
+    pub digits: u32,
     /// How often reversible steps had to be set anew, which turning time round would not repeat; null for other steps.
     pub reversible_resets: Option<usize>,
 }
@@ -56,6 +58,7 @@ impl MethodReport {
                 step: seen.step,
                 time: seen.time,
             }),
+            digits: description.digits,
             reversible_resets: description.reversible_resets,
         }
     }

@@ -51,6 +51,7 @@ impl fmt::Display for Report {
             (None, Some(resets)) => {
                 writeln!(out, "reversible steps, mean {step} ms, {}", counted(resets, "reset"))?;
             }
+            (None, None) if method.digits > 16 => writeln!(out, "step {step} ms, {} digits", method.digits)?,
             (None, None) => writeln!(out, "step {step} ms")?,
         }
         if let Some(accuracy) = &self.accuracy {

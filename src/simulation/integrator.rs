@@ -24,6 +24,8 @@ pub struct MethodDescription {
     pub frequency_step: Option<FrequencyStep>,
     /// Where the closures were nearest to saying less than elsewhere, as far as ends of steps show it.
     pub singular: Option<SingularPosition>,
+    /// Decimal digits that steps are solved to: 16, or 32.
+    pub digits: u32,
     /// How often the symmetry of reversible steps was broken; `None` for steps that are not.
     pub reversible_resets: Option<usize>,
 }
