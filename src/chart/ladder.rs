@@ -27,8 +27,8 @@ pub fn ladder(method: Method, duration: f64, time_scale: f64, quick: bool) -> Ve
         (Method::Lobatto(3), true) => (1.0, 2.0, 7),
         (Method::Lobatto(5), false) => (4.0, root, 18),
         (Method::Lobatto(5), true) => (2.0, root, 8),
-        (Method::Lobatto(_), false) => (8.0, root.sqrt(), 24),
-        (Method::Lobatto(_), true) => (4.0, root, 8),
+        (Method::Lobatto(_) | Method::Precise(_), false) => (8.0, root.sqrt(), 24),
+        (Method::Lobatto(_) | Method::Precise(_), true) => (4.0, root, 8),
     };
     steps(duration, first * time_scale, factor, count)
 }

@@ -11,6 +11,8 @@ use std::fmt;
 pub enum Method {
     /// The Lobatto scheme with this many stages and fixed steps.
     Lobatto(usize),
+    /// The same, solved to 32 digits; for references, it is no curve.
+    Precise(usize),
     /// The Lobatto scheme, stages and steps chosen from a tolerance.
     LobattoTolerance,
     /// Semi-implicit Euler in joint coordinates.
@@ -47,6 +49,7 @@ impl Method {
     pub fn id(self) -> String {
         match self {
             Method::Lobatto(stages) => format!("lobatto-{stages}"),
+            Method::Precise(stages) => format!("lobatto-{stages}-32-digits"),
             Method::LobattoTolerance => "lobatto-tolerance".to_string(),
             Method::Euler => "euler".to_string(),
             Method::Rk4 => "rk4".to_string(),
@@ -63,6 +66,7 @@ impl Method {
     pub fn label(self) -> String {
         match self {
             Method::Lobatto(stages) => format!("{stages} stages, order {}", 2 * stages - 2),
+            Method::Precise(stages) => format!("{stages} stages, 32 digits"),
             Method::LobattoTolerance => "tolerance".to_string(),
             Method::Euler => "semi-implicit Euler".to_string(),
             Method::Rk4 => "RK4".to_string(),
@@ -72,7 +76,7 @@ impl Method {
 
     /// Whether it is one of ours.
     pub fn is_ours(self) -> bool {
-        matches!(self, Method::Lobatto(_) | Method::LobattoTolerance)
+        matches!(self, Method::Lobatto(_) | Method::Precise(_) | Method::LobattoTolerance)
     }
 
     /// Whether the ratios are measured against it.
@@ -85,6 +89,9 @@ impl Method {
         match (self, setting) {
             (Method::Lobatto(stages), Setting::Step(step)) => {
                 Lobatto::fixed(mechanism, stages, step).ok().map(|lobatto| Box::new(lobatto) as Box<dyn Integrator>)
+            }
+            (Method::Precise(stages), Setting::Step(step)) => {
+                Lobatto::precise(mechanism, stages, step).ok().map(|lobatto| Box::new(lobatto) as Box<dyn Integrator>)
             }
             (Method::LobattoTolerance, Setting::Tolerance(tolerance)) => {
                 Some(Box::new(Lobatto::adaptive(mechanism, tolerance)))
