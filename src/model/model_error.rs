@@ -62,13 +62,35 @@ fn with_fused(fused: &[String]) -> String {
     }
 }
 
+/// Names in quotes; of a robot with hundreds of joints no more than fit into a line or two.
 fn listed(known: &[String]) -> String {
-    if known.is_empty() { "none".to_string() } else { crate::scene::quoted(known) }
+    const MOST: usize = 12;
+    match known {
+        [] => "none".to_string(),
+        few if few.len() <= MOST => crate::scene::quoted(few),
+        many => {
+            let (shown, rest) = many.split_at(MOST - 2);
+            format!("{} and {} more, which `catena model` lists", crate::scene::quoted(shown), rest.len())
+        }
+    }
 }
 
 fn numbers(wanted: &str) -> String {
     match wanted.split(',').count() {
         1 => "one number".to_string(),
         count => format!("{count} numbers"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hundreds_of_joints_do_not_make_an_error_of_a_page() {
+        let known = |count: usize| (1..=count).map(|joint| format!("joint{joint}")).collect();
+        let said = |count| ModelError::UnknownJoint { joint: "hip".into(), known: known(count) }.to_string();
+        assert!(said(12).ends_with(r#""joint11", "joint12""#), "{}", said(12));
+        assert!(said(100).ends_with(r#""joint9", "joint10" and 90 more, which `catena model` lists"#), "{}", said(100));
     }
 }
