@@ -5,6 +5,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontTransform, register_font};
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -44,12 +46,29 @@ pub fn svg_of<'t>(
 pub fn png_of<'p>(
     title: &str,
     size: (i32, i32),
-    path: &'p Path,
-    draw: impl FnOnce(&DrawingArea<BitMapBackend<'p>, Shift>) -> Drawn<BitMapBackend<'p>>,
+    path: &Path,
+    draw: impl FnOnce(&DrawingArea<BitMapBackend<'_>, Shift>) -> Drawn<BitMapBackend<'p>>,
 ) -> Result<(), ChartError> {
     prepare(title)?;
-    let area = BitMapBackend::new(path, unsigned(size)).into_drawing_area();
-    draw(&area).and_then(|()| area.present()).map_err(|error| failed(title, &error))
+    let (width, height) = unsigned(size);
+    // Red, green and blue of every pixel, row by row.
+    let mut pixels = vec![0; 3 * width as usize * height as usize];
+    {
+        let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
+        draw(&area).and_then(|()| area.present()).map_err(|error| failed(title, &error))?;
+    }
+    write_png(path, (width, height), &pixels).map_err(|error| failed(title, &error))
+}
+
+fn write_png(path: &Path, (width, height): (u32, u32), pixels: &[u8]) -> Result<(), png::EncodingError> {
+    let mut file = BufWriter::new(File::create(path)?);
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels)?;
+    writer.finish()?;
+    // A full disk shows here at the latest.
+    Ok(file.flush()?)
 }
 
 fn unsigned((width, height): (i32, i32)) -> (u32, u32) {
