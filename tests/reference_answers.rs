@@ -5,7 +5,7 @@ mod common;
 use catena::distance::{distance, probes};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
-use catena::model::{Model, ModelOptions};
+use catena::model::{Mechanism, Model, ModelOptions};
 use catena::scene::{PackagePath, read_urdf};
 use catena::simulation::Integrator;
 use catena::state::State;
@@ -98,40 +98,31 @@ const PRECISE: [(&str, f64, f64, f64); 5] = [
     ("dzhanibekov", 0.025, 1e-14, 1e-12),
 ];
 
-#[test]
-fn fixed_steps_of_nine_stages_give_the_reference_answers() {
+/// Holds the ends of integrators against the answers of a table's scenes.
+fn assert_answers(table: &[(&str, f64, f64, f64)], make: impl Fn(&Mechanism, f64) -> Lobatto) {
     let Some(folder) = shared("reference") else { return };
-    for (name, step, metres, radians) in FIXED {
+    for &(name, step, metres, radians) in table {
         let scene = Scene::read(&folder, name);
-        let (distance, angle) = scene.error(&mut Lobatto::fixed(&scene.model.mechanism, 9, step).unwrap());
+        let (distance, angle) = scene.error(&mut make(&scene.model.mechanism, step));
         println!("{name}: {distance:.1e} m, {angle:.1e} rad");
         assert!(distance <= metres, "{name}: {distance:.1e} m");
         assert!(angle <= radians, "{name}: {angle:.1e} rad");
     }
+}
+
+#[test]
+fn fixed_steps_of_nine_stages_give_the_reference_answers() {
+    assert_answers(&FIXED, |mechanism, step| Lobatto::fixed(mechanism, 9, step).unwrap());
 }
 
 #[test]
 fn steps_with_32_digits_differ_from_the_answers_by_what_these_are_good_to() {
-    let Some(folder) = shared("reference") else { return };
-    for (name, step, metres, radians) in PRECISE {
-        let scene = Scene::read(&folder, name);
-        let (distance, angle) = scene.error(&mut Lobatto::precise(&scene.model.mechanism, 9, step).unwrap());
-        println!("{name}: {distance:.1e} m, {angle:.1e} rad");
-        assert!(distance <= metres, "{name}: {distance:.1e} m");
-        assert!(angle <= radians, "{name}: {angle:.1e} rad");
-    }
+    assert_answers(&PRECISE, |mechanism, step| Lobatto::precise(mechanism, 9, step).unwrap());
 }
 
 #[test]
 fn chosen_steps_give_the_reference_answers_as_well_as_fixed_ones() {
-    let Some(folder) = shared("reference") else { return };
-    for (name, _, metres, radians) in FIXED {
-        let scene = Scene::read(&folder, name);
-        let (distance, angle) = scene.error(&mut Lobatto::adaptive(&scene.model.mechanism, 1e-12));
-        println!("{name}: {distance:.1e} m, {angle:.1e} rad");
-        assert!(distance <= metres, "{name}: {distance:.1e} m");
-        assert!(angle <= radians, "{name}: {angle:.1e} rad");
-    }
+    assert_answers(&FIXED, |mechanism, _| Lobatto::adaptive(mechanism, 1e-12));
 }
 
 #[test]
