@@ -39,7 +39,7 @@ pub struct Sweep<'s, V> {
     pub moved: V,
     /// What gravity adds to the mixed displacement of a centre of mass.
     pub gravity: Vector<V>,
-    /// What multiplies applied forces: −h², or the impulse's `h b_s`.
+    /// What multiplies applied forces: h², or the impulse's `h b_s`.
     pub forces: V,
 }
 
