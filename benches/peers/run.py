@@ -115,11 +115,14 @@ def run_peers(chosen: argparse.Namespace, scene: Scene, reference: np.ndarray, r
         for peer in chosen.only:
             for method in PEERS[peer]:
                 command = [sys.executable, str(HERE / "worker.py"), peer, method, str(scene_file), str(reference_file)]
-                command += [str(rows), str(chosen.budget)]
+                command += [str(rows.resolve()), str(chosen.budget)]
                 # Repetitions, coarse rungs and loading on top of the longest run; more than that hangs.
                 limit = 60 + 12 * chosen.budget
                 try:
-                    ended = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
+                    # In the temporary folder: some peers leave logs where they are started.
+                    ended = subprocess.run(
+                        command, cwd=folder, capture_output=True, text=True, timeout=limit, check=False
+                    )
                 except subprocess.TimeoutExpired:
                     print(f"  {method}: cut after {limit:.0f} s, what it had measured is kept")
                     continue
