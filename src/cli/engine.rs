@@ -60,17 +60,14 @@ impl Engine {
             let (lobatto, accuracy) = make(mechanism, state)?;
             return Ok((Engine::Whole(Box::new(lobatto)), accuracy));
         }
-        let expected = match choice {
-            StepChoice::Tolerance(_) => 2.0 * PILOT_SECONDS * mechanism.bodies.len() as f64 * duration,
-            StepChoice::Fixed { .. } | StepChoice::Reversible { .. } | StepChoice::Precise { .. } => 0.0,
-        };
+        let pilots = if choice.tolerance().is_some() { 2.0 } else { 0.0 };
+        let expected = pilots * PILOT_SECONDS * mechanism.bodies.len() as f64 * duration;
         let nothing = Mechanism::new(&mechanism.name, mechanism.gravity, Vec::new()).map_err(Failure::run)?;
         let idle = uncalibrated(&nothing, choice)?.description();
         let (islands, accuracies) = Islands::new(plan, state, Threads::WherePaid, expected, make)?;
-        let accuracy = match choice {
-            StepChoice::Tolerance(tolerance) => AccuracyReport::together(tolerance, state.time + duration, &accuracies),
-            StepChoice::Fixed { .. } | StepChoice::Reversible { .. } | StepChoice::Precise { .. } => None,
-        };
+        let accuracy = choice
+            .tolerance()
+            .and_then(|tolerance| AccuracyReport::together(tolerance, state.time + duration, &accuracies));
         Ok((Engine::Islands { islands, idle }, accuracy))
     }
 
@@ -115,7 +112,7 @@ fn integrator(
     kept: &[Rule],
     interrupted: &AtomicBool,
 ) -> Result<(Lobatto, Option<AccuracyReport>), Failure> {
-    let StepChoice::Tolerance(tolerance) = choice else { return Ok((uncalibrated(mechanism, choice)?, None)) };
+    let Some(tolerance) = choice.tolerance() else { return Ok((uncalibrated(mechanism, choice)?, None)) };
     match calibrate(mechanism, state, duration, tolerance, kept, &mut |_| !interrupted.load(Ordering::Relaxed)) {
         Ok(found) => {
             let lobatto = found.integrator(mechanism, tolerance);

@@ -120,6 +120,24 @@ impl StepChoice {
             None => StepChoice::Tolerance(arguments.tolerance.or(file.tolerance).unwrap_or(DEFAULT_TOLERANCE)),
         }
     }
+
+    /// The wanted accuracy, where steps are chosen from it [m].
+    pub fn tolerance(self) -> Option<f64> {
+        match self {
+            StepChoice::Tolerance(tolerance) => Some(tolerance),
+            StepChoice::Fixed { .. } | StepChoice::Reversible { .. } | StepChoice::Precise { .. } => None,
+        }
+    }
+
+    /// The step that the user said [s].
+    fn step(self) -> Option<f64> {
+        match self {
+            StepChoice::Tolerance(_) => None,
+            StepChoice::Fixed { step, .. } | StepChoice::Reversible { step, .. } | StepChoice::Precise { step, .. } => {
+                Some(step)
+            }
+        }
+    }
 }
 
 /// A run before its first step.
@@ -275,12 +293,7 @@ fn description(
     choice: StepChoice,
     method: MethodDescription,
 ) -> BTreeMap<String, String> {
-    let (step, tolerance) = match choice {
-        StepChoice::Fixed { step, .. } | StepChoice::Reversible { step, .. } | StepChoice::Precise { step, .. } => {
-            (step.to_string(), String::new())
-        }
-        StepChoice::Tolerance(tolerance) => (String::new(), tolerance.to_string()),
-    };
+    let said = |number: Option<f64>| number.map_or(String::new(), |number| number.to_string());
     let command_line: Vec<String> =
         std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
     // Word by word, which the command line as people read it does not tell.
@@ -300,8 +313,8 @@ fn description(
         ("method", method.name),
         ("stages", method.stages.to_string()),
         ("order", method.order.to_string()),
-        ("step", step),
-        ("tolerance", tolerance),
+        ("step", said(choice.step())),
+        ("tolerance", said(choice.tolerance())),
         ("duration", duration.to_string()),
         ("rate", rate.to_string()),
         ("command_line", command_line.join(" ")),

@@ -88,9 +88,7 @@ impl<V: Lanes> Kernel<V> {
             end: Start::with_units(mechanism),
         }
     }
-}
 
-impl<V: Lanes> Kernel<V> {
     /// Takes the end of a step that was solved to 32 digits: moves `state` there; returns its energy.
     pub(super) fn arrive(
         &mut self,
