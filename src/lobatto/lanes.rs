@@ -13,6 +13,9 @@ pub trait Lanes:
 {
     /// Number of lanes.
     const COUNT: usize;
+    /// Whether lanes are best read back from memory where every lane meets a number of its own: there they are operands of
+    /// multiplications, in a register they have to be shuffled first.
+    const READS_BACK: bool = false;
     /// `[f64; COUNT]`.
     type Array: Copy + AsRef<[f64]> + AsMut<[f64]>;
     /// All lanes equal.
@@ -76,6 +79,44 @@ pub trait Lanes:
             index += 1;
         }
         sum
+    }
+
+    /// [`Lanes::mix`] of several vectors, to the same bits.
+    #[inline(always)]
+    fn mix_all<const N: usize>(mut values: [Self; N], columns: &[Self]) -> [Self; N] {
+        if !Self::READS_BACK {
+            let mut value = 0;
+            while value < N {
+                values[value] = values[value].mix(columns);
+                value += 1;
+            }
+            return values;
+        }
+        let mut arrays = [Self::zero_array(); N];
+        let mut value = 0;
+        while value < N {
+            arrays[value] = values[value].to_array();
+            value += 1;
+        }
+        // The compiler would see that they come from registers, and shuffle.
+        let arrays = std::hint::black_box(&arrays);
+        let mut sums = [Self::zero(); N];
+        let mut value = 0;
+        while value < N {
+            sums[value] = columns[0] * Self::splat(arrays[value].as_ref()[0]);
+            value += 1;
+        }
+        let mut lane = 1;
+        while lane < Self::COUNT {
+            let column = columns[lane];
+            let mut value = 0;
+            while value < N {
+                sums[value] = column.mul_add(Self::splat(arrays[value].as_ref()[lane]), sums[value]);
+                value += 1;
+            }
+            lane += 1;
+        }
+        sums
     }
 
     /// Sum of all lanes, the upper half folded onto the lower again and again: zeros above the lanes in use do not
@@ -277,6 +318,7 @@ macro_rules! pair {
         operators!(Pair<$half, $count>,);
         impl Lanes for Pair<$half, $count> {
             const COUNT: usize = $count;
+            const READS_BACK: bool = <$half>::READS_BACK;
             type Array = [f64; $count];
             #[inline(always)]
             fn splat(value: f64) -> Self {

@@ -4,7 +4,7 @@
 //! step can be solved to sixteen digits fast and then to thirty-two ([`super::precise`]) by the same lines.
 
 use super::lanes::Lanes;
-use super::stage::half_angle;
+use super::stage::{half_angle, half_angle_of_few};
 use std::ops::{Add, Mul, Neg, Sub};
 
 mod double;
@@ -35,12 +35,23 @@ pub trait Numbers:
     fn reciprocal(self) -> Self;
     /// Mixes stages: `Σ_i columns[i] · self[i]`, a matrix (by columns) times the vector of the stages.
     fn mix(self, columns: &[Self]) -> Self;
+    /// [`Numbers::mix`] of several.
+    #[inline(always)]
+    fn mix_all<const N: usize>(mut values: [Self; N], columns: &[Self]) -> [Self; N] {
+        let mut index = 0;
+        while index < N {
+            values[index] = values[index].mix(columns);
+            index += 1;
+        }
+        values
+    }
     /// The larger of `|self|` and `bound`, stage by stage, to sixteen digits; a NaN in `self` gives NaN.
     fn max_abs(self, bound: Self) -> Self;
     /// Largest of numbers that are not negative, to sixteen digits; NaN if any is NaN.
     fn largest(self) -> f64;
-    /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](super::stage::MAX_TURN).
-    fn half_angle(square: Self) -> (Self, Self);
+    /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](super::stage::MAX_TURN), or `φ ≤` [`FEW`](super::stage::FEW) where
+    /// few terms are asked for.
+    fn half_angle(square: Self, few: bool) -> (Self, Self);
 
     /// All zero.
     #[inline(always)]
@@ -87,6 +98,10 @@ impl<V: Lanes> Numbers for V {
         <V as Lanes>::mix(self, columns)
     }
     #[inline(always)]
+    fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
+        <V as Lanes>::mix_all(values, columns)
+    }
+    #[inline(always)]
     fn max_abs(self, bound: Self) -> Self {
         <V as Lanes>::max_abs(self, bound)
     }
@@ -95,7 +110,7 @@ impl<V: Lanes> Numbers for V {
         <V as Lanes>::largest(self)
     }
     #[inline(always)]
-    fn half_angle(square: Self) -> (Self, Self) {
-        half_angle(square)
+    fn half_angle(square: Self, few: bool) -> (Self, Self) {
+        if few { half_angle_of_few(square) } else { half_angle(square) }
     }
 }

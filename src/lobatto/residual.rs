@@ -146,7 +146,7 @@ pub fn force_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
     if REFINED {
         ahead = start_velocity.times_minus(sweep.times_rest, ahead);
     }
-    let mut path = Vector([ahead.0[0].mix(columns), ahead.0[1].mix(columns), ahead.0[2].mix(columns)]);
+    let mut path = Vector(V::mix_all(ahead.0, columns));
     if REFINED {
         let rest = sweep.rest;
         path = path.plus(Vector([ahead.0[0].mix(rest), ahead.0[1].mix(rest), ahead.0[2].mix(rest)]));
@@ -247,10 +247,10 @@ fn rotational_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
     if REFINED {
         ahead = start_spin.times_minus(sweep.times_rest, ahead);
     }
-    let mut spin = Vector([ahead.0[0].mix(columns), ahead.0[1].mix(columns), ahead.0[2].mix(columns)]);
     let [xx, xy, xz, yy, yz, zz] = products;
-    let mut mixed =
-        [xx.mix(columns), xy.mix(columns), xz.mix(columns), yy.mix(columns), yz.mix(columns), zz.mix(columns)];
+    let [x, y, z] = ahead.0;
+    let [x, y, z, mixed @ ..] = V::mix_all([x, y, z, xx, xy, xz, yy, yz, zz], columns);
+    let (mut spin, mut mixed) = (Vector([x, y, z]), mixed);
     if REFINED {
         let rest = sweep.rest;
         spin = spin.plus(Vector([ahead.0[0].mix(rest), ahead.0[1].mix(rest), ahead.0[2].mix(rest)]));

@@ -194,6 +194,7 @@ impl<V: Numbers> Stages<V> {
     #[inline(always)]
     pub fn sweep_poses(&mut self) {
         let start = &self.start;
+        let few = largest(&self.displacement) <= FEW;
         for (index, (plan, known)) in self.plan.bodies.iter().zip(&start.bodies).enumerate() {
             let turns = !plan.parent_slides;
             let mut pose = match plan.parent {
@@ -217,13 +218,13 @@ impl<V: Numbers> Stages<V> {
                 FreeRotation::None => {}
                 FreeRotation::AboutZ => {
                     let angle = self.displacement[freedom];
-                    let (cosine, sine) = V::half_angle(angle * angle);
+                    let (cosine, sine) = V::half_angle(angle * angle, few);
                     let axis = Vector::splat(&start.axes[freedom]).times(sine * angle);
                     (pose.w, pose.u) = if turns { compose(pose.w, pose.u, cosine, axis) } else { (cosine, axis) };
                 }
                 FreeRotation::Ball => {
                     let turn = self.rotation_vector(freedom);
-                    let (cosine, sine) = V::half_angle(turn.dot(turn));
+                    let (cosine, sine) = V::half_angle(turn.dot(turn), false);
                     let axis = turn.times(sine);
                     (pose.w, pose.u) = if turns { compose(pose.w, pose.u, cosine, axis) } else { (cosine, axis) };
                 }

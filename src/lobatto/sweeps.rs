@@ -178,12 +178,19 @@ impl<V: Numbers> Stages<V> {
     /// Root to leaf: `α` of every degree of freedom, mixed into the increments; the largest increment in each lane.
     #[inline(always)]
     pub fn sweep_increments(&mut self) -> V {
+        self.forward(|stages, freedom, alpha| stages.increment[freedom] = alpha);
+        let columns = &self.coefficients.solve;
         let mut largest = V::zero();
-        self.forward(|stages, freedom, alpha| {
-            let increment = alpha.mix(&stages.coefficients.solve);
-            stages.increment[freedom] = increment;
+        let (fours, rest) = self.increment.as_chunks_mut::<4>();
+        for four in fours {
+            *four = V::mix_all(*four, columns);
+            let [a, b, c, d] = *four;
+            largest = d.max_abs(c.max_abs(b.max_abs(a.max_abs(largest))));
+        }
+        for increment in rest {
+            *increment = increment.mix(columns);
             largest = increment.max_abs(largest);
-        });
+        }
         largest
     }
 

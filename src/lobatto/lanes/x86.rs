@@ -12,7 +12,7 @@ use super::{Add, Lanes, Mul, Neg, Sub};
 use std::arch::x86_64::*;
 
 macro_rules! vector {
-    ($(#[$doc:meta])* $name:ident, $raw:ty, $count:literal, $features:literal,
+    ($(#[$doc:meta])* $name:ident, $raw:ty, $count:literal, $reads_back:literal, $features:literal,
      $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fnmadd:ident,
      $max_abs:expr) => {
         $(#[$doc])*
@@ -41,6 +41,7 @@ macro_rules! vector {
 
         impl Lanes for $name {
             const COUNT: usize = $count;
+            const READS_BACK: bool = $reads_back;
             type Array = [f64; $count];
             #[inline(always)]
             fn splat(value: f64) -> Self {
@@ -109,20 +110,20 @@ macro_rules! vector {
 
 vector!(
     /// Two lanes in a 128-bit register.
-    Avx128, __m128d, 2, "avx2,fma",
+    Avx128, __m128d, 2, false, "avx2,fma",
     _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_fmadd_pd, _mm_fnmadd_pd,
     |a, b| _mm_max_pd(b, _mm_andnot_pd(_mm_set1_pd(-0.0), a))
 );
 vector!(
     /// Four lanes in a 256-bit register.
-    Avx256, __m256d, 4, "avx2,fma",
+    Avx256, __m256d, 4, false, "avx2,fma",
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
     _mm256_fmadd_pd, _mm256_fnmadd_pd,
     |a, b| _mm256_max_pd(b, _mm256_andnot_pd(_mm256_set1_pd(-0.0), a))
 );
 vector!(
     /// Eight lanes in a 512-bit register.
-    Avx512, __m512d, 8, "avx512f,avx2,fma",
+    Avx512, __m512d, 8, true, "avx512f,avx2,fma",
     _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
     _mm512_fmadd_pd, _mm512_fnmadd_pd,
     |a, b| _mm512_max_pd(b, _mm512_abs_pd(a))

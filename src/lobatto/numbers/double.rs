@@ -165,7 +165,7 @@ impl<V: Lanes> Numbers for Double<V> {
         self.high.largest()
     }
     #[inline(always)]
-    fn half_angle(square: Self) -> (Self, Self) {
+    fn half_angle(square: Self, _: bool) -> (Self, Self) {
         let [cosine, sine] = &*HALF_ANGLE;
         apart!(V, (horner(cosine, square), horner(sine, square)))
     }
@@ -225,10 +225,10 @@ mod tests {
             let all = (0..V::COUNT).map(|column| third(column + 1) * third(4)).sum();
             close("mixed lanes", long(4).mix(&columns), all);
             // cos² + sin² = 1 at the largest turn, and the half angle of a turn of π/3 whose cosine is known: cos²(π/6) = 3/4.
-            let (cosine, sine) = Double::<V>::half_angle(long(28));
+            let (cosine, sine) = Double::<V>::half_angle(long(28), false);
             close("circle", cosine * cosine + sine * sine * long(28), Extended::ONE);
             let turn = Double::<V>::splat(std::f64::consts::FRAC_PI_3) - Double::splat(1.072_081_766_451_091e-16);
-            let (cosine, _) = Double::<V>::half_angle(turn * turn);
+            let (cosine, _) = Double::<V>::half_angle(turn * turn, false);
             close("cos² π/6", cosine * cosine, third(9) / Extended::from(4.0));
         });
     }
