@@ -27,6 +27,9 @@ use crate::model::Mechanism;
 use crate::simulation::{StepError, StepOutcome};
 use crate::state::State;
 
+/// The coarsest stop: with a coarser one the steps are too long for anything to be seen of them.
+pub(crate) const COARSEST_STOP: f64 = 0.1;
+
 /// The number of iterations the controller steers for.
 const WANTED_ITERATIONS: f64 = 12.0;
 
@@ -53,6 +56,9 @@ const KEPT: f64 = 3.3;
 
 /// The largest E of a kink over that of other steps.
 const KINK: f64 = 100.0;
+
+/// After so many attempts at a step that were broken off, early iterates are not asked again: E may be that of a kink.
+const HASTE: usize = 2;
 
 /// After so many halvings of a step of a tree under gravity that does not converge the exact Newton method is tried.
 const PATIENCE: usize = 3;
@@ -101,6 +107,10 @@ pub struct Control {
     refused: Option<(f64, f64)>,
     /// Length and E of an attempt at this step whose E was too large: the first, or the last that was well shorter than the one before.
     unresolved: Option<(f64, f64)>,
+    /// Whether early iterates say whether a step is too long: what stiff springs and hard dampers leave in them says nothing.
+    telling: bool,
+    /// How many attempts at the present step were broken off.
+    broken_off: usize,
     /// What rounding alone was seen to change the energy by (J).
     rounding: f64,
     /// Whether stability has bounded a step.
@@ -118,7 +128,7 @@ pub struct Control {
 impl Control {
     /// A controller for a mechanism, an iteration stop `ε` and a number of stages; `tolerance` bounds the change of the energy.
     pub fn new(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice, isa: Isa) -> Self {
-        let stop = stop.clamp(1e-16, 1e-3);
+        let stop = stop.clamp(1e-16, COARSEST_STOP);
         Control {
             tolerance,
             stages: stages.count(isa),
@@ -129,6 +139,8 @@ impl Control {
             kinetic: 0.0,
             refused: None,
             unresolved: None,
+            telling: mechanism.forces.is_empty(),
+            broken_off: 0,
             rounding: 0.0,
             held: false,
             rejected: false,
@@ -155,6 +167,7 @@ impl Control {
             rounding: self.stop.max(1e-11),
             iterations: 40,
             legendre: self.limit(),
+            early: self.telling && self.previous.is_some() && self.broken_off < HASTE,
             exactly: self.halvings >= self.patience,
         }
     }
@@ -256,6 +269,7 @@ impl Control {
                 Verdict::Retry { without_past: false }
             }
             Attempt::Inaccurate { legendre, .. } => {
+                self.broken_off += 1;
                 self.step = step * (self.wanted / legendre).powf(1.0 / order).clamp(0.2, 0.9);
                 Verdict::Retry { without_past: false }
             }
@@ -291,7 +305,7 @@ impl Control {
                 let longest = if self.rejected { 1.0 } else { 2.0 };
                 let factor = by_error.min(by_iterations).min(by_energy).clamp(0.3, longest);
                 self.rejected = false;
-                self.halvings = 0;
+                (self.halvings, self.broken_off) = (0, 0);
                 self.wary = self.wary.saturating_sub(1);
                 self.previous = Some(error);
                 (self.refused, self.unresolved) = (None, None);

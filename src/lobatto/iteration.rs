@@ -6,7 +6,8 @@
 //!     converged:    |δ_n| ≤ ε max(1, |θ|),   or   |δ_n| ≤ 10⁻¹¹ max(1, |θ|)  and  |δ_n| > ½ |δ_{n−1}|      (rounding)
 //!                   |δ_n|, |δ_{n−1}| ≤ 10⁻⁹ max(1, |θ|)  after fifteen iterations, exact method alone      (beside a singular position)
 //!     hopeless:     |δ_n| > 0.3 |δ_{n−5}|  after eight iterations
-//!     too long:     E > 3 E_tol  after four iterations
+//!     too long:     E > 20, 4, 2, 1.5, 1.1 times the largest that is kept, after one, two … five iterations;
+//!                   or E > 3 times it after four, where early iterates are not asked
 //! ```
 //!
 //! What is hopeless is tried again with a plain guess, and then by the exact Newton method if the rule says so.
@@ -35,6 +36,8 @@ pub(super) trait Equations {
     fn complete(&mut self);
     /// E of the latest iterate.
     fn legendre(&self) -> f64;
+    /// E of its joint displacements alone, which is not larger and may cost less.
+    fn joint_legendre(&self) -> f64;
     /// The degree of freedom with the largest increment.
     fn worst_freedom(&self) -> usize;
     /// The first degree of freedom whose rotation has left what the stage poses represent, if any is beyond [`MAX_TURN`].
@@ -85,6 +88,10 @@ impl<K: Coupling> Equations for Exact<'_, K> {
         self.0.legendre()
     }
 
+    fn joint_legendre(&self) -> f64 {
+        self.0.joint_legendre()
+    }
+
     fn worst_freedom(&self) -> usize {
         self.0.worst_freedom()
     }
@@ -98,12 +105,13 @@ impl<K: Coupling> Equations for Exact<'_, K> {
 /// an iteration leaves of them is of the order of its increment times the one before.
 const CLOSED: f64 = 1e-10;
 
-/// The rule by which the exact method stops.
+/// The rule by which the exact method stops. On trees it is asked where something is out of the ordinary, as beside a gimbal lock, and
+/// what its first iterates show may be that.
 pub(super) fn exact_rule(mechanism: &Mechanism, rule: &StopRule) -> StopRule {
     if mechanism.has_closures() {
         StopRule { increment: rule.increment.min(CLOSED), rounding: rule.rounding.min(CLOSED), ..*rule }
     } else {
-        *rule
+        StopRule { early: false, ..*rule }
     }
 }
 
@@ -116,6 +124,16 @@ const SLACK: f64 = 1e-9;
 
 /// After so many iterations they are seen to stay there.
 const PATIENCE: usize = 15;
+
+/// A step is too long where E is larger than the largest that is kept by this factor after one, two … iterations: early iterates show the
+/// shape of the motion to a factor, later ones to a hundredth.
+const TOO_LONG: [f64; 5] = [20.0, 4.0, 2.0, 1.5, 1.1];
+
+/// The same where early iterates are not asked.
+const TOO_LONG_LATE: f64 = 3.0;
+
+/// After so many iterations the rotations of bodies are looked at, too, and not the joints alone.
+const SHAPED: usize = 4;
 
 /// Solves the stage equations, with the exact method as the last resort.
 pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule: &StopRule, plain: bool) -> Attempt {
@@ -162,10 +180,15 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
             let legendre = if rule.legendre.is_finite() { equations.legendre() } else { 0.0 };
             return Attempt::Converged { iterations: iteration, legendre, exact: equations.is_exact() };
         }
-        // By then the iterate shows the shape of the motion to a digit or two.
-        if iteration == 4 && rule.legendre.is_finite() {
-            let legendre = equations.legendre();
-            if legendre > 3.0 * rule.legendre {
+        let slack = match iteration {
+            _ if rule.legendre == f64::INFINITY => None,
+            _ if rule.early => TOO_LONG.get(iteration - 1).copied(),
+            SHAPED => Some(TOO_LONG_LATE),
+            _ => None,
+        };
+        if let Some(slack) = slack {
+            let legendre = if iteration == SHAPED { equations.legendre() } else { equations.joint_legendre() };
+            if legendre > slack * rule.legendre {
                 return Attempt::Inaccurate { iterations: iteration, legendre };
             }
         }
@@ -215,6 +238,10 @@ mod tests {
         fn complete(&mut self) {}
 
         fn legendre(&self) -> f64 {
+            0.0
+        }
+
+        fn joint_legendre(&self) -> f64 {
             0.0
         }
 

@@ -30,7 +30,7 @@ use super::reversible::Pace;
 use super::stability::Mode;
 use super::stage::{MAX_TURN, Stages};
 use super::start::Start;
-use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, weigh, worst_freedom};
+use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, largest_coefficient, weigh, worst_freedom};
 use super::tableau::Tableau;
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
@@ -153,7 +153,12 @@ impl<V: Lanes> Equations for Kernel<V> {
     /// displacements: a steady spin is a straight line in joint coordinates and no polynomial at all in R⁹.
     fn legendre(&self) -> f64 {
         let (stages, top, start) = (&self.stages, self.top_legendre, self.first_legendre);
-        in_lanes!(V, largest_coefficient(stages, top, start))
+        in_lanes!(V, largest_coefficient_of_all(stages, top, start))
+    }
+
+    fn joint_legendre(&self) -> f64 {
+        let (stages, top) = (&self.stages, self.top_legendre);
+        in_lanes!(V, largest_coefficient(&stages.displacement, top))
     }
 
     fn worst_freedom(&self) -> usize {
@@ -300,11 +305,8 @@ impl<V: Lanes> Step for Kernel<V> {
 
 /// The largest top Legendre coefficient of the displacements, and of `sin φ` and `cos φ` of the bodies' rotations.
 #[inline(always)]
-fn largest_coefficient<V: Lanes>(stages: &Stages<V>, top: V, start: f64) -> f64 {
-    let mut largest = 0.0_f64;
-    for displacement in &stages.displacement {
-        largest = largest.max((*displacement * top).sum().abs());
-    }
+fn largest_coefficient_of_all<V: Lanes>(stages: &Stages<V>, top: V, start: f64) -> f64 {
+    let mut largest = largest_coefficient(&stages.displacement, top);
     for pose in &stages.poses {
         let weighted = pose.w * top;
         let twice = weighted + weighted;

@@ -24,14 +24,22 @@ pub struct StopRule {
     pub iterations: usize,
     /// An attempt whose top Legendre coefficient is well above this is not worth finishing.
     pub legendre: f64,
+    /// Whether the first iterates, too, are asked whether that is so.
+    pub early: bool,
     /// Whether the exact Newton method follows where the simplified iteration does not converge.
     pub exactly: bool,
 }
 
 impl StopRule {
     /// Iterate to rounding.
-    pub const ROUNDING: StopRule =
-        StopRule { increment: 2e-16, rounding: 1e-11, iterations: 60, legendre: f64::INFINITY, exactly: true };
+    pub const ROUNDING: StopRule = StopRule {
+        increment: 2e-16,
+        rounding: 1e-11,
+        iterations: 60,
+        legendre: f64::INFINITY,
+        early: false,
+        exactly: true,
+    };
 }
 
 /// How an attempt at a step ended.
@@ -104,6 +112,16 @@ pub trait Step: Send {
     fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace>;
     /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length.
     fn accelerations(&mut self, step: f64, out: &mut [f64]);
+}
+
+/// E of the displacements alone: their largest top Legendre coefficient, of which `top` has the weights of the stages.
+#[inline(always)]
+pub(super) fn largest_coefficient<V: Lanes>(displacements: &[V], top: V) -> f64 {
+    let mut largest = 0.0_f64;
+    for displacement in displacements {
+        largest = largest.max((*displacement * top).sum().abs());
+    }
+    largest
 }
 
 /// The degree of freedom with the largest increment; a NaN counts as largest.

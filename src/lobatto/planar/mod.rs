@@ -30,7 +30,7 @@ use super::reversible::Pace;
 use super::stability::Mode;
 use super::stage::{Coefficients, MAX_TURN};
 use super::start::Start;
-use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, weigh, worst_freedom};
+use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, largest_coefficient, weigh, worst_freedom};
 use super::tableau::Tableau;
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
@@ -134,6 +134,11 @@ impl<V: Lanes> Equations for PlanarKernel<V> {
     fn legendre(&self) -> f64 {
         let (stages, top) = (&self.stages, self.top_legendre);
         in_lanes!(V, stages.largest_coefficient(top))
+    }
+
+    fn joint_legendre(&self) -> f64 {
+        let (stages, top) = (&self.stages, self.top_legendre);
+        in_lanes!(V, largest_coefficient(&stages.displacement, top))
     }
 
     fn worst_freedom(&self) -> usize {

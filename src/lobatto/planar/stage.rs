@@ -7,6 +7,7 @@ use crate::lobatto::applied::Applied;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::predictor::Unknowns;
 use crate::lobatto::stage::{Coefficients, largest};
+use crate::lobatto::step::largest_coefficient;
 use crate::lobatto::tableau::Tableau;
 use crate::model::{FreeRotation, Mechanism, Plane};
 
@@ -169,10 +170,7 @@ impl<V: Lanes> PlanarStages<V> {
     /// The largest top Legendre coefficient of the displacements, and of the sines and cosines of the turns.
     #[inline(always)]
     pub fn largest_coefficient(&self, top: V) -> f64 {
-        let mut largest = 0.0_f64;
-        for displacement in &self.displacement {
-            largest = largest.max((*displacement * top).sum().abs());
-        }
+        let mut largest = largest_coefficient(&self.displacement, top);
         for turned in &self.turned {
             largest = largest.max(self.plan.share * (turned.sine * top).sum().abs());
             largest = largest.max((turned.cosine * top).sum().abs());
