@@ -13,6 +13,9 @@
 //! expect in one of fifty runs of a chain of ten links. So where `ε_run` would be about as coarse as its stop, or coarser, a third pilot tries
 //! it, and the finer one of the pair says how far off that is.
 //!
+//! Roundings do not fall with the stop. Where `ε_run` is near them, and the coarser pilot was further off than is wanted, one more pilot with
+//! `ε_run` shows what they leave.
+//!
 //! Pilots that are apart by more than a hundredth of the mechanism's size have parted and say nothing; the next pair is 10⁴ times finer. If
 //! the finest pair cannot hold the accuracy to the end, the calibration says until when it is held.
 //!
@@ -21,6 +24,7 @@
 
 use crate::distance::{distance, probes, size};
 use crate::lobatto::Lobatto;
+use crate::lobatto::control::COARSEST_STOP;
 use crate::lobatto::lanes::Isa;
 use crate::lobatto::stage_choice::StageChoice;
 use crate::model::{Mechanism, Rule};
@@ -38,12 +42,18 @@ const EARLY: usize = 2;
 const RATIO: f64 = 30.0;
 /// The finest stop: rounding.
 const FINEST: f64 = 1e-16;
-/// The coarsest stop worth running.
+/// The coarsest stop of a first pair: what is coarser shows a motion that has little to do with the true one.
 const COARSEST: f64 = 1e-3;
+/// The run stops at no more than this part of the tolerance, however calm the motion: the energy has to be kept as well,
+const CALM: f64 = 0.03;
+/// and balanced where forces take part in it, which costs a digit.
+const CALM_WITH_FORCES: f64 = 0.01;
 /// The run aims at this part of the tolerance: two runs of one motion, with other steps, differ by some such factor.
 const AIM: f64 = 10.0;
 /// Runs with a stop above this part of that of the coarser pilot are tried first.
 const LUCKY: f64 = 0.25;
+/// Runs with a finer stop than this may be off by rounding.
+const ROUNDED: f64 = 1e-13;
 /// Ratio of the stops of successive pairs.
 const REFINEMENT: f64 = 1e-4;
 /// Pilots that are apart by this share of the mechanism's size have parted and say nothing about smaller errors.
@@ -60,6 +70,8 @@ pub struct Calibration {
     pub estimate: f64,
     /// The last instant up to which the wanted accuracy is expected to hold (s); the end of the run if it is reached.
     pub holds_until: f64,
+    /// Whether the finest pilots part before the end, so that nothing finer would help.
+    pub parted: bool,
     /// Number of pilot runs.
     pub pilots: usize,
 }
@@ -120,8 +132,8 @@ pub fn calibrate(
         let mut held_back = false;
         while truth.len() < INSTANTS && coarse.worst() <= SATURATED * size && !held_back {
             let until = instant(truth.len() + 1);
-            truth.push(fine.advance(until, go_on)?);
-            coarse.compare(until, &truth[truth.len() - 1], go_on)?;
+            truth.push((until, fine.advance(until, go_on)?));
+            coarse.follow(&truth[truth.len() - 1..], go_on)?;
             held_back = truth.len() <= EARLY
                 && count(stages) < count(StageChoice::Filling)
                 && coarse.lobatto.was_held_by_stability();
@@ -138,16 +150,15 @@ pub fn calibrate(
         }
         // Errors below rounding cannot be seen and need not be.
         let mut amplification = coarse.worst().max(1e-16 * size) / stop;
-        // No coarser than a hundredth of the tolerance, however calm the motion: the energy has to be kept as well.
+        let calm = if mechanism.is_plain_tree() { CALM } else { CALM_WITH_FORCES };
         let stop_for =
-            |amplification: f64| (tolerance / (AIM * amplification)).min(0.01 * tolerance).clamp(FINEST, COARSEST);
+            |amplification: f64| (tolerance / (AIM * amplification)).min(calm * tolerance).clamp(FINEST, COARSEST_STOP);
         let mut apart: Vec<f64> = coarse.apart.iter().map(|apart| apart / stop).collect();
         let tried = stop_for(amplification);
         if !saturated && tried > LUCKY * stop {
             let mut trial = pilot(tried);
             pilots += 1;
-            let mut instants = truth.iter().enumerate();
-            let found = match instants.try_for_each(|(index, truth)| trial.compare(instant(index + 1), truth, go_on)) {
+            let found = match trial.follow(&truth, go_on) {
                 Ok(()) => trial.worst() / tried,
                 // What fails so coarsely may do as the coarser pilot did.
                 Err(CalibrationError::Step(_)) => tolerance / (AIM * stop),
@@ -159,13 +170,27 @@ pub fn calibrate(
             }
         }
         let run_stop = stop_for(amplification);
-        let held = apart.iter().take_while(|&&apart| apart * run_stop <= tolerance).count();
+        let mut errors: Vec<f64> = apart.iter().map(|apart| apart * run_stop).collect();
+        let mut worst = amplification * run_stop;
+        if !saturated && run_stop < ROUNDED && coarse.worst() > tolerance {
+            let mut trial = pilot(run_stop);
+            pilots += 1;
+            trial.follow(&truth, go_on)?;
+            // With the stop of the finer pilot it is the same run, and shows nothing.
+            let seen = if trial.worst() > 0.0 { &trial } else { &coarse };
+            worst = worst.max(seen.worst());
+            for (error, &seen) in errors.iter_mut().zip(&seen.apart) {
+                *error = error.max(seen);
+            }
+        }
+        let held = errors.iter().take_while(|&&error| error <= tolerance).count();
         return Ok(Calibration {
             stop: run_stop,
             stages,
             // What has parted ends as far apart as the mechanism is large.
-            estimate: if saturated { size } else { amplification * run_stop },
+            estimate: if saturated { size } else { worst },
             holds_until: instant(held),
+            parted: saturated,
             pilots,
         });
     }
@@ -186,15 +211,16 @@ impl Pilot<'_> {
         self.apart.last().copied().unwrap_or(0.0)
     }
 
-    /// Goes on to the next instant and sees how far it is from where another was there.
-    fn compare(
+    /// Goes on to the next instants and sees how far it is from where another was there.
+    fn follow(
         &mut self,
-        until: f64,
-        other: &[Vector3<f64>],
+        other: &[(f64, Vec<Vector3<f64>>)],
         go_on: &mut dyn FnMut(&StepOutcome) -> bool,
     ) -> Result<(), CalibrationError> {
-        let seen = distance(&self.advance(until, go_on)?, other);
-        self.apart.push(if seen.is_nan() { f64::INFINITY } else { self.worst().max(seen) });
+        for (until, probes) in other {
+            let seen = distance(&self.advance(*until, go_on)?, probes);
+            self.apart.push(if seen.is_nan() { f64::INFINITY } else { self.worst().max(seen) });
+        }
         Ok(())
     }
 

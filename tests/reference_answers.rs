@@ -2,6 +2,7 @@
 
 mod common;
 
+use catena::calibration::calibrate;
 use catena::distance::{distance, probes};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
@@ -147,20 +148,59 @@ fn whoever_names_an_accuracy_gets_it_within_a_factor_of_ten() {
 }
 
 #[test]
-fn a_pilot_that_is_right_by_luck_is_found_out() {
+fn hardly_a_run_of_a_motion_that_amplifies_errors_is_far_from_the_accuracy_it_was_asked_for() {
     let Some(folder) = shared("reference") else { return };
     let Scene { model, start, answer } = Scene::read(&folder, "chain_10_T05");
     let mut mechanism = model.mechanism;
-    // In a little more gravity the coarser of the two pilots ends a thousand times nearer than others do.
-    mechanism.gravity *= 1.026;
-    let (duration, tolerance) = (answer["duration"].as_f64().unwrap(), 1e-3 * 0.1_f64.powf(1.5));
-    let end = |mut integrator: Lobatto| {
-        let mut state = start.clone();
-        run_until(&mechanism, &mut state, &mut integrator, duration);
-        probes(&mechanism, &state)
-    };
-    let truth = end(Lobatto::fixed(&mechanism, 9, 1e-3).unwrap());
-    let error = distance(&end(by_tolerance(&mechanism, &start, duration, tolerance)), &truth);
-    println!("{:.2} of the tolerance", error / tolerance);
-    assert!(error < 10.0 * tolerance, "{error:.1e} m");
+    let (duration, gravity) = (answer["duration"].as_f64().unwrap(), mechanism.gravity);
+    let mut misses = Vec::new();
+    for number in 0..48 {
+        mechanism.gravity = (1.0 + 0.0101 * f64::from(number)) * gravity;
+        let end = |mut integrator: Lobatto| {
+            let mut state = start.clone();
+            run_until(&mechanism, &mut state, &mut integrator, duration);
+            probes(&mechanism, &state)
+        };
+        let truth = end(Lobatto::fixed(&mechanism, 9, 1e-3).unwrap());
+        for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9] {
+            let error = distance(&end(by_tolerance(&mechanism, &start, duration, tolerance)), &truth);
+            if error > 10.0 * tolerance {
+                println!("gravity {number}, {tolerance:e} m: {:.1} tolerances", error / tolerance);
+                misses.push(error / tolerance);
+            }
+        }
+    }
+    // Six of these 432 runs were, the worst by 19 tolerances. A coarser pilot that is right by luck, and is not found out, makes it nine, the
+    // worst by 103.
+    assert!(misses.len() <= 9, "{} of 432 runs", misses.len());
+    assert!(misses.iter().all(|&miss| miss < 60.0), "{misses:?}");
+}
+
+#[test]
+fn what_rounding_leaves_of_a_fine_accuracy_is_said() {
+    let Some(folder) = shared("reference") else { return };
+    // A body that has passed its unstable axis for 100 s, and a chain whose tip is ten thousand times as heavy; each a little faster than
+    // the reference scene, where rounding happens to leave less.
+    for (name, faster, tolerance, step) in
+        [("dzhanibekov", 1.0 + 0.0037 * 9.0, 1e-9, 0.1), ("heavy_tip_T05", 1.0 + 0.0037 * 28.0, 1e-10, 0.000625)]
+    {
+        let Scene { model, mut start, answer } = Scene::read(&folder, name);
+        let mut mechanism = model.mechanism;
+        mechanism.gravity *= faster;
+        start.velocity.iter_mut().for_each(|rate| *rate *= faster);
+        let duration = answer["duration"].as_f64().unwrap();
+        let end = |mut integrator: Lobatto| {
+            let mut state = start.clone();
+            run_until(&mechanism, &mut state, &mut integrator, duration);
+            probes(&mechanism, &state)
+        };
+        let found = calibrate(&mechanism, &start, duration, tolerance, &[], &mut |_| true).unwrap();
+        let truth = end(Lobatto::precise(&mechanism, 9, step).unwrap());
+        let error = distance(&end(found.integrator(&mechanism, tolerance)), &truth);
+        println!("{name}: {error:.1e} m, {:.1e} m said, until t = {} s", found.estimate, found.holds_until);
+        // Ten to twenty tolerances off, with 512-bit vectors, because no step is more accurate.
+        assert!(found.holds_until < duration, "{name}: said to hold to the end");
+        // Two runs are compared, and this is a third: the largest ratio seen in 576 runs was 8.
+        assert!(error < 10.0 * found.estimate, "{name}: {error:.1e} m, {:.1e} m said", found.estimate);
+    }
 }
