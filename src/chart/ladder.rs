@@ -15,8 +15,9 @@ pub fn ladder(method: Method, duration: f64, time_scale: f64, quick: bool) -> Ve
     let root = std::f64::consts::SQRT_2;
     // First step in units of the time scale, factor from rung to rung, number of rungs.
     let (first, factor, count) = match (method, quick) {
-        (Method::LobattoTolerance, _) => return tolerances(12, quick),
-        (Method::Dop853, _) => return tolerances(14, quick),
+        // Without pilot runs a tolerance is one of single steps: of calm motions a hundred metres leave a millimetre.
+        (Method::LobattoTolerance, _) => return tolerances(-2, 12, quick),
+        (Method::Dop853, _) => return tolerances(0, 14, quick),
         (Method::Euler, false) => (0.5, 2.0, 22),
         (Method::Euler, true) => (0.125, 4.0, 5),
         (Method::Rk4, false) => (1.0, root, 30),
@@ -40,12 +41,12 @@ fn steps(duration: f64, first: f64, factor: f64, count: i32) -> Vec<Setting> {
     steps.into_iter().map(Setting::Step).collect()
 }
 
-/// 1 down to 1e-`last`, by decades, or by two of them.
-fn tolerances(last: usize, quick: bool) -> Vec<Setting> {
-    (0..=last)
+/// 1e-`first` down to 1e-`last`, by decades, or by two of them.
+fn tolerances(first: i32, last: i32, quick: bool) -> Vec<Setting> {
+    (first..=last)
         .step_by(if quick { 2 } else { 1 })
         // Parsed rather than computed, so that the file says 1e-3 and not 1.0000000000000002e-3.
-        .filter_map(|exponent| format!("1e-{exponent}").parse().ok())
+        .filter_map(|exponent| format!("1e{}", -exponent).parse().ok())
         .map(Setting::Tolerance)
         .collect()
 }
