@@ -295,79 +295,6 @@ where
     }
 }
 
-/// Twice the lanes of `V`.
-#[derive(Clone, Copy)]
-pub struct Pair<V, const N: usize>(V, V);
-
-macro_rules! pair {
-    ($half:ty, $half_count:literal, $count:literal) => {
-        impl Pair<$half, $count> {
-            #[inline(always)]
-            fn lane_add(self, other: Self) -> Self {
-                Pair(self.0 + other.0, self.1 + other.1)
-            }
-            #[inline(always)]
-            fn lane_sub(self, other: Self) -> Self {
-                Pair(self.0 - other.0, self.1 - other.1)
-            }
-            #[inline(always)]
-            fn lane_mul(self, other: Self) -> Self {
-                Pair(self.0 * other.0, self.1 * other.1)
-            }
-        }
-        operators!(Pair<$half, $count>,);
-        impl Lanes for Pair<$half, $count> {
-            const COUNT: usize = $count;
-            const READS_BACK: bool = <$half>::READS_BACK;
-            type Array = [f64; $count];
-            #[inline(always)]
-            fn splat(value: f64) -> Self {
-                Pair(<$half>::splat(value), <$half>::splat(value))
-            }
-            #[inline(always)]
-            fn from_array(array: [f64; $count]) -> Self {
-                Pair(
-                    <$half>::from_array(std::array::from_fn(|lane| array[lane])),
-                    <$half>::from_array(std::array::from_fn(|lane| array[lane + $half_count])),
-                )
-            }
-            #[inline(always)]
-            fn to_array(self) -> [f64; $count] {
-                let (low, high) = (self.0.to_array(), self.1.to_array());
-                std::array::from_fn(|lane| if lane < $half_count { low[lane] } else { high[lane - $half_count] })
-            }
-            #[inline(always)]
-            fn zero_array() -> [f64; $count] {
-                [0.0; $count]
-            }
-            #[inline(always)]
-            fn mul_add(self, b: Self, c: Self) -> Self {
-                Pair(self.0.mul_add(b.0, c.0), self.1.mul_add(b.1, c.1))
-            }
-            #[inline(always)]
-            fn neg_mul_add(self, b: Self, c: Self) -> Self {
-                Pair(self.0.neg_mul_add(b.0, c.0), self.1.neg_mul_add(b.1, c.1))
-            }
-            #[inline(always)]
-            fn reciprocal(self) -> Self {
-                Pair(self.0.reciprocal(), self.1.reciprocal())
-            }
-            #[inline(always)]
-            fn max_abs(self, bound: Self) -> Self {
-                Pair(self.0.max_abs(bound.0), self.1.max_abs(bound.1))
-            }
-            #[inline(always)]
-            fn run<R>(work: impl FnOnce() -> R) -> R {
-                <$half>::run(work)
-            }
-            #[inline(always)]
-            fn apart<R>(work: impl FnOnce() -> R) -> R {
-                <$half>::apart(work)
-            }
-        }
-    };
-}
-
 #[cfg(target_arch = "x86_64")]
 pub use x86::{Avx128, Avx256, Avx512};
 
@@ -376,8 +303,55 @@ pub use x86::{Avx128, Avx256, Avx512};
 mod x86;
 
 #[cfg(target_arch = "x86_64")]
-pair!(Avx256, 4, 8);
+mod pair;
+
 #[cfg(target_arch = "x86_64")]
-pair!(Avx512, 8, 16);
-#[cfg(target_arch = "x86_64")]
-pair!(Pair<Avx256, 8>, 8, 16);
+pub use pair::Pair;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lobatto::stage::{FEW, half_angle, half_angle_of_few};
+
+    fn holds<V: Lanes>() {
+        V::run(|| {
+            let vector = |seed: usize| {
+                let values: Vec<f64> = (0..V::COUNT).map(|lane| ((seed * 31 + lane * 17) as f64).sin()).collect();
+                V::from_slice(&values)
+            };
+            let columns: Vec<V> = (0..V::COUNT).map(|column| vector(100 + column)).collect();
+            let together = V::mix_all([vector(1), vector(2), vector(3)], &columns);
+            for (index, together) in together.into_iter().enumerate() {
+                let apart = vector(index + 1).mix(&columns);
+                assert_eq!(together.to_array().as_ref(), apart.to_array().as_ref(), "vector {index}");
+            }
+            for part in 0..=100 {
+                let square = V::splat((FEW * f64::from(part) / 100.0).powi(2));
+                let (few, all) = (half_angle_of_few(square), half_angle(square));
+                for (few, all) in [(few.0, all.0), (few.1, all.1)] {
+                    // One rounding of numbers of size one; the first term left out is 2e-17.
+                    let off = (few - all).max_abs(V::zero()).largest();
+                    assert!(off <= f64::EPSILON, "{part} % of {FEW} rad: {off:e}");
+                }
+            }
+        });
+    }
+
+    #[test]
+    fn vectors_mixed_together_have_the_bits_of_each_mixed_alone_and_small_turns_need_few_terms() {
+        holds::<Portable<4>>();
+        holds::<Portable<8>>();
+        #[cfg(target_arch = "x86_64")]
+        {
+            if Isa::detect() != Isa::Portable {
+                holds::<Avx128>();
+                holds::<Avx256>();
+                holds::<Pair<Avx256, 8>>();
+            }
+            if Isa::detect() == Isa::Avx512 {
+                holds::<Avx512>();
+                holds::<Pair<Avx512, 16>>();
+            }
+        }
+    }
+}

@@ -202,7 +202,7 @@ fn horner<V: Lanes>(coefficients: &[Extended; TERMS], x: Double<V>) -> Double<V>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lobatto::lanes::{Pair, Portable};
+    use crate::lobatto::lanes::Portable;
 
     /// Each operation in every lane beside [`Extended`], whose arithmetic was written for one number at a time.
     fn operations_are_good_to_thirty_digits<V: Lanes>() {
@@ -238,7 +238,7 @@ mod tests {
         operations_are_good_to_thirty_digits::<Portable<8>>();
         #[cfg(target_arch = "x86_64")]
         {
-            use crate::lobatto::lanes::{Avx256, Avx512, Isa};
+            use crate::lobatto::lanes::{Avx256, Avx512, Isa, Pair};
             if Isa::detect() != Isa::Portable {
                 operations_are_good_to_thirty_digits::<Pair<Avx256, 8>>();
             }

@@ -1,0 +1,80 @@
+//! Two vectors as one with twice the lanes, for schemes with more stages than a register has lanes.
+
+use super::{Add, Avx256, Avx512, Lanes, Mul, Neg, Sub};
+
+/// Twice the lanes of `V`.
+#[derive(Clone, Copy)]
+pub struct Pair<V, const N: usize>(V, V);
+
+macro_rules! pair {
+    ($half:ty, $half_count:literal, $count:literal) => {
+        impl Pair<$half, $count> {
+            #[inline(always)]
+            fn lane_add(self, other: Self) -> Self {
+                Pair(self.0 + other.0, self.1 + other.1)
+            }
+            #[inline(always)]
+            fn lane_sub(self, other: Self) -> Self {
+                Pair(self.0 - other.0, self.1 - other.1)
+            }
+            #[inline(always)]
+            fn lane_mul(self, other: Self) -> Self {
+                Pair(self.0 * other.0, self.1 * other.1)
+            }
+        }
+        operators!(Pair<$half, $count>,);
+        impl Lanes for Pair<$half, $count> {
+            const COUNT: usize = $count;
+            const READS_BACK: bool = <$half>::READS_BACK;
+            type Array = [f64; $count];
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                Pair(<$half>::splat(value), <$half>::splat(value))
+            }
+            #[inline(always)]
+            fn from_array(array: [f64; $count]) -> Self {
+                Pair(
+                    <$half>::from_array(std::array::from_fn(|lane| array[lane])),
+                    <$half>::from_array(std::array::from_fn(|lane| array[lane + $half_count])),
+                )
+            }
+            #[inline(always)]
+            fn to_array(self) -> [f64; $count] {
+                let (low, high) = (self.0.to_array(), self.1.to_array());
+                std::array::from_fn(|lane| if lane < $half_count { low[lane] } else { high[lane - $half_count] })
+            }
+            #[inline(always)]
+            fn zero_array() -> [f64; $count] {
+                [0.0; $count]
+            }
+            #[inline(always)]
+            fn mul_add(self, b: Self, c: Self) -> Self {
+                Pair(self.0.mul_add(b.0, c.0), self.1.mul_add(b.1, c.1))
+            }
+            #[inline(always)]
+            fn neg_mul_add(self, b: Self, c: Self) -> Self {
+                Pair(self.0.neg_mul_add(b.0, c.0), self.1.neg_mul_add(b.1, c.1))
+            }
+            #[inline(always)]
+            fn reciprocal(self) -> Self {
+                Pair(self.0.reciprocal(), self.1.reciprocal())
+            }
+            #[inline(always)]
+            fn max_abs(self, bound: Self) -> Self {
+                Pair(self.0.max_abs(bound.0), self.1.max_abs(bound.1))
+            }
+            #[inline(always)]
+            fn run<R>(work: impl FnOnce() -> R) -> R {
+                <$half>::run(work)
+            }
+            #[inline(always)]
+            fn apart<R>(work: impl FnOnce() -> R) -> R {
+                <$half>::apart(work)
+            }
+        }
+    };
+}
+
+pair!(Avx256, 4, 8);
+pair!(Avx512, 8, 16);
+pair!(Pair<Avx256, 8>, 8, 16);
