@@ -147,6 +147,13 @@ fn whoever_names_an_accuracy_gets_it_within_a_factor_of_ten() {
     assert!(misses.is_empty(), "{misses:#?}");
 }
 
+/// Where a run ends.
+fn end(mechanism: &Mechanism, start: &State, duration: f64, mut integrator: Lobatto) -> Vec<Vector3<f64>> {
+    let mut state = start.clone();
+    run_until(mechanism, &mut state, &mut integrator, duration);
+    probes(mechanism, &state)
+}
+
 #[test]
 fn hardly_a_run_of_a_motion_that_amplifies_errors_is_far_from_the_accuracy_it_was_asked_for() {
     let Some(folder) = shared("reference") else { return };
@@ -156,11 +163,7 @@ fn hardly_a_run_of_a_motion_that_amplifies_errors_is_far_from_the_accuracy_it_wa
     let mut misses = Vec::new();
     for number in 0..48 {
         mechanism.gravity = (1.0 + 0.0101 * f64::from(number)) * gravity;
-        let end = |mut integrator: Lobatto| {
-            let mut state = start.clone();
-            run_until(&mechanism, &mut state, &mut integrator, duration);
-            probes(&mechanism, &state)
-        };
+        let end = |integrator| end(&mechanism, &start, duration, integrator);
         let truth = end(Lobatto::fixed(&mechanism, 9, 1e-3).unwrap());
         for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9] {
             let error = distance(&end(by_tolerance(&mechanism, &start, duration, tolerance)), &truth);
@@ -189,11 +192,7 @@ fn what_rounding_leaves_of_a_fine_accuracy_is_said() {
         mechanism.gravity *= faster;
         start.velocity.iter_mut().for_each(|rate| *rate *= faster);
         let duration = answer["duration"].as_f64().unwrap();
-        let end = |mut integrator: Lobatto| {
-            let mut state = start.clone();
-            run_until(&mechanism, &mut state, &mut integrator, duration);
-            probes(&mechanism, &state)
-        };
+        let end = |integrator| end(&mechanism, &start, duration, integrator);
         let found = calibrate(&mechanism, &start, duration, tolerance, &[], &mut |_| true).unwrap();
         let truth = end(Lobatto::precise(&mechanism, 9, step).unwrap());
         let error = distance(&end(found.integrator(&mechanism, tolerance)), &truth);

@@ -81,17 +81,9 @@ pub trait Lanes:
         sum
     }
 
-    /// [`Lanes::mix`] of several vectors, to the same bits.
+    /// [`Lanes::mix`] of several vectors, the lanes of which are read back from memory; to the same bits.
     #[inline(always)]
-    fn mix_all<const N: usize>(mut values: [Self; N], columns: &[Self]) -> [Self; N] {
-        if !Self::READS_BACK {
-            let mut value = 0;
-            while value < N {
-                values[value] = values[value].mix(columns);
-                value += 1;
-            }
-            return values;
-        }
+    fn mix_from_memory<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
         let mut arrays = [Self::zero_array(); N];
         let mut value = 0;
         while value < N {
@@ -320,7 +312,7 @@ mod tests {
                 V::from_slice(&values)
             };
             let columns: Vec<V> = (0..V::COUNT).map(|column| vector(100 + column)).collect();
-            let together = V::mix_all([vector(1), vector(2), vector(3)], &columns);
+            let together = V::mix_from_memory([vector(1), vector(2), vector(3)], &columns);
             for (index, together) in together.into_iter().enumerate() {
                 let apart = vector(index + 1).mix(&columns);
                 assert_eq!(together.to_array().as_ref(), apart.to_array().as_ref(), "vector {index}");
@@ -338,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn vectors_mixed_together_have_the_bits_of_each_mixed_alone_and_small_turns_need_few_terms() {
+    fn vectors_mixed_from_memory_have_the_bits_of_each_mixed_alone_and_small_turns_need_few_terms() {
         holds::<Portable<4>>();
         holds::<Portable<8>>();
         #[cfg(target_arch = "x86_64")]

@@ -37,13 +37,8 @@ pub trait Numbers:
     fn mix(self, columns: &[Self]) -> Self;
     /// [`Numbers::mix`] of several.
     #[inline(always)]
-    fn mix_all<const N: usize>(mut values: [Self; N], columns: &[Self]) -> [Self; N] {
-        let mut index = 0;
-        while index < N {
-            values[index] = values[index].mix(columns);
-            index += 1;
-        }
-        values
+    fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
+        one_by_one(values, columns)
     }
     /// The larger of `|self|` and `bound`, stage by stage, to sixteen digits; a NaN in `self` gives NaN.
     fn max_abs(self, bound: Self) -> Self;
@@ -58,6 +53,17 @@ pub trait Numbers:
     fn zero() -> Self {
         Self::splat(0.0)
     }
+}
+
+/// [`Numbers::mix`] of one after the other.
+#[inline(always)]
+fn one_by_one<V: Numbers, const N: usize>(mut values: [V; N], columns: &[V]) -> [V; N] {
+    let mut index = 0;
+    while index < N {
+        values[index] = values[index].mix(columns);
+        index += 1;
+    }
+    values
 }
 
 impl<V: Lanes> Numbers for V {
@@ -99,7 +105,7 @@ impl<V: Lanes> Numbers for V {
     }
     #[inline(always)]
     fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
-        <V as Lanes>::mix_all(values, columns)
+        if V::READS_BACK { V::mix_from_memory(values, columns) } else { one_by_one(values, columns) }
     }
     #[inline(always)]
     fn max_abs(self, bound: Self) -> Self {

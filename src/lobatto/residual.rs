@@ -66,6 +66,30 @@ impl<'s, V: Numbers> Sweep<'s, V> {
     }
 }
 
+impl<V: Numbers> Sweep<'_, V> {
+    /// How far a displacement is ahead of a steady motion at the `rate` of the start: `displaced − h c_i rate`.
+    #[inline(always)]
+    fn ahead<const REFINED: bool>(&self, rate: Vector<V>, displaced: Vector<V>) -> Vector<V> {
+        let ahead = rate.times_minus(self.times, displaced);
+        if REFINED { rate.times_minus(self.times_rest, ahead) } else { ahead }
+    }
+
+    /// Several values mixed by the matrix of the sweep.
+    #[inline(always)]
+    fn mixed<const REFINED: bool, const N: usize>(&self, values: [V; N]) -> [V; N] {
+        let mut mixed = V::mix_all(values, self.columns);
+        if REFINED {
+            let rest = V::mix_all(values, self.rest);
+            let mut index = 0;
+            while index < N {
+                mixed[index] = mixed[index] + rest[index];
+                index += 1;
+            }
+        }
+        mixed
+    }
+}
+
 impl<V: Numbers> Coefficients<V> {
     /// What the residual has in common over all bodies of a step.
     #[inline(always)]
@@ -140,17 +164,9 @@ pub fn force_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
     known: &BodyStart<V::Real>,
     displaced: Vector<V>,
 ) -> Vector<V> {
-    let columns = sweep.columns;
     let start_velocity = Vector::<V>::splat(&known.velocity);
-    let mut ahead = start_velocity.times_minus(sweep.times, displaced);
-    if REFINED {
-        ahead = start_velocity.times_minus(sweep.times_rest, ahead);
-    }
-    let mut path = Vector(V::mix_all(ahead.0, columns));
-    if REFINED {
-        let rest = sweep.rest;
-        path = path.plus(Vector([ahead.0[0].mix(rest), ahead.0[1].mix(rest), ahead.0[2].mix(rest)]));
-    }
+    let ahead = sweep.ahead::<REFINED>(start_velocity, displaced);
+    let mut path = Vector(sweep.mixed::<REFINED, 3>(ahead.0));
     if MOMENTUM {
         path = path.plus(start_velocity);
     }
@@ -241,28 +257,11 @@ fn rotational_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
     turned: Vector<V>,
     turn: &Matrix<V>,
 ) -> (Symmetric<V>, Vector<V>) {
-    let columns = sweep.columns;
     let start_spin = Vector::<V>::splat(&known.spin);
-    let mut ahead = start_spin.times_minus(sweep.times, turned);
-    if REFINED {
-        ahead = start_spin.times_minus(sweep.times_rest, ahead);
-    }
+    let [x, y, z] = sweep.ahead::<REFINED>(start_spin, turned).0;
     let [xx, xy, xz, yy, yz, zz] = products;
-    let [x, y, z] = ahead.0;
-    let [x, y, z, mixed @ ..] = V::mix_all([x, y, z, xx, xy, xz, yy, yz, zz], columns);
-    let (mut spin, mut mixed) = (Vector([x, y, z]), mixed);
-    if REFINED {
-        let rest = sweep.rest;
-        spin = spin.plus(Vector([ahead.0[0].mix(rest), ahead.0[1].mix(rest), ahead.0[2].mix(rest)]));
-        mixed = [
-            mixed[0] + xx.mix(rest),
-            mixed[1] + xy.mix(rest),
-            mixed[2] + xz.mix(rest),
-            mixed[3] + yy.mix(rest),
-            mixed[4] + yz.mix(rest),
-            mixed[5] + zz.mix(rest),
-        ];
-    }
+    let [x, y, z, mixed @ ..] = sweep.mixed::<REFINED, 9>([x, y, z, xx, xy, xz, yy, yz, zz]);
+    let mut spin = Vector([x, y, z]);
     if MOMENTUM {
         spin = spin.plus(start_spin);
     }
