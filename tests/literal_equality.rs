@@ -6,6 +6,7 @@ use catena::kinematics::body_states;
 use catena::lobatto::dispatch::step_for;
 use catena::lobatto::lanes::Isa;
 use catena::lobatto::literal::Literal;
+use catena::lobatto::predictor::Guess;
 use catena::lobatto::step::{Attempt, StopRule};
 use catena::lobatto::tableau::Tableau;
 use catena::model::Rule;
@@ -17,7 +18,7 @@ fn fast_step(model: &Model, stages: usize, step: f64, isa: Isa) -> Vec<catena::s
     let mut kernel = step_for(&model.mechanism, tableau, isa, &[Rule::Planar]);
     let mut state = model.state.clone();
     kernel.begin(&model.mechanism, &state);
-    let attempt = kernel.attempt(&model.mechanism, step, &StopRule::ROUNDING, true);
+    let attempt = kernel.attempt(&model.mechanism, step, &StopRule::ROUNDING, Guess::Plain);
     assert!(matches!(attempt, Attempt::Converged { .. }), "{} s={stages}: {attempt:?}", model.mechanism.name);
     kernel.finish(&model.mechanism, &mut state);
     body_states(&model.mechanism, &state)

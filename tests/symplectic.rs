@@ -5,6 +5,7 @@ mod models;
 use catena::kinematics::forward_kinematics;
 use catena::lobatto::dispatch::step_for;
 use catena::lobatto::lanes::Isa;
+use catena::lobatto::predictor::Guess;
 use catena::lobatto::step::{Attempt, Step, StopRule};
 use catena::lobatto::tableau::Tableau;
 use catena::model::{JointKind, Mechanism};
@@ -34,7 +35,7 @@ fn canonical_step(mechanism: &Mechanism, kernel: &mut dyn Step, step: f64, z: &D
     let velocity = mass_matrix(mechanism, &state.position).cholesky().unwrap().solve(&momentum);
     state.velocity.copy_from_slice(velocity.as_slice());
     kernel.begin(mechanism, &state);
-    let attempt = kernel.attempt(mechanism, step, &StopRule::ROUNDING, true);
+    let attempt = kernel.attempt(mechanism, step, &StopRule::ROUNDING, Guess::Plain);
     assert!(matches!(attempt, Attempt::Converged { .. }), "{attempt:?}");
     kernel.finish(mechanism, &mut state);
     let momentum = mass_matrix(mechanism, &state.position) * DVector::from_row_slice(&state.velocity);
@@ -95,7 +96,7 @@ fn a_step_forth_and_a_step_back_return_to_the_start() {
             let mut state = model.state.clone();
             for step in [0.03, -0.03] {
                 kernel.begin(mechanism, &state);
-                let attempt = kernel.attempt(mechanism, step, &StopRule::ROUNDING, true);
+                let attempt = kernel.attempt(mechanism, step, &StopRule::ROUNDING, Guess::Plain);
                 assert!(matches!(attempt, Attempt::Converged { .. }), "{attempt:?}");
                 kernel.finish(mechanism, &mut state);
             }

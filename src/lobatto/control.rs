@@ -13,13 +13,15 @@
 //! share of the tolerance; what is near that share does not grow, unless `E` is so small that the change can only be what the iteration
 //! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
-//! seldom has done so once. Whatever these say, a step stays within the limit of stability ([`super::stability`]).
+//! seldom has done so once. What an attempt with too large an E has found is the guess of the next one ([`super::predictor`]). Whatever
+//! these say, a step stays within the limit of stability ([`super::stability`]).
 //!
 //! Where the simplified iteration does not converge, not from the plain guess either, a tree under gravity gets half the step: one of the exact
 //! Newton method costs ten times as much, and it is tried after some halvings only. With forces it is tried at once, because a stiff
 //! spring would ask for shorter steps all along.
 
 use super::lanes::Isa;
+use super::predictor::Guess;
 use super::stage_choice::StageChoice;
 use super::step::{Attempt, Step, StopRule};
 use super::stepper::{Stepper, Stride};
@@ -75,8 +77,8 @@ pub enum Verdict {
     Accept,
     /// Try again with the new [`Control::step`].
     Retry {
-        /// Whether the guess must not use the past.
-        without_past: bool,
+        /// What to begin from.
+        guess: Guess,
     },
 }
 
@@ -210,11 +212,13 @@ impl Control {
         if !self.started() {
             self.start(mechanism, state, stepper.kernel.as_mut());
         }
-        let mut without_past = false;
+        let mut guess = Guess::Past;
         loop {
-            let plain = without_past || !stepper.kernel.has_past();
+            if guess == Guess::Past && !stepper.kernel.has_past() {
+                guess = Guess::Plain;
+            }
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.step);
-            let attempt = stepper.kernel.attempt(mechanism, length, &self.rule(), plain);
+            let attempt = stepper.kernel.attempt(mechanism, length, &self.rule(), guess);
             outcome.iterations += attempt.iterations();
             let energies = match attempt {
                 Attempt::Converged { exact, .. } => {
@@ -223,16 +227,16 @@ impl Control {
                 }
                 _ => None,
             };
-            match self.judge(&attempt, energies, length, plain) {
+            match self.judge(&attempt, energies, length, guess) {
                 Verdict::Accept => {
                     stepper.accept(mechanism, state, length, end, &mut outcome)?;
                     self.keep_below(stepper.watch.safe_step());
                     return Ok(outcome);
                 }
-                Verdict::Retry { without_past: next } => {
+                Verdict::Retry { guess: next } => {
                     outcome.rejected += 1;
                     self.rejected = true;
-                    without_past = next;
+                    guess = next;
                     // Below this the step vanishes against the time itself.
                     if self.step < 1e-13 * state.time.abs().max(1e-3) {
                         return Err(stepper.failure(mechanism, state.time, length, &attempt));
@@ -253,32 +257,33 @@ impl Control {
         self.held
     }
 
-    /// Judges an attempt of length `step` and sets the next one.
-    pub fn judge(&mut self, attempt: &Attempt, energies: Option<Energies>, step: f64, plain: bool) -> Verdict {
+    /// Judges an attempt of length `step`, which began from a `guess`, and sets the next one.
+    pub fn judge(&mut self, attempt: &Attempt, energies: Option<Energies>, step: f64, guess: Guess) -> Verdict {
         let order = (self.stages - 1) as f64;
         match *attempt {
             Attempt::Failed { .. } => {
-                if plain {
-                    self.halvings += 1;
-                    self.step = 0.5 * step;
+                if guess != Guess::Plain {
+                    return Verdict::Retry { guess: Guess::Plain };
                 }
-                Verdict::Retry { without_past: !plain }
+                self.halvings += 1;
+                self.step = 0.5 * step;
+                Verdict::Retry { guess: Guess::Past }
             }
             Attempt::TurnedTooFar { .. } => {
                 self.step = 0.7 * step;
-                Verdict::Retry { without_past: false }
+                Verdict::Retry { guess: Guess::Past }
             }
             Attempt::Inaccurate { legendre, .. } => {
                 self.broken_off += 1;
                 self.step = step * (self.wanted / legendre).powf(1.0 / order).clamp(0.2, 0.9);
-                Verdict::Retry { without_past: false }
+                Verdict::Retry { guess: Guess::Longer(step) }
             }
             Attempt::Converged { iterations, legendre, .. } => {
                 // Less is rounding, and its ratio to that of the step before says nothing.
                 let error = legendre.max(1e-16);
                 if error > self.limit() && !self.is_kink(step, error) {
                     self.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
-                    return Verdict::Retry { without_past: false };
+                    return Verdict::Retry { guess: Guess::Longer(step) };
                 }
                 let mut by_energy = f64::INFINITY;
                 if let Some(energies) = energies {
@@ -296,7 +301,8 @@ impl Control {
                     if energies.change.is_nan() || change > allowed && !self.is_rounding(step, change + rounding) {
                         self.step = step * by_energy.clamp(0.2, 0.9);
                         self.wary = WARY;
-                        return Verdict::Retry { without_past: false };
+                        // It may have found another motion, behind a singular position.
+                        return Verdict::Retry { guess: Guess::Past };
                     }
                 }
                 let previous = self.previous.unwrap_or(error);

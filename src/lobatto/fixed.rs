@@ -3,6 +3,7 @@
 //! A step that does not converge is tried again without the past, then halved, and the grid is met again afterwards. A step of a
 //! closed mechanism that has come out on another branch of a singular position, which its energy shows, is treated the same way.
 
+use super::predictor::Guess;
 use super::step::{Attempt, StopRule};
 use super::stepper::{HALVINGS, Stepper};
 use crate::model::Mechanism;
@@ -63,9 +64,9 @@ impl FixedSteps {
         let mut outcome = StepOutcome::default();
         let mut length = target - state.time;
         for halving in 0..=HALVINGS {
-            for plain in [false, true] {
-                let last = halving == HALVINGS && plain;
-                let attempt = stepper.kernel.attempt(mechanism, length, &self.rule, plain);
+            for guess in [Guess::Past, Guess::Plain] {
+                let last = halving == HALVINGS && guess == Guess::Plain;
+                let attempt = stepper.kernel.attempt(mechanism, length, &self.rule, guess);
                 outcome.iterations += attempt.iterations();
                 if let Attempt::Converged { exact, .. } = attempt {
                     let before = stepper.kernel.energy().kinetic;
@@ -81,7 +82,7 @@ impl FixedSteps {
                     return Ok(outcome);
                 }
                 outcome.rejected += 1;
-                if halving == 0 && plain {
+                if halving == 0 && guess == Guess::Plain {
                     stepper.look_after_failure(mechanism, state, length);
                 }
                 if last {

@@ -13,6 +13,7 @@
 //! What is hopeless is tried again with a plain guess, and then by the exact Newton method if the rule says so.
 //! What is iterated is the kernel's: [`super::kernel`] in space, [`super::planar`] in a plane.
 
+use super::predictor::Guess;
 use super::stage::MAX_TURN;
 use super::step::{Attempt, StopRule};
 use crate::model::Mechanism;
@@ -46,8 +47,8 @@ pub(super) trait Equations {
 
 /// Stage equations that the exact Newton method can solve where the simplified one does not converge.
 pub(super) trait Guarded: Equations {
-    /// Takes a guess, without the past if it is `plain`.
-    fn guess(&mut self, plain: bool);
+    /// Takes a guess.
+    fn guess(&mut self, guess: Guess);
     /// Forgets earlier iterates.
     fn restart(&mut self);
     /// The exact method, from the guess at hand.
@@ -136,19 +137,19 @@ const TOO_LONG_LATE: f64 = 3.0;
 const SHAPED: usize = 4;
 
 /// Solves the stage equations, with the exact method as the last resort.
-pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule: &StopRule, plain: bool) -> Attempt {
+pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule: &StopRule, guess: Guess) -> Attempt {
     let mut spent = 0;
     if *equations.exact_for() == 0 {
-        equations.guess(plain);
+        equations.guess(guess);
         equations.restart();
         let attempt = solve(equations, rule);
         // The exact method is dear: the other guess comes first.
-        if !matches!(attempt, Attempt::Failed { .. }) || !plain || !rule.exactly {
+        if !matches!(attempt, Attempt::Failed { .. }) || guess != Guess::Plain || !rule.exactly {
             return attempt;
         }
         spent = attempt.iterations();
     }
-    equations.guess(plain);
+    equations.guess(guess);
     let attempt = equations.solve_exactly(mechanism, rule).after(spent);
     if matches!(attempt, Attempt::Converged { .. }) && !mechanism.has_closures() {
         let steps = equations.exact_for();
@@ -189,6 +190,8 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
         if let Some(slack) = slack {
             let legendre = if iteration == SHAPED { equations.legendre() } else { equations.joint_legendre() };
             if legendre > slack * rule.legendre {
+                // The next attempt, a shorter one, begins from here.
+                equations.complete();
                 return Attempt::Inaccurate { iterations: iteration, legendre };
             }
         }

@@ -23,6 +23,7 @@ use super::extended::Extended;
 use super::kernel::Kernel;
 use super::lanes::{Lanes, in_lanes};
 use super::numbers::{Double, Numbers};
+use super::predictor::Guess;
 use super::reversible::Pace;
 use super::stability::Mode;
 use super::stage::Stages;
@@ -139,8 +140,8 @@ impl<V: Lanes> Step for Precise<V> {
         self.coarse.has_past()
     }
 
-    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, plain: bool) -> Attempt {
-        let attempt = self.coarse.attempt(mechanism, step, rule, plain);
+    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, guess: Guess) -> Attempt {
+        let attempt = self.coarse.attempt(mechanism, step, rule, guess);
         if !matches!(attempt, Attempt::Converged { .. }) {
             return attempt;
         }
@@ -239,7 +240,7 @@ mod tests {
         let directions: &[f64] = if and_back { &[1.0, -1.0] } else { &[1.0] };
         for direction in directions {
             for _ in 0..steps {
-                let attempt = precise.attempt(&mechanism, direction * step, &StopRule::ROUNDING, true);
+                let attempt = precise.attempt(&mechanism, direction * step, &StopRule::ROUNDING, Guess::Plain);
                 assert!(matches!(attempt, Attempt::Converged { .. }), "{attempt:?}");
                 precise.finish(&mechanism, &mut state);
                 precise.accept();
@@ -265,7 +266,7 @@ mod tests {
         };
         let before = shape(&precise);
         for _ in 0..4000 {
-            let attempt = precise.attempt(&mechanism, 0.05, &StopRule::ROUNDING, true);
+            let attempt = precise.attempt(&mechanism, 0.05, &StopRule::ROUNDING, Guess::Plain);
             assert!(matches!(attempt, Attempt::Converged { .. }), "{attempt:?}");
             precise.finish(&mechanism, &mut state);
             precise.accept();

@@ -10,6 +10,12 @@
 //!
 //! Newton's form holds all orders at once: after the step has converged, the order that would have guessed best is read
 //! off and used next time. κ = 0 is the guess `q₀ + h c v₀`, which needs no past.
+//!
+//! After an attempt `h_a > h` at the same step, which was too long, its own stages `θ_j` are the better guess, however far it was iterated:
+//!
+//! ```text
+//!     p(x) = Σ_j ℓ_j(x h/h_a) θ_j,     ℓ_j(x) = Π_{k≠j} (x − c_k)/(c_j − c_k)
+//! ```
 
 use super::algebra::Vector;
 use super::lanes::Lanes;
@@ -19,6 +25,17 @@ use super::tableau::Tableau;
 
 /// At most so many degrees of freedom vote on the order.
 const VOTERS: usize = 48;
+
+/// What a guess is made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Guess {
+    /// The step before; where there is none, the velocities alone.
+    Past,
+    /// The velocities alone.
+    Plain,
+    /// The last attempt at this step, which was longer: of so many seconds.
+    Longer(f64),
+}
 
 /// What is guessed: the displacements in a step, and what is known of them.
 pub struct Unknowns<'s, V> {
@@ -52,6 +69,8 @@ pub struct Predictor<V> {
     order: usize,
     /// The order the last guess was made with.
     used: usize,
+    /// `c_j` and `Π_{k≠j} 1/(c_j − c_k)` of the stages 2 … s.
+    inner: Vec<(f64, f64)>,
 }
 
 impl<V: Lanes> Predictor<V> {
@@ -67,6 +86,7 @@ impl<V: Lanes> Predictor<V> {
             old_step: 0.0,
             order: nodes.len().min(2),
             used: 0,
+            inner: inner_weights(&tableau.nodes),
             nodes,
         }
     }
@@ -81,19 +101,52 @@ impl<V: Lanes> Predictor<V> {
         self.old_step > 0.0
     }
 
-    /// Writes the guess into the displacements; `plain` asks for order zero.
+    /// Writes the guess into the displacements, in which the last attempt has left its own.
     #[inline(always)]
-    pub fn guess(&mut self, unknowns: Unknowns<V>, plain: bool) {
+    pub fn guess(&mut self, unknowns: Unknowns<V>, guess: Guess) {
+        match guess {
+            Guess::Longer(attempted) => self.shorten(unknowns, attempted),
+            Guess::Past if self.has_past() => self.extrapolate(unknowns),
+            Guess::Past | Guess::Plain => {
+                self.used = 0;
+                let Unknowns { displacement: displacements, rates, step, coefficients } = unknowns;
+                for (displacement, &rate) in displacements.iter_mut().zip(rates) {
+                    *displacement = coefficients.nodes * V::splat(step * rate);
+                }
+            }
+        }
+    }
+
+    /// The beginning of a longer attempt.
+    #[inline(always)]
+    fn shorten(&mut self, unknowns: Unknowns<V>, attempted: f64) {
+        self.used = 0;
+        let Unknowns { displacement: displacements, step, coefficients, .. } = unknowns;
+        let x = coefficients.nodes * V::splat(step / attempted);
+        let count = self.inner.len();
+        // ℓ_j from the products of the factors before and after its own; that of stage 1, where nothing is displaced, is x.
+        let mut columns = [V::zero(); MAX_LANES];
+        let mut before = x;
+        for (column, &(node, weight)) in columns.iter_mut().zip(&self.inner) {
+            *column = before * V::splat(weight);
+            before = before * (x - V::splat(node));
+        }
+        let mut after = V::splat(1.0);
+        for (column, &(node, _)) in columns[..count].iter_mut().zip(&self.inner).rev() {
+            *column = *column * after;
+            after = after * (x - V::splat(node));
+        }
+        for displacement in displacements {
+            *displacement = displacement.mix(&columns);
+        }
+    }
+
+    /// The polynomial through the past.
+    #[inline(always)]
+    fn extrapolate(&mut self, unknowns: Unknowns<V>) {
         let count = self.nodes.len();
         let Unknowns { displacement: displacements, rates, step, coefficients } = unknowns;
         let nodes = coefficients.nodes;
-        if plain || !self.has_past() {
-            self.used = 0;
-            for (displacement, &rate) in displacements.iter_mut().zip(rates) {
-                *displacement = nodes * V::splat(step * rate);
-            }
-            return;
-        }
         self.used = self.order;
         // One more than is used, so that the vote sees the next higher order.
         let terms = (self.order + 1).min(count);
@@ -203,6 +256,15 @@ impl<V: Lanes> Predictor<V> {
     }
 }
 
+/// The nodes but for the first, each with one over the product of its distances from all others.
+fn inner_weights(nodes: &[f64]) -> Vec<(f64, f64)> {
+    let weight = |own: usize| -> f64 {
+        let others = (0..nodes.len()).filter(|&other| other != own);
+        others.map(|other| 1.0 / (nodes[own] - nodes[other])).product()
+    };
+    (1..nodes.len()).map(|own| (nodes[own], weight(own))).collect()
+}
+
 /// `2 ψ / sin ψ` from `w = cos ψ`, the half angle of a rotation: with `z = (1 − w)/2`,
 ///
 /// ```text
@@ -228,8 +290,60 @@ fn twice_angle_over_sine<V: Lanes>(w: V) -> V {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lobatto::lanes::Portable;
-    use nalgebra::{UnitQuaternion, Vector3};
+    use crate::lobatto::dispatch::step_for;
+    use crate::lobatto::lanes::{Isa, Portable};
+    use crate::lobatto::step::{Attempt, StopRule};
+    use crate::model::{Body, Joint, JointKind, Mechanism, Pose};
+    use crate::state::State;
+    use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+    #[test]
+    fn the_beginning_of_a_longer_attempt_is_that_of_its_polynomial() {
+        let polynomial = |x: f64| x * (0.3 + x * (-1.1 + x * (0.7 + x * (0.2 - x * x * x * x * 0.4))));
+        for (stages, lanes) in [(9, 8), (8, 7), (5, 4)] {
+            let tableau = Tableau::of(stages).expect("stages");
+            let coefficients = Coefficients::<Portable<8>>::new(tableau);
+            let nodes = &tableau.nodes[1..];
+            // With few stages it is of degree s − 1, which is all that they can tell apart.
+            let value = |x: f64| if stages > 8 { polynomial(x) } else { x * (0.3 + x * (-1.1 + x * (0.7 + x * 0.2))) };
+            let mut displacement = [Portable::from_slice(&nodes.iter().map(|&c| value(c)).collect::<Vec<_>>())];
+            let unknowns =
+                Unknowns { displacement: &mut displacement, rates: &[5.0], step: 0.06, coefficients: &coefficients };
+            Predictor::new(1, Vec::new(), tableau).guess(unknowns, Guess::Longer(0.1));
+            for (lane, &node) in nodes.iter().enumerate() {
+                let off = displacement[0].to_array()[lane] - value(0.6 * node);
+                // Some roundings of eight products of size one.
+                assert!(off.abs() < 1e-14, "{stages} stages, lane {lane}: {off:e}");
+            }
+            assert!(displacement[0].to_array()[lanes..].iter().all(|&unused| unused == 0.0));
+        }
+    }
+
+    #[test]
+    fn a_shorter_step_is_solved_sooner_from_the_attempt_that_was_too_long() {
+        let hinge = |name: &str, parent, on_parent| {
+            let on_child = Translation3::new(-0.5, 0.0, 0.0).into();
+            let joint = Joint::new(name, JointKind::Revolute, on_parent, on_child);
+            Body { name: name.into(), parent, mass: 1.0, inertia: Vector3::new(0.0, 0.1, 0.1), joint }
+        };
+        let tilt = UnitQuaternion::from_euler_angles(0.6, 0.0, 0.0).to_rotation_matrix();
+        let outer = Pose::from_parts(Translation3::new(0.5, 0.0, 0.0), tilt);
+        let bodies = vec![hinge("inner", None, Pose::identity()), hinge("outer", Some(0), outer)];
+        let mechanism = Mechanism::new("arm", Vector3::new(0.0, -9.81, 0.0), bodies).unwrap();
+        let mut state = State::zero(&mechanism);
+        state.velocity.copy_from_slice(&[1.0, -2.0]);
+        let mut kernel = step_for(&mechanism, Tableau::of(9).unwrap(), Isa::Portable, &[]);
+        kernel.begin(&mechanism, &state);
+        let rule = StopRule { increment: 1e-9, ..StopRule::ROUNDING };
+        let mut iterations = |step, guess| match kernel.attempt(&mechanism, step, &rule, guess) {
+            Attempt::Converged { iterations, .. } => iterations,
+            other => panic!("{other:?}"),
+        };
+        let [_, from_longer, from_rates] = [(0.2, Guess::Plain), (0.17, Guess::Longer(0.2)), (0.17, Guess::Plain)]
+            .map(|(h, guess)| iterations(h, guess));
+        // The longer one is off by its truncation alone, some 1e-8.
+        assert!(from_longer <= 2 && from_rates >= 5, "{from_longer} and {from_rates}");
+    }
 
     #[test]
     fn the_past_of_a_ball_joint_is_the_logarithm_of_its_turns_since_the_new_start() {

@@ -17,6 +17,7 @@
 //! lead to negative steps.
 
 use super::dynamics::Dynamics;
+use super::predictor::Guess;
 use super::start::{Plan, Start};
 use super::step::{Attempt, StopRule};
 use super::stepper::{HALVINGS, Stepper, Stride};
@@ -135,8 +136,8 @@ impl Reversible {
         let mut halvings = 0;
         loop {
             let Stride { length, end, reaches } = Stride::towards(until, state.time, self.step);
-            for plain in [false, true] {
-                let attempt = stepper.kernel.attempt(mechanism, length, &StopRule::ROUNDING, plain);
+            for guess in [Guess::Past, Guess::Plain] {
+                let attempt = stepper.kernel.attempt(mechanism, length, &StopRule::ROUNDING, guess);
                 outcome.iterations += attempt.iterations();
                 if let Attempt::Converged { exact, .. } = attempt {
                     stepper.finish(mechanism, state);
@@ -149,7 +150,7 @@ impl Reversible {
                     return Ok(outcome);
                 }
                 outcome.rejected += 1;
-                if plain {
+                if guess == Guess::Plain {
                     self.fail();
                     halvings += 1;
                     stepper.look_after_failure(mechanism, state, length);

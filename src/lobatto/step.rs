@@ -2,6 +2,7 @@
 //! of it. In space it is made by [`super::kernel`], in a plane by [`super::planar`].
 
 use super::lanes::{Lanes, in_lanes};
+use super::predictor::Guess;
 use super::reversible::Pace;
 use super::stability::Mode;
 use crate::forces::total::Exchange;
@@ -88,8 +89,8 @@ pub trait Step: Send {
     fn energy(&self) -> Energy;
     /// Whether there is a step before this one to guess from: without, every guess is a plain one.
     fn has_past(&self) -> bool;
-    /// Solves the stage equations of a step of length `step` from the start; `plain` guesses without the past.
-    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, plain: bool) -> Attempt;
+    /// Solves the stage equations of a step of length `step` from the start and a guess.
+    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, guess: Guess) -> Attempt;
     /// Projects the momentum at the end of the solved step (2.5.11h): moves `state` there; returns its energy.
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy;
     /// Energy dissipated in the finished step, and work put into it, by the quadrature of the scheme (J).

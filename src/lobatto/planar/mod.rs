@@ -24,7 +24,7 @@ use super::coupled::One;
 use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_rule};
 use super::lanes::{Lanes, in_lanes};
 use super::modes::Modes;
-use super::predictor::Predictor;
+use super::predictor::{Guess, Predictor};
 use super::projection::Projection;
 use super::reversible::Pace;
 use super::stability::Mode;
@@ -152,10 +152,10 @@ impl<V: Lanes> Equations for PlanarKernel<V> {
 }
 
 impl<V: Lanes> Guarded for PlanarKernel<V> {
-    fn guess(&mut self, plain: bool) {
+    fn guess(&mut self, guess: Guess) {
         let (stages, predictor, coefficients) = (&mut self.stages, &mut self.predictor, &self.coefficients);
         in_lanes!(V, {
-            predictor.guess(stages.unknowns(coefficients), plain);
+            predictor.guess(stages.unknowns(coefficients), guess);
             stages.measure();
         });
     }
@@ -203,10 +203,10 @@ impl<V: Lanes> Step for PlanarKernel<V> {
         self.predictor.has_past()
     }
 
-    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, plain: bool) -> Attempt {
+    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, guess: Guess) -> Attempt {
         self.stages.step = step;
         self.refined = rule.increment < REFINED_BELOW;
-        iteration::attempt(self, mechanism, rule, plain)
+        iteration::attempt(self, mechanism, rule, guess)
     }
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
@@ -276,7 +276,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
 
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {
         self.stages.step = step;
-        self.guess(true);
+        self.guess(Guess::Plain);
         self.chord.restart();
         self.iterate(false);
         for (out, &increment) in out.iter_mut().zip(&self.stages.increment) {
