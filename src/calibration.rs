@@ -9,53 +9,53 @@
 //!     ε_run = ε E / (10 max_t d(t))
 //! ```
 //!
-//! with the distance of [`crate::distance`], seen at 32 instants. A coarse pilot may be right by luck, a hundred times nearer than its stop lets
-//! expect in one of fifty runs of a chain of ten links. So where `ε_run` would be about as coarse as its stop, or coarser, a third pilot tries
-//! it, and the finer one of the pair says how far off that is.
+//! with the distance of [`crate::distance`], seen at up to 32 instants where steps of the coarser pilot end. That has the coarsest stop
+//! that a run is given, however calm its motion. Pilots that are apart by more than a hundredth of the mechanism's size have parted and say
+//! nothing; then the finer one is the coarser of the next pair, unless they parted so early that this would part, too. If the finest pair cannot hold the accuracy to the end, the calibration
+//! says until when it is held.
+//!
+//! A coarse pilot may be right by luck, a hundred times nearer than its stop lets expect in one of fifty runs of a chain of ten links. So
+//! where `ε_run` would be about as coarse as its stop, a third pilot tries it, and the finer one of the pair says how far off that is. Where
+//! it would be that very stop, because no run gets a coarser one, the pilot has tried it, and luck would have to be more than a
+//! hundredfold before the run were ten times further off than is wanted.
 //!
 //! Roundings do not fall with the stop. Where `ε_run` is near them, and the coarser pilot was further off than is wanted, one more pilot with
 //! `ε_run` shows what they leave.
 //!
-//! Pilots that are apart by more than a hundredth of the mechanism's size have parted and say nothing; the next pair is 10⁴ times finer. If
-//! the finest pair cannot hold the accuracy to the end, the calibration says until when it is held.
-//!
 //! Pilots have the number of stages of the run ([`crate::lobatto::stage_choice`]), later pairs that of a tolerance that would begin with them. A pair
 //! with few stages whose first steps are limited by stability, and not by accuracy, begins again with more.
 
-use crate::distance::{distance, probes, size};
+mod pilot;
+
+use self::pilot::{Course, GoOn, Pair, Pilot};
+use crate::distance::size;
 use crate::lobatto::Lobatto;
 use crate::lobatto::control::COARSEST_STOP;
-use crate::lobatto::lanes::Isa;
 use crate::lobatto::stage_choice::StageChoice;
 use crate::model::{Mechanism, Rule};
-use crate::simulation::{Integrator, StepError, StepOutcome};
+use crate::simulation::{StepError, StepOutcome};
 use crate::state::State;
-use nalgebra::Vector3;
 
-/// Stop of the first pair over the tolerance.
-const FIRST: f64 = 1e-3;
-/// Instants at which two pilots are compared.
-const INSTANTS: usize = 32;
-/// Up to so many instants stability decides on the stages: what is stiff is so from the start, and to begin again later is dear.
-const EARLY: usize = 2;
 /// Ratio of the stops of the two pilots of a pair.
 const RATIO: f64 = 30.0;
 /// The finest stop: rounding.
 const FINEST: f64 = 1e-16;
+/// The finest stop of the next pair, over that of one that has parted.
+const REFINEMENT: f64 = 1e-6;
 /// The coarsest stop of a first pair: what is coarser shows a motion that has little to do with the true one.
 const COARSEST: f64 = 1e-3;
 /// The run stops at no more than this part of the tolerance, however calm the motion: the energy has to be kept as well,
 const CALM: f64 = 0.03;
 /// and balanced where forces take part in it, which costs a digit.
 const CALM_WITH_FORCES: f64 = 0.01;
+/// What pilots may change the energy by, over their stops, at least: with that of the run the coarse ones would take more steps than it.
+const ENERGY: f64 = 300.0;
 /// The run aims at this part of the tolerance: two runs of one motion, with other steps, differ by some such factor.
 const AIM: f64 = 10.0;
 /// Runs with a stop above this part of that of the coarser pilot are tried first.
 const LUCKY: f64 = 0.25;
 /// Runs with a finer stop than this may be off by rounding.
 const ROUNDED: f64 = 1e-13;
-/// Ratio of the stops of successive pairs.
-const REFINEMENT: f64 = 1e-4;
 /// Pilots that are apart by this share of the mechanism's size have parted and say nothing about smaller errors.
 const SATURATED: f64 = 1e-2;
 
@@ -106,136 +106,146 @@ pub fn calibrate(
     kept: &[Rule],
     go_on: &mut dyn FnMut(&StepOutcome) -> bool,
 ) -> Result<Calibration, CalibrationError> {
+    let calm = if mechanism.is_plain_tree() { CALM } else { CALM_WITH_FORCES };
     let size = size(mechanism, state);
-    let end = state.time + duration;
-    // The last is the end itself, to the bit.
-    let instant = |index: usize| match index {
-        INSTANTS => end,
-        _ => state.time + duration * index as f64 / INSTANTS as f64,
-    };
-    let mut stop = (FIRST * tolerance).clamp(FINEST * RATIO, COARSEST);
-    let (mut accuracy, mut stiff) = (tolerance, false);
-    let count = |stages: StageChoice| stages.count(Isa::detect());
-    let mut pilots = 0;
-    loop {
-        let stages = if stiff { StageChoice::Filling } else { StageChoice::of(mechanism, accuracy) };
-        let pilot = |stop| Pilot {
-            mechanism,
-            lobatto: Lobatto::adaptive_with_stages(mechanism, tolerance, stop, stages).keeping(mechanism, kept),
-            state: state.clone(),
-            apart: Vec::with_capacity(INSTANTS),
+    let course = Course { start: state.time, end: state.time + duration, apart: SATURATED * size };
+    let mut search = Search { mechanism, state, tolerance, coarsest: calm * tolerance, kept, course, pilots: 0 };
+    let Couple { coarse, fine, parted } = search.couple(go_on)?;
+
+    // Errors below rounding cannot be seen and need not be.
+    let mut amplification = coarse.worst().max(1e-16 * size) / coarse.stop;
+    let mut apart: Vec<f64> = coarse.apart.iter().map(|apart| apart / coarse.stop).collect();
+    let tried = search.stop_for(amplification);
+    if !parted && tried > LUCKY * coarse.stop && tried != coarse.stop {
+        let trial = search.trial(tried, &coarse, &fine, go_on);
+        let found = match &trial {
+            Ok(trial) => trial.worst() / tried,
+            // What fails so coarsely may do as the coarser pilot did.
+            Err(CalibrationError::Step(_)) => tolerance / (AIM * coarse.stop),
+            Err(CalibrationError::Interrupted) => return Err(CalibrationError::Interrupted),
         };
-        let (mut coarse, mut fine) = (pilot(stop), pilot(stop / RATIO));
-        pilots += 2;
-        let mut truth = Vec::with_capacity(INSTANTS);
-        // Pilots that have parted need no following.
-        let mut held_back = false;
-        while truth.len() < INSTANTS && coarse.worst() <= SATURATED * size && !held_back {
-            let until = instant(truth.len() + 1);
-            truth.push((until, fine.advance(until, go_on)?));
-            coarse.follow(&truth[truth.len() - 1..], go_on)?;
-            held_back = truth.len() <= EARLY
-                && count(stages) < count(StageChoice::Filling)
-                && coarse.lobatto.was_held_by_stability();
+        amplification = amplification.max(found);
+        for (apart, tried_apart) in apart.iter_mut().zip(trial.iter().flat_map(|trial| &trial.apart)) {
+            *apart = apart.max(tried_apart / tried);
         }
-        if held_back {
-            stiff = true;
-            continue;
+    }
+    let stop = search.stop_for(amplification);
+    let mut errors: Vec<f64> = apart.iter().map(|apart| apart * stop).collect();
+    let mut worst = amplification * stop;
+    if !parted && stop < ROUNDED && coarse.worst() > tolerance {
+        let trial = search.trial(stop, &coarse, &fine, go_on)?;
+        // With the stop of the finer pilot it is the same run, and shows nothing.
+        let seen = if trial.worst() > 0.0 { &trial } else { &coarse };
+        worst = worst.max(seen.worst());
+        for (error, &seen) in errors.iter_mut().zip(&seen.apart) {
+            *error = error.max(seen);
         }
-        let saturated = coarse.worst() > SATURATED * size;
-        if saturated && stop > FINEST * RATIO * (1.0 + 1e-9) {
-            stop = (stop * REFINEMENT).max(FINEST * RATIO);
-            accuracy = stop / FIRST;
-            continue;
-        }
-        // Errors below rounding cannot be seen and need not be.
-        let mut amplification = coarse.worst().max(1e-16 * size) / stop;
-        let calm = if mechanism.is_plain_tree() { CALM } else { CALM_WITH_FORCES };
-        let stop_for =
-            |amplification: f64| (tolerance / (AIM * amplification)).min(calm * tolerance).clamp(FINEST, COARSEST_STOP);
-        let mut apart: Vec<f64> = coarse.apart.iter().map(|apart| apart / stop).collect();
-        let tried = stop_for(amplification);
-        if !saturated && tried > LUCKY * stop {
-            let mut trial = pilot(tried);
-            pilots += 1;
-            let found = match trial.follow(&truth, go_on) {
-                Ok(()) => trial.worst() / tried,
-                // What fails so coarsely may do as the coarser pilot did.
-                Err(CalibrationError::Step(_)) => tolerance / (AIM * stop),
-                Err(interrupted) => return Err(interrupted),
-            };
-            amplification = amplification.max(found);
-            for (apart, tried_apart) in apart.iter_mut().zip(&trial.apart) {
-                *apart = apart.max(tried_apart / tried);
-            }
-        }
-        let run_stop = stop_for(amplification);
-        let mut errors: Vec<f64> = apart.iter().map(|apart| apart * run_stop).collect();
-        let mut worst = amplification * run_stop;
-        if !saturated && run_stop < ROUNDED && coarse.worst() > tolerance {
-            let mut trial = pilot(run_stop);
-            pilots += 1;
-            trial.follow(&truth, go_on)?;
-            // With the stop of the finer pilot it is the same run, and shows nothing.
-            let seen = if trial.worst() > 0.0 { &trial } else { &coarse };
-            worst = worst.max(seen.worst());
-            for (error, &seen) in errors.iter_mut().zip(&seen.apart) {
-                *error = error.max(seen);
-            }
-        }
-        let held = errors.iter().take_while(|&&error| error <= tolerance).count();
-        return Ok(Calibration {
-            stop: run_stop,
+    }
+    let held = errors.iter().take_while(|&&error| error <= tolerance).count();
+    Ok(Calibration {
+        stop,
+        stages: coarse.stages,
+        // What has parted ends as far apart as the mechanism is large.
+        estimate: if parted { size } else { worst },
+        holds_until: if held == 0 { state.time } else { coarse.trail[held - 1].0 },
+        parted,
+        pilots: search.pilots,
+    })
+}
+
+/// What is looked for, and by what.
+struct Search<'s> {
+    mechanism: &'s Mechanism,
+    state: &'s State,
+    tolerance: f64,
+    /// The coarsest stop of a run.
+    coarsest: f64,
+    kept: &'s [Rule],
+    course: Course,
+    /// Pilots so far.
+    pilots: usize,
+}
+
+/// The pair that tells how errors grow.
+struct Couple<'s> {
+    coarse: Pilot<'s>,
+    fine: Pilot<'s>,
+    /// Whether it has parted, though there is no finer one.
+    parted: bool,
+}
+
+impl<'s> Search<'s> {
+    /// A pilot at the start of the run.
+    fn pilot(&mut self, stop: f64, stages: StageChoice) -> Pilot<'s> {
+        self.pilots += 1;
+        let energy = self.tolerance.max(ENERGY * stop);
+        let lobatto = Lobatto::adaptive_with_stages(self.mechanism, energy, stop, stages);
+        Pilot {
+            mechanism: self.mechanism,
+            lobatto: lobatto.keeping(self.mechanism, self.kept),
+            stop,
             stages,
-            // What has parted ends as far apart as the mechanism is large.
-            estimate: if saturated { size } else { worst },
-            holds_until: instant(held),
-            parted: saturated,
-            pilots,
-        });
-    }
-}
-
-/// A run that is made only to be compared.
-struct Pilot<'m> {
-    mechanism: &'m Mechanism,
-    lobatto: Lobatto,
-    state: State,
-    /// How far it is from another at every instant up to now, the worst so far: an error that has been made does not heal (m).
-    apart: Vec<f64>,
-}
-
-impl Pilot<'_> {
-    /// The furthest that it has been from another (m).
-    fn worst(&self) -> f64 {
-        self.apart.last().copied().unwrap_or(0.0)
-    }
-
-    /// Goes on to the next instants and sees how far it is from where another was there.
-    fn follow(
-        &mut self,
-        other: &[(f64, Vec<Vector3<f64>>)],
-        go_on: &mut dyn FnMut(&StepOutcome) -> bool,
-    ) -> Result<(), CalibrationError> {
-        for (until, probes) in other {
-            let seen = distance(&self.advance(*until, go_on)?, probes);
-            self.apart.push(if seen.is_nan() { f64::INFINITY } else { self.worst().max(seen) });
+            state: self.state.clone(),
+            trail: Vec::new(),
+            held_back: false,
+            apart: Vec::new(),
         }
-        Ok(())
     }
 
-    /// The probes at `until`, where a step ends, so that no interpolation error is taken for an error of the run.
-    fn advance(
-        &mut self,
-        until: f64,
-        go_on: &mut dyn FnMut(&StepOutcome) -> bool,
-    ) -> Result<Vec<Vector3<f64>>, CalibrationError> {
-        while self.state.time < until {
-            let outcome = self.lobatto.advance(self.mechanism, &mut self.state, until)?;
-            if !go_on(&outcome) {
-                return Err(CalibrationError::Interrupted);
+    /// The stop of a run whose errors are amplified so much.
+    fn stop_for(&self, amplification: f64) -> f64 {
+        (self.tolerance / (AIM * amplification)).min(self.coarsest).clamp(FINEST, COARSEST_STOP)
+    }
+
+    /// The stop with which the coarser pilot of a pair that has parted would not have, if errors grow as they did: exponentially, between the
+    /// times up to which this one and one `before` have lasted, or from the start to there.
+    fn enough(&self, stop: f64, lasted: f64, before: Option<(f64, f64)>) -> f64 {
+        let Course { start, end, apart } = self.course;
+        match before {
+            Some((coarser, less)) if less < lasted => stop * (stop / coarser).powf((end - lasted) / (lasted - less)),
+            _ => apart * (stop / apart).min(1.0).powf((end - start) / (lasted - start)),
+        }
+    }
+
+    /// Pairs of pilots, each finer than the one before, until one stays together.
+    fn couple(&mut self, go_on: GoOn) -> Result<Couple<'s>, CalibrationError> {
+        let first = self.coarsest.clamp(FINEST * RATIO, COARSEST);
+        let (mut stiff, mut before) = (false, None);
+        let mut coarse = self.pilot(first, StageChoice::of(self.mechanism, self.tolerance));
+        loop {
+            // The last pair has the ratio of all others.
+            let finest = if coarse.stop > FINEST * RATIO { FINEST * RATIO } else { FINEST };
+            let mut fine = self.pilot((coarse.stop / RATIO).max(finest), coarse.stages);
+            let pair = match coarse.accompany(&mut fine, self.course, go_on) {
+                // So coarse a pilot may fail where a finer one does not.
+                Err(CalibrationError::Step(_)) if coarse.stop == first && fine.stop > FINEST => Pair::Parted,
+                pair => pair?,
+            };
+            match pair {
+                Pair::Together => return Ok(Couple { coarse, fine, parted: false }),
+                Pair::Parted if fine.stop <= FINEST => return Ok(Couple { coarse, fine, parted: true }),
+                Pair::Parted => {
+                    let lasted = coarse.trail.last().map_or(self.course.start, |&(time, _)| time);
+                    let enough = self.enough(coarse.stop, lasted, before);
+                    before = Some((coarse.stop, lasted));
+                    let stop = enough.clamp(coarse.stop * REFINEMENT, fine.stop).max(FINEST * RATIO);
+                    let wanted = StageChoice::of(self.mechanism, stop * (self.tolerance / self.coarsest));
+                    let stages = if stiff { StageChoice::Filling } else { wanted };
+                    let goes_on = stop == fine.stop && stages == fine.stages;
+                    coarse = if goes_on { fine } else { self.pilot(stop, stages) };
+                }
+                Pair::HeldBack => {
+                    stiff = true;
+                    coarse = self.pilot(coarse.stop, StageChoice::Filling);
+                }
             }
         }
-        Ok(probes(self.mechanism, &self.state))
+    }
+
+    /// A pilot with another stop than those of a pair, and how far it is from the finer one.
+    fn trial(&mut self, stop: f64, coarse: &Pilot, fine: &Pilot, go_on: GoOn) -> Result<Pilot<'s>, CalibrationError> {
+        let mut trial = self.pilot(stop, coarse.stages);
+        trial.follow(fine, go_on)?;
+        Ok(trial)
     }
 }
