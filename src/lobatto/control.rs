@@ -20,6 +20,9 @@
 //! Newton method costs ten times as much, and it is tried after some halvings only. With forces it is tried at once, because a stiff
 //! spring would ask for shorter steps all along.
 
+mod verdict;
+
+pub use self::verdict::{Energies, Verdict};
 use super::lanes::Isa;
 use super::predictor::Guess;
 use super::stage_choice::StageChoice;
@@ -32,9 +35,6 @@ use crate::state::State;
 /// The coarsest stop: with a coarser one the steps are too long for anything to be seen of them.
 pub(crate) const COARSEST_STOP: f64 = 0.1;
 
-/// The number of iterations the controller steers for.
-const WANTED_ITERATIONS: f64 = 12.0;
-
 /// `h Ω` of the first step for the stop
 const FIRST: f64 = 0.4;
 /// of this size,
@@ -42,56 +42,16 @@ const FIRST_STOP: f64 = 1e-10;
 /// and the power of the stop with which it grows: that with which E lets the steps of nine stages grow, 1/(2s − 2).
 const FIRST_POWER: f64 = 1.0 / 16.0;
 
-/// The share of the tolerance by which one step may change the energy, relative to the largest kinetic energy: the
-/// changes of some hundred steps, of either sign, then stay below the tolerance.
-const ENERGY_SHARE: f64 = 0.03;
-
-/// Below this share of the wanted E the error of a step is that of its iteration.
-const NEGLIGIBLE: f64 = 0.1;
-/// But not for so many steps after one that changed the energy too much.
-const WARY: usize = 20;
-
 /// The largest E of a step that is kept, over the wanted one. What such a step does to a motion that amplifies errors is among the worst
 /// that the run does; with 8 a chain of ten links ended ten times further off than was asked for in one run of a hundred, with 4 in one of
 /// eight hundred, and with 3 in no fewer.
 const KEPT: f64 = 3.3;
-
-/// The largest E of a kink over that of other steps.
-const KINK: f64 = 100.0;
 
 /// After so many attempts at a step that were broken off, early iterates are not asked again: E may be that of a kink.
 const HASTE: usize = 2;
 
 /// After so many halvings of a step of a tree under gravity that does not converge the exact Newton method is tried.
 const PATIENCE: usize = 3;
-
-/// No rounding changes the energy by a larger part of the kinetic energy in a step.
-const ROUNDED: f64 = 1e-6;
-/// The part of a rounding that is expected to come again after each step.
-const FORGOTTEN: f64 = 0.9;
-
-/// What to do with an attempt.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Verdict {
-    /// Keep the step; [`Control::step`] is the length of the next one.
-    Accept,
-    /// Try again with the new [`Control::step`].
-    Retry {
-        /// What to begin from.
-        guess: Guess,
-    },
-}
-
-/// Energies at the end of a finished step (J).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Energies {
-    /// Change of the total energy over the step, but for what was dissipated and put in.
-    pub change: f64,
-    /// Kinetic energy at the end.
-    pub kinetic: f64,
-    /// Size of the potential energies at the end.
-    pub potential: f64,
-}
 
 /// The controller's memory.
 pub struct Control {
@@ -255,98 +215,5 @@ impl Control {
     /// Whether stability has ever bounded a step.
     pub fn was_held(&self) -> bool {
         self.held
-    }
-
-    /// Judges an attempt of length `step`, which began from a `guess`, and sets the next one.
-    pub fn judge(&mut self, attempt: &Attempt, energies: Option<Energies>, step: f64, guess: Guess) -> Verdict {
-        let order = (self.stages - 1) as f64;
-        match *attempt {
-            Attempt::Failed { .. } => {
-                if guess != Guess::Plain {
-                    return Verdict::Retry { guess: Guess::Plain };
-                }
-                self.halvings += 1;
-                self.step = 0.5 * step;
-                Verdict::Retry { guess: Guess::Past }
-            }
-            Attempt::TurnedTooFar { .. } => {
-                self.step = 0.7 * step;
-                Verdict::Retry { guess: Guess::Past }
-            }
-            Attempt::Inaccurate { legendre, .. } => {
-                self.broken_off += 1;
-                self.step = step * (self.wanted / legendre).powf(1.0 / order).clamp(0.2, 0.9);
-                Verdict::Retry { guess: Guess::Longer(step) }
-            }
-            Attempt::Converged { iterations, legendre, .. } => {
-                // Less is rounding, and its ratio to that of the step before says nothing.
-                let error = legendre.max(1e-16);
-                if error > self.limit() && !self.is_kink(step, error) {
-                    self.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
-                    return Verdict::Retry { guess: Guess::Longer(step) };
-                }
-                let mut by_energy = f64::INFINITY;
-                if let Some(energies) = energies {
-                    self.kinetic = self.kinetic.max(energies.kinetic);
-                    // Each of the two is rounded, also where they cancel.
-                    let rounding = self.rounding.max(1e-13 * (energies.kinetic + energies.potential));
-                    let allowed = ENERGY_SHARE * self.tolerance * self.kinetic;
-                    // What rounding changes does not fall with the step.
-                    let change = (energies.change.abs() - rounding).max(0.0);
-                    // At rest nothing is allowed and nothing changes.
-                    if change > 0.0 && (error > NEGLIGIBLE * self.wanted || self.wary > 0 || change > allowed) {
-                        by_energy = 0.9 * (allowed / change).powf(1.0 / (2.0 * order + 1.0));
-                    }
-                    // A step in which the energy is not finite fails this test too.
-                    if energies.change.is_nan() || change > allowed && !self.is_rounding(step, change + rounding) {
-                        self.step = step * by_energy.clamp(0.2, 0.9);
-                        self.wary = WARY;
-                        // It may have found another motion, behind a singular position.
-                        return Verdict::Retry { guess: Guess::Past };
-                    }
-                }
-                let previous = self.previous.unwrap_or(error);
-                let by_error = (self.wanted / error).powf(0.7 / order) * (previous / error).powf(0.3 / order);
-                let by_iterations = ((WANTED_ITERATIONS + 1.0) / (iterations as f64 + 1.0)).sqrt();
-                let longest = if self.rejected { 1.0 } else { 2.0 };
-                let factor = by_error.min(by_iterations).min(by_energy).clamp(0.3, longest);
-                self.rejected = false;
-                (self.halvings, self.broken_off) = (0, 0);
-                self.wary = self.wary.saturating_sub(1);
-                self.previous = Some(error);
-                (self.refused, self.unresolved) = (None, None);
-                self.rounding *= FORGOTTEN;
-                // A truncated last step must not shorten what follows.
-                self.step = if step < 0.999 * self.step { self.step.max(step * factor) } else { step * factor };
-                Verdict::Accept
-            }
-        }
-    }
-
-    /// Whether E is that of a kink: a shorter step has as large a one, while truncation would fall to nothing. Joint coordinates have one
-    /// where a motion passes a gimbal lock, which is best passed in one step: the more ends of steps come near, the more rates are rounded.
-    /// The energy decides on such a step.
-    fn is_kink(&mut self, step: f64, error: f64) -> bool {
-        let (longer, larger) = *self.unresolved.get_or_insert((step, error));
-        if step > 0.8 * longer {
-            return false;
-        }
-        // The first of them may have been too long for more reasons than one.
-        self.unresolved = Some((step, error));
-        error >= 0.5 * larger && error <= KINK * self.limit()
-    }
-
-    /// Whether a change of energy is one of rounding alone: a step half as long changes it as much, where truncation would fall to
-    /// nothing. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their roundings.
-    fn is_rounding(&mut self, step: f64, change: f64) -> bool {
-        let Some((first_step, first_change)) = self.refused else {
-            self.refused = Some((step, change));
-            return false;
-        };
-        let rounding = step <= 0.5 * first_step && change >= 0.1 * first_change && change <= ROUNDED * self.kinetic;
-        if rounding {
-            self.rounding = 3.0 * change;
-        }
-        rounding
     }
 }

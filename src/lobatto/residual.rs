@@ -69,14 +69,14 @@ impl<'s, V: Numbers> Sweep<'s, V> {
 impl<V: Numbers> Sweep<'_, V> {
     /// How far a displacement is ahead of a steady motion at the `rate` of the start: `displaced − h c_i rate`.
     #[inline(always)]
-    fn ahead<const REFINED: bool>(&self, rate: Vector<V>, displaced: Vector<V>) -> Vector<V> {
-        let ahead = rate.times_minus(self.times, displaced);
-        if REFINED { rate.times_minus(self.times_rest, ahead) } else { ahead }
+    pub fn ahead<const REFINED: bool>(&self, rate: V, displaced: V) -> V {
+        let ahead = rate.neg_mul_add(self.times, displaced);
+        if REFINED { rate.neg_mul_add(self.times_rest, ahead) } else { ahead }
     }
 
     /// Several values mixed by the matrix of the sweep.
     #[inline(always)]
-    fn mixed<const REFINED: bool, const N: usize>(&self, values: [V; N]) -> [V; N] {
+    pub fn mixed<const REFINED: bool, const N: usize>(&self, values: [V; N]) -> [V; N] {
         let mut mixed = V::mix_all(values, self.columns);
         if REFINED {
             let rest = V::mix_all(values, self.rest);
@@ -165,8 +165,9 @@ pub fn force_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
     displaced: Vector<V>,
 ) -> Vector<V> {
     let start_velocity = Vector::<V>::splat(&known.velocity);
-    let ahead = sweep.ahead::<REFINED>(start_velocity, displaced);
-    let mut path = Vector(sweep.mixed::<REFINED, 3>(ahead.0));
+    let ([u, v, w], [x, y, z]) = (start_velocity.0, displaced.0);
+    let ahead = [sweep.ahead::<REFINED>(u, x), sweep.ahead::<REFINED>(v, y), sweep.ahead::<REFINED>(w, z)];
+    let mut path = Vector(sweep.mixed::<REFINED, 3>(ahead));
     if MOMENTUM {
         path = path.plus(start_velocity);
     }
@@ -258,7 +259,8 @@ fn rotational_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
     turn: &Matrix<V>,
 ) -> (Symmetric<V>, Vector<V>) {
     let start_spin = Vector::<V>::splat(&known.spin);
-    let [x, y, z] = sweep.ahead::<REFINED>(start_spin, turned).0;
+    let ([u, v, w], [x, y, z]) = (start_spin.0, turned.0);
+    let [x, y, z] = [sweep.ahead::<REFINED>(u, x), sweep.ahead::<REFINED>(v, y), sweep.ahead::<REFINED>(w, z)];
     let [xx, xy, xz, yy, yz, zz] = products;
     let [x, y, z, mixed @ ..] = sweep.mixed::<REFINED, 9>([x, y, z, xx, xy, xz, yy, yz, zz]);
     let mut spin = Vector([x, y, z]);

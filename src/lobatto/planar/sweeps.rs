@@ -81,7 +81,7 @@ impl<V: Lanes> PlanarStages<V> {
                 } else {
                     (cosine, sine)
                 };
-                own.mixed_cosine = mix::<V, REFINED>(sweep, own.cosine);
+                [own.mixed_cosine] = sweep.mixed::<REFINED, 1>([own.cosine]);
                 own.mixed_sine = mix_ahead::<V, MOMENTUM, REFINED>(sweep, own.sine, known.spin);
             }
             self.turned[index] = own;
@@ -244,13 +244,6 @@ pub(super) fn row_turn<V: Lanes, const MOMENTUM: bool>(sweep: &Sweep<V>, turned:
     }
 }
 
-/// Mixes the stages.
-#[inline(always)]
-fn mix<V: Lanes, const REFINED: bool>(sweep: &Sweep<V>, value: V) -> V {
-    let mixed = value.mix(sweep.columns);
-    if REFINED { mixed + value.mix(sweep.rest) } else { mixed }
-}
-
 /// Mixes what a displacement is ahead of a velocity that lasts; for momenta, with that velocity.
 #[inline(always)]
 fn mix_ahead<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
@@ -259,10 +252,6 @@ fn mix_ahead<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     velocity: f64,
 ) -> V {
     let velocity = V::splat(velocity);
-    let mut ahead = velocity.neg_mul_add(sweep.times, displacement);
-    if REFINED {
-        ahead = velocity.neg_mul_add(sweep.times_rest, ahead);
-    }
-    let mixed = mix::<V, REFINED>(sweep, ahead);
+    let [mixed] = sweep.mixed::<REFINED, 1>([sweep.ahead::<REFINED>(velocity, displacement)]);
     if MOMENTUM { mixed + velocity } else { mixed }
 }
