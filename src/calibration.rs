@@ -11,8 +11,8 @@
 //!
 //! with the distance of [`crate::distance`], seen at up to 32 instants where steps of the coarser pilot end. That has the coarsest stop
 //! that a run is given, however calm its motion. Pilots that are apart by more than a hundredth of the mechanism's size have parted and say
-//! nothing; then the finer one is the coarser of the next pair, unless they parted so early that this would part, too. If the finest pair cannot hold the accuracy to the end, the calibration
-//! says until when it is held.
+//! nothing; then the finer one is the coarser of the next pair, unless they parted so early that this one would part, too. If the finest
+//! pair cannot hold the accuracy to the end, the calibration says until when it is held.
 //!
 //! A coarse pilot may be right by luck, a hundred times nearer than its stop lets expect in one of fifty runs of a chain of ten links. So
 //! where `ε_run` would be about as coarse as its stop, a third pilot tries it, and the finer one of the pair says how far off that is. Where
@@ -197,8 +197,8 @@ impl<'s> Search<'s> {
         (self.tolerance / (AIM * amplification)).min(self.coarsest).clamp(FINEST, COARSEST_STOP)
     }
 
-    /// The stop with which the coarser pilot of a pair that has parted would not have, if errors grow as they did: exponentially, between the
-    /// times up to which this one and one `before` have lasted, or from the start to there.
+    /// The stop with which a pair that has parted would not have, if errors go on to grow as they did: exponentially, between the times
+    /// up to which the pair `before` and this one have lasted, or, where there was none, from the start.
     fn enough(&self, stop: f64, lasted: f64, before: Option<(f64, f64)>) -> f64 {
         let Course { start, end, apart } = self.course;
         match before {

@@ -2,6 +2,7 @@
 
 mod models;
 
+use catena::calibration::calibrate;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::simulation::{Integrator, StepError};
@@ -151,5 +152,29 @@ fn dense_output_meets_both_ends_and_is_as_smooth_as_the_motion_inside() {
             (difference(&dense.position, &exact.position), difference(&dense.velocity, &exact.velocity));
         assert!(position < 1e-10, "t = {}: {position:.1e}", exact.time);
         assert!(velocity < 1e-7, "t = {}: {velocity:.1e}", exact.time);
+    }
+}
+
+#[test]
+fn pilots_of_a_calm_motion_are_two_and_take_few_more_steps_than_it() {
+    let model = models::double_pendulum();
+    let (mechanism, end) = (&model.mechanism, 1.0);
+    for tolerance in [1e-2, 1e-4, 1e-6, 1e-8] {
+        let mut pilot_steps = 0;
+        let mut count = |_: &_| {
+            pilot_steps += 1;
+            true
+        };
+        let found = calibrate(mechanism, &model.state, end, tolerance, &[], &mut count).unwrap();
+        let (mut state, mut steps) = (model.state.clone(), 0);
+        let mut lobatto = found.integrator(mechanism, tolerance);
+        while state.time < end {
+            lobatto.advance(mechanism, &mut state, end).unwrap();
+            steps += 1;
+        }
+        println!("{tolerance:e}: {} pilots, {pilot_steps} steps, and {steps}", found.pilots);
+        assert_eq!(found.pilots, 2, "{tolerance:e}");
+        // The coarser one makes those of the run, the finer one some quarter more, and one more wherever the two are compared.
+        assert!(2 * pilot_steps <= 5 * steps, "{tolerance:e}: {pilot_steps} for {steps}");
     }
 }

@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 
 /// Two pilots are compared at no more than so many instants, evenly spread,
 const INSTANTS: f64 = 32.0;
-/// or each after so many steps of the coarser one: the others have to end a step there, too, which few runs of few steps would survive.
+/// or each after so many steps of the coarser one, if that is later: the finer one has to end a step there, too.
 const STRIDE: usize = 4;
 /// In this first part of the run stability decides on the stages: what is stiff is so from the start, and to begin again later is dear.
 const EARLY: f64 = 1.0 / 16.0;
