@@ -111,10 +111,10 @@ fn check(periods: f64) {
         // Without a bound from above garbage would have no trend either, without one from below nothing could be seen.
         assert!((1e-7..1e-3).contains(&top), "{top:.1e}");
     }
-    // The ordinary controller drifts, until the motion is one that it happens to keep: within the first tenth of the longer run.
+    // The ordinary controller drifts.
     let ordinary = Lobatto::adaptive_with_stop(&model.mechanism, 1e-4, 1e-6);
     let (largest, means, _) = run("tolerance", ordinary);
-    assert!((means[9] - means[0]).abs() > 0.5 * largest[9] || periods > 1e4, "means {}", listed(&means));
+    assert!((means[9] - means[0]).abs() > 0.5 * largest[9], "means {}", listed(&means));
     assert!(means[9].abs() > 0.5 * largest[9], "means {}", listed(&means));
     // A thousand periods make it some twenty times the error of the reversible steps.
     assert!(largest[9] > 10.0 * worst, "largest errors {}", listed(&largest));
