@@ -117,7 +117,7 @@ pub fn calibrate(
     let mut apart: Vec<f64> = coarse.apart.iter().map(|apart| apart / coarse.stop).collect();
     let tried = search.stop_for(amplification);
     if !parted && tried > LUCKY * coarse.stop && tried != coarse.stop {
-        let trial = search.trial(tried, &coarse, &fine, go_on);
+        let trial = search.trial(tried, &fine, go_on);
         let found = match &trial {
             Ok(trial) => trial.worst() / tried,
             // What fails so coarsely may do as the coarser pilot did.
@@ -133,7 +133,7 @@ pub fn calibrate(
     let mut errors: Vec<f64> = apart.iter().map(|apart| apart * stop).collect();
     let mut worst = amplification * stop;
     if !parted && stop < ROUNDED && coarse.worst() > tolerance {
-        let trial = search.trial(stop, &coarse, &fine, go_on)?;
+        let trial = search.trial(stop, &fine, go_on)?;
         // With the stop of the finer pilot it is the same run, and shows nothing.
         let seen = if trial.worst() > 0.0 { &trial } else { &coarse };
         worst = worst.max(seen.worst());
@@ -242,9 +242,9 @@ impl<'s> Search<'s> {
         }
     }
 
-    /// A pilot with another stop than those of a pair, and how far it is from the finer one.
-    fn trial(&mut self, stop: f64, coarse: &Pilot, fine: &Pilot, go_on: GoOn) -> Result<Pilot<'s>, CalibrationError> {
-        let mut trial = self.pilot(stop, coarse.stages);
+    /// A pilot with another stop than those of a pair, compared with the finer one.
+    fn trial(&mut self, stop: f64, fine: &Pilot, go_on: GoOn) -> Result<Pilot<'s>, CalibrationError> {
+        let mut trial = self.pilot(stop, fine.stages);
         trial.follow(fine, go_on)?;
         Ok(trial)
     }

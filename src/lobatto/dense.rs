@@ -42,9 +42,7 @@ impl DenseRule {
     /// The rule of a scheme.
     pub fn new(tableau: &Tableau) -> Self {
         let nodes = tableau.nodes.clone();
-        let count = nodes.len();
-        let scale = |j: usize| (0..count).filter(|&k| k != j).map(|k| nodes[j] - nodes[k]).product();
-        let scales: Vec<f64> = (0..count).map(scale).collect();
+        let (count, scales) = (nodes.len(), scales(&nodes));
         let slopes = |x: f64| nodal(&nodes, &scales, x).slopes[..count].to_vec();
         let (derivative_at_start, derivative_at_end) = (slopes(0.0), slopes(1.0));
         let (slope_at_start, slope_at_end) = (scales[0], scales[count - 1]);
@@ -79,6 +77,12 @@ impl DenseWeights {
             slope + self.slope_ends[0] * start + self.slope_ends[1] * end,
         )
     }
+}
+
+/// The product of the distances of each node from all others.
+pub(super) fn scales(nodes: &[f64]) -> Vec<f64> {
+    let scale = |j: usize| (0..nodes.len()).filter(|&k| k != j).map(|k| nodes[j] - nodes[k]).product();
+    (0..nodes.len()).map(scale).collect()
 }
 
 /// The nodal polynomials at a point.
