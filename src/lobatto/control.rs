@@ -47,7 +47,8 @@ const FIRST_POWER: f64 = 1.0 / 16.0;
 /// eight hundred, and with 3 in no fewer.
 const KEPT: f64 = 3.3;
 
-/// After so many attempts at a step that were broken off, early iterates are not asked again: E may be that of a kink.
+/// After so many attempts at a step that were broken off, early iterates are not asked again: E may be that of a kink. And after as many
+/// whose E was too large all iterations are in double precision.
 const HASTE: usize = 2;
 
 /// After so many halvings of a step of a tree under gravity that does not converge the exact Newton method is tried.
@@ -71,7 +72,9 @@ pub struct Control {
     unresolved: Option<(f64, f64)>,
     /// Whether early iterates say whether a step is too long: what stiff springs and hard dampers leave in them says nothing.
     telling: bool,
-    /// How many attempts at the present step were broken off.
+    /// How many attempts at the present step had too large an E,
+    too_long: usize,
+    /// and how many of them were broken off for it.
     broken_off: usize,
     /// What rounding alone was seen to change the energy by (J).
     rounding: f64,
@@ -102,6 +105,7 @@ impl Control {
             refused: None,
             unresolved: None,
             telling: mechanism.forces.is_empty(),
+            too_long: 0,
             broken_off: 0,
             rounding: 0.0,
             held: false,
@@ -130,6 +134,7 @@ impl Control {
             iterations: 40,
             legendre: self.limit(),
             early: self.telling && self.previous.is_some() && self.broken_off < HASTE,
+            rough: self.too_long < HASTE,
             exactly: self.halvings >= self.patience,
         }
     }

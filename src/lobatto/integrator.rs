@@ -160,13 +160,22 @@ impl Lobatto {
     }
 
     fn with_tableau(mechanism: &Mechanism, tableau: &'static Tableau, mode: Mode, isa: Isa) -> Self {
-        Lobatto {
+        let mut lobatto = Lobatto {
             dense: DenseRule::new(tableau),
             dense_sums: vec![[0.0; 2]; mechanism.velocity_count],
             stepper: Stepper::new(mechanism, tableau, isa),
             mode,
             isa,
             precise: false,
+        };
+        lobatto.prepare(mechanism);
+        lobatto
+    }
+
+    /// Makes room, before the first step, for what only coarse stops need.
+    fn prepare(&mut self, mechanism: &Mechanism) {
+        if let Mode::Chosen(control) = &self.mode {
+            self.stepper.kernel.expect(mechanism, control.rule().increment);
         }
     }
 
@@ -181,6 +190,7 @@ impl Lobatto {
             } else {
                 step_for(mechanism, tableau, self.isa, switched_off)
             });
+            self.prepare(mechanism);
         }
         self
     }

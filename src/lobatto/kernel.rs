@@ -3,6 +3,7 @@
 //! ```text
 //!     guess θ                                             predictor.rs
 //!     repeat:  poses of all stages from θ                 stage.rs         g(Q_i) = 0 to rounding at every iterate
+//!                                                         first.rs         in single precision at first
 //!              forces F_k, if there are any               applied.rs
 //!              residual ρ_k, factors of H(q_k)            residual.rs, articulated.rs
 //!              or ρ_k alone, with factors kept            chord.rs
@@ -20,6 +21,7 @@ use super::chord::Chord;
 use super::closing::Closing;
 use super::coupled::{One, Space};
 use super::extended::Extended;
+use super::first::{FirstIterations, widened};
 use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_rule};
 use super::lanes::{Lanes, in_lanes};
 use super::modes::Modes;
@@ -28,7 +30,7 @@ use super::predictor::{Guess, Predictor};
 use super::projection::Projection;
 use super::reversible::Pace;
 use super::stability::Mode;
-use super::stage::{MAX_TURN, Stages};
+use super::stage::{MAX_TURN, StagePose, Stages};
 use super::start::Start;
 use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, largest_coefficient, weigh, worst_freedom};
 use super::tableau::Tableau;
@@ -42,6 +44,7 @@ pub struct Kernel<V: Lanes> {
     pub(super) stages: Stages<V>,
     anderson: Anderson<V>,
     chord: Chord,
+    first: FirstIterations<V>,
     predictor: Predictor<V>,
     /// The exact Newton method, from when it is needed first.
     newton: Option<Box<Newton<V>>>,
@@ -73,6 +76,7 @@ impl<V: Lanes> Kernel<V> {
             modes: Modes::new(mechanism, &stages.plan),
             anderson: Anderson::new(mechanism.velocity_count),
             chord: Chord::NEW,
+            first: FirstIterations::new(),
             predictor: Predictor::new(mechanism.velocity_count, stages.plan.balls(), tableau),
             stages,
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
@@ -118,6 +122,9 @@ impl<V: Lanes> Equations for Kernel<V> {
         let refines = self.refines();
         let stages = &mut self.stages;
         let gravity = &self.gravity;
+        if let Some(increment) = self.first.iterate(stages, &mut self.chord, gravity) {
+            return increment;
+        }
         in_lanes!(V, stages.sweep_poses());
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(false));
@@ -131,6 +138,7 @@ impl<V: Lanes> Equations for Kernel<V> {
             (false, false, false) => in_lanes!(V, stages.sweep_residual(gravity)),
         }
         let increment = in_lanes!(V, stages.sweep_increments().largest());
+        self.first.pass();
         self.chord.see(increment);
         increment
     }
@@ -153,7 +161,23 @@ impl<V: Lanes> Equations for Kernel<V> {
     /// displacements: a steady spin is a straight line in joint coordinates and no polynomial at all in R⁹.
     fn legendre(&self) -> f64 {
         let (stages, top, start) = (&self.stages, self.top_legendre, self.first_legendre);
-        in_lanes!(V, largest_coefficient_of_all(stages, top, start))
+        in_lanes!(V, {
+            // Loops, because closures over vectors are not inlined here.
+            let mut largest = largest_coefficient(&stages.displacement, top);
+            match self.first.latest() {
+                Some(poses) => {
+                    for pose in poses {
+                        largest = largest.max(largest_of_turn(&widened::<V>(pose), top, start));
+                    }
+                }
+                None => {
+                    for pose in &stages.poses {
+                        largest = largest.max(largest_of_turn(pose, top, start));
+                    }
+                }
+            }
+            largest
+        })
     }
 
     fn joint_legendre(&self) -> f64 {
@@ -179,12 +203,14 @@ impl<V: Lanes> Guarded for Kernel<V> {
 
     fn restart(&mut self) {
         self.chord.restart();
+        self.first.begin(&self.stages.start, self.stages.step);
         self.anderson.restart();
     }
 
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
         let newton = self.newton.get_or_insert_with(|| Box::new(Newton::new(mechanism, self.tableau)));
         newton.begin(&self.stages);
+        self.first.leave();
         iteration::solve(&mut Exact(self), &exact_rule(mechanism, rule))
     }
 
@@ -208,6 +234,10 @@ impl<V: Lanes> Coupling for Kernel<V> {
 }
 
 impl<V: Lanes> Step for Kernel<V> {
+    fn expect(&mut self, mechanism: &Mechanism, stop: f64) {
+        self.first.prepare(mechanism, &self.stages.plan, self.tableau, stop);
+    }
+
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.stages.start.set(mechanism, state);
         self.predictor.forget();
@@ -224,7 +254,12 @@ impl<V: Lanes> Step for Kernel<V> {
     fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, guess: Guess) -> Attempt {
         self.stages.step = step;
         self.refined = rule.increment < REFINED_BELOW;
-        iteration::attempt(self, mechanism, rule, guess)
+        self.first.allow(rule);
+        let attempt = iteration::attempt(self, mechanism, rule, guess);
+        if matches!(attempt, Attempt::Failed { .. }) {
+            self.first.fail();
+        }
+        attempt
     }
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
@@ -296,6 +331,7 @@ impl<V: Lanes> Step for Kernel<V> {
         self.stages.step = step;
         self.guess(Guess::Plain);
         self.chord.restart();
+        self.first.leave();
         self.iterate(false);
         for (out, &increment) in out.iter_mut().zip(&self.stages.increment) {
             *out = 2.0 * at_end(increment, self.stages.coefficients.active) / (step * step);
@@ -303,20 +339,15 @@ impl<V: Lanes> Step for Kernel<V> {
     }
 }
 
-/// The largest top Legendre coefficient of the displacements, and of `sin φ` and `cos φ` of the bodies' rotations.
+/// The largest top Legendre coefficient of `sin φ` and `cos φ` of a body's rotation.
 #[inline(always)]
-fn largest_coefficient_of_all<V: Lanes>(stages: &Stages<V>, top: V, start: f64) -> f64 {
-    let mut largest = largest_coefficient(&stages.displacement, top);
-    for pose in &stages.poses {
-        let weighted = pose.w * top;
-        let twice = weighted + weighted;
-        let [x, y, z] = pose.u.0;
-        // w² − |u|² = 2w² − 1 for a unit quaternion, one at the start; the coefficient of a constant is zero.
-        let cosine = (twice * pose.w).sum() + 2.0 * start;
-        largest = largest.max((twice * x).sum().abs()).max((twice * y).sum().abs());
-        largest = largest.max((twice * z).sum().abs()).max(cosine.abs());
-    }
-    largest
+fn largest_of_turn<V: Lanes>(pose: &StagePose<V>, top: V, start: f64) -> f64 {
+    let weighted = pose.w * top;
+    let twice = weighted + weighted;
+    let [x, y, z] = pose.u.0;
+    // w² − |u|² = 2w² − 1 for a unit quaternion, one at the start; the coefficient of a constant is zero.
+    let cosine = (twice * pose.w).sum() + 2.0 * start;
+    (twice * x).sum().abs().max((twice * y).sum().abs()).max((twice * z).sum().abs()).max(cosine.abs())
 }
 
 /// The first degree of freedom whose rotation has left what the series of the stage poses represent.

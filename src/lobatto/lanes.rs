@@ -18,6 +18,14 @@ pub trait Lanes:
     const READS_BACK: bool = false;
     /// `[f64; COUNT]`.
     type Array: Copy + AsRef<[f64]> + AsMut<[f64]>;
+    /// The same lanes in single precision, where those are cheaper.
+    type Single: super::numbers::Numbers;
+    /// Whether they are.
+    const HAS_SINGLE: bool;
+    /// To single precision.
+    fn narrow(self) -> Self::Single;
+    /// From single precision.
+    fn widen(single: Self::Single) -> Self;
     /// All lanes equal.
     fn splat(value: f64) -> Self;
     /// The lanes of an array.
@@ -169,7 +177,11 @@ impl Isa {
     pub fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            return if is_x86_feature_detected!("avx512f") { Isa::Avx512 } else { Isa::Avx2 };
+            return if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
+                Isa::Avx512
+            } else {
+                Isa::Avx2
+            };
         }
         Isa::Portable
     }
@@ -240,6 +252,16 @@ where
 {
     const COUNT: usize = N;
     type Array = [f64; N];
+    type Single = Self;
+    const HAS_SINGLE: bool = false;
+    #[inline(always)]
+    fn narrow(self) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn widen(single: Self) -> Self {
+        single
+    }
     #[inline(always)]
     fn splat(value: f64) -> Self {
         Portable([value; N])
@@ -288,11 +310,14 @@ where
 }
 
 #[cfg(target_arch = "x86_64")]
-pub use x86::{Avx128, Avx256, Avx512};
+pub use x86::{Avx128, Avx256, Avx512, Single};
 
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code)]
 mod x86;
+
+#[cfg(target_arch = "x86_64")]
+mod single;
 
 #[cfg(target_arch = "x86_64")]
 mod pair;

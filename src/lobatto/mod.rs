@@ -1,7 +1,7 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`start`], [`stage`] (poses
-//! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`], [`sweeps`] and [`chord`] (the stage
+//! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`], [`sweeps`], [`chord`] and [`first`] (the stage
 //! equations and their solve), [`planar`] (the same in a plane), [`precise`] (the same to 32 digits), [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
 //! (step length), [`stage_choice`] (how many stages), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to
 //! know), [`stepper`] and [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
@@ -24,6 +24,7 @@ pub mod dispatch;
 pub mod dynamics;
 pub mod elimination;
 mod extended;
+mod first;
 mod fixed;
 pub mod front;
 pub mod instants;

@@ -17,6 +17,8 @@ pub trait Numbers:
 {
     /// What is known of the start of a step, with as many digits.
     type Real: Copy + Default + Send + 'static;
+    /// What is known of the start of a step, from a double.
+    fn real(value: f64) -> Self::Real;
     /// The same double for all stages.
     fn splat(value: f64) -> Self;
     /// The same number for all stages.
@@ -68,6 +70,10 @@ fn one_by_one<V: Numbers, const N: usize>(mut values: [V; N], columns: &[V]) -> 
 
 impl<V: Lanes> Numbers for V {
     type Real = f64;
+    #[inline(always)]
+    fn real(value: f64) -> f64 {
+        value
+    }
     #[inline(always)]
     fn splat(value: f64) -> Self {
         <V as Lanes>::splat(value)

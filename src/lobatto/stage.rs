@@ -160,7 +160,11 @@ impl<V: Numbers> Stages<V> {
     /// A workspace for a mechanism on which nothing acts but gravity and a scheme, without the rules that are `kept` from leaving
     /// something out.
     pub fn unforced(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
-        let plan = Plan::lean(mechanism, kept);
+        Self::planned(Plan::lean(mechanism, kept), mechanism, tableau)
+    }
+
+    /// The same with a plan.
+    pub fn planned(plan: Plan, mechanism: &Mechanism, tableau: &Tableau) -> Self {
         let bodies = mechanism.bodies.len();
         let freedoms = mechanism.velocity_count;
         Stages {
@@ -177,6 +181,25 @@ impl<V: Numbers> Stages<V> {
             plan,
             step: 0.0,
         }
+    }
+
+    /// Takes the start of the step that others have in doubles.
+    pub fn take_start(&mut self, start: &Start, step: f64) {
+        let real3 = |v: &[f64; 3]| [V::real(v[0]), V::real(v[1]), V::real(v[2])];
+        for (own, known) in self.start.bodies.iter_mut().zip(&start.bodies) {
+            own.mass = V::real(known.mass);
+            own.arm = real3(&known.arm);
+            own.com = real3(&known.com);
+            for (own, &known) in own.sigma.iter_mut().zip(&known.sigma) {
+                *own = V::real(known);
+            }
+            own.velocity = real3(&known.velocity);
+            own.spin = real3(&known.spin);
+        }
+        for (own, known) in self.start.axes.iter_mut().zip(&start.axes) {
+            *own = real3(known);
+        }
+        self.step = step;
     }
 
     /// Adds the increments to the displacements; returns the largest displacement.
@@ -309,6 +332,18 @@ pub(super) fn half_angle_of_few<V: Lanes>(square: V) -> (V, V) {
     const COSINE: [f64; 12] = series(0, 1.0);
     const SINE: [f64; 12] = series(1, 0.5);
     (horner(&COSINE[..7], square), horner(&SINE[..7], square))
+}
+
+/// [`half_angle`] to seven digits.
+#[inline(always)]
+pub(super) fn half_angle_single<V: Numbers>(square: V, few: bool) -> (V, V) {
+    const COSINE: [f64; 12] = series(0, 1.0);
+    const SINE: [f64; 12] = series(1, 0.5);
+    if few {
+        (horner(&COSINE[..5], square), horner(&SINE[..4], square))
+    } else {
+        (horner(&COSINE[..8], square), horner(&SINE[..8], square))
+    }
 }
 
 /// The coefficients `first · (−1/4)ⁿ / (2n + odd)!`.

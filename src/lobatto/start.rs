@@ -90,6 +90,7 @@ pub struct BodyStart<R = f64> {
 }
 
 /// The plan of the sweeps over a mechanism; constant.
+#[derive(Clone)]
 pub struct Plan {
     /// One entry a body.
     pub bodies: Vec<BodyPlan>,

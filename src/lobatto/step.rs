@@ -27,6 +27,8 @@ pub struct StopRule {
     pub legendre: f64,
     /// Whether the first iterates, too, are asked whether that is so.
     pub early: bool,
+    /// Whether first iterations may be in single precision ([`super::first`]).
+    pub rough: bool,
     /// Whether the exact Newton method follows where the simplified iteration does not converge.
     pub exactly: bool,
 }
@@ -39,6 +41,7 @@ impl StopRule {
         iterations: 60,
         legendre: f64::INFINITY,
         early: false,
+        rough: false,
         exactly: true,
     };
 }
@@ -83,6 +86,8 @@ impl Attempt {
 
 /// A step of the scheme for one number of lanes; what the integrator sees of it.
 pub trait Step: Send {
+    /// Steps iterated as far as `stop` (rad, m) are to come: makes room for what only they need.
+    fn expect(&mut self, _mechanism: &Mechanism, _stop: f64) {}
     /// Takes a state as the start of the next step, when it is not where the last step ended.
     fn begin(&mut self, mechanism: &Mechanism, state: &State);
     /// Energy at the start of the step.

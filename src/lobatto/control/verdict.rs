@@ -90,6 +90,7 @@ impl Control {
 
     /// The next attempt after one whose E was too large.
     fn shorten(&mut self, step: f64, error: f64) -> Verdict {
+        self.too_long += 1;
         let order = (self.stages - 1) as f64;
         self.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
         Verdict::Retry { guess: Guess::Longer(step) }
@@ -123,7 +124,7 @@ impl Control {
         let longest = if self.rejected { 1.0 } else { 2.0 };
         let factor = by_error.min(by_iterations).min(by_energy).clamp(0.3, longest);
         self.rejected = false;
-        (self.halvings, self.broken_off) = (0, 0);
+        (self.halvings, self.too_long, self.broken_off) = (0, 0, 0);
         self.wary = self.wary.saturating_sub(1);
         self.previous = Some(error);
         (self.refused, self.unresolved) = (None, None);

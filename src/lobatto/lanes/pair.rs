@@ -1,13 +1,13 @@
 //! Two vectors as one with twice the lanes, for schemes with more stages than a register has lanes.
 
-use super::{Add, Avx256, Avx512, Lanes, Mul, Neg, Sub};
+use super::{Add, Avx256, Avx512, Lanes, Mul, Neg, Single, Sub};
 
 /// Twice the lanes of `V`.
 #[derive(Clone, Copy)]
 pub struct Pair<V, const N: usize>(V, V);
 
 macro_rules! pair {
-    ($half:ty, $half_count:literal, $count:literal) => {
+    ($half:ty, $half_count:literal, $count:literal, $single:ty, $has_single:literal, $narrow:expr, $widen:expr) => {
         impl Pair<$half, $count> {
             #[inline(always)]
             fn lane_add(self, other: Self) -> Self {
@@ -27,6 +27,16 @@ macro_rules! pair {
             const COUNT: usize = $count;
             const READS_BACK: bool = <$half>::READS_BACK;
             type Array = [f64; $count];
+            type Single = $single;
+            const HAS_SINGLE: bool = $has_single;
+            #[inline(always)]
+            fn narrow(self) -> $single {
+                $narrow(self)
+            }
+            #[inline(always)]
+            fn widen(single: $single) -> Self {
+                $widen(single)
+            }
             #[inline(always)]
             fn splat(value: f64) -> Self {
                 Pair(<$half>::splat(value), <$half>::splat(value))
@@ -75,6 +85,9 @@ macro_rules! pair {
     };
 }
 
-pair!(Avx256, 4, 8);
-pair!(Avx512, 8, 16);
-pair!(Pair<Avx256, 8>, 8, 16);
+pair!(Avx256, 4, 8, Single, true, |a: Self| Single::from_halves(a.0, a.1), |a: Single| {
+    let [low, high] = a.halves();
+    Pair(low, high)
+});
+pair!(Avx512, 8, 16, Self, false, |a| a, |a| a);
+pair!(Pair<Avx256, 8>, 8, 16, Self, false, |a| a, |a| a);

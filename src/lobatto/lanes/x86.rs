@@ -14,7 +14,7 @@ use std::arch::x86_64::*;
 macro_rules! vector {
     ($(#[$doc:meta])* $name:ident, $raw:ty, $count:literal, $reads_back:literal, $features:literal,
      $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fnmadd:ident,
-     $max_abs:expr) => {
+     $max_abs:expr, $single:ty, $has_single:literal, $narrow:expr, $widen:expr) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
         pub struct $name($raw);
@@ -43,6 +43,20 @@ macro_rules! vector {
             const COUNT: usize = $count;
             const READS_BACK: bool = $reads_back;
             type Array = [f64; $count];
+            type Single = $single;
+            const HAS_SINGLE: bool = $has_single;
+            #[inline(always)]
+            fn narrow(self) -> $single {
+                // SAFETY: P1.
+                #[allow(unused_unsafe)]
+                unsafe { $narrow(self) }
+            }
+            #[inline(always)]
+            fn widen(single: $single) -> Self {
+                // SAFETY: P1.
+                #[allow(unused_unsafe)]
+                unsafe { $widen(single) }
+            }
             #[inline(always)]
             fn splat(value: f64) -> Self {
                 // SAFETY: P1.
@@ -112,19 +126,101 @@ vector!(
     /// Two lanes in a 128-bit register.
     Avx128, __m128d, 2, false, "avx2,fma",
     _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_fmadd_pd, _mm_fnmadd_pd,
-    |a, b| _mm_max_pd(b, _mm_andnot_pd(_mm_set1_pd(-0.0), a))
+    |a, b| _mm_max_pd(b, _mm_andnot_pd(_mm_set1_pd(-0.0), a)),
+    Self, false, |a| a, |a| a
 );
 vector!(
     /// Four lanes in a 256-bit register.
     Avx256, __m256d, 4, false, "avx2,fma",
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
     _mm256_fmadd_pd, _mm256_fnmadd_pd,
-    |a, b| _mm256_max_pd(b, _mm256_andnot_pd(_mm256_set1_pd(-0.0), a))
+    |a, b| _mm256_max_pd(b, _mm256_andnot_pd(_mm256_set1_pd(-0.0), a)),
+    Self, false, |a| a, |a| a
 );
 vector!(
     /// Eight lanes in a 512-bit register.
-    Avx512, __m512d, 8, true, "avx512f,avx2,fma",
+    Avx512, __m512d, 8, true, "avx512f,avx512vl,avx2,fma",
     _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
     _mm512_fmadd_pd, _mm512_fnmadd_pd,
-    |a, b| _mm512_max_pd(b, _mm512_abs_pd(a))
+    |a, b| _mm512_max_pd(b, _mm512_abs_pd(a)),
+    Single, true, |a: Self| Single(_mm512_cvtpd_ps(a.0)), |a: Single| Avx512(_mm512_cvtps_pd(a.0))
 );
+
+/// Eight lanes of single precision in a 256-bit register; their arithmetic is in [`super::single`].
+#[derive(Clone, Copy)]
+pub struct Single(__m256);
+
+impl Single {
+    /// All lanes equal.
+    #[inline(always)]
+    pub(super) fn all(value: f32) -> Self {
+        // SAFETY: P1.
+        Single(unsafe { _mm256_set1_ps(value) })
+    }
+    /// The lanes of an array.
+    #[inline(always)]
+    pub(super) fn from_array(array: [f32; 8]) -> Self {
+        // SAFETY: P1 and P2.
+        Single(unsafe { _mm256_loadu_ps(array.as_ptr()) })
+    }
+    /// The lanes as an array.
+    #[inline(always)]
+    pub(super) fn to_array(self) -> [f32; 8] {
+        let mut array = [0.0; 8];
+        // SAFETY: P1 and P2.
+        unsafe { _mm256_storeu_ps(array.as_mut_ptr(), self.0) };
+        array
+    }
+    #[inline(always)]
+    pub(super) fn lane_add(self, other: Self) -> Self {
+        // SAFETY: P1.
+        Single(unsafe { _mm256_add_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    pub(super) fn lane_sub(self, other: Self) -> Self {
+        // SAFETY: P1.
+        Single(unsafe { _mm256_sub_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    pub(super) fn lane_mul(self, other: Self) -> Self {
+        // SAFETY: P1.
+        Single(unsafe { _mm256_mul_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    pub(super) fn over(self, other: Self) -> Self {
+        // SAFETY: P1.
+        Single(unsafe { _mm256_div_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    pub(super) fn fused(self, b: Self, c: Self) -> Self {
+        // SAFETY: P1.
+        Single(unsafe { _mm256_fmadd_ps(self.0, b.0, c.0) })
+    }
+    #[inline(always)]
+    pub(super) fn fused_from(self, b: Self, c: Self) -> Self {
+        // SAFETY: P1.
+        Single(unsafe { _mm256_fnmadd_ps(self.0, b.0, c.0) })
+    }
+    #[inline(always)]
+    pub(super) fn larger(self, bound: Self) -> Self {
+        // SAFETY: P1.
+        Single(unsafe { _mm256_max_ps(bound.0, _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0)) })
+    }
+    /// In double precision, lower and upper half.
+    #[inline(always)]
+    pub(super) fn halves(self) -> [Avx256; 2] {
+        // SAFETY: P1.
+        unsafe {
+            [
+                Avx256(_mm256_cvtps_pd(_mm256_castps256_ps128(self.0))),
+                Avx256(_mm256_cvtps_pd(_mm256_extractf128_ps::<1>(self.0))),
+            ]
+        }
+    }
+    /// From double precision, lower and upper half.
+    #[inline(always)]
+    pub(super) fn from_halves(low: Avx256, high: Avx256) -> Self {
+        // SAFETY: P1.
+        Single(unsafe { _mm256_set_m128(_mm256_cvtpd_ps(high.0), _mm256_cvtpd_ps(low.0)) })
+    }
+}

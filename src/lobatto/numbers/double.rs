@@ -104,6 +104,9 @@ impl<V: Lanes> Mul for Double<V> {
 
 impl<V: Lanes> Numbers for Double<V> {
     type Real = Extended;
+    fn real(value: f64) -> Extended {
+        Extended::from(value)
+    }
     #[inline(always)]
     fn splat(value: f64) -> Self {
         Self::widened(V::splat(value))

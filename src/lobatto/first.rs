@@ -1,0 +1,163 @@
+//! First iterations in single precision.
+//!
+//! An increment has to be as accurate as the error that it leaves, which is a tenth of it. While increments are large, poses, residual and
+//! factors are therefore worked out in single precision `~`, from displacements that are kept in double precision all along:
+//!
+//! ```text
+//!     θ̃ = θ rounded,   H̃(q̃_k) α̃_k = −ρ̃_k(θ̃),   δ_i = Σ_k Â_ik α̃_k
+//! ```
+//!
+//! Eight single lanes fill 256 bits. Where a register of 512 bits is worked on in two halves, or there is none, such an iteration takes
+//! half the time. Rounding leaves some 10⁻⁵ rad of the displacements, more where the masses of a tree differ much, and in low powers
+//! of time as in high ones, while what a guess leaves is in high ones; of low ones an iteration leaves more. Steps that are iterated very far
+//! therefore do without, and [`FirstIterations`] finds out where single precision is too little altogether.
+//!
+//! What follows in double precision may keep the factors of the last such iteration ([`super::chord`]).
+
+use super::algebra::Vector;
+use super::articulated::Eliminated;
+use super::chord::Chord;
+use super::lanes::{Lanes, in_lanes};
+use super::numbers::Numbers;
+use super::stage::{MAX_TURN, StagePose, Stages};
+use super::start::{Plan, Start};
+use super::step::StopRule;
+use super::tableau::Tableau;
+use crate::model::Mechanism;
+
+/// Increments above this (rad, m) are followed by another iteration in single precision.
+const LARGE: f64 = 1e-2;
+/// Increments count as no smaller than what rounding leaves (rad, m), so that no step ends on them but one whose stop is coarser.
+const ROUNDED: f64 = 1e-5;
+/// Steps that are iterated further than this (rad, m) begin in double precision.
+const FINEST: f64 = 1e-9;
+/// At most so many attempts after one that has failed do without: one after the first, twice as many after the next.
+const REST: usize = 64;
+
+/// The workspace of first iterations, and when there are any.
+pub(super) struct FirstIterations<V: Lanes> {
+    stages: Option<Box<Stages<V::Single>>>,
+    /// Whether the attempt may begin with them.
+    allowed: bool,
+    /// Whether the next iteration is one of them.
+    next: bool,
+    /// Whether the latest one was.
+    latest: bool,
+    /// How many attempts do without.
+    rest: usize,
+    /// How many will after the next that fails.
+    next_rest: usize,
+}
+
+impl<V: Lanes> FirstIterations<V> {
+    /// None so far.
+    pub fn new() -> Self {
+        FirstIterations { stages: None, allowed: false, next: false, latest: false, rest: 0, next_rest: 1 }
+    }
+
+    /// Makes room for them, if steps that are to be iterated as far as `stop` have any: of bodies that only slide the first iteration is
+    /// the last.
+    pub fn prepare(&mut self, mechanism: &Mechanism, plan: &Plan, tableau: &Tableau, stop: f64) {
+        let turns = plan.bodies.iter().any(|body| !body.slides);
+        if V::HAS_SINGLE && stop >= FINEST && turns && mechanism.is_plain_tree() {
+            self.stages = Some(Box::new(Stages::planned(plan.clone(), mechanism, tableau)));
+        }
+    }
+
+    /// An attempt at a step, that is to be iterated by a rule.
+    pub fn allow(&mut self, rule: &StopRule) {
+        self.allowed = rule.rough && rule.increment >= FINEST && self.rest == 0;
+        self.rest = self.rest.saturating_sub(1);
+        self.leave();
+    }
+
+    /// The attempt begins, from this start.
+    pub fn begin(&mut self, start: &Start, step: f64) {
+        self.leave();
+        if let Some(stages) = self.stages.as_deref_mut().filter(|_| self.allowed) {
+            self.next = true;
+            in_lanes!(V, stages.take_start(start, step));
+        }
+    }
+
+    /// What follows is in double precision.
+    pub fn leave(&mut self) {
+        (self.next, self.latest) = (false, false);
+    }
+
+    /// The attempt has failed: that is for the lack of precision, if it happens again and again.
+    pub fn fail(&mut self) {
+        if self.allowed {
+            self.rest = self.next_rest;
+            self.next_rest = (2 * self.rest).min(REST);
+        }
+    }
+
+    /// An iteration in single precision, if it is time for one: finds the increments of `stages`, returns the largest.
+    pub fn iterate(&mut self, stages: &mut Stages<V>, chord: &mut Chord, gravity: &[f64; 3]) -> Option<f64> {
+        let single = self.stages.as_deref_mut().filter(|_| self.next)?;
+        let keeps = chord.keeps();
+        let increment = in_lanes!(V, {
+            for (single, &displacement) in single.displacement.iter_mut().zip(&stages.displacement) {
+                *single = displacement.narrow();
+            }
+            single.sweep_poses();
+            if keeps {
+                single.sweep_wrenches::<false>(gravity);
+            } else {
+                single.sweep_residual(gravity);
+            }
+            let largest = single.sweep_increments();
+            for (increment, &single) in stages.increment.iter_mut().zip(&single.increment) {
+                *increment = V::widen(single);
+            }
+            Numbers::largest(largest)
+        });
+        if increment.is_nan() || increment > MAX_TURN {
+            // Out of the range of single numbers, or nothing but rounding, as near a gimbal lock: on from here in double precision.
+            self.fail();
+            self.leave();
+            chord.restart();
+            return None;
+        }
+        if increment < LARGE {
+            self.next = false;
+            self.next_rest = 1;
+            in_lanes!(V, {
+                for (own, single) in stages.eliminated.iter_mut().zip(&single.eliminated) {
+                    widen_factors(own, single);
+                }
+            });
+        }
+        self.latest = true;
+        chord.see(increment);
+        Some(increment.max(ROUNDED))
+    }
+
+    /// An iteration was made in double precision.
+    pub fn pass(&mut self) {
+        self.latest = false;
+    }
+
+    /// The poses of the latest iteration, if it was one of these.
+    pub fn latest(&self) -> Option<&[StagePose<V::Single>]> {
+        self.stages.as_ref().filter(|_| self.latest).map(|stages| &stages.poses[..])
+    }
+}
+
+/// A rotation in double precision, without its displacement.
+#[inline(always)]
+pub(super) fn widened<V: Lanes>(pose: &StagePose<V::Single>) -> StagePose<V> {
+    let [x, y, z] = pose.u.0;
+    StagePose { w: V::widen(pose.w), u: Vector([V::widen(x), V::widen(y), V::widen(z)]), anchor: Vector::zero() }
+}
+
+/// The factors of an axis that an iteration may keep.
+#[inline(always)]
+fn widen_factors<V: Lanes>(own: &mut Eliminated<V>, single: &Eliminated<V::Single>) {
+    own.inverse = V::widen(single.inverse);
+    for axis in 0..3 {
+        own.force_ratio.0[axis] = V::widen(single.force_ratio.0[axis]);
+        own.torque_ratio.0[axis] = V::widen(single.torque_ratio.0[axis]);
+    }
+}

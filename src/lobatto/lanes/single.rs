@@ -1,0 +1,129 @@
+//! Eight stages in single precision: the arithmetic of first iterations.
+
+use super::Single;
+use crate::lobatto::numbers::Numbers;
+use crate::lobatto::stage::half_angle_single;
+use std::ops::{Add, Mul, Neg, Sub};
+
+impl Add for Single {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.lane_add(other)
+    }
+}
+
+impl Sub for Single {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.lane_sub(other)
+    }
+}
+
+impl Mul for Single {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.lane_mul(other)
+    }
+}
+
+impl Neg for Single {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Single::all(0.0).lane_sub(self)
+    }
+}
+
+impl Numbers for Single {
+    type Real = f32;
+    #[inline(always)]
+    fn real(value: f64) -> f32 {
+        value as f32
+    }
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Single::all(value as f32)
+    }
+    #[inline(always)]
+    fn whole(value: f32) -> Self {
+        Single::all(value)
+    }
+    fn from_parts(high: &[f64], _: &[f64]) -> Self {
+        let mut array = [0.0; 8];
+        for (own, &value) in array.iter_mut().zip(high) {
+            *own = value as f32;
+        }
+        Single::from_array(array)
+    }
+    #[inline(always)]
+    fn lane(self, lane: usize) -> f32 {
+        self.to_array()[lane]
+    }
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        self.fused(b, c)
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        self.fused_from(b, c)
+    }
+    #[inline(always)]
+    fn lost(self, _: Self, _: Self) -> Self {
+        Self::zero()
+    }
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        Single::all(1.0).over(self)
+    }
+    #[inline(always)]
+    fn mix(self, columns: &[Self]) -> Self {
+        let [mixed] = Self::mix_all([self], columns);
+        mixed
+    }
+    #[inline(always)]
+    fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
+        let mut arrays = [[0.0; 8]; N];
+        let mut value = 0;
+        while value < N {
+            arrays[value] = values[value].to_array();
+            value += 1;
+        }
+        let arrays = std::hint::black_box(&arrays);
+        let mut sums = [Self::zero(); N];
+        let mut value = 0;
+        while value < N {
+            sums[value] = columns[0] * Single::all(arrays[value][0]);
+            value += 1;
+        }
+        let mut lane = 1;
+        while lane < 8 {
+            let column = columns[lane];
+            let mut value = 0;
+            while value < N {
+                sums[value] = column.fused(Single::all(arrays[value][lane]), sums[value]);
+                value += 1;
+            }
+            lane += 1;
+        }
+        sums
+    }
+    #[inline(always)]
+    fn max_abs(self, bound: Self) -> Self {
+        self.larger(bound)
+    }
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        let mut bits = 0;
+        for lane in self.to_array() {
+            bits = lane.to_bits().max(bits);
+        }
+        f64::from(f32::from_bits(bits))
+    }
+    #[inline(always)]
+    fn half_angle(square: Self, few: bool) -> (Self, Self) {
+        half_angle_single(square, few)
+    }
+}

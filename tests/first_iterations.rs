@@ -1,0 +1,128 @@
+//! First iterations in single precision are those of double precision to seven digits, and lead to the same end.
+
+mod models;
+
+use catena::kinematics::body_states;
+use catena::lobatto::dispatch::step_for;
+use catena::lobatto::lanes::{Isa, Lanes};
+use catena::lobatto::numbers::Numbers;
+use catena::lobatto::predictor::Guess;
+use catena::lobatto::stage::Stages;
+use catena::lobatto::step::{Attempt, StopRule};
+use catena::lobatto::tableau::Tableau;
+use catena::model::Rule;
+use catena::state::BodyState;
+use models::Model;
+
+const STAGES: usize = 9;
+const STEP: f64 = 0.05;
+
+/// Every joint kind twice in a row, mixtures, branches and bodies that never turn.
+fn every_model() -> Vec<Model> {
+    let mut all: Vec<Model> = models::JOINT_KINDS.into_iter().map(models::one_joint).collect();
+    all.extend([models::double_pendulum(), models::spatial_pendulum(), models::floating_tree()]);
+    all
+}
+
+/// The increments of an iteration with new factors and of one that keeps them, both from displacements at rest.
+fn increments<N: Numbers>(model: &Model, lane: impl Fn(N, usize) -> f64) -> [Vec<f64>; 2] {
+    let tableau = Tableau::of(STAGES).unwrap();
+    let mut exact = Stages::<catena::lobatto::lanes::Portable<8>>::new(&model.mechanism, tableau, &[]);
+    exact.start.set(&model.mechanism, &model.state);
+    let mut stages = Stages::<N>::unforced(&model.mechanism, tableau, &[]);
+    stages.take_start(&exact.start, STEP);
+    let gravity = model.mechanism.gravity.into();
+    let all = |stages: &Stages<N>| {
+        stages.increment.iter().flat_map(|&own| [0, 3, 7].map(|stage| lane(own, stage))).collect::<Vec<f64>>()
+    };
+    stages.sweep_poses();
+    stages.sweep_residual(&gravity);
+    stages.sweep_increments();
+    let full = all(&stages);
+    stages.advance();
+    stages.sweep_poses();
+    stages.sweep_wrenches::<false>(&gravity);
+    stages.sweep_increments();
+    [full, all(&stages)]
+}
+
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |largest, value| value.abs().max(largest))
+}
+
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn an_iteration_in_single_precision_has_the_increments_of_one_in_double_precision_to_its_digits() {
+    use catena::lobatto::lanes::{Avx256, Pair, Single};
+    if Isa::detect() == Isa::Portable {
+        println!("skipped: this processor has no AVX2");
+        return;
+    }
+    for model in every_model() {
+        let double = Avx256::run(|| increments::<Pair<Avx256, 8>>(&model, Numbers::lane));
+        let single = Avx256::run(|| increments::<Single>(&model, |own, lane| f64::from(Numbers::lane(own, lane))));
+        for (which, (double, single)) in ["full", "kept"].into_iter().zip(double.iter().zip(&single)) {
+            let apart = largest(double.iter().zip(single).map(|(a, b)| a - b));
+            // 6e-8 of displacements of some tenths, which the mixing of nine stages and light bodies on heavy ones magnify by some 1e3.
+            assert!(apart < 1e-4, "{}, {which}: {apart:.1e} apart", model.mechanism.name);
+            assert!(apart > 0.0 || largest(double.iter().copied()) == 0.0, "{}: the same bits", model.mechanism.name);
+        }
+    }
+}
+
+/// The end of a step that was iterated as far as `stop`, in single precision at first if it may be `rough`, and the iterations.
+fn end(model: &Model, isa: Isa, stop: f64, rough: bool) -> (Vec<BodyState>, usize) {
+    let mechanism = &model.mechanism;
+    let mut kernel = step_for(mechanism, Tableau::of(STAGES).unwrap(), isa, &[Rule::Planar]);
+    kernel.expect(mechanism, stop);
+    let mut state = model.state.clone();
+    kernel.begin(mechanism, &state);
+    let rule = StopRule { increment: stop, rough, ..StopRule::ROUNDING };
+    let attempt = kernel.attempt(mechanism, STEP, &rule, Guess::Plain);
+    assert!(matches!(attempt, Attempt::Converged { .. }), "{} to {stop:e}: {attempt:?}", mechanism.name);
+    kernel.finish(mechanism, &mut state);
+    (body_states(mechanism, &state), attempt.iterations())
+}
+
+#[test]
+fn steps_that_begin_in_single_precision_end_where_others_do() {
+    for model in every_model() {
+        let (exact, _) = end(&model, Isa::detect(), 2e-16, false);
+        for stop in [1e-2, 1e-4, 1e-6, 1e-9] {
+            let (double, in_double) = end(&model, Isa::detect(), stop, false);
+            let (single, in_single) = end(&model, Isa::detect(), stop, true);
+            let [double, single] = [double, single].map(|end| models::pose_distance(&end, &exact));
+            let name = &model.mechanism.name;
+            println!("{name} to {stop:e}: {double:.1e} after {in_double}, {single:.1e} after {in_single} iterations");
+            // What the last increment leaves is below it, whatever the digits; bodies are within two metres of the joints that move them.
+            assert!(single < 2.0 * stop, "{name} to {stop:e}: {single:.1e} off, {double:.1e} in double precision");
+            // Where one iteration in double precision is exact, as of sliders, the roundings of the first take one or two more.
+            assert!(in_single <= in_double + 2, "{name} to {stop:e}: {in_single} iterations instead of {in_double}");
+        }
+    }
+}
+
+#[test]
+fn steps_that_begin_in_single_precision_have_the_same_bits_with_avx2_and_avx_512() {
+    for model in every_model() {
+        for stop in [1e-3, 1e-7] {
+            let narrow = end(&model, Isa::Avx2, stop, true);
+            let wide = end(&model, Isa::Avx512, stop, true);
+            assert!(narrow == wide, "{} to {stop:e}", model.mechanism.name);
+        }
+    }
+}
+
+#[test]
+fn masses_beyond_the_range_of_single_numbers_are_left_to_double_precision() {
+    let mut model = models::spatial_pendulum();
+    let (ordinary, _) = end(&model, Isa::detect(), 1e-3, false);
+    for body in &mut model.mechanism.bodies {
+        body.mass *= 1e-44;
+        body.inertia *= 1e-44;
+    }
+    let (light, _) = end(&model, Isa::detect(), 1e-3, true);
+    // The same motion: nothing depends on the unit of mass.
+    let apart = models::pose_distance(&ordinary, &light);
+    assert!(apart < 1e-9, "{apart:.1e} apart");
+}
