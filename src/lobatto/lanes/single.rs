@@ -1,4 +1,6 @@
-//! Eight stages in single precision: the arithmetic of first iterations.
+//! Eight stages in single precision, in one register of 256 bits: the arithmetic of [first iterations](crate::lobatto::first).
+//!
+//! Its operations are the same with AVX2 and with AVX-512, to the bit.
 
 use super::Single;
 use crate::lobatto::numbers::Numbers;

@@ -3,7 +3,7 @@
 //! Two proofs carry every block in it:
 //!
 //! - **P1** — the intrinsics of a vector type need a processor feature. [`crate::lobatto::dispatch`] names the AVX types only
-//!   after [`Isa::detect`](super::Isa::detect) has found `avx2` and `fma` (and `avx512f` for [`Avx512`]), and no other module
+//!   after [`Isa::detect`](super::Isa::detect) has found `avx2` and `fma` (and `avx512f` and `avx512vl` for [`Avx512`]), and no other module
 //!   names them but tests that ask the same.
 //! - **P2** — loads and stores go through arrays of exactly the vector's length, by value or reference, so that
 //!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
