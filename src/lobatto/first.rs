@@ -122,25 +122,31 @@ impl<V: Lanes> FirstIterations<V> {
             // Out of the range of single numbers, or nothing but rounding, as near a gimbal lock: on from here in double precision.
             self.fail();
             self.leave();
+            self.allowed = false;
             chord.restart();
             return None;
         }
         if increment < LARGE {
             self.next = false;
             self.next_rest = 1;
-            in_lanes!(V, {
-                for (own, single) in stages.eliminated.iter_mut().zip(&single.eliminated) {
-                    widen_factors(own, single);
-                }
-            });
         }
         self.latest = true;
         chord.see(increment);
         Some(increment.max(ROUNDED))
     }
 
-    /// An iteration was made in double precision.
-    pub fn pass(&mut self) {
+    /// An iteration in double precision follows, which may keep the factors of the latest one, if that was one of these.
+    pub fn hand_over(&mut self, stages: &mut Stages<V>) {
+        if V::HAS_SINGLE
+            && self.latest
+            && let Some(single) = &self.stages
+        {
+            in_lanes!(V, {
+                for (own, single) in stages.eliminated.iter_mut().zip(&single.eliminated) {
+                    widen_factors(own, single);
+                }
+            });
+        }
         self.latest = false;
     }
 

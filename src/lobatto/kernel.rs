@@ -125,6 +125,7 @@ impl<V: Lanes> Equations for Kernel<V> {
         if let Some(increment) = self.first.iterate(stages, &mut self.chord, gravity) {
             return increment;
         }
+        self.first.hand_over(stages);
         in_lanes!(V, stages.sweep_poses());
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(false));
@@ -138,7 +139,6 @@ impl<V: Lanes> Equations for Kernel<V> {
             (false, false, false) => in_lanes!(V, stages.sweep_residual(gravity)),
         }
         let increment = in_lanes!(V, stages.sweep_increments().largest());
-        self.first.pass();
         self.chord.see(increment);
         increment
     }
