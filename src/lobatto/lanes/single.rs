@@ -2,42 +2,11 @@
 //!
 //! Its operations are the same with AVX2 and with AVX-512, to the bit.
 
-use super::Single;
+use super::{Add, Mul, Neg, Single, Sub};
 use crate::lobatto::numbers::Numbers;
 use crate::lobatto::stage::half_angle_single;
-use std::ops::{Add, Mul, Neg, Sub};
 
-impl Add for Single {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.lane_add(other)
-    }
-}
-
-impl Sub for Single {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.lane_sub(other)
-    }
-}
-
-impl Mul for Single {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.lane_mul(other)
-    }
-}
-
-impl Neg for Single {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Single::all(0.0).lane_sub(self)
-    }
-}
+operators!(Single,);
 
 impl Numbers for Single {
     type Real = f32;
