@@ -24,7 +24,7 @@ fn every_model() -> Vec<Model> {
     all
 }
 
-/// The increments of an iteration with new factors and of one that keeps them, both from displacements at rest.
+/// The increments of an iteration with new factors from where the step starts, and of the next, which keeps them.
 fn increments<N: Numbers>(model: &Model, lane: impl Fn(N, usize) -> f64) -> [Vec<f64>; 2] {
     let tableau = Tableau::of(STAGES).unwrap();
     let mut exact = Stages::<catena::lobatto::lanes::Portable<8>>::new(&model.mechanism, tableau, &[]);

@@ -74,7 +74,6 @@ impl<V: Lanes> FirstIterations<V> {
 
     /// The attempt begins, from this start.
     pub fn begin(&mut self, start: &Start, step: f64) {
-        self.leave();
         if let Some(stages) = self.stages.as_deref_mut().filter(|_| self.allowed) {
             self.next = true;
             in_lanes!(V, stages.take_start(start, step));

@@ -89,36 +89,6 @@ pub trait Lanes:
         sum
     }
 
-    /// [`Lanes::mix`] of several vectors, the lanes of which are read back from memory; to the same bits.
-    #[inline(always)]
-    fn mix_from_memory<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
-        let mut arrays = [Self::zero_array(); N];
-        let mut value = 0;
-        while value < N {
-            arrays[value] = values[value].to_array();
-            value += 1;
-        }
-        // The compiler would see that they come from registers, and shuffle.
-        let arrays = std::hint::black_box(&arrays);
-        let mut sums = [Self::zero(); N];
-        let mut value = 0;
-        while value < N {
-            sums[value] = columns[0] * Self::splat(arrays[value].as_ref()[0]);
-            value += 1;
-        }
-        let mut lane = 1;
-        while lane < Self::COUNT {
-            let column = columns[lane];
-            let mut value = 0;
-            while value < N {
-                sums[value] = column.mul_add(Self::splat(arrays[value].as_ref()[lane]), sums[value]);
-                value += 1;
-            }
-            lane += 1;
-        }
-        sums
-    }
-
     /// Sum of all lanes, the upper half folded onto the lower again and again: zeros above the lanes in use do not
     /// change a bit of it, so that it is the same for every vector type.
     #[inline(always)]
@@ -221,6 +191,22 @@ macro_rules! operators {
     };
 }
 
+/// The items of [`Lanes`] for vectors to which single precision brings nothing.
+macro_rules! double_alone {
+    () => {
+        type Single = Self;
+        const HAS_SINGLE: bool = false;
+        #[inline(always)]
+        fn narrow(self) -> Self {
+            self
+        }
+        #[inline(always)]
+        fn widen(single: Self) -> Self {
+            single
+        }
+    };
+}
+
 /// Lanes without vector instructions of their own: whatever the compiler makes of an array.
 #[derive(Clone, Copy)]
 pub struct Portable<const N: usize>([f64; N]);
@@ -252,16 +238,7 @@ where
 {
     const COUNT: usize = N;
     type Array = [f64; N];
-    type Single = Self;
-    const HAS_SINGLE: bool = false;
-    #[inline(always)]
-    fn narrow(self) -> Self {
-        self
-    }
-    #[inline(always)]
-    fn widen(single: Self) -> Self {
-        single
-    }
+    double_alone!();
     #[inline(always)]
     fn splat(value: f64) -> Self {
         Portable([value; N])
@@ -328,6 +305,7 @@ pub use pair::Pair;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lobatto::numbers::mix_from_memory;
     use crate::lobatto::stage::{FEW, half_angle, half_angle_of_few};
 
     fn holds<V: Lanes>() {
@@ -337,7 +315,8 @@ mod tests {
                 V::from_slice(&values)
             };
             let columns: Vec<V> = (0..V::COUNT).map(|column| vector(100 + column)).collect();
-            let together = V::mix_from_memory([vector(1), vector(2), vector(3)], &columns);
+            let arrays = [vector(1), vector(2), vector(3)].map(V::to_array);
+            let together = mix_from_memory(&arrays, &columns);
             for (index, together) in together.into_iter().enumerate() {
                 let apart = vector(index + 1).mix(&columns);
                 assert_eq!(together.to_array().as_ref(), apart.to_array().as_ref(), "vector {index}");

@@ -68,6 +68,33 @@ fn one_by_one<V: Numbers, const N: usize>(mut values: [V; N], columns: &[V]) -> 
     values
 }
 
+/// [`Numbers::mix`] of several, the lanes of which are read back from memory; to the same bits.
+#[inline(always)]
+pub(super) fn mix_from_memory<V: Numbers, A: AsRef<[V::Real]>, const N: usize>(
+    arrays: &[A; N],
+    columns: &[V],
+) -> [V; N] {
+    // The compiler would see that they come from registers, and shuffle.
+    let arrays = std::hint::black_box(arrays);
+    let mut sums = [V::zero(); N];
+    let mut value = 0;
+    while value < N {
+        sums[value] = columns[0] * V::whole(arrays[value].as_ref()[0]);
+        value += 1;
+    }
+    let mut lane = 1;
+    while lane < arrays[0].as_ref().len() {
+        let column = columns[lane];
+        let mut value = 0;
+        while value < N {
+            sums[value] = column.mul_add(V::whole(arrays[value].as_ref()[lane]), sums[value]);
+            value += 1;
+        }
+        lane += 1;
+    }
+    sums
+}
+
 impl<V: Lanes> Numbers for V {
     type Real = f64;
     #[inline(always)]
@@ -111,7 +138,16 @@ impl<V: Lanes> Numbers for V {
     }
     #[inline(always)]
     fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
-        if V::READS_BACK { V::mix_from_memory(values, columns) } else { one_by_one(values, columns) }
+        if !V::READS_BACK {
+            return one_by_one(values, columns);
+        }
+        let mut arrays = [V::zero_array(); N];
+        let mut value = 0;
+        while value < N {
+            arrays[value] = values[value].to_array();
+            value += 1;
+        }
+        mix_from_memory(&arrays, columns)
     }
     #[inline(always)]
     fn max_abs(self, bound: Self) -> Self {

@@ -183,22 +183,9 @@ impl<V: Numbers> Stages<V> {
         }
     }
 
-    /// Takes the start of the step that others have in doubles.
+    /// Takes the start of the step and its length from those who have them in doubles.
     pub fn take_start(&mut self, start: &Start, step: f64) {
-        let real3 = |v: &[f64; 3]| [V::real(v[0]), V::real(v[1]), V::real(v[2])];
-        for (own, known) in self.start.bodies.iter_mut().zip(&start.bodies) {
-            own.mass = V::real(known.mass);
-            own.arm = real3(&known.arm);
-            own.com = real3(&known.com);
-            for (own, &known) in own.sigma.iter_mut().zip(&known.sigma) {
-                *own = V::real(known);
-            }
-            own.velocity = real3(&known.velocity);
-            own.spin = real3(&known.spin);
-        }
-        for (own, known) in self.start.axes.iter_mut().zip(&start.axes) {
-            *own = real3(known);
-        }
+        self.start.take(start, V::real);
         self.step = step;
     }
 

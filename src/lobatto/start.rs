@@ -208,6 +208,27 @@ impl<R: Copy + Default> Start<R> {
         }
     }
 
+    /// Takes bodies, axes and rates of a start in doubles, in these digits.
+    #[inline(always)]
+    pub fn take(&mut self, start: &Start, digits: impl Fn(f64) -> R + Copy) {
+        for (own, &rate) in self.rates.iter_mut().zip(&start.rates) {
+            *own = digits(rate);
+        }
+        for (own, axis) in self.axes.iter_mut().zip(&start.axes) {
+            *own = axis.map(digits);
+        }
+        for (own, known) in self.bodies.iter_mut().zip(&start.bodies) {
+            *own = BodyStart {
+                mass: digits(known.mass),
+                arm: known.arm.map(digits),
+                com: known.com.map(digits),
+                sigma: known.sigma.map(digits),
+                velocity: known.velocity.map(digits),
+                spin: known.spin.map(digits),
+            };
+        }
+    }
+
     /// The same for a kernel: with a unit of mass for every step, if nothing but gravity acts.
     pub fn with_units(mechanism: &Mechanism) -> Self {
         Start { own_unit: mechanism.is_plain_tree(), ..Start::new(mechanism) }

@@ -7,7 +7,7 @@ use super::{Add, Avx256, Avx512, Lanes, Mul, Neg, Single, Sub};
 pub struct Pair<V, const N: usize>(V, V);
 
 macro_rules! pair {
-    ($half:ty, $half_count:literal, $count:literal, $single:ty, $has_single:literal, $narrow:expr, $widen:expr) => {
+    ($half:ty, $half_count:literal, $count:literal, { $($precision:tt)* }) => {
         impl Pair<$half, $count> {
             #[inline(always)]
             fn lane_add(self, other: Self) -> Self {
@@ -27,16 +27,7 @@ macro_rules! pair {
             const COUNT: usize = $count;
             const READS_BACK: bool = <$half>::READS_BACK;
             type Array = [f64; $count];
-            type Single = $single;
-            const HAS_SINGLE: bool = $has_single;
-            #[inline(always)]
-            fn narrow(self) -> $single {
-                $narrow(self)
-            }
-            #[inline(always)]
-            fn widen(single: $single) -> Self {
-                $widen(single)
-            }
+            $($precision)*
             #[inline(always)]
             fn splat(value: f64) -> Self {
                 Pair(<$half>::splat(value), <$half>::splat(value))
@@ -85,9 +76,20 @@ macro_rules! pair {
     };
 }
 
-pair!(Avx256, 4, 8, Single, true, |a: Self| Single::from_halves(a.0, a.1), |a: Single| {
-    let [low, high] = a.halves();
-    Pair(low, high)
+pair!(Avx256, 4, 8, {
+    type Single = Single;
+    const HAS_SINGLE: bool = true;
+    #[inline(always)]
+    fn narrow(self) -> Single {
+        Single::from_halves(self.0, self.1)
+    }
+    #[inline(always)]
+    fn widen(single: Single) -> Self {
+        let [low, high] = single.halves();
+        Pair(low, high)
+    }
 });
-pair!(Avx512, 8, 16, Self, false, |a| a, |a| a);
-pair!(Pair<Avx256, 8>, 8, 16, Self, false, |a| a, |a| a);
+pair!(Avx512, 8, 16, {
+    double_alone!();
+});
+pair!(Pair<Avx256, 8>, 8, 16, { double_alone!(); });

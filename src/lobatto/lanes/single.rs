@@ -3,7 +3,7 @@
 //! Its operations are the same with AVX2 and with AVX-512, to the bit.
 
 use super::{Add, Mul, Neg, Single, Sub};
-use crate::lobatto::numbers::Numbers;
+use crate::lobatto::numbers::{Numbers, mix_from_memory};
 use crate::lobatto::stage::half_angle_single;
 
 operators!(Single,);
@@ -62,24 +62,7 @@ impl Numbers for Single {
             arrays[value] = values[value].to_array();
             value += 1;
         }
-        let arrays = std::hint::black_box(&arrays);
-        let mut sums = [Self::zero(); N];
-        let mut value = 0;
-        while value < N {
-            sums[value] = columns[0] * Single::all(arrays[value][0]);
-            value += 1;
-        }
-        let mut lane = 1;
-        while lane < 8 {
-            let column = columns[lane];
-            let mut value = 0;
-            while value < N {
-                sums[value] = column.fused(Single::all(arrays[value][lane]), sums[value]);
-                value += 1;
-            }
-            lane += 1;
-        }
-        sums
+        mix_from_memory(&arrays, columns)
     }
     #[inline(always)]
     fn max_abs(self, bound: Self) -> Self {

@@ -14,7 +14,7 @@ use std::arch::x86_64::*;
 macro_rules! vector {
     ($(#[$doc:meta])* $name:ident, $raw:ty, $count:literal, $reads_back:literal, $features:literal,
      $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fnmadd:ident,
-     $max_abs:expr, $single:ty, $has_single:literal, $narrow:expr, $widen:expr) => {
+     $max_abs:expr, { $($precision:tt)* }) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
         pub struct $name($raw);
@@ -43,20 +43,7 @@ macro_rules! vector {
             const COUNT: usize = $count;
             const READS_BACK: bool = $reads_back;
             type Array = [f64; $count];
-            type Single = $single;
-            const HAS_SINGLE: bool = $has_single;
-            #[inline(always)]
-            fn narrow(self) -> $single {
-                // SAFETY: P1.
-                #[allow(unused_unsafe)]
-                unsafe { $narrow(self) }
-            }
-            #[inline(always)]
-            fn widen(single: $single) -> Self {
-                // SAFETY: P1.
-                #[allow(unused_unsafe)]
-                unsafe { $widen(single) }
-            }
+            $($precision)*
             #[inline(always)]
             fn splat(value: f64) -> Self {
                 // SAFETY: P1.
@@ -127,7 +114,7 @@ vector!(
     Avx128, __m128d, 2, false, "avx2,fma",
     _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_fmadd_pd, _mm_fnmadd_pd,
     |a, b| _mm_max_pd(b, _mm_andnot_pd(_mm_set1_pd(-0.0), a)),
-    Self, false, |a| a, |a| a
+    { double_alone!(); }
 );
 vector!(
     /// Four lanes in a 256-bit register.
@@ -135,7 +122,7 @@ vector!(
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
     _mm256_fmadd_pd, _mm256_fnmadd_pd,
     |a, b| _mm256_max_pd(b, _mm256_andnot_pd(_mm256_set1_pd(-0.0), a)),
-    Self, false, |a| a, |a| a
+    { double_alone!(); }
 );
 vector!(
     /// Eight lanes in a 512-bit register.
@@ -143,7 +130,20 @@ vector!(
     _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
     _mm512_fmadd_pd, _mm512_fnmadd_pd,
     |a, b| _mm512_max_pd(b, _mm512_abs_pd(a)),
-    Single, true, |a: Self| Single(_mm512_cvtpd_ps(a.0)), |a: Single| Avx512(_mm512_cvtps_pd(a.0))
+    {
+        type Single = Single;
+        const HAS_SINGLE: bool = true;
+        #[inline(always)]
+        fn narrow(self) -> Single {
+            // SAFETY: P1.
+            Single(unsafe { _mm512_cvtpd_ps(self.0) })
+        }
+        #[inline(always)]
+        fn widen(single: Single) -> Self {
+            // SAFETY: P1.
+            Avx512(unsafe { _mm512_cvtps_pd(single.0) })
+        }
+    }
 );
 
 /// Eight lanes of single precision in a 256-bit register; their arithmetic is in [`super::single`].

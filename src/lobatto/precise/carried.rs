@@ -27,24 +27,12 @@ fn of_lane<V: Lanes>(vector: Vector<Double<V>>, lane: usize) -> Long {
     vector.0.map(|component| component.lane(lane))
 }
 
-/// Takes a start of sixteen digits.
+/// Takes a start of sixteen digits, and makes of it one that is good to 32.
 #[inline(always)]
 pub(super) fn widen<V: Lanes>(plan: &Plan, start: &Start, wide: &mut Start<Extended>) {
-    for (wide, &rate) in wide.rates.iter_mut().zip(&start.rates) {
-        *wide = Extended::from(rate);
-    }
-    for (index, (own, known)) in plan.bodies.iter().zip(&start.bodies).enumerate() {
-        for freedom in own.freedoms() {
-            wide.axes[freedom] = start.axes[freedom].map(Extended::from);
-        }
+    wide.take(start, Double::<V>::real);
+    for (index, own) in plan.bodies.iter().enumerate() {
         straighten::<V>(own, &mut wide.axes);
-        wide.bodies[index] = BodyStart {
-            mass: known.mass.into(),
-            arm: known.arm.map(Extended::from),
-            com: known.com.map(Extended::from),
-            sigma: known.sigma.map(Extended::from),
-            ..BodyStart::default()
-        };
         set_velocity::<V>(own, index, wide);
     }
 }
