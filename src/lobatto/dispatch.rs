@@ -99,13 +99,12 @@ fn in_vectors(kernel: &impl Make, tableau: &Tableau, isa: Isa) -> Box<dyn Step> 
     }
     let _ = isa;
     match lanes {
-        // Few processors of this kind lack AVX2, and every type takes a tenth of the build.
+        // Few processors of this kind lack AVX2, and every type takes a share of the build.
         #[cfg(not(target_arch = "x86_64"))]
         ..=2 => kernel.make::<Portable<2>>(),
+        ..=4 => kernel.make::<Portable<4>>(),
         #[cfg(not(target_arch = "x86_64"))]
-        3..=4 => kernel.make::<Portable<4>>(),
-        #[cfg(not(target_arch = "x86_64"))]
-        5..=8 => kernel.make::<Portable<8>>(),
+        ..=8 => kernel.make::<Portable<8>>(),
         _ => kernel.make::<Portable<16>>(),
     }
 }

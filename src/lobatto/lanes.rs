@@ -212,9 +212,25 @@ macro_rules! double_alone {
 pub struct Portable<const N: usize>([f64; N]);
 
 impl<const N: usize> Portable<N> {
+    /// Whether an operation is a call. Processors of this kind without AVX2 have two lanes: written out in place, vectors of
+    /// sixteen are a sixth of the build.
+    const CALLED: bool = cfg!(target_arch = "x86_64") && N > 4;
+
     #[inline(always)]
     fn zip(self, other: Self, operation: impl Fn(f64, f64) -> f64) -> Self {
-        Portable(std::array::from_fn(|lane| operation(self.0[lane], other.0[lane])))
+        self.zip3(other, self, |a, b, _| operation(a, b))
+    }
+    #[inline(always)]
+    fn zip3(self, b: Self, c: Self, operation: impl Fn(f64, f64, f64) -> f64) -> Self {
+        if Self::CALLED { self.zip3_called(b, c, operation) } else { self.zip3_in_place(b, c, operation) }
+    }
+    #[inline(never)]
+    fn zip3_called(self, b: Self, c: Self, operation: impl Fn(f64, f64, f64) -> f64) -> Self {
+        self.zip3_in_place(b, c, operation)
+    }
+    #[inline(always)]
+    fn zip3_in_place(self, b: Self, c: Self, operation: impl Fn(f64, f64, f64) -> f64) -> Self {
+        Portable(std::array::from_fn(|lane| operation(self.0[lane], b.0[lane], c.0[lane])))
     }
     #[inline(always)]
     fn lane_add(self, other: Self) -> Self {
@@ -257,16 +273,16 @@ where
     }
     #[inline(always)]
     fn mul_add(self, b: Self, c: Self) -> Self {
-        self * b + c
+        self.zip3(b, c, |a, b, c| a * b + c)
     }
     #[inline(always)]
     fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        c - self * b
+        self.zip3(b, c, |a, b, c| c - a * b)
     }
     #[inline(always)]
     fn lost(self, b: Self, product: Self) -> Self {
         // Slow where the processor cannot, but right.
-        Portable(std::array::from_fn(|lane| self.0[lane].mul_add(b.0[lane], -product.0[lane])))
+        self.zip3(b, product, |a, b, product| a.mul_add(b, -product))
     }
     #[inline(always)]
     fn reciprocal(self) -> Self {

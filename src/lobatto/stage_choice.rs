@@ -1,17 +1,16 @@
 //! How many stages the steps of a tolerance have.
 //!
 //! On trees all stages are solved side by side in the lanes of a vector, so that an iteration costs the same with few stages as with
-//! those that fill it: nine with AVX-512, five with the four lanes of anything less. There are three exceptions, measured in
+//! those that fill it: nine with AVX-512, five with the four lanes of anything less. There are two exceptions, measured in
 //! benches/README.md ("Stages for a tolerance"):
 //!
 //! - On closed loops all stages are coupled, and an iteration with nine costs twice as much as one with five. Nine make steps so long that
 //!   Newton's method limits them, and not the accuracy, until a fine one is asked for. One or two four-bars, which pass singular positions,
 //!   need much shorter steps with five, and keep what fills the vector; and so do springs and dampers so stiff that the stability of the
 //!   scheme limits the step, which nine stages extend to twice the length: the pilot runs see that ([`crate::calibration`]).
-//! - The vectors of a tree of hundreds of bodies leave the caches, and an iteration with five stages costs little more than half of one with
-//!   nine. Where a coarse tolerance asks for few digits, that is worth more than longer steps.
-//! - In a plane arithmetic waits for arithmetic, so that two vectors of four lanes take 1.3 to 1.5 times as long as one, and not twice; and
-//!   two or three bodies converge in few iterations however long the step. There nine stages save more than they cost with fine tolerances.
+//! - Two vectors of four lanes do not take twice as long as one: in a plane arithmetic waits for arithmetic, and in space the first
+//!   iterations are in single precision, eight lanes at once ([`super::first`]), which five stages do not have. With a fine tolerance, and
+//!   the sooner the fewer the bodies, nine stages save more than they cost.
 //!
 //! Time with nine stages over that with five, same tolerance (m), least and most of the scenes of each kind:
 //!
@@ -21,14 +20,17 @@
 //! | the same in a plane, six bodies or more | 1.2–1.9 | 1.1–1.6 | 1.1–1.7 | 0.9–1.5 | 0.9–1.5 | 0.7–1.3 | 0.7–1.2 | 0.9–1.0 |
 //! | one or two four-bars | 1.0–1.5 | 0.9–1.1 | 0.8–1.0 | 0.7–1.2 | 0.8–1.0 | 0.6–1.1 | 0.5–0.9 | |
 //! | coupled by stiff springs or dampers | 0.8–1.0 | 0.9–1.0 | 0.9–1.1 | 0.9 | 0.8–0.9 | 0.9–1.1 | 0.9–1.0 | 0.7–0.8 |
-//! | trees, AVX-512 | 0.7–1.4 | 0.9–1.1 | 0.5–1.0 | 0.5–0.9 | 0.5–0.9 | 0.4–0.7 | 0.4–0.8 | 0.3–0.6 |
-//! | trees in a plane, AVX2 | | 0.9–2.5 | 0.7–2.6 | 0.6–2.0 | 0.5–2.5 | 0.4–1.3 | 0.4–2.6 | 0.3–0.8 |
-//! | trees of three bodies at most in space, AVX2 | 1.4–1.9 | 1.1–1.7 | 0.8–1.6 | 0.8–1.4 | 0.6–1.2 | 0.6–0.9 | 0.5–0.8 | 0.4–0.6 |
-//! | larger trees in space, AVX2 | 1.2–1.9 | 1.4–1.9 | 1.2–1.8 | 1.3–1.6 | 1.1–1.5 | 1.1–1.2 | 1.0–1.4 | 0.9–1.1 |
+//! | trees, AVX-512 | 0.7–1.4 | 0.8–1.1 | 0.5–1.0 | 0.5–0.9 | 0.5–0.9 | 0.4–0.7 | 0.4–0.8 | 0.3–0.6 |
+//! | one body in space, AVX2 | 0.6–1.1 | 0.5–1.0 | 0.4–1.1 | 0.3–1.1 | 0.3–0.9 | 0.2–0.8 | 0.3–0.7 | 0.2 |
+//! | two or three, AVX2 | 1.2 | 1.0 | 1.0 | 1.0 | 1.2 | 1.1 | 0.9 | 0.8 |
+//! | larger trees in space, AVX2 | 1.0–1.4 | 0.8–1.5 | 0.6–1.4 | 0.6–1.6 | 0.4–1.5 | 0.4–1.6 | 0.4–1.0 | 0.6–0.9 |
+//! | trees of three bodies at most in a plane, AVX2 | | 0.6–1.1 | 0.8–1.1 | 0.7–1.1 | 0.6–1.0 | 0.6–0.8 | 0.5–0.7 | |
+//! | larger trees in a plane, AVX2 | | 0.9–2.5 | 0.7–2.6 | 0.6–2.0 | 0.5–2.5 | 0.4–1.3 | 0.4–2.6 | 0.3–0.8 |
 //! | loops, AVX2 | 1.2–3.6 | 1.4–3.1 | 1.3–3.4 | 1.2–3.3 | 1.1–3.1 | 1.1–2.7 | 0.7–2.4 | |
 //!
 //! In the second row the figures below one are those of long rows of four-bars, where nine stages end ten times further off; for the same
-//! error both take the same time there.
+//! error both take the same time there. Pilot runs with AVX2 are the cheaper with nine the sooner: 0.6 to 1.5 times as long at 1e-3 for
+//! trees in space, 0.2 to 1.4 at 1e-6.
 
 use super::lanes::Isa;
 use super::tableau::Tableau;
@@ -38,14 +40,10 @@ use crate::model::{Mechanism, Plane};
 const FEW_DOWN_TO: f64 = 0.99e-6;
 /// In a plane loops of fewer bodies than these have as many stages as fill the vector.
 const SMALLEST_IN_A_PLANE: usize = 6;
-/// The coarsest tolerance at which small trees and those in a plane have many stages (m), and what rounding may add to it.
-const MANY_FROM: f64 = 1.01e-9;
-/// The finest tolerance at which long trees have few stages (m), less what rounding may take from it.
-const LONG_DOWN_TO: f64 = 0.99e-4;
-/// A tree of so many bodies is long.
-const LONG_TREE: usize = 200;
-/// A tree of so many bodies is small.
-const SMALL_TREE: usize = 3;
+/// Plain trees of so many bodies at most have many stages from this tolerance on (m; with what rounding may add to it): in space,
+const MANY_IN_SPACE: &[(usize, f64)] = &[(1, f64::INFINITY), (3, 1.01e-3), (usize::MAX, 1.01e-6)];
+/// and in a plane.
+const MANY_IN_A_PLANE: &[(usize, f64)] = &[(3, 1.01e-6), (usize::MAX, 1.01e-9)];
 
 /// What decides on the number of stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,15 +60,15 @@ impl StageChoice {
     /// The choice for a mechanism and a tolerance (m), whatever the processor.
     pub fn of(mechanism: &Mechanism, tolerance: f64) -> Self {
         let bodies = mechanism.bodies.len();
-        let in_a_plane = || Plane::of(mechanism).is_some();
-        let few = if mechanism.loops.is_empty() {
-            mechanism.is_plain_tree() && tolerance >= LONG_DOWN_TO && bodies >= LONG_TREE && !in_a_plane()
-        } else {
-            tolerance >= FEW_DOWN_TO && (bodies >= SMALLEST_IN_A_PLANE || !in_a_plane())
-        };
-        if mechanism.is_plain_tree() && tolerance <= MANY_FROM && (bodies <= SMALL_TREE || in_a_plane()) {
+        let in_a_plane = Plane::of(mechanism).is_some();
+        let many = if in_a_plane { MANY_IN_A_PLANE } else { MANY_IN_SPACE };
+        let coarsest = many.iter().find(|(most, _)| bodies <= *most).map_or(0.0, |&(_, coarsest)| coarsest);
+        if mechanism.is_plain_tree() && tolerance <= coarsest {
             StageChoice::Many
-        } else if few {
+        } else if !mechanism.loops.is_empty()
+            && tolerance >= FEW_DOWN_TO
+            && (bodies >= SMALLEST_IN_A_PLANE || !in_a_plane)
+        {
             StageChoice::Few
         } else {
             StageChoice::Filling
