@@ -23,7 +23,8 @@ use super::stage::{MAX_TURN, StagePose, Stages};
 use super::start::{Plan, Start};
 use super::step::StopRule;
 use super::tableau::Tableau;
-use crate::model::Mechanism;
+use crate::model::{Body, FreeRotation, Mechanism};
+use nalgebra::{Matrix3, Vector3};
 
 /// Increments above this (rad, m) are followed by another iteration in single precision.
 const LARGE: f64 = 1e-2;
@@ -32,6 +33,8 @@ const ROUNDED: f64 = 1e-5;
 /// Steps that are iterated further than this (rad, m) begin in double precision: with 1e-9 nothing is gained where motions amplify errors, and
 /// the errors of pilot runs say less of those of finer ones (benches/README.md).
 const FINEST: f64 = 1e-7;
+/// With moments below this part of half the sum of a link's own, single precision leaves two digits of a factor and less.
+const LIGHTEST: f64 = 1e-5;
 /// At most so many attempts after one that has failed do without: one after the first, twice as many after the next.
 const REST: usize = 64;
 
@@ -57,10 +60,11 @@ impl<V: Lanes> FirstIterations<V> {
     }
 
     /// Makes room for them, if steps that are to be iterated as far as `stop` have any: of bodies that only slide the first iteration is
-    /// the last.
+    /// the last, and of links that hardly resist to be twisted nothing but rounding would be left.
     pub fn prepare(&mut self, mechanism: &Mechanism, plan: &Plan, tableau: &Tableau, stop: f64) {
         let turns = plan.bodies.iter().any(|body| !body.slides);
-        if V::HAS_SINGLE && stop >= FINEST && turns && mechanism.is_plain_tree() {
+        let told = || !mechanism.bodies.iter().any(|body| lightness(body) < LIGHTEST);
+        if V::HAS_SINGLE && stop >= FINEST && turns && mechanism.is_plain_tree() && told() {
             self.stages = Some(Box::new(Stages::planned(plan.clone(), mechanism, tableau)));
         }
     }
@@ -153,6 +157,24 @@ impl<V: Lanes> FirstIterations<V> {
     pub fn latest(&self) -> Option<&[StagePose<V::Single>]> {
         self.stages.as_ref().filter(|_| self.latest).map(|stages| &stages.poses[..])
     }
+}
+
+/// The least moment of a body about the axes of its joint, over half the sum of its moments about the joint's anchor. What a body's children
+/// add makes the first no smaller.
+fn lightness(body: &Body) -> f64 {
+    let frame = &body.joint.on_child;
+    let arm = frame.translation.vector;
+    let moments = Matrix3::from_diagonal(&body.inertia)
+        + (Matrix3::from_diagonal_element(arm.norm_squared()) - arm * arm.transpose()) * body.mass;
+    let least = match body.joint.kind.rotation() {
+        FreeRotation::None => return f64::INFINITY,
+        FreeRotation::AboutZ => {
+            let axis = frame.rotation * Vector3::z();
+            axis.dot(&(moments * axis))
+        }
+        FreeRotation::Ball => moments.symmetric_eigenvalues().min(),
+    };
+    2.0 * least / moments.trace()
 }
 
 /// A rotation in double precision, without its displacement.
