@@ -21,6 +21,7 @@ mod progress;
 mod recorded;
 mod replay;
 mod rules;
+mod run_log;
 mod simulate;
 mod stress;
 mod table;

@@ -7,22 +7,21 @@ use super::engine::Engine;
 use super::input::{InputArgs, Loaded, numbers};
 use super::numbers::{Assignment, positive, rate};
 use super::progress::Progress;
+use super::run_log::{description, finish, log_failure};
 use super::{Failure, print};
 use anyhow::{Context, anyhow};
 use catena::islands::Plan;
 use catena::lobatto::assembly::redundancy;
-use catena::log::{Ending, LogError, Outcome, Recorder, Severity};
-use catena::model::{Model, PlacedRobot, Pose};
+use catena::log::{Recorder, Severity};
 use catena::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, energy_warning, joint_reports,
     link_reports, loop_reports, singular_warning,
 };
 use catena::scene::SimulationSettings;
-use catena::simulation::{MethodDescription, Observer, RunError, RunOptions, Summary};
+use catena::simulation::{Observer, RunOptions};
 use catena::state::State;
 use clap::{Args, value_parser};
 use cpu_time::ProcessTime;
-use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -130,7 +129,7 @@ impl StepChoice {
     }
 
     /// The step that the user said [s].
-    fn step(self) -> Option<f64> {
+    pub fn step(self) -> Option<f64> {
         match self {
             StepChoice::Tolerance(_) => None,
             StepChoice::Fixed { step, .. } | StepChoice::Reversible { step, .. } | StepChoice::Precise { step, .. } => {
@@ -283,113 +282,4 @@ fn output(arguments: &Arguments) -> anyhow::Result<Option<PathBuf>> {
         return Err(anyhow!("the output {} is the input itself", output.display()));
     }
     Ok(Some(output))
-}
-
-/// What the log says about how the run was made.
-fn description(
-    model: &Model,
-    duration: f64,
-    rate: f64,
-    choice: StepChoice,
-    method: MethodDescription,
-) -> BTreeMap<String, String> {
-    let said = |number: Option<f64>| number.map_or(String::new(), |number| number.to_string());
-    let command_line: Vec<String> =
-        std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
-    // Word by word, which the command line as people read it does not tell.
-    let arguments = serde_json::Value::from(command_line.get(1..).unwrap_or_default().to_vec());
-    // Of several robots, one after the other.
-    let of_robots = |what: &dyn Fn(&PlacedRobot) -> String| model.robots.iter().map(what).collect::<Vec<_>>().join(";");
-    let base = |robot: &PlacedRobot| {
-        let floats = model.joints[robot.joints.clone()].iter().any(|joint| joint.is_base);
-        if floats { "floating" } else { "fixed" }.to_string()
-    };
-    let entries = [
-        ("robot", of_robots(&|robot| robot.name.clone())),
-        ("base", of_robots(&base)),
-        ("base_pose", of_robots(&|robot| listed(&pose_numbers(&robot.base_pose)))),
-        ("gravity", listed(model.mechanism.gravity.as_slice())),
-        ("version", env!("CARGO_PKG_VERSION").to_string()),
-        ("method", method.name),
-        ("stages", method.stages.to_string()),
-        ("order", method.order.to_string()),
-        ("step", said(choice.step())),
-        ("tolerance", said(choice.tolerance())),
-        ("duration", duration.to_string()),
-        ("rate", rate.to_string()),
-        ("command_line", command_line.join(" ")),
-        ("arguments", arguments.to_string()),
-    ];
-    entries.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
-}
-
-/// A pose as `--base-pose` takes it.
-fn pose_numbers(pose: &Pose) -> [f64; 6] {
-    let (roll, pitch, yaw) = pose.rotation.euler_angles();
-    let [x, y, z] = pose.translation.vector.into();
-    [x, y, z, roll, pitch, yaw]
-}
-
-/// Numbers with commas between, in full precision.
-fn listed(numbers: &[f64]) -> String {
-    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
-}
-
-/// Completes the log, whatever ended the run, and says how the run ended and where the log is.
-fn finish(
-    recorder: Option<Recorder>,
-    ended: Result<(), RunError>,
-    summary: &Summary,
-    output: Option<&Path>,
-) -> (Result<(), Failure>, Option<PathBuf>) {
-    let outcome = match &ended {
-        Ok(()) => Outcome::Finished,
-        Err(RunError::Interrupted { .. }) => Outcome::Interrupted,
-        Err(_) => Outcome::Failed,
-    };
-    let ended = ended.map_err(|error| match error {
-        RunError::Interrupted { .. } => Failure::interrupted(error),
-        RunError::Step(_) => Failure::run(error),
-        RunError::Observer(source) => Failure::run(anyhow!(source)),
-    });
-    let (Some(mut recorder), Some(output)) = (recorder, output) else { return (ended, None) };
-    match &ended {
-        Err(failure) => recorder.say(Severity::Error, &format!("{:#}", failure.error)),
-        Ok(()) => recorder.say(Severity::Info, "the run has reached its end"),
-    }
-    let beside = recorder.beside().map(Path::to_path_buf);
-    let written = recorder.finish(Ending { outcome, figures: figures(summary) }).map_err(log_failure);
-    match ended.and(written) {
-        Ok(_) => (Ok(()), Some(output.to_path_buf())),
-        // Of two errors the first is the cause.
-        Err(mut failure) => {
-            if let Some(beside) = &beside {
-                let (output, beside) = (output.display(), beside.display());
-                failure.error = anyhow!("{:#}; {output} is as it was, the log of this run is {beside}", failure.error);
-            }
-            (Err(failure), Some(beside.unwrap_or_else(|| output.to_path_buf())))
-        }
-    }
-}
-
-/// The figures of the whole run, as the log keeps them.
-fn figures(summary: &Summary) -> BTreeMap<String, String> {
-    let figures = [
-        ("steps", summary.steps.to_string()),
-        ("iterations", summary.iterations.to_string()),
-        ("rejected_steps", summary.rejected_steps.to_string()),
-        ("energy_initial", summary.initial_energy.total().to_string()),
-        ("energy_final", summary.final_energy.total().to_string()),
-        ("energy_max_relative_error", summary.max_relative_energy_error.to_string()),
-        ("constraint_max_position", summary.max_violation.position.to_string()),
-        ("constraint_max_velocity", summary.max_violation.velocity.to_string()),
-    ];
-    figures.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
-}
-
-fn log_failure(error: LogError) -> Failure {
-    match error {
-        LogError::Create { .. } | LogError::Busy { .. } => Failure::input(error),
-        LogError::Write { .. } => Failure::run(error),
-    }
 }

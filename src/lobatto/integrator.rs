@@ -10,7 +10,7 @@ use super::fixed::FixedSteps;
 use super::lanes::Isa;
 use super::reversible::Reversible;
 use super::stage_choice::StageChoice;
-use super::step::StopRule;
+use super::step::{Step, StopRule};
 use super::stepper::Stepper;
 use super::tableau::{Tableau, TableauError};
 use crate::model::{Mechanism, Rule};
@@ -116,10 +116,8 @@ impl Lobatto {
             return Err(MethodError::TooManyStages { stages });
         }
         let mode = Mode::Fixed(FixedSteps::new(step, StopRule::ROUNDING));
-        let mut lobatto = Self::with_tableau(mechanism, tableau, mode, Isa::detect());
-        lobatto.stepper.replace_kernel(precise_step_for(mechanism, tableau, &[]));
-        lobatto.precise = true;
-        Ok(lobatto)
+        let kernel = precise_step_for(mechanism, tableau, &[]);
+        Ok(Lobatto { precise: true, ..Self::with_kernel(mechanism, tableau, kernel, mode, Isa::detect()) })
     }
 
     /// Steps of varying length for very long runs, the first of `step` seconds, iterated to rounding: a run that is turned
@@ -160,10 +158,20 @@ impl Lobatto {
     }
 
     fn with_tableau(mechanism: &Mechanism, tableau: &'static Tableau, mode: Mode, isa: Isa) -> Self {
+        Self::with_kernel(mechanism, tableau, step_for(mechanism, tableau, isa, &[]), mode, isa)
+    }
+
+    fn with_kernel(
+        mechanism: &Mechanism,
+        tableau: &'static Tableau,
+        kernel: Box<dyn Step>,
+        mode: Mode,
+        isa: Isa,
+    ) -> Self {
         let mut lobatto = Lobatto {
             dense: DenseRule::new(tableau),
             dense_sums: vec![[0.0; 2]; mechanism.velocity_count],
-            stepper: Stepper::new(mechanism, tableau, isa),
+            stepper: Stepper::new(mechanism, tableau, kernel),
             mode,
             isa,
             precise: false,

@@ -7,8 +7,6 @@
 //! Between `finish` and `accept` the state has not moved, so that a step can still be thrown away.
 
 use super::control::Energies;
-use super::dispatch::step_for;
-use super::lanes::Isa;
 use super::sampling::LastStep;
 use super::stability::Watch;
 use super::step::{Attempt, Step};
@@ -64,9 +62,9 @@ pub(super) struct Stepper {
 
 impl Stepper {
     /// A stepper that has not seen a state yet.
-    pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, isa: Isa) -> Self {
+    pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kernel: Box<dyn Step>) -> Self {
         Stepper {
-            kernel: step_for(mechanism, tableau, isa, &[]),
+            kernel,
             watch: Watch::new(tableau, !mechanism.forces.is_empty()),
             tableau,
             origin: State::zero(mechanism),
