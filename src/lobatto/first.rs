@@ -159,8 +159,8 @@ impl<V: Lanes> FirstIterations<V> {
     }
 }
 
-/// The least moment of a body about the axes of its joint, over half the sum of its moments about the joint's anchor. What a body's children
-/// add makes the first no smaller.
+/// The least moment of a body about the axes of its joint, or less, over half the sum of its moments about the joint's anchor. What a body's
+/// children add makes the first no smaller.
 fn lightness(body: &Body) -> f64 {
     let frame = &body.joint.on_child;
     let arm = frame.translation.vector;
@@ -172,7 +172,7 @@ fn lightness(body: &Body) -> f64 {
             let axis = frame.rotation * Vector3::z();
             axis.dot(&(moments * axis))
         }
-        FreeRotation::Ball => moments.symmetric_eigenvalues().min(),
+        FreeRotation::Ball => body.inertia.min(),
     };
     2.0 * least / moments.trace()
 }

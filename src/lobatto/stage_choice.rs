@@ -30,7 +30,7 @@
 //!
 //! In the second row the figures below one are those of long rows of four-bars, where nine stages end ten times further off; for the same
 //! error both take the same time there. Pilot runs with AVX2 are the cheaper with nine the sooner: 0.6 to 1.5 times as long at 1e-3 for
-//! trees in space, 0.2 to 1.4 at 1e-6.
+//! trees in space, 0.2 to 2.0 at 1e-6.
 
 use super::lanes::Isa;
 use super::tableau::Tableau;
