@@ -63,8 +63,8 @@ impl<V: Lanes> FirstIterations<V> {
     /// the last, and of links that hardly resist to be twisted nothing but rounding would be left.
     pub fn prepare(&mut self, mechanism: &Mechanism, plan: &Plan, tableau: &Tableau, stop: f64) {
         let turns = plan.bodies.iter().any(|body| !body.slides);
-        let told = || !mechanism.bodies.iter().any(|body| lightness(body) < LIGHTEST);
-        if V::HAS_SINGLE && stop >= FINEST && turns && mechanism.is_plain_tree() && told() {
+        let rounded_away = mechanism.bodies.iter().any(|body| least_moment(body) < LIGHTEST);
+        if V::HAS_SINGLE && stop >= FINEST && turns && mechanism.is_plain_tree() && !rounded_away {
             self.stages = Some(Box::new(Stages::planned(plan.clone(), mechanism, tableau)));
         }
     }
@@ -161,7 +161,7 @@ impl<V: Lanes> FirstIterations<V> {
 
 /// The least moment of a body about the axes of its joint, or less, over half the sum of its moments about the joint's anchor. What a body's
 /// children add makes the first no smaller.
-fn lightness(body: &Body) -> f64 {
+fn least_moment(body: &Body) -> f64 {
     let frame = &body.joint.on_child;
     let arm = frame.translation.vector;
     let moments = Matrix3::from_diagonal(&body.inertia)

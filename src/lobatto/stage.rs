@@ -301,12 +301,15 @@ pub(super) fn compose<V: Numbers>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (
     (real, u.cross_plus(u2, u2.times_plus(w, u.times(w2))))
 }
 
+/// `(−1/4)ⁿ / (2n)!`, the series of `cos(φ/2)` in `φ²`,
+const COSINE: [f64; 12] = series(0, 1.0);
+/// and `½ (−1/4)ⁿ / (2n + 1)!`, that of `sin(φ/2)/φ`.
+const SINE: [f64; 12] = series(1, 0.5);
+
 /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`], by their Taylor series.
 #[inline(always)]
 pub(super) fn half_angle<V: Lanes>(square: V) -> (V, V) {
-    // (−1/4)ⁿ/(2n)! and ½ (−1/4)ⁿ/(2n+1)!; at φ = 3.1 the first term left out is below 3e-17.
-    const COSINE: [f64; 12] = series(0, 1.0);
-    const SINE: [f64; 12] = series(1, 0.5);
+    // At φ = 3.1 the first term left out is below 3e-17.
     (horner(&COSINE, square), horner(&SINE, square))
 }
 
@@ -316,16 +319,12 @@ pub(super) const FEW: f64 = 0.75;
 /// [`half_angle`] for `φ ≤` [`FEW`]: at 0.75 the first term left out is below 2e-17.
 #[inline(always)]
 pub(super) fn half_angle_of_few<V: Lanes>(square: V) -> (V, V) {
-    const COSINE: [f64; 12] = series(0, 1.0);
-    const SINE: [f64; 12] = series(1, 0.5);
     (horner(&COSINE[..7], square), horner(&SINE[..7], square))
 }
 
 /// [`half_angle`] to seven digits.
 #[inline(always)]
 pub(super) fn half_angle_single<V: Numbers>(square: V, few: bool) -> (V, V) {
-    const COSINE: [f64; 12] = series(0, 1.0);
-    const SINE: [f64; 12] = series(1, 0.5);
     if few {
         (horner(&COSINE[..5], square), horner(&SINE[..4], square))
     } else {

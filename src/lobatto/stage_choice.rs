@@ -40,10 +40,6 @@ use crate::model::{Mechanism, Plane};
 const FEW_DOWN_TO: f64 = 0.99e-6;
 /// In a plane loops of fewer bodies than these have as many stages as fill the vector.
 const SMALLEST_IN_A_PLANE: usize = 6;
-/// Plain trees of so many bodies at most have many stages from this tolerance on (m; with what rounding may add to it): in space,
-const MANY_IN_SPACE: &[(usize, f64)] = &[(1, f64::INFINITY), (3, 1.01e-3), (usize::MAX, 1.01e-6)];
-/// and in a plane.
-const MANY_IN_A_PLANE: &[(usize, f64)] = &[(3, 1.01e-6), (usize::MAX, 1.01e-9)];
 
 /// What decides on the number of stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,9 +57,7 @@ impl StageChoice {
     pub fn of(mechanism: &Mechanism, tolerance: f64) -> Self {
         let bodies = mechanism.bodies.len();
         let in_a_plane = Plane::of(mechanism).is_some();
-        let many = if in_a_plane { MANY_IN_A_PLANE } else { MANY_IN_SPACE };
-        let coarsest = many.iter().find(|(most, _)| bodies <= *most).map_or(0.0, |&(_, coarsest)| coarsest);
-        if mechanism.is_plain_tree() && tolerance <= coarsest {
+        if mechanism.is_plain_tree() && tolerance <= many_from(bodies, in_a_plane) {
             StageChoice::Many
         } else if !mechanism.loops.is_empty()
             && tolerance >= FEW_DOWN_TO
@@ -99,5 +93,15 @@ impl StageChoice {
             (_, 9) => 0.03,
             _ => 1.0,
         }
+    }
+}
+
+/// The coarsest tolerance at which plain trees of so many bodies have many stages (m), and what rounding may add to it.
+fn many_from(bodies: usize, in_a_plane: bool) -> f64 {
+    match (in_a_plane, bodies) {
+        (false, ..=1) => f64::INFINITY,
+        (false, ..=3) => 1.01e-3,
+        (false, _) | (true, ..=3) => 1.01e-6,
+        (true, _) => 1.01e-9,
     }
 }
