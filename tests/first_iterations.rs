@@ -1,13 +1,12 @@
-//! First iterations in single precision are those of double precision to seven digits, and lead to the same end.
+//! Steps that begin in single precision end where others do. That their first iterations are those of double precision to the digits of
+//! single is tested where these are made, in `src/lobatto/first.rs`.
 
 mod models;
 
 use catena::kinematics::body_states;
 use catena::lobatto::dispatch::step_for;
-use catena::lobatto::lanes::{Isa, Lanes};
-use catena::lobatto::numbers::Numbers;
+use catena::lobatto::lanes::Isa;
 use catena::lobatto::predictor::Guess;
-use catena::lobatto::stage::Stages;
 use catena::lobatto::step::{Attempt, StopRule};
 use catena::lobatto::tableau::Tableau;
 use catena::model::Rule;
@@ -22,52 +21,6 @@ fn every_model() -> Vec<Model> {
     let mut all: Vec<Model> = models::JOINT_KINDS.into_iter().map(models::one_joint).collect();
     all.extend([models::double_pendulum(), models::spatial_pendulum(), models::floating_tree()]);
     all
-}
-
-/// The increments of an iteration with new factors from where the step starts, and of the next, which keeps them.
-fn increments<N: Numbers>(model: &Model, lane: impl Fn(N, usize) -> f64) -> [Vec<f64>; 2] {
-    let tableau = Tableau::of(STAGES).unwrap();
-    let mut exact = Stages::<catena::lobatto::lanes::Portable<8>>::new(&model.mechanism, tableau, &[]);
-    exact.start.set(&model.mechanism, &model.state);
-    let mut stages = Stages::<N>::unforced(&model.mechanism, tableau, &[]);
-    stages.take_start(&exact.start, STEP);
-    let gravity = model.mechanism.gravity.into();
-    let all = |stages: &Stages<N>| {
-        stages.increment.iter().flat_map(|&own| [0, 3, 7].map(|stage| lane(own, stage))).collect::<Vec<f64>>()
-    };
-    stages.sweep_poses();
-    stages.sweep_residual(&gravity);
-    stages.sweep_increments();
-    let full = all(&stages);
-    stages.advance();
-    stages.sweep_poses();
-    stages.sweep_wrenches::<false>(&gravity);
-    stages.sweep_increments();
-    [full, all(&stages)]
-}
-
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |largest, value| value.abs().max(largest))
-}
-
-#[cfg(target_arch = "x86_64")]
-#[test]
-fn an_iteration_in_single_precision_has_the_increments_of_one_in_double_precision_to_its_digits() {
-    use catena::lobatto::lanes::{Avx256, Pair, Single};
-    if Isa::detect() == Isa::Portable {
-        println!("skipped: this processor has no AVX2");
-        return;
-    }
-    for model in every_model() {
-        let double = Avx256::run(|| increments::<Pair<Avx256, 8>>(&model, Numbers::lane));
-        let single = Avx256::run(|| increments::<Single>(&model, |own, lane| f64::from(Numbers::lane(own, lane))));
-        for (which, (double, single)) in ["full", "kept"].into_iter().zip(double.iter().zip(&single)) {
-            let apart = largest(double.iter().zip(single).map(|(a, b)| a - b));
-            // 6e-8 of displacements of some tenths, which the mixing of nine stages and light bodies on heavy ones magnify by some 1e3.
-            assert!(apart < 1e-4, "{}, {which}: {apart:.1e} apart", model.mechanism.name);
-            assert!(apart > 0.0 || largest(double.iter().copied()) == 0.0, "{}: the same bits", model.mechanism.name);
-        }
-    }
 }
 
 /// The end of a step that was iterated as far as `stop`, in single precision at first if it may be `rough`, and the iterations.

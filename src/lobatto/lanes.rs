@@ -45,7 +45,7 @@ pub trait Lanes:
     }
     /// `1 / self`.
     fn reciprocal(self) -> Self;
-    /// The larger of `|self|` and `bound`, lane by lane; a NaN in `self` gives NaN.
+    /// The larger of `|self|` and `bound`, which is not negative, lane by lane; a NaN in either gives NaN.
     fn max_abs(self, bound: Self) -> Self;
     /// Runs `work` compiled for this vector type.
     fn run<R>(work: impl FnOnce() -> R) -> R;
@@ -212,7 +212,7 @@ mod portable;
 pub use portable::Portable;
 
 #[cfg(target_arch = "x86_64")]
-pub use x86::{Avx128, Avx256, Avx512, Single};
+pub(crate) use x86::{Avx128, Avx256, Avx512, Single};
 
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code)]
@@ -225,15 +225,26 @@ mod single;
 mod pair;
 
 #[cfg(target_arch = "x86_64")]
-pub use pair::Pair;
+pub(crate) use pair::Pair;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lobatto::numbers::mix_from_memory;
+    use crate::lobatto::numbers::{Numbers, mix_from_memory};
     use crate::lobatto::stage::{FEW, half_angle, half_angle_of_few};
 
+    fn keeps_nan<N: Numbers>() {
+        let [nan, two, minus_three] = [f64::NAN, 2.0, -3.0].map(N::splat);
+        assert_eq!([minus_three.max_abs(two), two.max_abs(-minus_three)].map(N::largest), [3.0, 3.0]);
+        // The NaN of 0/0 has a sign on some processors.
+        for nan in [nan, -nan] {
+            assert!(nan.max_abs(two).largest().is_nan(), "the value");
+            assert!(two.max_abs(nan.max_abs(two)).largest().is_nan(), "one before it");
+        }
+    }
+
     fn holds<V: Lanes>() {
+        V::run(keeps_nan::<V>);
         V::run(|| {
             let vector = |seed: usize| {
                 let values: Vec<f64> = (0..V::COUNT).map(|lane| ((seed * 31 + lane * 17) as f64).sin()).collect();
@@ -259,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn vectors_mixed_from_memory_have_the_bits_of_each_mixed_alone_and_small_turns_need_few_terms() {
+    fn vectors_mixed_from_memory_have_the_bits_of_each_mixed_alone_small_turns_need_few_terms_and_no_nan_is_lost() {
         holds::<Portable<4>>();
         holds::<Portable<8>>();
         #[cfg(target_arch = "x86_64")]
@@ -268,6 +279,7 @@ mod tests {
                 holds::<Avx128>();
                 holds::<Avx256>();
                 holds::<Pair<Avx256, 8>>();
+                Avx256::run(keeps_nan::<Single>);
             }
             if Isa::detect() == Isa::Avx512 {
                 holds::<Avx512>();

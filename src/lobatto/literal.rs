@@ -185,13 +185,8 @@ impl<'a> Literal<'a> {
                 increments[i] -= correction.rows((i - 1) * n, n);
                 multipliers[i - 1] -= correction.rows((s - 1) * n + (i - 1) * d, d).component_mul(&scale);
             }
-            // The largest entry, with NaN kept: `amax` would lose it.
-            let size = correction.iter().fold(
-                0.0,
-                |largest: f64, entry| {
-                    if entry.abs() <= largest { largest } else { entry.abs() }
-                },
-            );
+            // The largest entry; a NaN, which `amax` would lose, is the largest of all.
+            let size = correction.iter().map(|entry| entry.abs()).max_by(f64::total_cmp).unwrap_or(0.0);
             if !size.is_finite() {
                 return Err(LiteralError::NotConverged { step, correction: size });
             }

@@ -42,7 +42,7 @@ pub trait Numbers:
     fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
         one_by_one(values, columns)
     }
-    /// The larger of `|self|` and `bound`, stage by stage, to sixteen digits; a NaN in `self` gives NaN.
+    /// The larger of `|self|` and `bound`, which is not negative, stage by stage, to sixteen digits; a NaN in either gives NaN.
     fn max_abs(self, bound: Self) -> Self;
     /// Largest of numbers that are not negative, to sixteen digits; NaN if any is NaN.
     fn largest(self) -> f64;

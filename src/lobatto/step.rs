@@ -102,7 +102,8 @@ pub trait Step: Send {
     fn exchange(&self) -> Exchange;
     /// How many iterations have kept the factors of an earlier one since this was asked last.
     fn take_kept(&mut self) -> usize;
-    /// Number of equations of the closures that the others imply at the end of the finished step; none without closures.
+    /// Number of equations of the closures that the others imply at the end of the finished step; `None` without closures, and where
+    /// nothing had to be projected there.
     fn redundant(&self) -> Option<usize>;
     /// Brings positions and velocities near the closures, if there are any, on them.
     fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]);
@@ -133,8 +134,7 @@ pub(super) fn largest_coefficient<V: Lanes>(displacements: &[V], top: V) -> f64 
 /// The degree of freedom with the largest increment; a NaN counts as largest.
 pub(super) fn worst_freedom<V: Lanes>(increments: &[V]) -> usize {
     let size = |freedom: usize| increments[freedom].max_abs(V::zero()).largest();
-    let worse = |a: &usize, b: &usize| size(*a).partial_cmp(&size(*b)).unwrap_or(std::cmp::Ordering::Greater);
-    (0..increments.len()).max_by(worse).unwrap_or(0)
+    (0..increments.len()).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0)
 }
 
 /// A value at the end of the step: the last of the `active` lanes.
@@ -151,4 +151,23 @@ pub(super) fn weigh<V: Lanes>(displacements: &[V], weights: [&[f64]; 2], sums: &
             *sums = [(displacement * weights[0]).sum(), (displacement * weights[1]).sum()];
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lobatto::lanes::Portable;
+
+    #[test]
+    fn the_worst_freedom_is_the_one_that_is_no_number_or_else_the_largest() {
+        let worst = |values: &[f64]| {
+            let increments: Vec<Portable<4>> =
+                values.iter().map(|&value| Portable::from_slice(&[0.0, value])).collect();
+            worst_freedom(&increments)
+        };
+        assert_eq!(worst(&[1.0, -3.0, 2.0]), 1);
+        for (values, at) in [([f64::NAN, 1.0, 2.0], 0), ([1.0, f64::NAN, 2.0], 1), ([1.0, 2.0, -f64::NAN], 2)] {
+            assert_eq!(worst(&values), at);
+        }
+    }
 }

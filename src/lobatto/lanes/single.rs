@@ -66,7 +66,7 @@ impl Numbers for Single {
     }
     #[inline(always)]
     fn max_abs(self, bound: Self) -> Self {
-        self.larger(bound)
+        self.max_size(bound)
     }
     #[inline(always)]
     fn largest(self) -> f64 {

@@ -2,9 +2,9 @@
 //!
 //! Two proofs carry every block in it:
 //!
-//! - **P1** — the intrinsics of a vector type need a processor feature. [`crate::lobatto::dispatch`] names the AVX types only
-//!   after [`Isa::detect`](super::Isa::detect) has found `avx2` and `fma` (and `avx512f` and `avx512vl` for [`Avx512`]), and no other module
-//!   names them but tests that ask the same.
+//! - **P1** — the intrinsics of a vector type need a processor feature. The types cannot be named outside this crate, and in it only
+//!   [`crate::lobatto::dispatch`] begins with one, after [`Isa::detect`](super::Isa::detect) has found `avx2` and `fma` (and `avx512f` and
+//!   `avx512vl` for [`Avx512`]), and tests that ask the same; `pair` and `single` make others of those they are given.
 //! - **P2** — loads and stores go through arrays of exactly the vector's length, by value or reference, so that
 //!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
 
@@ -82,7 +82,7 @@ macro_rules! vector {
             }
             #[inline(always)]
             fn max_abs(self, bound: Self) -> Self {
-                // The intrinsics return their second operand when either is NaN, so |self| comes second.
+                // As integers: doubles without sign are ordered as their bits are, and a NaN comes last.
                 // SAFETY: P1.
                 $name(unsafe { $max_abs(self.0, bound.0) })
             }
@@ -113,7 +113,11 @@ vector!(
     /// Two lanes in a 128-bit register.
     Avx128, __m128d, 2, false, "avx2,fma",
     _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_fmadd_pd, _mm_fnmadd_pd,
-    |a, b| _mm_max_pd(b, _mm_andnot_pd(_mm_set1_pd(-0.0), a)),
+    |a, b| {
+        let size = _mm_andnot_pd(_mm_set1_pd(-0.0), a);
+        let larger = _mm_cmpgt_epi64(_mm_castpd_si128(size), _mm_castpd_si128(b));
+        _mm_blendv_pd(b, size, _mm_castsi128_pd(larger))
+    },
     { double_alone!(); }
 );
 vector!(
@@ -121,7 +125,11 @@ vector!(
     Avx256, __m256d, 4, false, "avx2,fma",
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
     _mm256_fmadd_pd, _mm256_fnmadd_pd,
-    |a, b| _mm256_max_pd(b, _mm256_andnot_pd(_mm256_set1_pd(-0.0), a)),
+    |a, b| {
+        let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), a);
+        let larger = _mm256_cmpgt_epi64(_mm256_castpd_si256(size), _mm256_castpd_si256(b));
+        _mm256_blendv_pd(b, size, _mm256_castsi256_pd(larger))
+    },
     { double_alone!(); }
 );
 vector!(
@@ -129,7 +137,7 @@ vector!(
     Avx512, __m512d, 8, true, "avx512f,avx512vl,avx2,fma",
     _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
     _mm512_fmadd_pd, _mm512_fnmadd_pd,
-    |a, b| _mm512_max_pd(b, _mm512_abs_pd(a)),
+    |a, b| _mm512_castsi512_pd(_mm512_max_epi64(_mm512_castpd_si512(_mm512_abs_pd(a)), _mm512_castpd_si512(b))),
     {
         type Single = Single;
         const HAS_SINGLE: bool = true;
@@ -202,9 +210,13 @@ impl Single {
         Single(unsafe { _mm256_fnmadd_ps(self.0, b.0, c.0) })
     }
     #[inline(always)]
-    pub(super) fn larger(self, bound: Self) -> Self {
+    pub(super) fn max_size(self, bound: Self) -> Self {
         // SAFETY: P1.
-        Single(unsafe { _mm256_max_ps(bound.0, _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0)) })
+        unsafe {
+            let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0);
+            let larger = _mm256_max_epi32(_mm256_castps_si256(size), _mm256_castps_si256(bound.0));
+            Single(_mm256_castsi256_ps(larger))
+        }
     }
     /// In double precision, lower and upper half.
     #[inline(always)]
