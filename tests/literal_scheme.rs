@@ -191,8 +191,10 @@ impl<'a> DiscreteLagrangian<'a> {
                 mass.rows_mut(12 * index + 3 + 3 * column, 3).fill(*moment);
             }
         }
-        let (c, u, s) = (&tableau.nodes, &tableau.barycentric, tableau.stages);
-        let mut derivative = DMatrix::from_fn(s, s, |j, i| if i == j { 0.0 } else { u[i] / u[j] / (c[j] - c[i]) });
+        let (c, s) = (&tableau.nodes, tableau.stages);
+        let apart = |i: usize| (0..s).filter(|&k| k != i).map(|k| c[i] - c[k]).product::<f64>();
+        let mut derivative =
+            DMatrix::from_fn(s, s, |j, i| if i == j { 0.0 } else { apart(j) / apart(i) / (c[j] - c[i]) });
         for j in 0..s {
             derivative[(j, j)] = -derivative.row(j).sum();
         }

@@ -28,8 +28,6 @@ pub enum Equation {
     Square(usize, usize),
     /// The points keep their distance (m).
     Distance(f64),
-    /// A joint coordinate follows another.
-    Mimic,
     /// No equation, but the line of a spring: the direction from a to b.
     Line,
 }
@@ -165,8 +163,6 @@ pub fn evaluate<V: Lanes>(
                 let along = apart.times(length.reciprocal());
                 EquationValue { gap: V::zero(), force: along, torque: b.point.cross(along) }
             }
-            // Not an equation between frames.
-            Equation::Mimic => EquationValue::zero(),
         };
     }
 }

@@ -5,8 +5,12 @@
 //! `k₁ = (1 − cos |θ|)/|θ|²`, `k₂ = (|θ| − sin |θ|)/|θ|³`. Loops are not closed by the interpolation: [`super::closing`]
 //! does that.
 
+use super::algebra::Vector;
+use super::coupled::One;
 use super::dense::DenseWeights;
+use super::numbers::Numbers;
 use super::step::Step;
+use super::sweeps::tilt;
 use crate::model::{FreeRotation, Mechanism};
 use crate::state::{State, quaternion_exponential, quaternion_product};
 
@@ -74,16 +78,8 @@ impl LastStep<'_> {
 
 /// Body-frame angular velocity of `exp(θ)` for the rate of θ: `(1 − k₁ θ̂ + k₂ θ̂²) θ̇`.
 fn tangent(theta: &[f64; 3], rate: &[f64; 3]) -> [f64; 3] {
-    // Below 1e-4 rad the quotients lose their digits, and two terms of their series are exact to rounding.
-    let (theta, rate) = (nalgebra::Vector3::from(*theta), nalgebra::Vector3::from(*rate));
-    let angle = theta.norm();
-    let (first, second) = if angle < 1e-4 {
-        (0.5 - angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0)
-    } else {
-        ((1.0 - angle.cos()) / (angle * angle), (angle - angle.sin()) / angle.powi(3))
-    };
-    let once = theta.cross(&rate);
-    (rate - first * once + second * theta.cross(&once)).into()
+    let [theta, rate] = [theta, rate].map(Vector::<One>::splat);
+    tilt(theta, rate).0.map(|entry| entry.lane(0))
 }
 
 /// The rate of θ for a body-frame angular velocity of `exp(θ)`: the inverse of [`tangent`].
@@ -97,4 +93,27 @@ fn inverse_tangent(theta: &[f64; 3], spin: &[f64; 3]) -> [f64; 3] {
     };
     let once = theta.cross(&spin);
     (spin + 0.5 * once + factor * theta.cross(&once)).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_spin_of_an_interpolated_ball_joint_is_right_to_rounding_at_any_angle() {
+        for angle in [1e-9, 1.1e-4, 3e-4, 1e-2, 0.7, 2.0, 3.1] {
+            // About z, with a rate of one along x: (1 − k₂ φ², −k₁ φ, 0).
+            let spin = tangent(&[0.0, 0.0, angle], &[1.0, 0.0, 0.0]);
+            let half: f64 = (0.5 * angle).sin();
+            let sine: f64 = angle.sin();
+            let expected = [sine / angle, -2.0 * half * half / angle, 0.0];
+            for (own, expected) in spin.into_iter().zip(expected) {
+                assert!((own - expected).abs() < 4e-16, "{angle} rad: {spin:?}, not {expected:?}");
+            }
+            // And back.
+            for (own, expected) in inverse_tangent(&[0.0, 0.0, angle], &spin).into_iter().zip([1.0, 0.0, 0.0]) {
+                assert!((own - expected).abs() < 3e-15, "{angle} rad, back: {own}");
+            }
+        }
+    }
 }

@@ -302,14 +302,14 @@ pub(super) fn compose<V: Numbers>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (
 }
 
 /// `(−1/4)ⁿ / (2n)!`, the series of `cos(φ/2)` in `φ²`,
-const COSINE: [f64; 12] = series(0, 1.0);
+const COSINE: [f64; 11] = series(0, 1.0);
 /// and `½ (−1/4)ⁿ / (2n + 1)!`, that of `sin(φ/2)/φ`.
-const SINE: [f64; 12] = series(1, 0.5);
+const SINE: [f64; 11] = series(1, 0.5);
 
 /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`], by their Taylor series.
 #[inline(always)]
 pub(super) fn half_angle<V: Lanes>(square: V) -> (V, V) {
-    // At φ = 3.1 the first term left out is below 3e-17.
+    // At φ = 3.1 the first term left out is below 2e-17.
     (horner(&COSINE, square), horner(&SINE, square))
 }
 
@@ -333,10 +333,10 @@ pub(super) fn half_angle_single<V: Numbers>(square: V, few: bool) -> (V, V) {
 }
 
 /// The coefficients `first · (−1/4)ⁿ / (2n + odd)!`.
-const fn series(odd: usize, first: f64) -> [f64; 12] {
-    let mut terms = [first; 12];
+const fn series(odd: usize, first: f64) -> [f64; 11] {
+    let mut terms = [first; 11];
     let mut n = 1;
-    while n < 12 {
+    while n < terms.len() {
         terms[n] = -0.25 * terms[n - 1] / (((2 * n + odd) * (2 * n + odd - 1)) as f64);
         n += 1;
     }

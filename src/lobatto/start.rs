@@ -208,6 +208,11 @@ impl<R: Copy + Default> Start<R> {
         }
     }
 
+    /// The same for a kernel: with a unit of mass for every step, if nothing but gravity acts.
+    pub fn with_units(mechanism: &Mechanism) -> Self {
+        Start { own_unit: mechanism.is_plain_tree(), ..Start::new(mechanism) }
+    }
+
     /// Takes bodies, axes and rates of a start in doubles, in these digits.
     #[inline(always)]
     pub fn take(&mut self, start: &Start, digits: impl Fn(f64) -> R + Copy) {
@@ -227,11 +232,6 @@ impl<R: Copy + Default> Start<R> {
                 spin: known.spin.map(digits),
             };
         }
-    }
-
-    /// The same for a kernel: with a unit of mass for every step, if nothing but gravity acts.
-    pub fn with_units(mechanism: &Mechanism) -> Self {
-        Start { own_unit: mechanism.is_plain_tree(), ..Start::new(mechanism) }
     }
 }
 

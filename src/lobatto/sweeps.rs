@@ -277,20 +277,20 @@ pub fn tilt<V: Numbers>(vector: Vector<V>, axis: Vector<V>) -> Vector<V> {
     tilted(vector, axis, tangent(vector.dot(vector)))
 }
 
-/// `(1 − cos φ)/φ²` and `(φ − sin φ)/φ³` from `φ²`: the coefficients of the tangent of the exponential map. They only
-/// span the projection and steer the Newton step, so their series may be shorter than the poses'.
+/// `(1 − cos φ)/φ²` and `(φ − sin φ)/φ³` from `φ²`: the coefficients of the tangent of the exponential map. They span the projection, steer
+/// the Newton step, and give ball joints with forces their spin; at 3.1 rad the first term left out is below 2e-17.
 #[inline(always)]
 pub fn tangent<V: Numbers>(square: V) -> (V, V) {
-    const FIRST: [f64; 10] = tangent_series(2);
-    const SECOND: [f64; 10] = tangent_series(3);
+    const FIRST: [f64; 13] = tangent_series(2);
+    const SECOND: [f64; 13] = tangent_series(3);
     (horner(&FIRST, square), horner(&SECOND, square))
 }
 
 /// `(−1)ⁿ / (2n + first)!`.
-const fn tangent_series(first: usize) -> [f64; 10] {
-    let mut terms = [if first == 2 { 0.5 } else { 1.0 / 6.0 }; 10];
+const fn tangent_series(first: usize) -> [f64; 13] {
+    let mut terms = [if first == 2 { 0.5 } else { 1.0 / 6.0 }; 13];
     let mut n = 1;
-    while n < 10 {
+    while n < terms.len() {
         terms[n] = -terms[n - 1] / (((2 * n + first) * (2 * n + first - 1)) as f64);
         n += 1;
     }

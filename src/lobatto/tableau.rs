@@ -36,9 +36,6 @@ pub struct Tableau {
     pub a_hat: Vec<f64>,
     /// `B_ki`, the inverse of Â, rows k = 1..s−1, columns i = 2..s ((s−1) × (s−1)).
     pub b_matrix: Vec<f64>,
-    /// `Σ_{i=2}^{s} B_ki c_i`, k = 1..s−1 (s−1): what multiplies `h v₀` in row k. Exactly it is 1/b₁ for k = 1 and
-    /// zero for every other row.
-    pub b_times_nodes: Vec<f64>,
     /// `w_i = Σ_{k<s} b_k B_ki`, i = 2..s (s−1): the end momentum without the last stage's force is
     /// `p₀ + M Σ_i w_i (Q_i − q₀ − h c_i v₀) / h`.
     pub momentum_weights: Vec<f64>,
@@ -50,9 +47,6 @@ pub struct Tableau {
     /// Row s of the inverse of the matrix `P_k(2c_i − 1)` (rows i, columns k = 0..s−1) (s): applied to values at the
     /// nodes it gives the highest Legendre coefficient of their interpolant, the step-size control's error measure.
     pub top_legendre: Vec<f64>,
-    /// Barycentric weights of the nodes (s), scaled so that the last is 1: the interpolant of values `y_i` is
-    /// `Σ_i u_i y_i / (x − c_i) ÷ Σ_i u_i / (x − c_i)`.
-    pub barycentric: Vec<f64>,
 }
 
 /// The digits of the coefficients beyond those of a double; the same shapes as in [`Tableau`].
@@ -108,11 +102,9 @@ impl Tableau {
             a_bar: round(&exact.a_bar),
             a_hat: round(&exact.a_hat),
             b_matrix: round(&exact.b_matrix),
-            b_times_nodes: round(&exact.b_times_nodes),
             momentum_weights: round(&exact.momentum_weights),
             velocity: round(&exact.velocity),
             top_legendre: round(&exact.top_legendre),
-            barycentric: round(&exact.barycentric),
         }
     }
 

@@ -14,7 +14,8 @@
 //!
 //! ε acts on the increments only (proximal): converged gaps are zero whatever it is, and redundant equations need no decision
 //! about rank. The multipliers start from zero in every step, so that nothing that no equation determines is
-//! carried on. The curvature `d(Jᵀλ)` is left out.
+//! carried on. The curvature `d(Jᵀλ)` is left out: what is exact is the mass matrix, with the geometry of every stage, and increments fall by
+//! a factor at each iteration, not quadratically.
 //!
 //! With one stage, `B = Â = 1`, the same system projects velocities and positions on the closures ([`super::projection`]).
 

@@ -57,7 +57,10 @@ fn residual<V: Lanes>(
     let gravity = stages.plan.gravity;
     let sweep = coefficients.residual_sweep(stages.step, &gravity);
     stages.sweep_paths::<false, true>(&sweep);
-    stages.sweep_anchors();
+    // Forces between bodies need the anchors, too, and look where they are themselves.
+    if stages.plan.forces.is_empty() {
+        stages.sweep_anchors();
+    }
     if stages.applied.is_some() {
         stages.sweep_applied(coefficients, false);
     }

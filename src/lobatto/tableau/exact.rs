@@ -37,11 +37,9 @@ pub(super) struct Exact {
     pub a_bar: Vec<Extended>,
     pub a_hat: Vec<Extended>,
     pub b_matrix: Vec<Extended>,
-    pub b_times_nodes: Vec<Extended>,
     pub momentum_weights: Vec<Extended>,
     pub velocity: Vec<Extended>,
     pub top_legendre: Vec<Extended>,
-    pub barycentric: Vec<Extended>,
 }
 
 impl Exact {
@@ -57,7 +55,6 @@ impl Exact {
 
         let nodes: Vec<Extended> = points.iter().map(|&point| (point + one) / number(2)).collect();
         let weights: Vec<Extended> = top.iter().map(|&value| one / (number(s * inner) * value * value)).collect();
-        let barycentric: Vec<Extended> = top.iter().map(|&value| one / value).collect();
         let top_legendre: Vec<Extended> = top.iter().map(|&value| one / (number(s) * value)).collect();
 
         let a = matrix(s, s, |i, j| {
@@ -82,21 +79,7 @@ impl Exact {
         // The last column of Ā is zero: the force of the last stage moves no other.
         let velocity = matrix(s, inner, |j, i| (0..inner).map(|k| a_bar[j * s + k] * b_matrix[k * inner + i]).sum());
         let momentum_weights = (1..s).map(|i| stiffness(inner, i)).collect();
-        // Σ_i B_ki c_i = −b_k⁻¹ Σ_j b_j D_jk, because the nodes have slope 1; and Σ_j b_j D_jk = ∫ ℓ_k′ = −1, 0, …, 0.
-        let b_times_nodes = (0..inner).map(|k| if k == 0 { one / weights[0] } else { Extended::ZERO }).collect();
-        Exact {
-            nodes,
-            weights,
-            a,
-            a_bar,
-            a_hat,
-            b_matrix,
-            b_times_nodes,
-            momentum_weights,
-            velocity,
-            top_legendre,
-            barycentric,
-        }
+        Exact { nodes, weights, a, a_bar, a_hat, b_matrix, momentum_weights, velocity, top_legendre }
     }
 }
 
@@ -264,8 +247,10 @@ mod tests {
                 assert_zero(sum - exact.momentum_weights[i], &format!("s = {s}, i = {i}"));
             }
             for k in 0..n {
+                // Σ_i B_ki c_i = −b_k⁻¹ Σ_j b_j D_jk, because the nodes have slope 1; and Σ_j b_j D_jk = ∫ ℓ_k′ = −1, 0, …, 0.
                 let sum: Extended = (0..n).map(|i| exact.b_matrix[k * n + i] * exact.nodes[i + 1]).sum();
-                assert_zero(sum - exact.b_times_nodes[k], &format!("s = {s}, row {k}"));
+                let wanted = if k == 0 { Extended::ONE / exact.weights[0] } else { Extended::ZERO };
+                assert_zero(sum - wanted, &format!("s = {s}, row {k}"));
             }
         });
     }
@@ -295,20 +280,6 @@ mod tests {
                 let wanted = if k == s - 1 { Extended::ONE } else { Extended::ZERO };
                 assert_zero(sum - wanted, &format!("s = {s}, P_{k}"));
             }
-        });
-    }
-
-    #[test]
-    fn barycentric_formula_reproduces_a_polynomial_of_degree_s_minus_1() {
-        all(|s, exact| {
-            let x = Extended::from(0.3);
-            let (mut above, mut below) = (Extended::ZERO, Extended::ZERO);
-            for i in 0..s {
-                let share = exact.barycentric[i] / (x - exact.nodes[i]);
-                above = above + share * power(exact.nodes[i], s - 1);
-                below = below + share;
-            }
-            assert_zero(above / below - power(x, s - 1), &format!("s = {s}"));
         });
     }
 }
