@@ -1,6 +1,7 @@
 //! catena: rigid multibody dynamics by the constrained Lobatto IIIA–IIIB scheme in maximal coordinates.
 //!
-//! Data flows one way, and nothing below imports anything to its right:
+//! Data flows one way, and nothing imports anything to its right; what a mechanism is, how it moves and what acts on it ([`model`], [`state`],
+//! [`kinematics`], [`closures`], [`forces`]) are one place here, which know each other:
 //!
 //! ```text
 //!     URDF, scene file → scene → model (reduce) → mechanism → integrator → simulation → log | report | chart, stress
@@ -15,6 +16,7 @@
 //! | what must be simulated, and what is left out | [`model`] |
 //! | what pushes and pulls besides gravity | [`forces`] |
 //! | what changes in time | [`state`], [`kinematics`], [`invariants`], [`closures`] |
+//! | what an integrator is | [`integrator`] |
 //! | the method | [`lobatto`] |
 //! | the rival | [`reduced`] |
 //! | the accuracy that a tolerance means | [`mod@distance`], [`calibration`] |
@@ -34,6 +36,7 @@ pub mod closures;
 pub mod distance;
 pub mod forces;
 pub mod inspection;
+pub mod integrator;
 pub mod invariants;
 pub mod islands;
 pub mod kinematics;

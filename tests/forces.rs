@@ -336,6 +336,37 @@ fn slow_motion_under_a_stiff_damper_keeps_its_accuracy_at_thousands_of_its_time_
 }
 
 #[test]
+fn a_motion_that_hard_dampers_stop_is_stopped_with_a_tolerance_and_said_to_ring_in_long_fixed_steps() {
+    // A finger of 1e-6 kg m² behind a damper of 1 N m s: it stops within a microsecond, after v/γ.
+    for (rate, hardness) in [(2.0, 1.0), (-1.0, 1e3), (3.0, 0.01)] {
+        let mut model =
+            one_body(JointKind::Revolute, 0.0, 0.0, Forces { joint_dampers: damper(hardness), ..Forces::default() });
+        model.mechanism.bodies[0].inertia = Vector3::repeat(1e-6);
+        model.state.position[0] = 0.0;
+        model.state.velocity[0] = rate;
+        let decay = hardness / 1e-6;
+        let mut chosen = Lobatto::adaptive(&model.mechanism, 1e-6);
+        let (end, summary) = run(&model, &mut chosen, 1.0);
+        // Short steps are iterated as far as others, to 1e-10 rad, which is more of a velocity; what is left of it rings in long ones.
+        assert!(end.velocity[0].abs() < 1e-6, "{hardness}: {} rad/s left", end.velocity[0]);
+        // What the first step, too long, has left of the way.
+        assert!((end.position[0] - rate / decay).abs() < 1e-6, "{hardness}: at {:e}", end.position[0]);
+        assert!(summary.steps < 80, "{hardness}: {} steps", summary.steps);
+        assert_eq!(chosen.description().ringing, None);
+
+        let mut long = fixed(&model, 9, 0.1);
+        let (rings, _) = run(&model, &mut long, 0.1);
+        let seen = long.description().ringing.unwrap();
+        assert!((seen.decay / decay - 1.0).abs() < 1e-6, "{hardness}: {seen:?}");
+        assert!(rings.velocity[0].abs() > 0.5 * rate.abs(), "{hardness}: {} rad/s", rings.velocity[0]);
+        let mut short = fixed(&model, 9, seen.longest);
+        let (stopped, _) = run(&model, &mut short, 8.0 * seen.longest);
+        assert!(stopped.velocity[0].abs() < 1e-9 * rate.abs(), "{hardness}: {} rad/s", stopped.velocity[0]);
+        assert_eq!(short.description().ringing, None);
+    }
+}
+
+#[test]
 fn point_spring_alone_swings_a_free_body_as_the_formula_says() {
     // A point mass on a spring to a fixed point, swinging radially: ℓ = ℓ₀ + A cos ωt.
     let line = PointSpring {

@@ -68,6 +68,7 @@ impl Integrator for Coasting {
             adaptive: false,
             tolerance: None,
             frequency_step: None,
+            ringing: None,
             singular: None,
             digits: 16,
             reversible_resets: None,

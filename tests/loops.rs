@@ -487,6 +487,25 @@ fn a_start_at_rest_in_a_singular_position_is_undecided_and_said_to_be() {
 }
 
 #[test]
+fn a_linkage_that_begins_to_move_has_not_passed_a_singular_position() {
+    for kept in [&[][..], &[Rule::Planar]] {
+        let (mut mechanism, start) = closed::four_bars(1, 5);
+        mechanism.gravity = Vector3::zeros();
+        let mut state = State { velocity: vec![0.0; mechanism.velocity_count], ..start.clone() };
+        let mut lobatto = Lobatto::fixed(&mechanism, 5, 0.01).unwrap().keeping(&mechanism, kept);
+        // At rest nothing has to be projected, so that nothing is known of the loop.
+        for _ in 0..3 {
+            lobatto.advance(&mechanism, &mut state, f64::INFINITY).unwrap();
+        }
+        state.velocity.copy_from_slice(&start.velocity);
+        for _ in 0..3 {
+            lobatto.advance(&mechanism, &mut state, f64::INFINITY).unwrap();
+        }
+        assert_eq!(lobatto.description().singular, None, "without {kept:?}");
+    }
+}
+
+#[test]
 fn the_fronts_of_ladders_do_not_grow_with_their_length() {
     let slots =
         |count, width, rows| Elimination::new(&closed::four_bars(count, 5).0, width, &vec![rows; count], false).slots;

@@ -5,8 +5,10 @@ mod models;
 use catena::calibration::calibrate;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
+use catena::lobatto::integrator::MethodError;
 use catena::lobatto::lanes::Isa;
 use catena::lobatto::stage_choice::StageChoice;
+use catena::model::Mechanism;
 use catena::simulation::{Integrator, StepError};
 
 #[test]
@@ -68,17 +70,52 @@ fn a_state_changed_by_the_caller_is_where_the_next_step_starts() {
         state.position.copy_from_slice(position);
         state
     };
-    let mut used = Lobatto::fixed(&model.mechanism, 5, 0.05).unwrap();
-    let mut state = model.state.clone();
-    for _ in 0..10 {
-        used.advance(&model.mechanism, &mut state, f64::INFINITY).unwrap();
+    let makers: [fn(&Mechanism) -> Lobatto; 3] = [
+        |mechanism| Lobatto::fixed(mechanism, 5, 0.05).unwrap(),
+        |mechanism| Lobatto::adaptive(mechanism, 1e-3),
+        |mechanism| Lobatto::adaptive(mechanism, 1e-8),
+    ];
+    for (which, make) in makers.into_iter().enumerate() {
+        let mut used = make(&model.mechanism);
+        let mut state = model.state.clone();
+        for _ in 0..10 {
+            used.advance(&model.mechanism, &mut state, f64::INFINITY).unwrap();
+        }
+        let (mut moved, mut expected) = (fresh(&[0.3, 0.4]), fresh(&[0.3, 0.4]));
+        let mut new = make(&model.mechanism);
+        for _ in 0..3 {
+            used.advance(&model.mechanism, &mut moved, f64::INFINITY).unwrap();
+            new.advance(&model.mechanism, &mut expected, f64::INFINITY).unwrap();
+            assert_eq!(moved, expected, "integrator {which}");
+        }
     }
-    let mut moved = fresh(&[0.3, 0.4]);
-    used.advance(&model.mechanism, &mut moved, f64::INFINITY).unwrap();
-    let mut expected = fresh(&[0.3, 0.4]);
-    let mut new = Lobatto::fixed(&model.mechanism, 5, 0.05).unwrap();
-    new.advance(&model.mechanism, &mut expected, f64::INFINITY).unwrap();
-    assert_eq!(moved, expected);
+}
+
+#[test]
+fn steps_that_are_not_longer_than_zero_are_refused() {
+    let mechanism = models::double_pendulum().mechanism;
+    for step in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        let made = [
+            Lobatto::fixed(&mechanism, 5, step).err(),
+            Lobatto::precise(&mechanism, 5, step).err(),
+            Lobatto::reversible(&mechanism, 5, step).err(),
+        ];
+        for error in made {
+            assert!(matches!(error, Some(MethodError::Step { .. })), "{step}: {error:?}");
+        }
+    }
+}
+
+#[test]
+fn a_step_that_turns_a_ball_joint_further_than_its_series_reach_is_shortened() {
+    // Each component of the rotation vector stays below 3.1 rad; its length, 3.46 rad, does not.
+    let model = models::free_body();
+    let mut state = model.state.clone();
+    let spins = model.mechanism.velocity_count - 3;
+    state.velocity[spins..].fill(20.0);
+    let mut lobatto = Lobatto::fixed(&model.mechanism, 16, 0.1).unwrap();
+    let outcome = lobatto.advance(&model.mechanism, &mut state, 1.0).unwrap();
+    assert!(outcome.step < 0.09 && outcome.rejected > 0, "{outcome:?}");
 }
 
 #[test]

@@ -15,7 +15,7 @@ use catena::lobatto::assembly::redundancy;
 use catena::log::{Recorder, Severity};
 use catena::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, energy_warning, joint_reports,
-    link_reports, loop_reports, singular_warning,
+    link_reports, loop_reports, ringing_warning, singular_warning,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Observer, RunOptions};
@@ -73,11 +73,12 @@ pub struct Arguments {
     #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = positive, requires = "stages", conflicts_with = "tolerance")]
     step: Option<f64>,
 
-    /// Vary the step with the pace of the motion, from --step on, so that very long runs do not drift
+    /// Vary the step with the pace of the motion, from --step on, so that very long runs do not drift; trees under gravity alone
     #[arg(long, requires = "step")]
     reversible: bool,
 
-    /// Solve the steps to 32 digits instead of 16, some ten times slower: rounding does not drift, however long the run
+    /// Solve the steps to 32 digits instead of 16, some ten times slower: rounding does not drift, however long the run; trees under
+    /// gravity alone, with up to 9 stages
     #[arg(long, requires = "step", conflicts_with = "reversible")]
     precise: bool,
 
@@ -212,6 +213,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let of_method: Vec<String> = MethodReport::warning(&method)
         .into_iter()
         .chain(energy_warning(&method, summary.max_relative_energy_error))
+        .chain(ringing_warning(&method))
         .chain(singular_warning(&method))
         .collect();
     if let Some(recorder) = &mut recorder {

@@ -227,6 +227,7 @@ impl Islands {
                 .into_iter()
                 .chain(one.frequency_step)
                 .max_by(|a, b| share(a).total_cmp(&share(b)));
+            together.ringing = together.ringing.or(one.ringing);
             together.singular = together.singular.into_iter().chain(one.singular).max_by_key(|seen| seen.extra);
             together.reversible_resets = together.reversible_resets.zip(one.reversible_resets).map(|(a, b)| a + b);
         }

@@ -23,8 +23,8 @@ impl<G: Geometry<One>> Closing<G> {
         self.projection.velocities(mechanism, start, velocity);
     }
 
-    /// Number of equations that the others imply, or nearly imply, where the latest projection was.
-    pub fn weak(&self) -> usize {
+    /// Number of equations that the others imply, or nearly imply, at the end that was projected last, if that had to be solved for.
+    pub fn weak(&self) -> Option<usize> {
         self.projection.weak()
     }
 

@@ -14,7 +14,8 @@
 //! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
 //! seldom has done so once. What an attempt with too large an E has found is the guess of the next one ([`super::predictor`]). Whatever
-//! these say, a step stays within the limit of stability ([`super::stability`]).
+//! these say, a step stays within the limit of stability, and a motion that hard dampers are about to stop is stopped in short ones
+//! ([`super::stability`]).
 //!
 //! Where the simplified iteration does not converge, not from the plain guess either, a tree under gravity gets half the step: one of the exact
 //! Newton method costs ten times as much, and it is tried after some halvings only. With forces it is tried at once, because a stiff
@@ -28,8 +29,8 @@ use super::predictor::Guess;
 use super::stage_choice::StageChoice;
 use super::step::{Attempt, Step, StopRule};
 use super::stepper::{Stepper, Stride};
+use crate::integrator::{StepError, StepOutcome};
 use crate::model::Mechanism;
-use crate::simulation::{StepError, StepOutcome};
 use crate::state::State;
 
 /// The coarsest stop: with a coarser one the steps are too long for anything to be seen of them.
@@ -54,7 +55,7 @@ const HASTE: usize = 2;
 /// After so many halvings of a step of a tree under gravity that does not converge the exact Newton method is tried.
 const PATIENCE: usize = 3;
 
-/// The controller's memory.
+/// Chooses steps.
 pub struct Control {
     tolerance: f64,
     stages: usize,
@@ -62,31 +63,39 @@ pub struct Control {
     stop: f64,
     /// The wanted E.
     wanted: f64,
+    /// Whether early iterates say whether a step is too long: what stiff springs and hard dampers leave in them says nothing.
+    telling: bool,
+    /// How often a step that does not converge is halved before the exact Newton method is tried.
+    patience: usize,
+    /// Whether stability has bounded a step.
+    held: bool,
+    memory: Memory,
+}
+
+/// What the controller remembers of the motion.
+#[derive(Default)]
+struct Memory {
+    /// Length of the next step (s); zero before the first.
     step: f64,
+    /// E of the last step.
     previous: Option<f64>,
-    /// Largest kinetic energy so far.
+    /// Largest kinetic energy at the ends of the steps that were kept (J).
     kinetic: f64,
     /// Length and change of energy of the first attempt at this step that changed the energy too much.
     refused: Option<(f64, f64)>,
     /// Length and E of an attempt at this step whose E was too large: the first, or the last that was well shorter than the one before.
     unresolved: Option<(f64, f64)>,
-    /// Whether early iterates say whether a step is too long: what stiff springs and hard dampers leave in them says nothing.
-    telling: bool,
     /// How many attempts at the present step had too large an E,
     too_long: usize,
     /// and how many of them were broken off for it.
     broken_off: usize,
     /// What rounding alone was seen to change the energy by (J).
     rounding: f64,
-    /// Whether stability has bounded a step.
-    held: bool,
     /// Whether an attempt at the present step was thrown away.
     rejected: bool,
     /// For how many steps small changes of the energy are taken for the steps' own, whatever E says.
     wary: usize,
-    /// How often a step that does not converge is halved before the exact Newton method is tried.
-    patience: usize,
-    /// How often the present one was.
+    /// How often the present step, which does not converge, was halved.
     halvings: usize,
 }
 
@@ -99,21 +108,16 @@ impl Control {
             stages: stages.count(isa),
             stop,
             wanted: stages.wanted_share(isa) * stop.sqrt(),
-            step: 0.0,
-            previous: None,
-            kinetic: 0.0,
-            refused: None,
-            unresolved: None,
             telling: mechanism.forces.is_empty(),
-            too_long: 0,
-            broken_off: 0,
-            rounding: 0.0,
-            held: false,
-            rejected: false,
-            wary: 0,
             patience: if mechanism.is_plain_tree() { PATIENCE } else { 0 },
-            halvings: 0,
+            held: false,
+            memory: Memory::default(),
         }
+    }
+
+    /// Forgets the motion: the next step starts from something else.
+    pub fn forget(&mut self) {
+        self.memory = Memory::default();
     }
 
     /// The tolerance asked for.
@@ -123,7 +127,7 @@ impl Control {
 
     /// The length of the next step (s).
     pub fn step(&self) -> f64 {
-        self.step
+        self.memory.step
     }
 
     /// Where the iteration stops.
@@ -133,9 +137,9 @@ impl Control {
             rounding: self.stop.max(1e-11),
             iterations: 40,
             legendre: self.limit(),
-            early: self.telling && self.previous.is_some() && self.broken_off < HASTE,
-            rough: self.too_long < HASTE,
-            exactly: self.halvings >= self.patience,
+            early: self.telling && self.memory.previous.is_some() && self.memory.broken_off < HASTE,
+            rough: self.memory.too_long < HASTE,
+            exactly: self.memory.halvings >= self.patience,
         }
     }
 
@@ -146,13 +150,13 @@ impl Control {
 
     /// Whether a first step has been chosen.
     pub fn started(&self) -> bool {
-        self.step > 0.0
+        self.memory.step > 0.0
     }
 
     /// Chooses the first step from the velocities and accelerations: `h = 0.4 / Ω (ε/10⁻¹⁰)^{1/16}`, `Ω⁴ = Σ (q̇⁴ + q̈²)`.
     pub fn start(&mut self, mechanism: &Mechanism, state: &State, kernel: &mut dyn Step) {
         let mut accelerations = vec![0.0; mechanism.velocity_count];
-        self.kinetic = kernel.energy().kinetic;
+        self.memory.kinetic = kernel.energy().kinetic;
         kernel.accelerations(1e-4, &mut accelerations);
         let power: f64 = state
             .velocity
@@ -162,7 +166,7 @@ impl Control {
             .sum();
         let rate = power.sqrt().sqrt();
         let length = FIRST * (self.stop / FIRST_STOP).powf(FIRST_POWER);
-        self.step = if rate.is_finite() { (length / rate.max(1e-3)).min(1.0) } else { 1e-3 };
+        self.memory.step = if rate.is_finite() { (length / rate.max(1e-3)).min(1.0) } else { 1e-3 };
     }
 
     /// One step of the length that this controller chooses.
@@ -182,7 +186,7 @@ impl Control {
             if guess == Guess::Past && !stepper.kernel.has_past() {
                 guess = Guess::Plain;
             }
-            let Stride { length, end, .. } = Stride::towards(until, state.time, self.step);
+            let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
             let attempt = stepper.kernel.attempt(mechanism, length, &self.rule(), guess);
             outcome.iterations += attempt.iterations();
             let energies = match attempt {
@@ -196,14 +200,17 @@ impl Control {
                 Verdict::Accept => {
                     stepper.accept(mechanism, state, length, end, &mut outcome)?;
                     self.keep_below(stepper.watch.safe_step());
+                    if let Some(settling) = stepper.watch.take_settling(state.time) {
+                        self.memory.step = self.memory.step.min(settling);
+                    }
                     return Ok(outcome);
                 }
                 Verdict::Retry { guess: next } => {
                     outcome.rejected += 1;
-                    self.rejected = true;
+                    self.memory.rejected = true;
                     guess = next;
                     // Below this the step vanishes against the time itself.
-                    if self.step < 1e-13 * state.time.abs().max(1e-3) {
+                    if self.memory.step < 1e-13 * state.time.abs().max(1e-3) {
                         return Err(stepper.failure(mechanism, state.time, length, &attempt));
                     }
                 }
@@ -213,8 +220,8 @@ impl Control {
 
     /// Bounds the next step by one that is known to be stable (s).
     pub fn keep_below(&mut self, longest: f64) {
-        self.held |= longest < self.step;
-        self.step = self.step.min(longest);
+        self.held |= longest < self.memory.step;
+        self.memory.step = self.memory.step.min(longest);
     }
 
     /// Whether stability has ever bounded a step.

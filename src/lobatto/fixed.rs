@@ -1,13 +1,14 @@
 //! Fixed steps: they end on the grid `t₀ + n h`, counted, so that no sum of steps can drift.
 //!
 //! A step that does not converge is tried again without the past, then halved, and the grid is met again afterwards. A step of a
-//! closed mechanism that has come out on another branch of a singular position, which its energy shows, is treated the same way.
+//! closed mechanism that has come out on another branch of a singular position, which its energy shows, is treated the same way. Where
+//! the shortest step fails, too, the run ends.
 
 use super::predictor::Guess;
 use super::step::{Attempt, StopRule};
 use super::stepper::{HALVINGS, Stepper};
+use crate::integrator::{StepError, StepOutcome};
 use crate::model::Mechanism;
-use crate::simulation::{StepError, StepOutcome};
 use crate::state::State;
 
 /// A step of a closed mechanism that changes the energy by this part of the kinetic energy has solved its equations on another
@@ -63,34 +64,35 @@ impl FixedSteps {
         let target = self.target(state.time, until);
         let mut outcome = StepOutcome::default();
         let mut length = target - state.time;
-        for halving in 0..=HALVINGS {
-            for guess in [Guess::Past, Guess::Plain] {
-                let last = halving == HALVINGS && guess == Guess::Plain;
-                let attempt = stepper.kernel.attempt(mechanism, length, &self.rule, guess);
-                outcome.iterations += attempt.iterations();
-                if let Attempt::Converged { exact, .. } = attempt {
-                    let before = stepper.kernel.energy().kinetic;
-                    let energies = stepper.finish(mechanism, state);
-                    let allowed = ANOTHER_MOTION * before.max(energies.kinetic) + 1e-9 * energies.potential;
-                    if mechanism.has_closures() && energies.change.abs() > allowed && !last {
-                        outcome.rejected += 1;
-                        continue;
-                    }
-                    let time = if halving == 0 { target } else { state.time + length };
+        let (mut halvings, mut guess) = (0, Guess::Past);
+        loop {
+            let attempt = stepper.kernel.attempt(mechanism, length, &self.rule, guess);
+            outcome.iterations += attempt.iterations();
+            if let Attempt::Converged { exact, .. } = attempt {
+                let before = stepper.kernel.energy().kinetic;
+                let energies = stepper.finish(mechanism, state);
+                let allowed = ANOTHER_MOTION * before.max(energies.kinetic) + 1e-9 * energies.potential;
+                if !mechanism.has_closures() || energies.change.abs() <= allowed {
+                    let time = if halvings == 0 { target } else { state.time + length };
                     outcome.exact = exact;
                     stepper.accept(mechanism, state, length, time, &mut outcome)?;
                     return Ok(outcome);
                 }
-                outcome.rejected += 1;
-                if halving == 0 && guess == Guess::Plain {
-                    stepper.look_after_failure(mechanism, state, length);
-                }
-                if last {
-                    return Err(stepper.failure(mechanism, state.time, length, &attempt));
-                }
             }
+            outcome.rejected += 1;
+            if guess == Guess::Past {
+                guess = Guess::Plain;
+                continue;
+            }
+            if halvings == 0 {
+                stepper.look_after_failure(mechanism, state, length);
+            }
+            if halvings == HALVINGS {
+                return Err(stepper.failure(mechanism, state.time, length, &attempt));
+            }
+            halvings += 1;
             length *= 0.5;
+            guess = Guess::Past;
         }
-        Ok(outcome)
     }
 }

@@ -13,8 +13,8 @@ use super::stage_choice::StageChoice;
 use super::step::{Step, StopRule};
 use super::stepper::Stepper;
 use super::tableau::{Tableau, TableauError};
+use crate::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::model::{Mechanism, Rule};
-use crate::simulation::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::state::State;
 
 /// The constrained Lobatto IIIA–IIIB scheme as an [`Integrator`].
@@ -57,12 +57,23 @@ enum Mode {
     Reversible(Reversible),
 }
 
+/// A step that a run can be made of (s).
+fn usable(step: f64) -> Result<f64, MethodError> {
+    if step > 0.0 && step.is_finite() { Ok(step) } else { Err(MethodError::Step { step }) }
+}
+
 /// Why a method cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MethodError {
     /// The number of stages.
     #[error(transparent)]
     Tableau(#[from] TableauError),
+    /// The length of the steps.
+    #[error("a step of {step} s: steps must be longer than zero, and finite")]
+    Step {
+        /// What was asked for (s).
+        step: f64,
+    },
     /// Reversible steps need a motion that is reversible itself and whose pace is known.
     #[error("reversible steps are for trees of joints under gravity alone; this one has loops, mimic joints or forces")]
     NotReversible,
@@ -83,30 +94,30 @@ impl Lobatto {
     /// Fixed steps of `step` seconds with `stages` stages, iterated to rounding.
     ///
     /// # Errors
-    /// [`TableauError`] if the number of stages is not from 2 to 16.
-    pub fn fixed(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, TableauError> {
+    /// [`MethodError`] if the number of stages is not from 2 to 16, or the step not longer than zero.
+    pub fn fixed(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
         Self::fixed_with(mechanism, stages, step, StopRule::ROUNDING, Isa::detect())
     }
 
     /// Fixed steps with a stop rule and vector instructions of one's own choice (for experiments and tests).
     ///
     /// # Errors
-    /// [`TableauError`] if the number of stages is not from 2 to 16.
+    /// As of [`Lobatto::fixed`].
     pub fn fixed_with(
         mechanism: &Mechanism,
         stages: usize,
         step: f64,
         rule: StopRule,
         isa: Isa,
-    ) -> Result<Self, TableauError> {
-        let mode = Mode::Fixed(FixedSteps::new(step, rule));
+    ) -> Result<Self, MethodError> {
+        let mode = Mode::Fixed(FixedSteps::new(usable(step)?, rule));
         Ok(Self::with_tableau(mechanism, Tableau::of(stages)?, mode, isa))
     }
 
     /// Fixed steps of `step` seconds, solved to 32 digits ([`super::precise`]): conserved quantities do not drift by rounding.
     ///
     /// # Errors
-    /// [`MethodError`] if the number of stages is not from 2 to 9, or if there is more than a tree under gravity.
+    /// [`MethodError`] if the number of stages is not from 2 to 9, if the step is not longer than zero, or if there is more than a tree under gravity.
     pub fn precise(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
         let tableau = Tableau::of(stages)?;
         if !mechanism.is_plain_tree() {
@@ -115,7 +126,7 @@ impl Lobatto {
         if stages > MOST_PRECISE_STAGES {
             return Err(MethodError::TooManyStages { stages });
         }
-        let mode = Mode::Fixed(FixedSteps::new(step, StopRule::ROUNDING));
+        let mode = Mode::Fixed(FixedSteps::new(usable(step)?, StopRule::ROUNDING));
         let kernel = precise_step_for(mechanism, tableau, &[]);
         Ok(Lobatto { precise: true, ..Self::with_kernel(mechanism, tableau, kernel, mode, Isa::detect()) })
     }
@@ -124,13 +135,13 @@ impl Lobatto {
     /// round retraces itself ([`super::reversible`]).
     ///
     /// # Errors
-    /// [`MethodError`] if the number of stages is not from 2 to 16, or if there is more than a tree under gravity.
+    /// [`MethodError`] if the number of stages is not from 2 to 16, if the step is not longer than zero, or if there is more than a tree under gravity.
     pub fn reversible(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
         let tableau = Tableau::of(stages)?;
         if !mechanism.is_plain_tree() {
             return Err(MethodError::NotReversible);
         }
-        Ok(Self::with_tableau(mechanism, tableau, Mode::Reversible(Reversible::new(step)), Isa::detect()))
+        Ok(Self::with_tableau(mechanism, tableau, Mode::Reversible(Reversible::new(usable(step)?)), Isa::detect()))
     }
 
     /// Steps chosen for a wanted position accuracy [m or rad], with the iteration stop that suits motions of moderate
@@ -206,10 +217,13 @@ impl Lobatto {
 
 impl Integrator for Lobatto {
     fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
-        if self.stepper.meet(mechanism, state)
-            && let Mode::Fixed(fixed) = &mut self.mode
-        {
-            fixed.begin_at(state.time);
+        if self.stepper.meet(mechanism, state) {
+            match &mut self.mode {
+                Mode::Fixed(fixed) => fixed.begin_at(state.time),
+                Mode::Chosen(control) => control.forget(),
+                // A run that somebody turns round goes back in the same steps.
+                Mode::Reversible(_) => {}
+            }
         }
         match &mut self.mode {
             Mode::Fixed(fixed) => fixed.advance(&mut self.stepper, mechanism, state, until),
@@ -240,6 +254,7 @@ impl Integrator for Lobatto {
             adaptive,
             tolerance,
             frequency_step: stepper.watch.nearest(),
+            ringing: stepper.watch.ringing(),
             singular: stepper.singular(),
             digits: if self.precise { 32 } else { 16 },
             reversible_resets: resets,

@@ -5,7 +5,7 @@
 //! ```text
 //!     converged:    |δ_n| ≤ ε max(1, |θ|),   or   |δ_n| ≤ 10⁻¹¹ max(1, |θ|)  and  |δ_n| > ½ |δ_{n−1}|      (rounding)
 //!                   |δ_n|, |δ_{n−1}| ≤ 10⁻⁹ max(1, |θ|)  after fifteen iterations, exact method alone      (beside a singular position)
-//!     hopeless:     |δ_n| > 0.3 |δ_{n−5}|  after eight iterations
+//!     hopeless:     |δ_n| > 0.3 |δ_{n−4}|  and  |δ_n| > 10⁻⁹ max(1, |θ|)  after eight iterations
 //!     too long:     E > 20, 4, 2, 1.5, 1.1 times the largest that is kept, after one, two … five iterations;
 //!                   or E > 3 times it after four, where early iterates are not asked
 //! ```
@@ -119,6 +119,11 @@ pub(super) fn exact_rule(mechanism: &Mechanism, rule: &StopRule) -> StopRule {
 /// Once the exact Newton method was needed, it comes first for so many steps: what made it necessary seldom ends at once.
 const EXACT_STEPS: usize = 50;
 
+/// For how many steps the exact Newton method comes first from the start of a motion: with closures it always does.
+pub(super) fn exact_at_first(mechanism: &Mechanism) -> usize {
+    if mechanism.has_closures() { usize::MAX } else { 0 }
+}
+
 /// Beside a singular position the roundings of gaps, 10⁻¹⁶ m, move a mechanism by so much (rad, m) along what the loops hardly
 /// hold: increments of the exact method that are below this and stay there are rounding, however large.
 const SLACK: f64 = 1e-9;
@@ -135,6 +140,9 @@ const TOO_LONG_LATE: f64 = 3.0;
 
 /// After so many iterations the rotations of bodies are looked at, too, and not the joints alone.
 const SHAPED: usize = 4;
+
+/// A rotation vector is at most √3 times as long as its largest component: up to this displacement none is beyond [`MAX_TURN`].
+const ASKED: f64 = 0.57 * MAX_TURN;
 
 /// Solves the stage equations, with the exact method as the last resort.
 pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule: &StopRule, guess: Guess) -> Attempt {
@@ -202,7 +210,7 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
         recent[(iteration + 4) % 5] = increment;
         let largest = equations.advance();
         scale = largest.max(1.0);
-        if largest > MAX_TURN
+        if largest > ASKED
             && let Some(freedom) = equations.turned_too_far()
         {
             return Attempt::TurnedTooFar { iterations: iteration, freedom };

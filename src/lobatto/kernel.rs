@@ -22,7 +22,7 @@ use super::closing::Closing;
 use super::coupled::{One, Space};
 use super::extended::Extended;
 use super::first::{FirstIterations, widened};
-use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_rule};
+use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_at_first, exact_rule};
 use super::lanes::{Lanes, in_lanes};
 use super::modes::Modes;
 use super::newton::Newton;
@@ -82,7 +82,7 @@ impl<V: Lanes> Kernel<V> {
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
             first_legendre: tableau.top_legendre[0],
             newton: None,
-            exact_for: if mechanism.has_closures() { usize::MAX } else { 0 },
+            exact_for: exact_at_first(mechanism),
             closing: mechanism.has_closures().then(|| Closing::new(mechanism, Projection::new(mechanism))),
             tableau,
             refined: false,
@@ -241,6 +241,8 @@ impl<V: Lanes> Step for Kernel<V> {
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.stages.start.set(mechanism, state);
         self.predictor.forget();
+        self.first.forget();
+        self.exact_for = exact_at_first(mechanism);
     }
 
     fn energy(&self) -> Energy {
@@ -296,7 +298,7 @@ impl<V: Lanes> Step for Kernel<V> {
     }
 
     fn redundant(&self) -> Option<usize> {
-        self.closing.as_ref().map(Closing::weak)
+        self.closing.as_ref().and_then(Closing::weak)
     }
 
     fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {

@@ -15,6 +15,14 @@
 //!     ω⁴ ← T(w) / T(d),      2ζω ← dᵀH C d / dᵀH d,      d ← w        with T(x) = ½ xᵀH x, the kinetic energy of rates x (J)
 //! ```
 //!
+//! A motion that dampers are about to stop shows in the acceleration itself: of a deviation w from where it settles `a = −C w`, so that
+//!
+//! ```text
+//!     γ² = T(C a) / T(a),      w ≈ −a / γ        [1/s], [1/s of the coordinates]
+//! ```
+//!
+//! while on the slow motion behind a hard damper a is as small as that is slow, and w with it.
+//!
 //! Deviations are projected on the closures; what of them is of second order there does not count in central differences.
 //! Where K alone is wanted on a tree under gravity, [`super::dynamics`] has it without differences.
 
@@ -30,6 +38,9 @@ use crate::state::State;
 
 /// ε: second order and rounding leave some nine digits of K.
 const DEVIATION: f64 = 1e-6;
+
+/// What of a motion is about to stop is one to speak of if it has this part of the largest rate.
+const SHARE: f64 = 1e-2;
 
 /// Accelerations of a mechanism with forces and closures at one state after another.
 struct Motion {
@@ -85,6 +96,18 @@ impl Motion {
         }
     }
 
+    /// Adds `C d` at a state to `sum`; leaves that state in `moved`.
+    fn brake(&mut self, mechanism: &Mechanism, state: &State, direction: &[f64], moved: &mut State, sum: &mut [f64]) {
+        for sign in [1.0, -1.0] {
+            moved.copy_from(state);
+            for (velocity, value) in moved.velocity.iter_mut().zip(direction) {
+                *velocity += sign * value;
+            }
+            self.add(mechanism, moved, -0.5 * sign, sum);
+        }
+        moved.copy_from(state);
+    }
+
     /// T of rates at the positions of a state.
     fn kinetic(&mut self, mechanism: &Mechanism, state: &mut State, rates: impl Iterator<Item = f64>) -> f64 {
         for (velocity, rate) in state.velocity.iter_mut().zip(rates) {
@@ -109,6 +132,7 @@ pub struct Linearised {
     /// `d`.
     direction: Vec<f64>,
     image: Vec<f64>,
+    acceleration: Vec<f64>,
     state: State,
     /// The mechanism without its dampers, if it has any.
     undamped: Option<Mechanism>,
@@ -129,6 +153,7 @@ impl Linearised {
             motion: Motion::new(mechanism),
             direction: vec![0.0; mechanism.velocity_count],
             image: vec![0.0; mechanism.velocity_count],
+            acceleration: vec![0.0; mechanism.velocity_count],
             state: State::zero(mechanism),
             undamped,
         };
@@ -145,6 +170,17 @@ impl Linearised {
 
     /// The mode at a state, from below, after some power iterations; zero where nothing is stiff or the state is not finite.
     pub fn estimate(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
+        let mut mode = self.undamped_mode(mechanism, state, iterations);
+        if self.undamped.is_some() {
+            if mode.frequency > 0.0 {
+                mode.damping = self.damping(mechanism, state) / mode.frequency;
+            }
+            mode.transient = self.transient(mechanism, state);
+        }
+        mode
+    }
+
+    fn undamped_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
         self.motion.project(mechanism, state, &mut self.direction);
         scale(&mut self.direction);
         let mut frequency = 0.0;
@@ -172,27 +208,37 @@ impl Linearised {
             std::mem::swap(&mut self.direction, &mut self.image);
             scale(&mut self.direction);
         }
-        let damping = if self.undamped.is_some() { self.damping(mechanism, state) / frequency } else { 0.0 };
-        Mode { frequency, damping }
+        Mode { frequency, ..Mode::default() }
     }
 
     /// ζω of the mode [1/s].
     fn damping(&mut self, mechanism: &Mechanism, state: &State) -> f64 {
         self.image.fill(0.0);
-        for sign in [1.0, -1.0] {
-            self.state.copy_from(state);
-            for (velocity, value) in self.state.velocity.iter_mut().zip(&self.direction) {
-                *velocity += sign * value;
-            }
-            self.motion.add(mechanism, &self.state, -0.5 * sign, &mut self.image);
-        }
-        self.state.copy_from(state);
+        self.motion.brake(mechanism, state, &self.direction, &mut self.state, &mut self.image);
         // dᵀH w = ½ (T(d + w) − T(d − w)).
         let pairs = || self.direction.iter().zip(&self.image);
         let with = self.motion.kinetic(mechanism, &mut self.state, pairs().map(|(d, w)| d + w));
         let without = self.motion.kinetic(mechanism, &mut self.state, pairs().map(|(d, w)| d - w));
         let size = self.motion.kinetic(mechanism, &mut self.state, self.direction.iter().copied());
         (0.125 * (with - without) / size).max(0.0)
+    }
+
+    /// γ of a motion that dampers are about to stop [1/s]; zero where there is none to speak of.
+    fn transient(&mut self, mechanism: &Mechanism, state: &State) -> f64 {
+        let Linearised { motion, acceleration, image, state: moved, .. } = self;
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        acceleration.fill(0.0);
+        motion.add(mechanism, state, 1.0, acceleration);
+        // Of the size of rates, so that the sums of the differences keep their digits.
+        let scale = largest(&state.velocity).max(1.0) / largest(acceleration);
+        acceleration.iter_mut().for_each(|value| *value *= scale);
+        image.fill(0.0);
+        motion.brake(mechanism, state, acceleration, moved, image);
+        let before = motion.kinetic(mechanism, moved, acceleration.iter().copied());
+        let after = motion.kinetic(mechanism, moved, image.iter().copied());
+        let decay = (after / before).sqrt();
+        // Not where anything is no number.
+        if largest(acceleration) / scale > SHARE * decay * largest(&state.velocity) { decay } else { 0.0 }
     }
 }
 

@@ -46,7 +46,7 @@ impl Modes {
         let (fastest, gravity) = (&mut self.fastest, mechanism.gravity.into());
         let of_tree = self.dynamics.as_mut().map(|dynamics| Mode {
             frequency: fastest.estimate(dynamics, plan, start, &gravity, iterations),
-            damping: 0.0,
+            ..Mode::default()
         });
         let of_others = || self.linearised.as_mut().map(|linearised| linearised.estimate(mechanism, state, iterations));
         of_tree.or_else(of_others).unwrap_or_default()

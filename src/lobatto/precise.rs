@@ -210,8 +210,10 @@ mod tests {
     use crate::model::{Body, Joint, JointKind, Pose};
     use nalgebra::{Rotation3, Translation3, Vector3};
 
-    /// Two bodies on hinges askew, the second of which slides along its own as well.
-    fn arm() -> Mechanism {
+    const RATES: [f64; 7] = [1.0, -2.0, 0.5, 1.5, -1.0, 0.8, -0.6];
+
+    /// Three bodies askew: on a hinge, on a joint of a kind, on a ball.
+    fn arm(kind: JointKind) -> Mechanism {
         let body = |name: &str, parent, kind, tilt| {
             let on_parent = Pose::from_parts(
                 Translation3::new(0.3 * tilt, 0.1, -0.2),
@@ -224,17 +226,22 @@ mod tests {
         };
         let bodies = vec![
             body("first", None, JointKind::Revolute, 0.7),
-            body("second", Some(0), JointKind::Revolute, 0.2),
+            body("second", Some(0), kind, 0.2),
             body("ball", Some(1), JointKind::Spherical, 0.4),
         ];
         Mechanism::new("arm", Vector3::new(0.0, 1.0, -9.81), bodies).unwrap()
     }
 
+    fn moving(mechanism: &Mechanism) -> State {
+        let mut state = State::zero(mechanism);
+        state.velocity.copy_from_slice(&RATES[..mechanism.velocity_count]);
+        state
+    }
+
     /// Rates to 32 digits after so many steps, and as many back again if that is wanted.
-    fn rates(stages: usize, step: f64, steps: usize, and_back: bool) -> Vec<Extended> {
-        let mechanism = arm();
-        let mut state = State::zero(&mechanism);
-        state.velocity.copy_from_slice(&[1.0, -2.0, 0.5, 1.5, -1.0]);
+    fn rates(kind: JointKind, stages: usize, step: f64, steps: usize, and_back: bool) -> Vec<Extended> {
+        let mechanism = arm(kind);
+        let mut state = moving(&mechanism);
         let mut precise = Precise::<Portable<8>>::new(&mechanism, Tableau::of(stages).unwrap(), &[]);
         precise.begin(&mechanism, &state);
         let directions: &[f64] = if and_back { &[1.0, -1.0] } else { &[1.0] };
@@ -251,9 +258,9 @@ mod tests {
 
     #[test]
     fn what_turns_together_keeps_its_shape_over_four_thousand_steps() {
-        let mechanism = arm();
-        let (mut state, tableau) = (State::zero(&mechanism), Tableau::of(9).unwrap());
-        state.velocity.copy_from_slice(&[1.0, -2.0, 0.5, 1.5, -1.0]);
+        // Hinges, because what slides is soon far away.
+        let mechanism = arm(JointKind::Revolute);
+        let (mut state, tableau) = (moving(&mechanism), Tableau::of(9).unwrap());
         let mut precise = Precise::<Portable<8>>::new(&mechanism, tableau, &[]);
         precise.begin(&mechanism, &state);
         let shape = |precise: &Precise<Portable<8>>| {
@@ -284,7 +291,8 @@ mod tests {
     #[test]
     fn the_order_of_the_scheme_holds_far_below_the_rounding_of_doubles() {
         // Of 9 stages: 16, a bit more or less while the next term of the error counts. Coefficients, series, axes or moments of inertia of sixteen digits would leave 1e-16, whatever the step.
-        let [coarse, fine, finest] = [8, 16, 32].map(|steps| rates(9, 0.5 / steps as f64, steps, false));
+        let [coarse, fine, finest] =
+            [8, 16, 32].map(|steps| rates(JointKind::Revolute, 9, 0.5 / steps as f64, steps, false));
         let (first, second) = (largest_difference(&coarse, &fine), largest_difference(&fine, &finest));
         let order = (first / second).log2();
         assert!(second < 1e-19 && (15.0..17.0).contains(&order), "{first:.1e}, {second:.1e}: order {order}");
@@ -292,8 +300,8 @@ mod tests {
 
     #[test]
     fn a_run_turned_round_returns_to_its_start_to_eighteen_digits() {
-        let there_and_back = rates(5, 0.02, 40, true);
-        let start = [1.0, -2.0, 0.5, 1.5, -1.0].map(Extended::from);
+        let there_and_back = rates(JointKind::Planar, 5, 0.02, 40, true);
+        let start = RATES.map(Extended::from);
         let off = largest_difference(&there_and_back, &start);
         // 80 steps, each of which ends its refinement at some 1e-22 of a displacement, which velocities have over h = 0.02 s times 10.
         assert!(off < 1e-18, "{off:.1e}");

@@ -87,7 +87,7 @@ impl<V: Lanes> Predictor<V> {
             basis: [V::zero(); MAX_LANES],
             inverse: [[0.0; MAX_LANES]; MAX_LANES],
             old_step: 0.0,
-            order: nodes.len().min(2),
+            order: first_order(&nodes),
             used: 0,
             inner: inner.collect(),
             nodes,
@@ -97,6 +97,7 @@ impl<V: Lanes> Predictor<V> {
     /// Forgets the past: the next step starts from something else.
     pub fn forget(&mut self) {
         self.old_step = 0.0;
+        self.order = first_order(&self.nodes);
     }
 
     /// Whether a guess of order above zero can be made.
@@ -279,6 +280,11 @@ fn twice_angle_over_sine<V: Lanes>(w: V) -> V {
     };
     let half = V::splat(0.5);
     horner(&TERMS, w.neg_mul_add(half, half))
+}
+
+/// The order of the first guess from a past with these nodes.
+fn first_order(nodes: &[f64]) -> usize {
+    nodes.len().min(2)
 }
 
 #[cfg(test)]

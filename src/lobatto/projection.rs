@@ -45,6 +45,8 @@ pub struct Projection<G: Geometry<One> = Space<One>> {
     correction: Vec<f64>,
     /// Second derivatives of the gaps.
     curvatures: Vec<f64>,
+    /// Whether velocities that were projected last had to be solved for.
+    solved: bool,
 }
 
 /// How far a projection got.
@@ -85,6 +87,7 @@ impl<G: Geometry<One>> Projection<G> {
         let coupled = Coupled::of_one(mechanism, &geometry);
         Projection {
             curvatures: vec![0.0; coupled.closure_of_row().len()],
+            solved: false,
             coupled,
             geometry,
             plan,
@@ -149,6 +152,7 @@ impl<G: Geometry<One>> Projection<G> {
         self.evaluate(start);
         let mut done = Projected::default();
         let mut last = f64::INFINITY;
+        self.solved = false;
         for round in 0..ROUNDS {
             self.evaluate_rates(mechanism, start, velocity);
             (done.gap, done.worst) = self.largest_gap();
@@ -158,6 +162,7 @@ impl<G: Geometry<One>> Projection<G> {
             }
             last = done.gap;
             self.solve(start, round > 0);
+            self.solved = true;
             for (rate, correction) in velocity.iter_mut().zip(&self.correction) {
                 *rate += correction;
                 done.correction = done.correction.max(correction.abs());
@@ -244,9 +249,11 @@ impl<G: Geometry<One>> Projection<G> {
         }
     }
 
-    /// Number of equations that the others imply, or nearly imply, where the latest solve was.
-    pub fn weak(&self) -> usize {
-        self.coupled.left_over.iter().filter(|left| left.is_nan() || left.abs() <= WEAK).count()
+    /// Number of equations that the others imply, or nearly imply, where velocities were projected last; `None` where they needed no
+    /// solve, which alone would have told.
+    pub fn weak(&self) -> Option<usize> {
+        let weak = |left: &&f64| left.is_nan() || left.abs() <= WEAK;
+        self.solved.then(|| self.coupled.left_over.iter().filter(weak).count())
     }
 
     /// The gaps of all equations at the start of a step.

@@ -10,8 +10,8 @@
 //!
 //! Turning time round exchanges `h₊` and `h₋` and changes the sign of L, which leaves the rule as it is. It is the leapfrog for
 //! `d ln h = −L dt`, so that `h Ω` stays near a constant ε for good where ε is small enough. Where it leaves the band of
-//! 2/3 to 3/2 of it the step is set anew, and where a step fails ε is halved: both break the symmetry, and are
-//! counted.
+//! 2/3 to 3/2 of it the step is set anew, where the pace falls so fast that the rule has no solution or is near to that the
+//! step grows as if it fell less, and where a step fails ε is halved: all three break the symmetry, and are counted.
 //!
 //! Source: E. Hairer and G. Söderlind, SIAM J. Sci. Comput. 26 (2005), with logarithms in place of reciprocals, which cannot
 //! lead to negative steps.
@@ -21,14 +21,17 @@ use super::predictor::Guess;
 use super::start::{Plan, Start};
 use super::step::{Attempt, StopRule};
 use super::stepper::{HALVINGS, Stepper, Stride};
+use crate::integrator::{StepError, StepOutcome};
 use crate::model::Mechanism;
-use crate::simulation::{StepError, StepOutcome};
 use crate::state::State;
 
 /// Pace of what hardly moves [1/s].
 const FLOOR: f64 = 1e-3;
 /// Factor between `h Ω` and ε at which the step is set anew.
 const BAND: f64 = 1.5;
+
+/// The fastest fall of the pace over a step, `h₋ L`, that the rule is asked for: below −2/e it has no solution.
+const STEEPEST: f64 = -0.6;
 
 /// Pace of a motion and how it grows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,8 +57,8 @@ impl Pace {
 
     /// The step after a step of length `before` (s).
     fn next(&self, before: f64) -> f64 {
-        // With x = ½ ln(h₊/h₋) and u = h₋ L: 2 x + u eˣ = 0, which has no solution for u < −2/e.
-        let u = (before * self.growth).max(-0.6);
+        // With x = ½ ln(h₊/h₋) and u = h₋ L: 2 x + u eˣ = 0.
+        let u = (before * self.growth).max(STEEPEST);
         let mut x = 0.0_f64;
         for _ in 0..8 {
             let grown = u * x.exp();
@@ -109,10 +112,12 @@ impl Reversible {
     /// Takes the pace at the end of a step.
     pub fn follow(&mut self, pace: &Pace) {
         let Some(span) = self.span else { return };
+        let falls = self.step * pace.growth < STEEPEST;
         self.step = pace.next(self.step);
         let off = pace.span(self.step) / span;
-        if !(1.0 / BAND..=BAND).contains(&off) {
-            self.resets += 1;
+        let astray = !(1.0 / BAND..=BAND).contains(&off);
+        self.resets += usize::from(falls || astray);
+        if astray {
             // Twice, because the middle of the step depends on its length.
             let first = span / pace.rate;
             self.step = first * (-0.5 * first * pace.growth).clamp(-0.5, 0.5).exp();
@@ -167,5 +172,22 @@ impl Reversible {
         self.resets += 1;
         self.step *= 0.5;
         self.span = self.span.map(|span| 0.5 * span);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_for_which_the_rule_has_no_solution_is_counted() {
+        let mut rule = Reversible::new(0.1);
+        rule.start(&Pace { rate: 2.0, growth: 0.0 });
+        rule.follow(&Pace { rate: 2.0, growth: 0.0 });
+        assert_eq!((rule.step(), rule.resets()), (0.1, 0));
+        // Twice as long at half the pace, with a fall of −0.7 over the step: hΩ stays within its band.
+        rule.follow(&Pace { rate: 1.0, growth: -7.0 });
+        assert_eq!(rule.resets(), 1);
+        assert!(rule.step() > 0.2, "{}", rule.step());
     }
 }

@@ -33,7 +33,7 @@
 use super::dynamics::Dynamics;
 use super::start::{Plan, Start};
 use super::tableau::{MAXIMUM_STAGES, Tableau};
-use crate::simulation::FrequencyStep;
+use crate::integrator::{FrequencyStep, Ringing};
 use nalgebra::{DMatrix, DVector, Matrix2};
 use std::sync::OnceLock;
 
@@ -127,6 +127,9 @@ const CLOSE_INTERVAL: usize = 8;
 /// Part of the limit that chosen steps keep to.
 const SAFE: f64 = 0.8;
 
+/// Shorter steps than this part of the time (s) are not made to stop what rings.
+const SHORTEST: f64 = 1e-9;
+
 /// A mode of the linearised motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mode {
@@ -134,23 +137,37 @@ pub struct Mode {
     pub frequency: f64,
     /// ζ.
     pub damping: f64,
+    /// How fast dampers stop a motion that they are about to stop [1/s]; zero where there is none to speak of.
+    pub transient: f64,
 }
 
 /// When to look at the frequency, and what has been seen.
 pub struct Watch {
     tableau: &'static Tableau,
-    /// Steps until the next look.
+    /// Steps until the first look,
+    first: usize,
+    /// and until the next.
     wait: usize,
     latest: Option<FrequencyStep>,
     nearest: Option<FrequencyStep>,
+    /// What was seen to ring first.
+    ringing: Option<Ringing>,
+    /// The longest step that stops what was seen to ring in the last look (s), until it is taken.
+    settling: Option<f64>,
 }
 
 impl Watch {
     /// A watch for a scheme. The first look is after some steps, because a run of few steps has no time for it; with `forces`
     /// at once, because springs may leave nothing to look at after a few.
     pub fn new(tableau: &'static Tableau, forces: bool) -> Self {
-        let wait = if forces { 1 } else { CLOSE_INTERVAL };
-        Watch { tableau, wait, latest: None, nearest: None }
+        let first = if forces { 1 } else { CLOSE_INTERVAL };
+        Watch { tableau, first, wait: first, latest: None, nearest: None, ringing: None, settling: None }
+    }
+
+    /// Forgets the last look: the motion goes on from somewhere else.
+    pub fn forget(&mut self) {
+        self.latest = None;
+        self.wait = self.first;
     }
 
     /// Counts an accepted step; returns the number of power iterations to look with, if it is time to.
@@ -179,10 +196,36 @@ impl Watch {
             self.wait = CLOSE_INTERVAL;
         }
         self.latest = Some(seen);
+        self.settling = self.ring(mode.transient, step, time);
         // Beyond the limit the motion is soon none that would tell anything: the first such step counts.
         if self.nearest.is_none_or(|nearest| seen.product > nearest.product && !nearest.is_unstable()) {
             self.nearest = Some(seen);
         }
+    }
+
+    /// Looks whether a motion that decays with `decay` [1/s] rings in steps of `step`; returns the longest step that stops it.
+    ///
+    /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (benches/README.md).
+    fn ring(&mut self, decay: f64, step: f64, time: f64) -> Option<f64> {
+        let s = self.tableau.stages as f64;
+        if step * decay <= 2.0 * s * (s - 1.0) {
+            return None;
+        }
+        let longest = s / decay;
+        self.ringing = self.ringing.or(Some(Ringing { decay, step, longest, time }));
+        Some(longest)
+    }
+
+    /// What was seen to ring first.
+    pub fn ringing(&self) -> Option<Ringing> {
+        self.ringing
+    }
+
+    /// Takes the next step (s) that stops what rings: steps that are chosen grow again from it, with nothing left to ring.
+    pub fn take_settling(&mut self, time: f64) -> Option<f64> {
+        let settling = self.settling.take().filter(|&step| step > SHORTEST * time)?;
+        self.ringing = None;
+        Some(settling)
     }
 
     /// The longest step that is safely stable as far as is known (s).

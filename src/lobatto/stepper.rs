@@ -11,8 +11,8 @@ use super::sampling::LastStep;
 use super::stability::Watch;
 use super::step::{Attempt, Step};
 use super::tableau::Tableau;
+use crate::integrator::{SingularPosition, StepError, StepOutcome};
 use crate::model::Mechanism;
-use crate::simulation::{SingularPosition, StepError, StepOutcome};
 use crate::state::State;
 
 /// Whatever makes a step shorter does so at most this often before it gives up.
@@ -88,6 +88,7 @@ impl Stepper {
         let moved = self.left_at != Some(state.time) || *state != self.end;
         if moved {
             self.kernel.begin(mechanism, state);
+            self.watch.forget();
         }
         moved
     }

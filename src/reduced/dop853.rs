@@ -17,8 +17,8 @@
 
 use super::dop853_table::{DENSE, DENSE_STAGES, FIFTH_ORDER_ERROR, Row, SOLUTION, STAGES, THIRD_ORDER};
 use super::ode::{ReducedOde, joint_of_entry};
+use crate::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::model::Mechanism;
-use crate::simulation::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::state::State;
 use std::cell::RefCell;
 
@@ -223,6 +223,7 @@ impl Integrator for Dop853 {
             adaptive,
             tolerance,
             frequency_step: None,
+            ringing: None,
             singular: None,
             digits: 16,
             reversible_resets: None,

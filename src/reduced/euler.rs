@@ -9,8 +9,8 @@
 
 use super::ode::{ReducedOde, joint_of_entry, next_time};
 use crate::forces::total::Exchange;
+use crate::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::model::Mechanism;
-use crate::simulation::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::state::State;
 
 /// Semi-implicit Euler with a fixed step.
@@ -86,6 +86,7 @@ impl Integrator for Euler {
             adaptive: false,
             tolerance: None,
             frequency_step: None,
+            ringing: None,
             singular: None,
             digits: 16,
             reversible_resets: None,

@@ -8,8 +8,8 @@
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, Springer 1993, table II.1.2.
 
 use super::ode::{ReducedOde, joint_of_entry, next_time};
+use crate::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::model::Mechanism;
-use crate::simulation::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::state::State;
 use std::cell::RefCell;
 
@@ -103,6 +103,7 @@ impl Integrator for Rk4 {
             adaptive: false,
             tolerance: None,
             frequency_step: None,
+            ringing: None,
             singular: None,
             digits: 16,
             reversible_resets: None,

@@ -2,7 +2,7 @@
 
 use super::text::{counted, rounded};
 use crate::calibration::Calibration;
-use crate::simulation::{FrequencyStep, MethodDescription, SingularPosition};
+use crate::simulation::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
 use serde::Serialize;
 
 /// The scheme of a run.
@@ -66,17 +66,39 @@ impl MethodReport {
     /// What the user should know, if a step was beyond the limit of stability.
     pub fn warning(description: &MethodDescription) -> Option<String> {
         let seen = description.frequency_step.filter(FrequencyStep::is_unstable)?;
+        let longest = rounded(seen.longest());
+        let remedy = if description.adaptive {
+            "the steps after it are shorter, but fast motions have grown in it; use a smaller --tolerance if they matter".to_string()
+        } else {
+            format!("fast motions grow without bound; use --step below {longest} s, more --stages, or --tolerance")
+        };
         Some(format!(
             "a step of {} s is beyond the stability limit of {} at t = {} s, where the fastest motion turns by {} rad in it \
-             and {} rad is the limit: fast motions grow without bound; use --step below {} s, more --stages, or --tolerance",
+             and {} rad is the limit: {remedy}",
             rounded(seen.step),
             counted(description.stages, "stage"),
             rounded(seen.time),
             rounded(seen.product),
-            rounded(seen.limit),
-            rounded(seen.longest())
+            rounded(seen.limit)
         ))
     }
+}
+
+/// What the user should know, if dampers were to stop a motion that the steps were too long to stop.
+pub fn ringing_warning(description: &MethodDescription) -> Option<String> {
+    let Ringing { decay, step, longest, time } = description.ringing?;
+    let remedy = if description.adaptive {
+        "no step that counts beside the time resolves that".to_string()
+    } else {
+        format!("use --step below {} s, or --tolerance", rounded(longest))
+    };
+    Some(format!(
+        "near t = {} s dampers stop a motion within {} s, and steps of {} s do not: its velocities and efforts ring on from step to \
+         step, though positions hardly do; {remedy}",
+        rounded(time),
+        rounded(1.0 / decay),
+        rounded(step)
+    ))
 }
 
 /// What the user should know, if closures said less somewhere in the run than elsewhere.

@@ -7,7 +7,9 @@ mod method;
 mod places;
 mod text;
 
-pub use method::{AccuracyReport, COARSE, FrequencyReport, MethodReport, energy_warning, singular_warning};
+pub use method::{
+    AccuracyReport, COARSE, FrequencyReport, MethodReport, energy_warning, ringing_warning, singular_warning,
+};
 pub use places::{JointReport, LinkReport, LoopReport, Numbers, joint_reports, link_reports, loop_reports};
 
 use crate::islands::{IslandFigures, Plan};

@@ -57,7 +57,7 @@ impl fmt::Display for Report {
         if let Some(accuracy) = &self.accuracy {
             writeln!(
                 out,
-                "  accuracy    {:.1e} m expected at worst where steps end, from {} pilot runs",
+                "  accuracy    {:.1e} m expected where steps end, give or take a factor of ten; {} pilot runs",
                 accuracy.estimated, accuracy.pilots
             )?;
         }

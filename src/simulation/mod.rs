@@ -5,13 +5,14 @@
 //! the Lobatto scheme and for the reduced-coordinate comparators, so that charts compare like with like.
 
 mod course;
-mod integrator;
 mod observer;
 mod summary;
 
+pub use crate::integrator::{
+    FrequencyStep, Integrator, MethodDescription, Ringing, SingularPosition, StepError, StepOutcome,
+};
 pub(crate) use course::Course;
 pub use course::{RunError, RunOptions, run};
-pub use integrator::{FrequencyStep, Integrator, MethodDescription, SingularPosition, StepError, StepOutcome};
 pub(crate) use observer::show;
 pub use observer::{Counts, Observer, ObserverError, Sample, StepEnd};
 pub use summary::Summary;

@@ -55,16 +55,16 @@ impl Control {
                 if guess != Guess::Plain {
                     return Verdict::Retry { guess: Guess::Plain };
                 }
-                self.halvings += 1;
-                self.step = 0.5 * step;
+                self.memory.halvings += 1;
+                self.memory.step = 0.5 * step;
                 Verdict::Retry { guess: Guess::Past }
             }
             Attempt::TurnedTooFar { .. } => {
-                self.step = 0.7 * step;
+                self.memory.step = 0.7 * step;
                 Verdict::Retry { guess: Guess::Past }
             }
             Attempt::Inaccurate { legendre, .. } => {
-                self.broken_off += 1;
+                self.memory.broken_off += 1;
                 self.shorten(step, legendre)
             }
             Attempt::Converged { iterations, legendre, .. } => {
@@ -77,8 +77,8 @@ impl Control {
                 match by_energy {
                     Ok(by_energy) => self.go_on(step, error, iterations, by_energy),
                     Err(by_energy) => {
-                        self.step = step * by_energy.clamp(0.2, 0.9);
-                        self.wary = WARY;
+                        self.memory.step = step * by_energy.clamp(0.2, 0.9);
+                        self.memory.wary = WARY;
                         // It may have found another motion, behind a singular position.
                         return Verdict::Retry { guess: Guess::Past };
                     }
@@ -90,73 +90,113 @@ impl Control {
 
     /// The next attempt after one whose E was too large.
     fn shorten(&mut self, step: f64, error: f64) -> Verdict {
-        self.too_long += 1;
+        self.memory.too_long += 1;
         let order = (self.stages - 1) as f64;
-        self.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
+        self.memory.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
         Verdict::Retry { guess: Guess::Longer(step) }
     }
 
     /// The factor by which the next step may be longer for its energy, or, as an error, by which this one has to be shorter.
     fn heed(&mut self, energies: Energies, step: f64, error: f64) -> Result<f64, f64> {
+        if !energies.change.is_finite() {
+            return Err(0.0);
+        }
         let mut by_energy = f64::INFINITY;
-        self.kinetic = self.kinetic.max(energies.kinetic);
+        let kinetic = self.memory.kinetic.max(energies.kinetic);
         // Each of the two is rounded, also where they cancel.
-        let rounding = self.rounding.max(1e-13 * (energies.kinetic + energies.potential));
-        let allowed = ENERGY_SHARE * self.tolerance * self.kinetic;
+        let rounding = self.memory.rounding.max(1e-13 * (energies.kinetic + energies.potential));
+        let allowed = ENERGY_SHARE * self.tolerance * kinetic;
         // What rounding changes does not fall with the step.
         let change = (energies.change.abs() - rounding).max(0.0);
         // At rest nothing is allowed and nothing changes.
-        if change > 0.0 && (error > NEGLIGIBLE * self.wanted || self.wary > 0 || change > allowed) {
+        if change > 0.0 && (error > NEGLIGIBLE * self.wanted || self.memory.wary > 0 || change > allowed) {
             let order = (2 * self.stages - 1) as f64;
             by_energy = 0.9 * (allowed / change).powf(1.0 / order);
         }
-        // A step in which the energy is not finite fails this test too.
-        let refused = energies.change.is_nan() || change > allowed && !self.is_rounding(step, change + rounding);
-        if refused { Err(by_energy) } else { Ok(by_energy) }
+        if change > allowed && !self.is_rounding(step, change + rounding, ROUNDED * kinetic) {
+            return Err(by_energy);
+        }
+        // Not of a step that is thrown away: another motion, behind a singular position, may be as fast as it likes.
+        self.memory.kinetic = kinetic;
+        Ok(by_energy)
     }
 
     /// The next step after one that is kept.
     fn go_on(&mut self, step: f64, error: f64, iterations: usize, by_energy: f64) {
         let order = (self.stages - 1) as f64;
-        let previous = self.previous.unwrap_or(error);
+        let memory = &mut self.memory;
+        let previous = memory.previous.unwrap_or(error);
         let by_error = (self.wanted / error).powf(0.7 / order) * (previous / error).powf(0.3 / order);
         let by_iterations = ((WANTED_ITERATIONS + 1.0) / (iterations as f64 + 1.0)).sqrt();
-        let longest = if self.rejected { 1.0 } else { 2.0 };
+        let longest = if memory.rejected { 1.0 } else { 2.0 };
         let factor = by_error.min(by_iterations).min(by_energy).clamp(0.3, longest);
-        self.rejected = false;
-        (self.halvings, self.too_long, self.broken_off) = (0, 0, 0);
-        self.wary = self.wary.saturating_sub(1);
-        self.previous = Some(error);
-        (self.refused, self.unresolved) = (None, None);
-        self.rounding *= FORGOTTEN;
+        memory.rejected = false;
+        (memory.halvings, memory.too_long, memory.broken_off) = (0, 0, 0);
+        memory.wary = memory.wary.saturating_sub(1);
+        memory.previous = Some(error);
+        (memory.refused, memory.unresolved) = (None, None);
+        memory.rounding *= FORGOTTEN;
         // A truncated last step must not shorten what follows.
-        self.step = if step < 0.999 * self.step { self.step.max(step * factor) } else { step * factor };
+        memory.step = if step < 0.999 * memory.step { memory.step.max(step * factor) } else { step * factor };
     }
 
     /// Whether E is that of a kink: a shorter step has as large a one, while truncation would fall to nothing. Joint coordinates have one
     /// where a motion passes a gimbal lock, which is best passed in one step: the more ends of steps come near, the more rates are rounded.
     /// The energy decides on such a step.
     fn is_kink(&mut self, step: f64, error: f64) -> bool {
-        let (longer, larger) = *self.unresolved.get_or_insert((step, error));
+        let (longer, larger) = *self.memory.unresolved.get_or_insert((step, error));
         if step > 0.8 * longer {
             return false;
         }
         // The first of them may have been too long for more reasons than one.
-        self.unresolved = Some((step, error));
+        self.memory.unresolved = Some((step, error));
         error >= 0.5 * larger && error <= KINK * self.limit()
     }
 
     /// Whether a change of energy is one of rounding alone: a step half as long changes it as much, where truncation would fall to
-    /// nothing. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their roundings.
-    fn is_rounding(&mut self, step: f64, change: f64) -> bool {
-        let Some((first_step, first_change)) = self.refused else {
-            self.refused = Some((step, change));
+    /// nothing; not if it is larger than `most`. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their
+    /// roundings.
+    fn is_rounding(&mut self, step: f64, change: f64, most: f64) -> bool {
+        let Some((first_step, first_change)) = self.memory.refused else {
+            self.memory.refused = Some((step, change));
             return false;
         };
-        let rounding = step <= 0.5 * first_step && change >= 0.1 * first_change && change <= ROUNDED * self.kinetic;
+        let rounding = step <= 0.5 * first_step && change >= 0.1 * first_change && change <= most;
         if rounding {
-            self.rounding = 3.0 * change;
+            self.memory.rounding = 3.0 * change;
         }
         rounding
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lobatto::lanes::Isa;
+    use crate::lobatto::stage_choice::StageChoice;
+    use crate::model::{Body, Joint, JointKind, Mechanism, Pose};
+    use nalgebra::Vector3;
+
+    #[test]
+    fn an_attempt_that_is_thrown_away_allows_later_ones_no_larger_change_of_the_energy() {
+        let joint = Joint::new("hinge", JointKind::Revolute, Pose::identity(), Pose::translation(0.0, 0.0, 0.5));
+        let body = Body { name: "rod".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.1), joint };
+        let mechanism = Mechanism::new("pendulum", Vector3::new(0.0, 9.81, 0.0), vec![body]).unwrap();
+        let mut control = Control::new(&mechanism, 1e-3, 1e-7, StageChoice::Few, Isa::Portable);
+        let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, exact: false };
+        let mut verdict = |change, kinetic| {
+            let energies = Energies { change, kinetic, potential: 1.0 };
+            control.judge(&solved, Some(energies), 0.1, Guess::Past)
+        };
+        let refused = Verdict::Retry { guess: Guess::Past };
+        // 3e-5 of the largest kinetic energy so far.
+        assert_eq!(verdict(1e-5, 1.0), Verdict::Accept);
+        assert_eq!(verdict(1e-4, 1.0), refused);
+        for (change, kinetic) in [(1.0, 1e3), (f64::INFINITY, f64::INFINITY), (f64::NAN, f64::NAN)] {
+            assert_eq!(verdict(change, kinetic), refused, "{change}, {kinetic}");
+            assert_eq!(verdict(1e-4, 1.0), refused, "after {change}, {kinetic}");
+        }
+        assert_eq!(verdict(1e-4, 10.0), Verdict::Accept);
+        assert_eq!(verdict(1e-4, 1.0), Verdict::Accept, "of a motion that has been that fast");
     }
 }

@@ -21,7 +21,7 @@ use super::anderson::Anderson;
 use super::chord::Chord;
 use super::closing::Closing;
 use super::coupled::One;
-use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_rule};
+use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_at_first, exact_rule};
 use super::lanes::{Lanes, in_lanes};
 use super::modes::Modes;
 use super::predictor::{Guess, Predictor};
@@ -80,7 +80,7 @@ impl<V: Lanes> PlanarKernel<V> {
             chord: Chord::NEW,
             predictor: Predictor::new(freedoms, Vec::new(), tableau),
             newton: None,
-            exact_for: if mechanism.has_closures() { usize::MAX } else { 0 },
+            exact_for: exact_at_first(mechanism),
             closing: mechanism.has_closures().then(|| {
                 let flat = Flat::new(mechanism, plane, One::zero(), false);
                 Closing::new(mechanism, Projection::of(mechanism, flat, PlanarPlan::new(mechanism, plane)))
@@ -193,6 +193,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.stages.start.set(&self.stages.plan, mechanism, state);
         self.predictor.forget();
+        self.exact_for = exact_at_first(mechanism);
     }
 
     fn energy(&self) -> Energy {
@@ -241,7 +242,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     }
 
     fn redundant(&self) -> Option<usize> {
-        self.closing.as_ref().map(Closing::weak)
+        self.closing.as_ref().and_then(Closing::weak)
     }
 
     fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {

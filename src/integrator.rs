@@ -22,6 +22,8 @@ pub struct MethodDescription {
     pub tolerance: Option<f64>,
     /// The nearest that any step came to the limit of linear stability, as far as it was looked at.
     pub frequency_step: Option<FrequencyStep>,
+    /// The first step that was too long to stop a motion that dampers stop.
+    pub ringing: Option<Ringing>,
     /// Where the closures were nearest to saying less than elsewhere, as far as ends of steps show it.
     pub singular: Option<SingularPosition>,
     /// Decimal digits that steps are solved to: 16, or 32.
@@ -37,6 +39,19 @@ pub struct SingularPosition {
     pub time: f64,
     /// How many more equations are redundant there than elsewhere in the run.
     pub extra: usize,
+}
+
+/// A motion that dampers stop, in a step that leaves most of it: it rings on, from step to step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ringing {
+    /// How fast they stop it [1/s].
+    pub decay: f64,
+    /// The step (s).
+    pub step: f64,
+    /// About the longest step that stops it (s).
+    pub longest: f64,
+    /// When (s).
+    pub time: f64,
 }
 
 /// The nearest that a run has come to the limit of stability, or the first step beyond it.
@@ -101,8 +116,10 @@ pub enum StepError {
         "at t = {time} s joint {joint:?} turns by more than half a revolution within a step of {step:.1e} s; choose a smaller --step"
     )]
     TurnedTooFar { time: f64, step: f64, joint: String },
-    /// Every step changes the energy by more than the tolerance allows, however short.
-    #[error("at t = {time} s no step is accurate enough, not even {step:.1e} s; choose a larger --tolerance")]
+    /// Every step changes the energy by more than the tolerance allows, or to that of another motion, however short.
+    #[error(
+        "at t = {time} s no step is accurate enough, not even {step:.1e} s; choose a larger --tolerance, or with --step more --stages"
+    )]
     NotAccurate { time: f64, step: f64 },
     /// The state is not finite any more.
     #[error(
