@@ -12,7 +12,8 @@
 //! with the distance of [`crate::distance`], seen at up to 32 instants where steps of the coarser pilot end. That has the coarsest stop
 //! that a run is given, however calm its motion. Pilots that are apart by more than a hundredth of the mechanism's size have parted and say
 //! nothing; then the finer one is the coarser of the next pair, unless they parted so early that this one would part, too. If the finest
-//! pair cannot hold the accuracy to the end, the calibration says until when it is held.
+//! pair cannot hold the accuracy to the end, the calibration says until when it is held; where it parted long before, after another look at the
+//! time until then.
 //!
 //! A coarse pilot may be right by luck, a hundred times nearer than its stop lets expect in one of fifty runs of a chain of ten links. So
 //! where `ε_run` would be about as coarse as its stop, a third pilot tries it, and the finer one of the pair says how far off that is. Where
@@ -58,6 +59,9 @@ const LUCKY: f64 = 0.25;
 const ROUNDED: f64 = 1e-13;
 /// Pilots that are apart by this share of the mechanism's size have parted and say nothing about smaller errors.
 const SATURATED: f64 = 1e-2;
+
+/// Finest pilots that have parted before so many of the instants at which they were compared are looked at more closely.
+const CLOSELY: usize = 8;
 
 /// What the pilot runs found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -223,7 +227,10 @@ impl<'s> Search<'s> {
             };
             match pair {
                 Pair::Together => return Ok(Couple { coarse, fine, parted: false }),
-                Pair::Parted if fine.stop <= FINEST => return Ok(Couple { coarse, fine, parted: true }),
+                Pair::Parted if fine.stop <= FINEST => {
+                    let parted = Couple { coarse, fine, parted: true };
+                    return if parted.coarse.trail.len() < CLOSELY { self.closer(parted, go_on) } else { Ok(parted) };
+                }
                 Pair::Parted => {
                     let lasted = coarse.trail.last().map_or(self.course.start, |&(time, _)| time);
                     let enough = self.enough(coarse.stop, lasted, before);
@@ -239,6 +246,18 @@ impl<'s> Search<'s> {
                     coarse = self.pilot(coarse.stop, StageChoice::Filling);
                 }
             }
+        }
+    }
+
+    /// The same pair up to where it was seen to have parted, compared at instants that are nearer to each other.
+    fn closer(&mut self, parted: Couple<'s>, go_on: GoOn) -> Result<Couple<'s>, CalibrationError> {
+        let end = parted.coarse.trail.last().map_or(self.course.end, |&(time, _)| time);
+        let course = Course { end, ..self.course };
+        let mut coarse = self.pilot(parted.coarse.stop, parted.coarse.stages);
+        let mut fine = self.pilot(parted.fine.stop, parted.fine.stages);
+        match coarse.accompany(&mut fine, course, go_on)? {
+            Pair::HeldBack => Ok(parted),
+            Pair::Together | Pair::Parted => Ok(Couple { coarse, fine, parted: true }),
         }
     }
 

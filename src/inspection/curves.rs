@@ -209,7 +209,7 @@ impl Visitor for Gatherer<'_> {
     fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
         let time = frame.time();
         for value in joint_values(frame, self.kinds) {
-            // Efforts and reactions are drawn by their size.
+            // Reactions are drawn below, by their size; efforts are parts of them.
             if matches!(value.quantity, Quantity::Force | Quantity::Torque | Quantity::Effort) {
                 continue;
             }

@@ -15,7 +15,7 @@
 //! |--------------------|--------------------------|--------------------------|
 //! | none free          | no turn                  | no turn                  |
 //! | about z_a          | nothing, if z_b is too   | `(n × z_a)·z_b`, if z_b is too |
-//! | about z_a and z_b  | nothing, if z_b is not   | `z_a·z_b`, if z_b is too |
+//! | about z_a and z_b  | nothing, if z_b is not   | `z_a·z_b` if z_b is too, else nothing |
 //!
 //! and anything else is no motion in the plane. No turn means `u_a·w_b = 0` for directions of the two frames that lie in the plane and
 //! are square to each other where the frames agree, if n is the same direction in both.

@@ -101,8 +101,7 @@ pub struct ThinnedProblem {
     pub places: Vec<usize>,
 }
 
-/// `count` steps (s) from `longest` to `shortest`, equally spaced on a logarithmic scale. None of them is a power of two or divides the
-/// duration, except by chance.
+/// `count` steps (s) from `longest` to `shortest`, equally spaced on a logarithmic scale.
 pub fn steps(longest: f64, shortest: f64, count: usize) -> Vec<f64> {
     let ratio = (shortest / longest).ln();
     (0..count).map(|rung| longest * (ratio * rung as f64 / (count - 1).max(1) as f64).exp()).collect()

@@ -51,8 +51,6 @@ pub struct Runner<'m> {
 
 /// The pilot runs of a tolerance may cost so many times the budget of the run.
 const PILOTS: f64 = 2.5;
-/// Rows of multipliers from which a dense matrix of theirs is too large for memory.
-const DENSE: usize = 10_000;
 
 enum Work<'m> {
     Joint { integrator: Box<dyn Integrator>, state: State, lost: Exchange },
@@ -108,9 +106,6 @@ impl<'m> Runner<'m> {
         let method = match (method, setting) {
             (Method::Chart(method), _) => method,
             (Method::Baumgarte, Setting::Step(step)) => {
-                if 5 * mechanism.bodies.len() > DENSE {
-                    return Err(Refused::NotApplicable("its dense matrix would not fit in memory"));
-                }
                 let integrator = Baumgarte::new(mechanism, start, step).map_err(Refused::NotApplicable)?;
                 let rows = integrator.rows() as f64;
                 let unit = 4.0 * (2e-6 * bodies + 1e-9 * rows * rows * (rows + 6.0 * bodies));

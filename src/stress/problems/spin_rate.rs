@@ -14,7 +14,7 @@ pub fn problem() -> Problem {
         name: "spin_rate",
         title: "A fast top",
         scene: "The heavy top of the literature (15 kg, 1 m from its fixed point), spinning about its own axis; the last column \
-                but one turns it by half a radian a step at 1500 rad/s.",
+                but one turns it by a third of a radian a step at 1500 rad/s.",
         axis: "spin [rad/s]",
         difficulties: vec!["1.5", "5", "15", "50", "150", "500", "1500", "5000"],
         steps: steps(0.1, 1e-4, 10),
