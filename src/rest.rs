@@ -8,7 +8,7 @@
 //!
 //! with its acceleration `a` [m/s²], angular acceleration `α` [rad/s²], the force `F` (N) of springs and loads on it, its mass
 //! `m` (kg), and radius of gyration `k` (m). Whoever is held up by rounding alone to within that is at rest for this
-//! purpose.
+//! purpose. A body with inertia but no mass has no `k`: it must not turn at all.
 //!
 //! An unstable equilibrium is one: a pendulum that stands exactly upright stays there in the exact solution. What a computation
 //! would make of it is the growth of its own roundings, which fell it after some 37 of its time constants, at a time that
@@ -38,9 +38,12 @@ pub fn is_at_rest(mechanism: &Mechanism, state: &State) -> bool {
     let rounding = if mechanism.has_closures() { ROUNDING_OF_CLOSURES } else { ROUNDING };
     let rounding = rounding * bodies.len() as f64;
     mechanism.bodies.iter().zip(&wrenches).zip(accelerations).all(|((body, wrench), (linear, angular))| {
-        // A body without mass has no motion of its own: what hangs on it shows it.
+        if !linear.iter().chain(angular.iter()).all(|number| number.is_finite()) {
+            return false;
+        }
         if body.mass == 0.0 {
-            return linear.iter().chain(angular.iter()).all(|number| number.is_finite());
+            // Where it goes, what hangs on it shows; and without inertia, how it turns.
+            return body.inertia.amax() == 0.0 || angular.amax() == 0.0;
         }
         let gyration = (0.5 * body.inertia.sum() / body.mass).sqrt();
         let allowed = rounding * (mechanism.gravity.norm() + wrench.0.norm() / body.mass);

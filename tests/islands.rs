@@ -5,7 +5,7 @@ mod common;
 mod models;
 
 use catena::forces::total::{Stored, stored};
-use catena::forces::{Forces, PointSpring};
+use catena::forces::{Forces, JointLoad, PointSpring};
 use catena::invariants::{energy, energy_with_forces};
 use catena::islands::{Islands, Plan, Threads};
 use catena::kinematics::body_states;
@@ -453,6 +453,15 @@ fn rest_in_equilibrium_is_known_stable_or_not_and_nothing_else_is() {
     };
     assert!(rests(lean(std::f64::consts::FRAC_PI_2)), "hanging four-bar");
     assert!(!rests(lean(1.0)), "leaning four-bar");
+}
+
+#[test]
+fn what_has_inertia_but_no_mass_is_at_rest_only_where_nothing_turns_it() {
+    let (mut mechanism, state) = pendulum(0.0);
+    mechanism.bodies[0].mass = 0.0;
+    assert!(is_at_rest(&mechanism, &state), "without effort");
+    mechanism.forces.joint_loads.push(JointLoad { freedom: 0, effort: 1e-20 });
+    assert!(!is_at_rest(&mechanism, &state), "a driven rotor");
 }
 
 #[test]
