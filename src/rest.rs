@@ -8,7 +8,8 @@
 //!
 //! with its acceleration `a` [m/s²], angular acceleration `α` [rad/s²], the force `F` (N) of springs and loads on it, its mass
 //! `m` (kg), and radius of gyration `k` (m). Whoever is held up by rounding alone to within that is at rest for this
-//! purpose. A body with inertia but no mass has no `k`: it must not turn at all.
+//! purpose. Of each vector the largest entry counts, which is finite and not zero where its square need not be. A body with
+//! inertia but no mass has no `k`: it must not turn at all.
 //!
 //! An unstable equilibrium is one: a pendulum that stands exactly upright stays there in the exact solution. What a computation
 //! would make of it is the growth of its own roundings, which fell it after some 37 of its time constants, at a time that
@@ -46,7 +47,7 @@ pub fn is_at_rest(mechanism: &Mechanism, state: &State) -> bool {
             return body.inertia.amax() == 0.0 || angular.amax() == 0.0;
         }
         let gyration = (0.5 * body.inertia.sum() / body.mass).sqrt();
-        let allowed = rounding * (mechanism.gravity.norm() + wrench.0.norm() / body.mass);
-        linear.norm() <= allowed && gyration * angular.norm() <= allowed
+        let allowed = rounding * (mechanism.gravity.amax() + wrench.0.amax() / body.mass);
+        allowed.is_finite() && linear.amax() <= allowed && gyration * angular.amax() <= allowed
     })
 }

@@ -465,6 +465,16 @@ fn what_has_inertia_but_no_mass_is_at_rest_only_where_nothing_turns_it() {
 }
 
 #[test]
+fn no_gravity_is_so_strong_or_weak_that_what_it_pulls_aside_is_at_rest() {
+    // The squares of these are infinite and zero.
+    for pull in [1e200, 1e-200] {
+        let (mut mechanism, state) = pendulum(0.0);
+        mechanism.gravity = Vector3::new(pull, 0.0, 0.0);
+        assert!(!is_at_rest(&mechanism, &state), "{pull} m/s²");
+    }
+}
+
+#[test]
 fn a_sleeping_island_stays_exactly_where_it_is_and_the_others_do_not_notice() {
     let model = side_by_side(vec![
         pendulum(0.0),
