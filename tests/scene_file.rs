@@ -365,6 +365,22 @@ fn loop_joints_of_a_urdf_close_loops() {
     }
 }
 
+#[test]
+fn loop_joints_end_at_the_same_world_as_the_joints_of_the_tree() {
+    let folder = folder("loop_joint_to_world");
+    let closing = r#"<loop_joint name="closure" type="continuous"><axis xyz="0 1 0"/>
+      <link1 link="weight" rpy="0 0 -0.5"/><link2 link="world" xyz="0.1 0 -2"/></loop_joint></robot>"#;
+    let declared = DOUBLE.replace("\"base\"", "\"world\"").replace("</robot>", closing);
+    let undeclared = declared.replace("<link name=\"world\"/>", "");
+    for urdf in [declared, undeclared] {
+        std::fs::write(folder.join("closed.urdf"), urdf).unwrap();
+        let pose = "pose = { position = [0.5, 0.2, 1], rpy = [0.3, 0.2, 0.1] }";
+        let (model, _, state) = build(&folder, &format!("[[robot]]\nurdf = \"closed.urdf\"\n{pose}\n"));
+        let gap = gap(&model, &state);
+        assert!(gap < 1e-15, "{gap}");
+    }
+}
+
 fn report(folder: &Path, arguments: &[&str]) -> Value {
     let output = run(folder, arguments);
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));

@@ -8,7 +8,8 @@
 //! * distance without a length: the distance.
 //!
 //! The start is that of the file: positions given on the command line move the bodies and not the frames in them. A
-//! `<loop_joint>` gives both frames whole.
+//! `<loop_joint>` gives both frames whole; its `world`, if no link has that name, is the one in which the robot's base has its
+//! pose, as for the joints of the tree.
 
 use super::closure::{LoopJoint, LoopKind};
 use super::coupling_error::CouplingProblem;
@@ -38,9 +39,9 @@ impl Builder<'_> {
                     element: Element::Loop(closing.name.clone()),
                 };
                 let turn = axis_rotation(&closing.axis);
-                let end = |&(link, frame): &(Option<usize>, Pose)| {
-                    let link = link.map_or(LinkReference::World, |link| LinkReference::Link { robot: number, link });
-                    self.end(link, &(frame * turn), &stand)
+                let end = |&(link, frame): &(Option<usize>, Pose)| match link {
+                    Some(link) => self.end(LinkReference::Link { robot: number, link }, &(frame * turn), &stand),
+                    None => self.end(LinkReference::World, &(placed.base_pose * frame * turn), &stand),
                 };
                 let name = if self.model.robots.len() > 1 {
                     format!("{}/{}", placed.name, closing.name)
