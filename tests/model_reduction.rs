@@ -8,6 +8,7 @@ use catena::scene::{Element, PackagePath, Robot, robot_from_text};
 use common::{Numbers, literal_link_poses, rotation_angle};
 use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 fn read(text: &str) -> Robot {
     robot_from_text(text, Path::new("robot.urdf"), &PackagePath::default()).expect("a good URDF")
@@ -359,6 +360,58 @@ fn point_masses_move_but_motions_without_inertia_are_refused() {
         Model::new(read(&text), &ModelOptions::default()).unwrap_err(),
         ModelError::NoInertia { element: Element::Joint(name), .. } if name == "first"
     ));
+}
+
+#[test]
+fn motions_that_joints_further_out_undo_are_found_through_links_without_mass() {
+    let point = |name: &str| link(name, 1.0, "0.3 0 0.5", "0 0 0", [0.0; 3]);
+    let nothing = |name: &str| format!("<link name=\"{name}\"/>");
+    let chain = |[upper, middle]: [String; 2], kinds: [&str; 3], arm: &str| {
+        let [one, two, three] = kinds;
+        let text = robot(&[
+            nothing("base"),
+            upper,
+            middle,
+            point("lower"),
+            joint("one", one, "base", "upper", "0 0 0", "0 0 0", "0 0 1"),
+            joint("two", two, "upper", "middle", arm, "0 0 0", "0 0 1"),
+            joint("three", three, "middle", "lower", arm, "0 0 0", "0 0 1"),
+        ]);
+        match Model::new(read(&text), &ModelOptions::default()) {
+            Ok(model) => model.mechanism.bodies.len().to_string(),
+            Err(ModelError::NoInertia { element: Element::Joint(name), .. }) => name,
+            Err(other) => panic!("{other}"),
+        }
+    };
+    let hinges = ["continuous"; 3];
+    // Two hinges put a point anywhere in the plane: the third has nothing left to do, unless there is a mass on the way.
+    assert_eq!(chain([nothing("upper"), nothing("middle")], hinges, "1 0 0"), "one");
+    assert_eq!(chain([point("upper"), nothing("middle")], hinges, "1 0 0"), "3");
+    assert_eq!(chain([nothing("upper"), point("middle")], hinges, "1 0 0"), "3");
+    // Hinges about one line, and a slide along it between them.
+    let slide_between = ["continuous", "prismatic", "continuous"];
+    assert_eq!(chain([nothing("upper"), nothing("middle")], slide_between, "0 0 1"), "one");
+    assert_eq!(chain([point("upper"), nothing("middle")], slide_between, "0 0 1"), "3");
+    // Two slides along one line, the inner one with nothing of its own.
+    assert_eq!(chain([nothing("upper"), nothing("middle")], ["continuous", "prismatic", "prismatic"], "0 0 1"), "two");
+}
+
+#[test]
+fn thousands_of_point_masses_are_looked_at_in_no_time() {
+    let count = 3000;
+    let mut elements = vec!["<link name=\"l0\"/>".to_string()];
+    for number in 1..=count {
+        let (name, above) = (format!("l{number}"), format!("l{}", number - 1));
+        elements.push(link(&name, 1.0, "0 0 -0.1", "0 0 0", [0.0; 3]));
+        elements.push(joint(&format!("j{number}"), "continuous", &above, &name, "0 0 -0.1", "0 0 0", "0 1 0"));
+    }
+    let robot = read(&robot(&elements));
+    let clock = Instant::now();
+    let model = Model::new(robot, &ModelOptions::default()).unwrap();
+    let took = clock.elapsed();
+    assert_eq!(model.mechanism.bodies.len(), count);
+    // With work that grows as the cube of their number it is minutes.
+    assert!(took < Duration::from_secs(5), "{took:?}");
 }
 
 #[test]
