@@ -84,11 +84,28 @@ pub fn place(joint: &Joint, parent: &BodyState, position: &[f64], rest: &[f64], 
 
 /// Poses and velocities of all bodies, written into `out` (one entry a body). Does not allocate.
 pub fn forward_kinematics(mechanism: &Mechanism, position: &[f64], velocity: &[f64], out: &mut [BodyState]) {
+    place_all(mechanism, position, None, velocity, out);
+}
+
+/// The same of a state, with all digits of its positions. Does not allocate.
+pub fn place_bodies(mechanism: &Mechanism, state: &State, out: &mut [BodyState]) {
+    place_all(mechanism, &state.position, Some(&state.compensation), &state.velocity, out);
+}
+
+/// The same of a state, in a new vector.
+pub fn body_states(mechanism: &Mechanism, state: &State) -> Vec<BodyState> {
+    let mut out = vec![WORLD; mechanism.bodies.len()];
+    place_bodies(mechanism, state, &mut out);
+    out
+}
+
+fn place_all(mechanism: &Mechanism, position: &[f64], rest: Option<&[f64]>, velocity: &[f64], out: &mut [BodyState]) {
     for (index, body) in mechanism.bodies.iter().enumerate() {
         let parent = body.parent.map_or(WORLD, |parent| out[parent]);
         let joint = &body.joint;
+        let rest = rest.map_or(&[][..], |rest| &rest[joint.position_range()]);
         let (position, velocity) = (&position[joint.position_range()], &velocity[joint.velocity_range()]);
-        out[index] = place(joint, &parent, position, &[], velocity).body;
+        out[index] = place(joint, &parent, position, rest, velocity).body;
     }
 }
 
@@ -135,16 +152,4 @@ pub fn body_accelerations(
             - cross(&state.angular_velocity, &cross(&state.angular_velocity, &arm_on_child));
         accelerations[index] = (linear, angular);
     }
-}
-
-/// The bodies' poses and velocities of a state, with all digits of its positions, in a new vector.
-pub fn body_states(mechanism: &Mechanism, state: &State) -> Vec<BodyState> {
-    let mut out: Vec<BodyState> = Vec::with_capacity(mechanism.bodies.len());
-    for body in &mechanism.bodies {
-        let parent = body.parent.map_or(WORLD, |parent| out[parent]);
-        let own = body.joint.position_range();
-        let (position, rest) = (&state.position[own.clone()], &state.compensation[own]);
-        out.push(place(&body.joint, &parent, position, rest, &state.velocity[body.joint.velocity_range()]).body);
-    }
-    out
 }

@@ -3,9 +3,9 @@
 mod models;
 
 use catena::invariants::{energy, momentum, violation};
-use catena::kinematics::{WORLD, forward_kinematics};
+use catena::kinematics::{WORLD, body_states, forward_kinematics};
 use catena::lobatto::Lobatto;
-use catena::simulation::Integrator;
+use catena::simulation::{self, Integrator, RunOptions};
 use models::Model;
 use nalgebra::Vector3;
 
@@ -82,6 +82,21 @@ fn energy_error_is_bounded_without_trend() {
         // Without an upper bound the claim would hold for garbage: the error is that of the order, below 1 % of 10 J.
         assert!(largest < 0.1, "s={stages}: {largest:.1e} J");
     }
+}
+
+#[test]
+fn the_reported_energy_knows_all_digits_of_an_angle() {
+    let mut model = models::double_pendulum();
+    // The next doubles of this angle are 1e-7 rad away, over which gravity does 1e-6 J of work.
+    model.state.position[0] += 1e9;
+    let mut lobatto = Lobatto::fixed(&model.mechanism, 9, 0.01).unwrap();
+    let options = RunOptions { duration: 1.0, rate: None, interrupt: None };
+    let (summary, ended) = simulation::run(&model.mechanism, &mut model.state, &mut lobatto, &options, &mut []);
+    ended.unwrap();
+    let error = summary.max_relative_energy_error;
+    assert!(error < 1e-12, "{error:.1e} of the kinetic energy");
+    let bodies = body_states(&model.mechanism, &model.state);
+    assert_eq!(summary.final_energy, energy(&model.mechanism, &bodies));
 }
 
 #[test]

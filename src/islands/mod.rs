@@ -19,7 +19,7 @@ mod whole;
 pub use threads::Threads;
 
 use crate::invariants::energy_with_forces;
-use crate::kinematics::forward_kinematics;
+use crate::kinematics::place_bodies;
 use crate::lobatto::Lobatto;
 use crate::model::{Island, Mechanism, Plane, Rule, islands};
 use crate::rest::is_at_rest;
@@ -272,12 +272,9 @@ impl Islands {
             }
             state.time = whole.end;
         } else {
-            state.position.copy_from_slice(&whole.position);
-            state.velocity.copy_from_slice(&whole.velocity);
-            state.compensation.fill(0.0);
-            state.time = whole.time;
+            state.copy_from(&whole.state);
         }
-        forward_kinematics(mechanism, &state.position, &state.velocity, &mut whole.bodies);
+        place_bodies(mechanism, state, &mut whole.bodies);
         whole.summary.final_energy = energy_with_forces(mechanism, &state.position, &whole.bodies);
         (whole.summary, ended)
     }
@@ -313,7 +310,7 @@ impl Islands {
             whole.take(mechanism, &mut awake, observers)?;
             if let Some(error) = first_error(&mut awake) {
                 return Err(match error {
-                    RunError::Interrupted { .. } => RunError::Interrupted { time: whole.time },
+                    RunError::Interrupted { .. } => RunError::Interrupted { time: whole.state.time },
                     error => error,
                 });
             }

@@ -3,7 +3,7 @@
 use super::part::{Part, frontier};
 use crate::forces::total::Exchange;
 use crate::invariants::{energy_with_forces, violation};
-use crate::kinematics::{WORLD, forward_kinematics};
+use crate::kinematics::{body_states, place_bodies};
 use crate::model::Mechanism;
 use crate::simulation::{Counts, Observer, RunError, RunOptions, Sample, StepEnd, StepOutcome, Summary, show};
 use crate::state::{BodyState, State};
@@ -15,10 +15,8 @@ pub(super) struct Whole {
     pub(super) end: f64,
     /// Whether samples inside the run are wanted.
     sampled: bool,
-    /// Time of the last sample, and what it was.
-    pub(super) time: f64,
-    pub(super) position: Vec<f64>,
-    pub(super) velocity: Vec<f64>,
+    /// The last sample. Samples are without what rounding has cut off their positions.
+    pub(super) state: State,
     pub(super) bodies: Vec<BodyState>,
     pub(super) summary: Summary,
     /// Sums over the islands at the last step that was taken (J).
@@ -36,16 +34,13 @@ pub(super) struct Whole {
 
 impl Whole {
     pub(super) fn new(mechanism: &Mechanism, state: &State, options: &RunOptions) -> Self {
-        let mut bodies = vec![WORLD; mechanism.bodies.len()];
-        forward_kinematics(mechanism, &state.position, &state.velocity, &mut bodies);
+        let bodies = body_states(mechanism, state);
         let initial = energy_with_forces(mechanism, &state.position, &bodies);
         Whole {
             start: state.time,
             end: state.time + options.duration,
             sampled: options.rate.is_some(),
-            time: state.time,
-            position: state.position.clone(),
-            velocity: state.velocity.clone(),
+            state: State { compensation: vec![0.0; state.position.len()], ..state.clone() },
             summary: Summary {
                 initial_energy: initial,
                 final_energy: initial,
@@ -83,11 +78,11 @@ impl Whole {
             }
             for Part { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
                 let Some(sample) = shown.samples.pop_front() else { continue };
-                island.put(&sample.position, &mut self.position, |piece| &piece.positions);
-                island.put(&sample.velocity, &mut self.velocity, |piece| &piece.velocities);
+                island.put(&sample.position, &mut self.state.position, |piece| &piece.positions);
+                island.put(&sample.velocity, &mut self.state.velocity, |piece| &piece.velocities);
             }
-            forward_kinematics(mechanism, &self.position, &self.velocity, &mut self.bodies);
-            self.time = until;
+            place_bodies(mechanism, &self.state, &mut self.bodies);
+            self.state.time = until;
             self.show(mechanism, observers)?;
         }
     }
@@ -129,7 +124,8 @@ impl Whole {
 
     /// Shows the last sample, if it is wanted, with the figures of its instant.
     fn show(&mut self, mechanism: &Mechanism, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
-        let wanted = self.sampled || self.time == self.start || self.time == self.end;
+        let time = self.state.time;
+        let wanted = self.sampled || time == self.start || time == self.end;
         if observers.is_empty() || !wanted {
             return Ok(());
         }
@@ -137,15 +133,15 @@ impl Whole {
         let Summary { steps, iterations, rejected_steps: rejected, .. } = self.summary;
         outcome.step /= (steps - std::mem::replace(&mut self.steps_before, steps)).max(1) as f64;
         let step = StepEnd {
-            time: self.time,
-            energy: energy_with_forces(mechanism, &self.position, &self.bodies),
+            time,
+            energy: energy_with_forces(mechanism, &self.state.position, &self.bodies),
             exchange: self.exchange,
             violation: violation(mechanism, &self.bodies),
             outcome,
             so_far: Counts { steps, iterations, rejected },
         };
-        let Whole { time, position, velocity, .. } = &*self;
-        show(observers, &Sample { time: *time, position, velocity, step: &step })
+        let State { position, velocity, .. } = &self.state;
+        show(observers, &Sample { time, position, velocity, step: &step })
     }
 
     /// Shows a run in which nothing moves.
@@ -157,12 +153,12 @@ impl Whole {
     ) -> Result<(), RunError> {
         self.show(mechanism, observers)?;
         let mut samples = 0_u64;
-        while self.time < self.end {
+        while self.state.time < self.end {
             if options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
-                return Err(RunError::Interrupted { time: self.time });
+                return Err(RunError::Interrupted { time: self.state.time });
             }
             samples += 1;
-            self.time = options.rate.map_or(self.end, |rate| (self.start + samples as f64 / rate).min(self.end));
+            self.state.time = options.rate.map_or(self.end, |rate| (self.start + samples as f64 / rate).min(self.end));
             self.show(mechanism, observers)?;
         }
         Ok(())

@@ -3,7 +3,7 @@
 use super::observer::show;
 use super::summary::Bookkeeper;
 use super::{Integrator, Observer, ObserverError, Sample, StepError, Summary};
-use crate::kinematics::{body_states, forward_kinematics};
+use crate::kinematics::{body_states, place_bodies};
 use crate::model::Mechanism;
 use crate::state::{BodyState, State};
 use cpu_time::ThreadTime;
@@ -138,7 +138,7 @@ impl Course {
             let outcome = integrator.advance(mechanism, state, self.end);
             self.solving += clock.elapsed();
             let outcome = outcome?;
-            forward_kinematics(mechanism, &state.position, &state.velocity, &mut self.bodies);
+            place_bodies(mechanism, state, &mut self.bodies);
             self.bookkeeper.record(mechanism, state, &self.bodies, outcome);
             observers.iter_mut().for_each(|observer| observer.step(&self.bookkeeper.last));
             while self.sample_time(self.sampled) <= state.time {

@@ -3,7 +3,7 @@
 use super::{Counts, StepEnd, StepOutcome};
 use crate::forces::total::Exchange;
 use crate::invariants::{Energy, Violation, energy_with_forces, violation};
-use crate::kinematics::{WORLD, forward_kinematics};
+use crate::kinematics::body_states;
 use crate::model::Mechanism;
 use crate::state::{BodyState, State};
 
@@ -61,8 +61,7 @@ pub(super) struct Bookkeeper {
 
 impl Bookkeeper {
     pub fn new(mechanism: &Mechanism, state: &State) -> Self {
-        let mut bodies = vec![WORLD; mechanism.bodies.len()];
-        forward_kinematics(mechanism, &state.position, &state.velocity, &mut bodies);
+        let bodies = body_states(mechanism, state);
         let initial = energy_with_forces(mechanism, &state.position, &bodies);
         let violation = violation(mechanism, &bodies);
         Bookkeeper {
