@@ -1,4 +1,4 @@
-//! Gaps of loop joints and mimics at one instant, from the maximal coordinates alone: the check of every run.
+//! Gaps of loop joints and mimics at one instant: the check of every run. Those of loops from the maximal coordinates alone.
 //!
 //! Equations as in the table of [`crate::model::LoopJoint`]; rates by differentiating them. With `d = P_b − P_a`,
 //!
@@ -148,11 +148,11 @@ pub fn gap_accelerations(
     }
 }
 
-/// The gap of a mimic relation (rad or m) and its rate.
+/// The gap of a mimic relation (rad or m), with all digits of the positions, and its rate.
 pub fn mimic_gap(mimic: &Mimic, state: &State) -> (f64, f64) {
-    let gap = state.position[mimic.follower.position]
-        - mimic.multiplier * state.position[mimic.leader.position]
-        - mimic.offset;
+    let [follows, leads] = [mimic.follower, mimic.leader].map(|of| of.position);
+    let rest = state.compensation[follows] - mimic.multiplier * state.compensation[leads];
+    let gap = state.position[follows] - mimic.multiplier * state.position[leads] - mimic.offset + rest;
     let rate = state.velocity[mimic.follower.freedom] - mimic.multiplier * state.velocity[mimic.leader.freedom];
     (gap, rate)
 }

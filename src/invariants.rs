@@ -7,11 +7,11 @@
 //!
 //! Springs and loads with a potential add theirs ([`crate::forces`]).
 
-use crate::closures::loop_gaps;
+use crate::closures::{loop_gaps, mimic_gap};
 use crate::forces::total::stored;
 use crate::kinematics::WORLD;
 use crate::model::{FreeRotation, Mechanism};
-use crate::state::BodyState;
+use crate::state::{BodyState, State};
 use nalgebra::Vector3;
 
 /// Kinetic energy, and the potential energies by what holds them (J).
@@ -34,10 +34,10 @@ impl Energy {
     }
 }
 
-/// Largest violation of any joint, at position and at velocity level.
+/// Largest violation of any joint, loop or mimic relation, at position and at velocity level.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Violation {
-    /// Largest component of g(q): metres for gaps, sines of angles for misalignments.
+    /// Largest component of g(q): m for gaps, sines of angles for misalignments, m or rad for mimic relations.
     pub position: f64,
     /// Largest component of Dg(q) q̇, in m/s and rad/s.
     pub velocity: f64,
@@ -76,25 +76,26 @@ pub fn momentum(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vector3<f64>, V
     (linear, angular)
 }
 
-/// How far the bodies are from satisfying their joints and `RᵀR = 1`, measured on the maximal coordinates alone.
-pub fn violation(mechanism: &Mechanism, bodies: &[BodyState]) -> Violation {
+/// How far a state is from satisfying its joints, loops, mimic relations and `RᵀR = 1`. All but mimic relations, which only the
+/// joint coordinates know, are measured on the maximal coordinates alone.
+pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> Violation {
     let mut worst = Violation::default();
     let mut see = |position: f64, velocity: f64| {
         worst.position = worst.position.max(position.abs());
         worst.velocity = worst.velocity.max(velocity.abs());
     };
-    for (body, state) in mechanism.bodies.iter().zip(bodies) {
+    for (body, here) in mechanism.bodies.iter().zip(bodies) {
         let parent = body.parent.map_or(WORLD, |parent| bodies[parent]);
         let joint = &body.joint;
         let frame_p = parent.rotation * joint.on_parent.rotation.matrix();
-        let frame_c = state.rotation * joint.on_child.rotation.matrix();
+        let frame_c = here.rotation * joint.on_child.rotation.matrix();
         let arm_p = parent.rotation * joint.on_parent.translation.vector;
-        let arm_c = state.rotation * joint.on_child.translation.vector;
-        let gap = state.position + arm_c - parent.position - arm_p;
-        let gap_rate = state.velocity + state.angular_velocity.cross(&arm_c)
+        let arm_c = here.rotation * joint.on_child.translation.vector;
+        let gap = here.position + arm_c - parent.position - arm_p;
+        let gap_rate = here.velocity + here.angular_velocity.cross(&arm_c)
             - parent.velocity
             - parent.angular_velocity.cross(&(arm_p + gap));
-        let relative_spin = state.angular_velocity - parent.angular_velocity;
+        let relative_spin = here.angular_velocity - parent.angular_velocity;
         for axis in (0..3).filter(|axis| !joint.kind.translation_axes().contains(axis)) {
             let direction = frame_p.column(axis);
             see(direction.dot(&gap), direction.dot(&gap_rate));
@@ -109,11 +110,15 @@ pub fn violation(mechanism: &Mechanism, bodies: &[BodyState]) -> Violation {
             let (first, second) = (frame_p.column(on_parent), frame_c.column(on_child));
             see(first.dot(&second), relative_spin.dot(&second.cross(&first)));
         }
-        let defect = state.rotation.transpose() * state.rotation - nalgebra::Matrix3::identity();
+        let defect = here.rotation.transpose() * here.rotation - nalgebra::Matrix3::identity();
         see(defect.amax(), 0.0);
     }
     for joint in &mechanism.loops {
         let (gap, rate) = loop_gaps(joint, bodies).largest();
+        see(gap, rate);
+    }
+    for mimic in &mechanism.mimics {
+        let (gap, rate) = mimic_gap(mimic, state);
         see(gap, rate);
     }
     worst

@@ -27,7 +27,7 @@ fn constraints_hold_to_rounding_over_a_hundred_thousand_steps() {
     for (model, stages, step) in [(models::double_pendulum(), 5, 0.05), (models::slow_heavy_top(), 3, 0.02)] {
         let (mut position, mut velocity) = (0.0_f64, 0.0_f64);
         run(&model, stages, step, 100_000, |_, bodies| {
-            let violation = violation(&model.mechanism, bodies);
+            let violation = violation(&model.mechanism, &model.state, bodies);
             let speed =
                 bodies.iter().map(|body| body.velocity.norm() + body.angular_velocity.norm()).fold(1.0, f64::max);
             position = position.max(violation.position);

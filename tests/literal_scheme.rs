@@ -82,7 +82,7 @@ fn every_joint_holds_to_rounding_at_position_and_velocity_level() {
             let mut bodies = model.bodies();
             for _ in 0..5 {
                 bodies = literal.step(&bodies, 0.01).unwrap().bodies;
-                let worst = violation(&model.mechanism, &bodies);
+                let worst = violation(&model.mechanism, &model.state, &bodies);
                 // A rounding of coordinates of order one each, ten terms; no step adds to the next.
                 assert!(worst.position < 4e-15, "{}, s = {stages}: {worst:?}", model.mechanism.name);
                 // The same for velocities, which reach 10 m/s and rad/s here.
@@ -134,7 +134,7 @@ fn energy_error_does_not_grow_with_time() {
     println!("energy error {:.2e} J in the first half, {:.2e} J in the second", worst[0], worst[1]);
     assert!(worst[1] < 1.5 * worst[0]);
     // Rounding defects of the constraints add up like a random walk: 1e-16 · √2000, and some for ten terms each.
-    let drift = violation(&model.mechanism, &bodies).position;
+    let drift = violation(&model.mechanism, &model.state, &bodies).position;
     println!("constraint defect after 2000 steps {drift:.1e}");
     assert!(drift < 3e-14, "{drift:e}");
 }

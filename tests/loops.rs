@@ -6,7 +6,7 @@ mod closed;
 mod common;
 
 use catena::closures::{loop_gaps, mimic_gap};
-use catena::invariants::energy;
+use catena::invariants::{energy, violation};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::lobatto::assembly::{AssemblyError, assemble, redundancy};
@@ -325,6 +325,16 @@ fn a_mimic_joint_follows_exactly_and_its_pair_moves_as_one_angle() {
     assert!(gap.abs() < 1e-14 && gap_rate.abs() < 1e-13, "{gap:e} {gap_rate:e}");
     assert!((state.position[0] - angle).abs() < 1e-10, "{} {angle}", state.position[0]);
     assert!((state.velocity[0] - rate).abs() < 1e-9, "{} {rate}", state.velocity[0]);
+}
+
+#[test]
+fn the_violation_of_a_run_counts_mimic_relations() {
+    let (mechanism, mut state) = geared(-1.7, 0.4);
+    state.position[1] += 1e-3;
+    state.compensation[1] = 1e-17;
+    state.velocity[1] += 0.5;
+    let found = violation(&mechanism, &state, &body_states(&mechanism, &state));
+    assert!((found.position - 1e-3).abs() < 1e-15 && found.velocity == 0.5, "{found:?}");
 }
 
 #[test]

@@ -44,7 +44,7 @@ impl Whole {
             summary: Summary {
                 initial_energy: initial,
                 final_energy: initial,
-                max_violation: violation(mechanism, &bodies),
+                max_violation: violation(mechanism, state, &bodies),
                 ..Summary::default()
             },
             bodies,
@@ -136,7 +136,7 @@ impl Whole {
             time,
             energy: energy_with_forces(mechanism, &self.state.position, &self.bodies),
             exchange: self.exchange,
-            violation: violation(mechanism, &self.bodies),
+            violation: violation(mechanism, &self.state, &self.bodies),
             outcome,
             so_far: Counts { steps, iterations, rejected },
         };

@@ -15,6 +15,7 @@
 //! all roundings are as good as random.
 
 use super::applied_plan::AppliedStart;
+use crate::closures::mimic_gap;
 use crate::forces::total::stored;
 use crate::invariants::Energy;
 use crate::kinematics::{Placed, WORLD, place};
@@ -336,8 +337,6 @@ pub(super) fn units_per_kilogram(rates: &[f64]) -> f64 {
 /// Writes `q_follower − multiplier · q_leader − offset` of every mimic in a state.
 pub(super) fn mimic_gaps(mechanism: &Mechanism, state: &State, gaps: &mut [f64]) {
     for (gap, mimic) in gaps.iter_mut().zip(&mechanism.mimics) {
-        let [follows, leads] = [mimic.follower, mimic.leader].map(|of| of.position);
-        let rest = state.compensation[follows] - mimic.multiplier * state.compensation[leads];
-        *gap = state.position[follows] - mimic.multiplier * state.position[leads] - mimic.offset + rest;
+        *gap = mimic_gap(mimic, state).0;
     }
 }

@@ -63,7 +63,7 @@ impl Bookkeeper {
     pub fn new(mechanism: &Mechanism, state: &State) -> Self {
         let bodies = body_states(mechanism, state);
         let initial = energy_with_forces(mechanism, &state.position, &bodies);
-        let violation = violation(mechanism, &bodies);
+        let violation = violation(mechanism, state, &bodies);
         Bookkeeper {
             summary: Summary {
                 initial_energy: initial,
@@ -87,7 +87,7 @@ impl Bookkeeper {
 
     pub fn record(&mut self, mechanism: &Mechanism, state: &State, bodies: &[BodyState], outcome: StepOutcome) {
         let energy = energy_with_forces(mechanism, &state.position, bodies);
-        let violation = violation(mechanism, bodies);
+        let violation = violation(mechanism, state, bodies);
         let summary = &mut self.summary;
         add(&mut summary.exchange.dissipated, &mut self.rest.dissipated, outcome.exchange.dissipated);
         add(&mut summary.exchange.work, &mut self.rest.work, outcome.exchange.work);
