@@ -305,9 +305,11 @@ fn shapes_that_cannot_be_shown_are_left_out_alone() {
     };
     for (form, reason) in [
         ("<plane normal=\"0 0 1\"/>", "<plane> is no geometry"),
+        ("<drake:capsule xmlns:drake=\"d\"/>", "<drake:capsule> is no geometry"),
         ("<mesh/>", "its mesh has no filename"),
         ("<mesh filename=\"\"/>", "its mesh has no filename"),
         ("", "it has no geometry"),
+        ("<box size=\"1 1 1\"/><sphere radius=\"1\"/>", "its geometry is a <box> and a <sphere>"),
     ] {
         let robot = warned(&robot(&shape(form), "", ""), reason, 3, link("arm"));
         assert_eq!((robot.links[1].visuals.len(), robot.links[1].collisions.len()), (1, 0), "{form}");

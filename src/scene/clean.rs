@@ -257,11 +257,19 @@ fn unusable_geometry(shape: Node) -> Option<String> {
     let Some(geometry) = geometry.filter(|geometry| elements(*geometry) > 0) else {
         return Some("it has no geometry".to_string());
     };
-    let known = |node: &Node| GEOMETRY.children.iter().any(|known| known.schema.name == node.tag_name().name());
-    let Some(form) = geometry.children().filter(Node::is_element).find(known) else {
+    let known = |node: &Node| {
+        let ours = node.tag_name().namespace() == geometry.tag_name().namespace();
+        ours && GEOMETRY.children.iter().any(|known| known.schema.name == node.tag_name().name())
+    };
+    let mut forms = geometry.children().filter(Node::is_element).filter(known);
+    let Some(form) = forms.next() else {
         let name = geometry.first_element_child().map_or(String::new(), qualified);
         return Some(format!("<{name}> is no geometry of URDF"));
     };
+    if let Some(other) = forms.find(|other| other.tag_name() != form.tag_name()) {
+        let [one, two] = [form, other].map(|form| form.tag_name().name());
+        return Some(format!("its geometry is a <{one}> and a <{two}>, and must be one of them"));
+    }
     let no_file = form.attribute("filename").is_none_or(|name| name.trim().is_empty());
     (form.tag_name().name() == "mesh" && no_file).then(|| "its mesh has no filename".to_string())
 }
