@@ -415,6 +415,19 @@ fn quaternions_are_read_from_version_1_1_and_exactly() {
     assert!(matches!(refused(&both, 6, joint("hinge")), Problem::Number { .. }));
 }
 
+#[test]
+fn quaternions_count_by_their_direction_however_long_they_are() {
+    for length in [1e-320, 1e-200, 0.5, 1.0, 1e200, 1e308] {
+        let origin = format!("<origin quat_xyzw=\"0 0 {length:e} {length:e}\"/>");
+        let text = robot("", &origin, "").replace("<robot ", "<robot version=\"1.1\" ");
+        let found = read(&text).unwrap().joints[0].origin.rotation;
+        let wanted = nalgebra::Rotation3::from_euler_angles(0.0, 0.0, std::f64::consts::FRAC_PI_2);
+        assert!((found.matrix() - wanted.matrix()).amax() < 1e-15, "{length:e}: {found}");
+    }
+    let zero = robot("", "<origin quat_xyzw=\"0 0 0 0\"/>", "").replace("<robot ", "<robot version=\"1.1\" ");
+    assert!(matches!(refused(&zero, 6, joint("hinge")), Problem::Number { .. }));
+}
+
 /// A folder of this test's own.
 fn scratch(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("catena-urdf-reading-{}-{name}", std::process::id()));

@@ -4,12 +4,12 @@ use super::clean::error_at;
 use super::element::CleanElement;
 use super::error::{Element, Problem, SceneError, Warning};
 use super::mesh_files::MeshFiles;
-use super::numbers::unit;
+use super::numbers::{normalised, unit};
 use super::robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Shape, UrdfJoint, UrdfJointKind,
     UrdfLoop, WORLD_LINK,
 };
-use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3, Vector4};
 use std::path::Path;
 
 /// What all conversions need.
@@ -221,12 +221,12 @@ impl Converter<'_> {
             return refuse("rpy is given too");
         }
         // urdf-rs would turn it into roll, pitch, yaw, which loses up to 4 mrad near a pitch of 90°.
-        match q.as_slice() {
-            &[x, y, z, w] if x != 0.0 || y != 0.0 || z != 0.0 || w != 0.0 => {
-                let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)).to_rotation_matrix();
+        match normalised(&Vector4::from_column_slice(&q)) {
+            Some(xyzw) => {
+                let rotation = UnitQuaternion::new_unchecked(Quaternion::from(xyzw)).to_rotation_matrix();
                 Ok(Pose::from_parts(translation, rotation))
             }
-            _ => refuse("the quaternion is zero"),
+            None => refuse("the quaternion is zero"),
         }
     }
 

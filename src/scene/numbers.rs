@@ -1,6 +1,6 @@
 //! The numbers in an attribute: so many, finite, separated by spaces; and directions.
 
-use nalgebra::Vector3;
+use nalgebra::{SVector, Vector3};
 
 /// The numbers of an attribute as separate texts, and whether commas stood between them; or what is wrong.
 pub(super) fn numbers(value: &str, count: usize, infinite_allowed: bool) -> Result<(Vec<String>, bool), String> {
@@ -37,16 +37,18 @@ pub(super) fn numbers(value: &str, count: usize, infinite_allowed: bool) -> Resu
 
 /// The direction of a vector and, if its length is not one, the warning about that; `None` if it is zero.
 pub(super) fn unit(given: &Vector3<f64>) -> Option<(Vector3<f64>, Option<String>)> {
-    // The largest entry is divided out first, so that neither 1e-200 nor 1e200 is taken for zero or infinity.
-    let largest = given.amax();
-    if largest == 0.0 {
-        return None;
-    }
+    let unit = normalised(given)?;
     let length = given.norm();
     // Files write unit vectors with some five to seven digits.
     let warning = (length - 1.0).abs() > 1e-4;
-    let warning = warning.then(|| format!("the axis has length {length}; it was normalised"));
-    Some((if length == 1.0 { *given } else { (given / largest).normalize() }, warning))
+    Some((unit, warning.then(|| format!("the axis has length {length}; it was normalised"))))
+}
+
+/// The vector of length one with this direction; `None` if it is zero.
+pub(super) fn normalised<const N: usize>(given: &SVector<f64, N>) -> Option<SVector<f64, N>> {
+    // The largest entry is divided out first, so that neither 1e-200 nor 1e200 is taken for zero or infinity.
+    let largest = given.amax();
+    (largest != 0.0).then(|| if given.norm() == 1.0 { *given } else { (given / largest).normalize() })
 }
 
 /// A piece of the file as messages show it: on one line and not endless.
