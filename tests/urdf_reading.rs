@@ -394,6 +394,16 @@ fn files_one_character_away_from_xml_are_read() {
 }
 
 #[test]
+fn prefixes_are_declared_in_the_outermost_element_whatever_stands_before_it() {
+    let text = robot("", "", "<sensor:camera/>");
+    for before in ["<!-- made from <robot> template -->", "<?xml version=\"1.0\"?><!----><?made from=\"<robot>\"?>"] {
+        warned(&format!("{before}{text}"), "namespace prefix \"sensor\" is not declared", 8, None);
+    }
+    let other = text.replace("robot", "robots");
+    assert_eq!(refused(&other, 1, None), Problem::NotRobot("robots".to_string()));
+}
+
+#[test]
 fn strange_names_survive() {
     let name = "a &amp; &lt;b&gt; &quot;ü&quot; 'c'";
     let text = robot("", "", "").replace("\"arm\"", &format!("\"{name}\""));

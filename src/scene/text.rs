@@ -81,7 +81,7 @@ impl XmlText {
                 Err(error) => return Err(self.xml_error(&error)),
                 Ok(_) => return Ok(()),
             };
-            let Some(after_name) = self.text.find("<robot").map(|start| start + "<robot".len()) else { return Ok(()) };
+            let Some(after_name) = end_of_root_name(&self.text) else { return Ok(()) };
             let (prefix, position) = unknown;
             self.text.insert_str(after_name, &format!(" xmlns:{prefix}=\"urn:undeclared:{prefix}\""));
             self.index_lines();
@@ -109,6 +109,20 @@ impl XmlText {
         };
         self.error_at(Some(line), Problem::Xml(message))
     }
+}
+
+/// Where the name of the outermost element ends. Before it there are only comments and processing instructions.
+fn end_of_root_name(text: &str) -> Option<usize> {
+    let mut start = text.find('<')?;
+    while let Some(end) = match &text[start + 1..] {
+        rest if rest.starts_with("!--") => Some("-->"),
+        rest if rest.starts_with('?') => Some("?>"),
+        _ => None,
+    } {
+        start += text[start..].find(end)?;
+        start += text[start..].find('<')?;
+    }
+    Some(start + text[start..].find([' ', '\t', '\r', '\n', '/', '>'])?)
 }
 
 /// Replaces an XML declaration that is not at the very start, where XML forbids it, by spaces.
