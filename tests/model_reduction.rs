@@ -516,6 +516,27 @@ fn wrong_initial_conditions_are_named() {
 }
 
 #[test]
+fn angles_without_digits_are_refused_and_lengths_are_not() {
+    let start = |kind: &str, values: &[f64]| {
+        let text = robot(&[
+            "<link name=\"base\"/>".to_string(),
+            link("arm", 1.0, "0 0 0.5", "0 0 0", [0.1, 0.1, 0.01]),
+            joint("shoulder", kind, "base", "arm", "0 0 0", "0 0 0", "0 1 0"),
+        ]);
+        fixed(&text).initial_state(&[("shoulder".to_string(), values.to_vec())], &[], None)
+    };
+    let refused = start("continuous", &[-1e300]).unwrap_err().to_string();
+    assert!(refused.starts_with("the position of joint \"shoulder\" is -1e300 rad"), "{refused}");
+    for (kind, values) in [("revolute", &[1.01e8][..]), ("planar", &[0.0, 0.0, 1.01e8])] {
+        assert!(matches!(start(kind, values), Err(ModelError::TurnedTooOften { .. })), "{kind}");
+    }
+    assert_eq!(start("continuous", &[1e8]).unwrap().position, [1e8]);
+    assert_eq!(start("prismatic", &[1e9]).unwrap().position, [1e9]);
+    assert_eq!(start("planar", &[1e9, -1e9, 1.0]).unwrap().position, [1e9, -1e9, 1.0]);
+    assert!(start("spherical", &[1e300, 0.0, 0.0]).is_ok());
+}
+
+#[test]
 fn numbers_that_overflow_are_refused() {
     let text = robot(&[
         "<link name=\"base\"/>".to_string(),

@@ -21,6 +21,10 @@ use crate::scene::UrdfJointKind;
 use crate::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
+/// The largest angle that a joint may start with (rad). There the next double is 1.5e-8 rad away, as far as anyone may want a
+/// joint to be placed; much further out no step is short enough for the roundings.
+const LARGEST_ANGLE: f64 = 1e8;
+
 /// A joint's reported position (at most a pose, seven numbers) and velocity (at most a twist, six).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct JointCoordinates {
@@ -65,7 +69,7 @@ impl Model {
     /// `base_velocity` is that of the floating root link's frame origin, in the world (linear, angular).
     ///
     /// # Errors
-    /// [`ModelError`] for joints that do not exist or do not move, and for wrong counts of numbers.
+    /// [`ModelError`] for joints that do not exist or do not move, for wrong counts of numbers, and for angles without digits.
     pub fn initial_state(
         &self,
         positions: &[(String, Vec<f64>)],
@@ -76,6 +80,7 @@ impl Model {
         for (name, values) in positions {
             let (record, body) = self.moving_joint(name)?;
             check_numbers("position", record, position_names(record.kind), values)?;
+            refuse_endless_turns(record, values)?;
             let numbers = match record.kind {
                 UrdfJointKind::Spherical => wxyz_from_rpy(&values[..3]).to_vec(),
                 UrdfJointKind::Floating => {
@@ -215,6 +220,20 @@ fn check_numbers(
     }
     if values.iter().any(|value| !value.is_finite()) {
         return Err(ModelError::NotFinite { what, joint });
+    }
+    Ok(())
+}
+
+/// Of joints whose position in the state is an angle; the others keep a rotation.
+fn refuse_endless_turns(record: &JointRecord, values: &[f64]) -> Result<(), ModelError> {
+    let angle = match (record.kind, values) {
+        (UrdfJointKind::Revolute | UrdfJointKind::Continuous, &[angle]) | (UrdfJointKind::Planar, &[_, _, angle]) => {
+            angle
+        }
+        _ => return Ok(()),
+    };
+    if angle.abs() > LARGEST_ANGLE {
+        return Err(ModelError::TurnedTooOften { joint: record.name.clone(), angle, largest: LARGEST_ANGLE });
     }
     Ok(())
 }

@@ -47,6 +47,12 @@ pub enum ModelError {
     /// Infinite or not a number.
     #[error("the {what} of joint {joint:?} is not finite")]
     NotFinite { what: &'static str, joint: String },
+    /// An angle whose digits do not say where the joint is.
+    #[error(
+        "the position of joint {joint:?} is {angle:e} rad; beyond {largest:e} rad sixteen digits say too little of where in its \
+         turn it is: take whole turns off it"
+    )]
+    TurnedTooOften { joint: String, angle: f64, largest: f64 },
     /// A base velocity for a base that does not float.
     #[error("a base velocity needs a floating base (--base floating)")]
     BaseDoesNotFloat,
