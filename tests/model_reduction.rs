@@ -516,6 +516,33 @@ fn wrong_initial_conditions_are_named() {
 }
 
 #[test]
+fn a_continuous_joint_has_no_limits_whatever_its_file_says() {
+    let limits = |kind: &str, range: &str| {
+        let limit = format!("<limit {range} effort=\"1\" velocity=\"1\"/></joint>");
+        let text = robot(&[
+            "<link name=\"base\"/>".to_string(),
+            link("arm", 1.0, "0 0 0.5", "0 0 0", [0.1, 0.1, 0.01]),
+            joint("hinge", kind, "base", "arm", "0 0 0", "0 0 0", "0 1 0").replace("</joint>", &limit),
+        ]);
+        let model = fixed(&text);
+        let said = model.warnings.iter().filter(|warning| {
+            warning.message == "lower and upper limits of 1 continuous joint are not read" && warning.line == Some(4)
+        });
+        let limits: Vec<_> = model.mechanism.limits.iter().map(|limit| (limit.lower, limit.upper)).collect();
+        (limits, said.count())
+    };
+    let range = "lower=\"-0.5\" upper=\"0.25\"";
+    assert_eq!(limits("revolute", range), (vec![(-0.5, 0.25)], 0));
+    assert_eq!(limits("continuous", range), (vec![], 1));
+    assert_eq!(limits("revolute", "lower=\"-0.5\""), (vec![(-0.5, f64::INFINITY)], 0));
+    // What leaves nothing or everything free is no range.
+    for nothing in ["", "lower=\"0\" upper=\"0\"", "lower=\"-inf\" upper=\"inf\""] {
+        assert_eq!(limits("revolute", nothing), (vec![], 0), "{nothing}");
+        assert_eq!(limits("continuous", nothing), (vec![], 0), "{nothing}");
+    }
+}
+
+#[test]
 fn angles_without_digits_are_refused_and_lengths_are_not() {
     let start = |kind: &str, values: &[f64]| {
         let text = robot(&[

@@ -5,7 +5,7 @@ use super::coupling_error::CouplingProblem;
 use super::couplings::{Builder, Stand};
 use super::model_error::ModelError;
 use crate::forces::JointDamper;
-use crate::scene::{Element, UrdfJoint, Warning};
+use crate::scene::{Element, UrdfJoint, UrdfJointKind, Warning};
 use std::path::Path;
 
 impl Builder<'_> {
@@ -42,16 +42,15 @@ impl Builder<'_> {
         dampers
     }
 
-    /// The limits of `<limit>`, of joints that turn about or slide along an axis.
+    /// The limits of `<limit>`, of joints that turn about or slide along an axis and are not continuous, which have none.
     pub(super) fn urdf_limits(&self) -> Vec<JointLimit> {
         let limits = self.urdf_joints().filter_map(|(robot, file, joint)| {
-            let limit = joint.limit?;
+            let (lower, upper) = joint.limit.filter(|_| joint.kind != UrdfJointKind::Continuous)?.range()?;
             let stand =
                 Stand { file: file.to_path_buf(), line: joint.line, element: Element::Joint(joint.name.clone()) };
             self.record(robot, &joint.name)?.body?;
             let coordinate = self.coordinate(robot, &joint.name, &stand).ok()?;
-            let (lower, upper) = (limit.lower.unwrap_or(f64::NEG_INFINITY), limit.upper.unwrap_or(f64::INFINITY));
-            (lower < upper).then_some(JointLimit { coordinate, lower, upper })
+            Some(JointLimit { coordinate, lower, upper })
         });
         limits.collect()
     }

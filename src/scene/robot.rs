@@ -240,6 +240,14 @@ pub struct Limit {
     pub velocity: Option<f64>,
 }
 
+impl Limit {
+    /// The positions between which it keeps a joint [rad or m], if it says so.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        let (lower, upper) = (self.lower.unwrap_or(f64::NEG_INFINITY), self.upper.unwrap_or(f64::INFINITY));
+        (lower < upper && (lower.is_finite() || upper.is_finite())).then_some((lower, upper))
+    }
+}
+
 /// Joint damping and friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dynamics {

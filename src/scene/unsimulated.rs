@@ -11,15 +11,23 @@ pub(super) fn unsimulated(file: &Path, links: &[Link], joints: &[UrdfJoint], ign
     let lines_where =
         |holds: &dyn Fn(&UrdfJoint) -> bool| moving.iter().filter(|j| holds(j)).map(|j| j.line).collect::<Vec<_>>();
     let touching: Vec<usize> = links.iter().filter(|link| !link.collisions.is_empty()).map(|link| link.line).collect();
+    let endless = |joint: &UrdfJoint| joint.kind == UrdfJointKind::Continuous;
+    let ranges = lines_where(&|joint| endless(joint) && joint.limit.is_some_and(|limit| limit.range().is_some()));
     let kinds = [
-        ("joint limits", "joint", "are", lines_where(&|joint| joint.limit.is_some())),
-        ("joint friction", "joint", "is", lines_where(&|joint| joint.dynamics.is_some_and(|d| d.friction != 0.0))),
-        ("contacts (collision shapes)", "link", "are", touching),
+        ("joint limits", "joint", "are not simulated", lines_where(&|joint| joint.limit.is_some())),
+        ("lower and upper limits", "continuous joint", "are not read", ranges),
+        (
+            "joint friction",
+            "joint",
+            "is not simulated",
+            lines_where(&|joint| joint.dynamics.is_some_and(|d| d.friction != 0.0)),
+        ),
+        ("contacts (collision shapes)", "link", "are not simulated", touching),
     ];
-    let counted = kinds.into_iter().filter_map(|(what, of, verb, lines)| {
+    let counted = kinds.into_iter().filter_map(|(what, of, verdict, lines)| {
         let first = *lines.first()?;
         let plural = if lines.len() == 1 { "" } else { "s" };
-        Some((first, format!("{what} of {} {of}{plural} {verb} not simulated", lines.len())))
+        Some((first, format!("{what} of {} {of}{plural} {verdict}", lines.len())))
     });
     let unread = ignored.iter().map(|ignored| {
         let times = if ignored.count == 1 { String::new() } else { format!(" ({} times)", ignored.count) };
