@@ -141,6 +141,27 @@ fn a_log_that_was_cut_off_is_shown_up_to_there_and_said_to_be_truncated() {
     assert!(samples == 151 && readable >= 19, "{samples} {readable}");
 }
 
+#[test]
+fn a_comparison_names_the_log_that_is_damaged_or_cut() {
+    let folder = folder("broken");
+    simulate(&folder, &["--rate", "1000"]);
+    let whole = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let mut damaged = whole.clone();
+    damaged[whole.len() / 2] ^= 1;
+    let cut = whole[..whole.len() / 2].to_vec();
+    let in_the_middle = format!("it ends in the middle, after {} bytes", cut.len());
+    for (bytes, reason) in [(damaged, "from some place on it cannot be read: "), (cut, in_the_middle.as_str())] {
+        std::fs::write(folder.join("broken.mcap"), bytes).expect("written");
+        let comparison = inspect(&folder, &["pendulum.mcap", "broken.mcap"]);
+        assert!(comparison["only_a"].as_u64() > Some(0) && comparison["only_b"] == 0, "{comparison}");
+        assert_eq!(comparison["broken_off_a"], Value::Null);
+        assert!(comparison["broken_off_b"].as_str().is_some_and(|said| said.starts_with(reason)), "{comparison}");
+        let words = run(&folder, &["inspect", "pendulum.mcap", "broken.mcap"]);
+        let said = format!("broken.mcap is TRUNCATED: {reason}");
+        assert!(text(&words.stdout).contains(&said), "{}", text(&words.stdout));
+    }
+}
+
 /// Where each message of a log of uncompressed chunks ends, in bytes, and its channel.
 fn ends_of_messages(log: &[u8]) -> Vec<(usize, u16)> {
     let number = |at: usize| u64::from_le_bytes(log[at..at + 8].try_into().expect("eight bytes")) as usize;

@@ -50,6 +50,26 @@ fn a_log_that_says_something_else_is_different_from_that_instant_on() {
     assert!(error.contains("different") && error.contains("/tf") && error.contains("t = 1 s"), "{error}");
 }
 
+#[test]
+fn a_damaged_log_is_not_the_same_as_its_run() {
+    let folder = folder("damaged");
+    let log = folder.join("pendulum.mcap");
+    let arguments = ["simulate", "pendulum.urdf", "--velocity", "hinge=1", "--duration", "4", "--rate", "500"];
+    assert_eq!(run(&folder, &arguments).status.code(), Some(0));
+    let whole = std::fs::read(&log).expect("a log");
+    let mut damaged = whole.clone();
+    damaged[whole.len() / 2] ^= 1;
+    std::fs::write(&log, damaged).expect("written");
+    let output = run(&folder, &["replay", "pendulum.mcap"]);
+    assert_one_error(&output, 1, "damaged");
+    let error = text(&output.stderr);
+    assert!(error.contains("pendulum.mcap") && error.contains("cannot be read: "), "{error}");
+    let before = error.split_once("; the ").and_then(|(_, said)| said.strip_suffix(" messages before are the same\n"));
+    let before: usize = before.and_then(|count| count.parse().ok()).expect("a count");
+    // Of 2001 samples with three messages each, and some figures.
+    assert!((1000..6003).contains(&before), "{error}");
+}
+
 /// The log with its messages changed.
 fn rewritten(bytes: &[u8], change: impl Fn(&str, u64, &mut Vec<u8>)) -> Vec<u8> {
     let summary = mcap::Summary::read(bytes).expect("complete").expect("with a summary");

@@ -1,6 +1,6 @@
 //! `catena replay`: makes the run of a log again from what is in the log, and compares.
 //!
-//! A log that was cut off or whose run was interrupted is compared up to its end.
+//! A log that was cut off or whose run was interrupted is compared up to its end; one that is damaged is not the same as any run.
 
 use super::engine::Engine;
 use super::recorded::Recorded;
@@ -28,7 +28,7 @@ pub struct ReplayArgs {
 /// Does what the arguments say.
 ///
 /// # Errors
-/// [`Failure`]: 1 if the run comes out differently, 2 if the log does not tell how it was made.
+/// [`Failure`]: 1 if the run comes out differently or the log is damaged, 2 if the log does not tell how it was made.
 pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let log = &arguments.log;
     let mut recorded = Recorded::open(log).map_err(Failure::input)?;
@@ -54,6 +54,10 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let upto = match result {
         Ok(()) => "to the end".to_string(),
         Err(Difference::LogEnded { .. }) if messages > 0 => "up to where the log ends".to_string(),
+        Err(difference @ Difference::Unreadable { .. }) => {
+            let before = format!("the {messages} messages before are the same");
+            return Err(Failure::run(anyhow!("{}: {difference}; {before}", log.display())));
+        }
         Err(difference) => {
             let versions = if made_by == version {
                 String::new()

@@ -8,7 +8,7 @@
 
 use crate::log::decode::LinkPose;
 use crate::log::frames::Frames;
-use crate::log::reader::ReadError;
+use crate::log::reader::{Completeness, ReadError};
 use crate::state::quaternion_product;
 use serde::Serialize;
 use std::collections::HashMap;
@@ -38,6 +38,10 @@ pub struct Comparison {
     pub links_only_a: Vec<String>,
     /// Links that only the second has.
     pub links_only_b: Vec<String>,
+    /// Where the first breaks off, if it does; nothing after that is compared.
+    pub broken_off_a: Option<String>,
+    /// See `broken_off_a`.
+    pub broken_off_b: Option<String>,
 }
 
 /// How a link differs.
@@ -117,16 +121,18 @@ pub fn compare(a: &Path, b: &Path) -> Result<Comparison, ReadError> {
             next_b = frames_b.next().transpose()?;
         }
     }
-    let rest = |next: Option<_>, frames: Frames| -> Result<u64, ReadError> {
+    let rest = |next: Option<_>, mut frames: Frames| -> Result<_, ReadError> {
         let mut count = u64::from(next.is_some());
-        for frame in frames {
+        for frame in &mut frames {
             frame?;
             count += 1;
         }
-        Ok(count)
+        Ok((count, frames.completeness().and_then(Completeness::broken_off)))
     };
-    comparison.only_a += rest(next_a, frames_a)?;
-    comparison.only_b += rest(next_b, frames_b)?;
+    let ((more_a, broken_off_a), (more_b, broken_off_b)) = (rest(next_a, frames_a)?, rest(next_b, frames_b)?);
+    comparison.only_a += more_a;
+    comparison.only_b += more_b;
+    (comparison.broken_off_a, comparison.broken_off_b) = (broken_off_a, broken_off_b);
     comparison.identical =
         comparison.instants > 0 && comparison.links.iter().all(|link| link.first_difference.is_none());
     Ok(comparison)
@@ -155,6 +161,11 @@ impl fmt::Display for Comparison {
             (_, false) => format!("different; {instants} instants in common, up to t = {until} s"),
         };
         writeln!(out, "{a} and {b}: {verdict}")?;
+        for (name, broken_off) in [(a, &self.broken_off_a), (b, &self.broken_off_b)] {
+            if let Some(reason) = broken_off {
+                writeln!(out, "  {name} is TRUNCATED: {reason}")?;
+            }
+        }
         for (name, count) in [(a, self.only_a), (b, self.only_b)] {
             if count > 0 {
                 writeln!(out, "  {count} instants are in {name} only")?;

@@ -228,16 +228,7 @@ impl Summary {
         summary.bytes = std::fs::metadata(log).map_or(0, |file| file.len());
         summary.being_written = is_locked(log);
         summary.complete = completeness == Some(Completeness::Complete);
-        summary.broken_off = match completeness {
-            Some(Completeness::Cut { bytes, unchecked: 0 }) => {
-                Some(format!("it ends in the middle, after {bytes} bytes"))
-            }
-            Some(Completeness::Cut { bytes, unchecked }) => Some(format!(
-                "it ends in the middle, after {bytes} bytes, and its last {unchecked} messages lack their checksum"
-            )),
-            Some(Completeness::Damaged { reason }) => Some(format!("from some place on it cannot be read: {reason}")),
-            Some(Completeness::Complete) | None => None,
-        };
+        summary.broken_off = completeness.and_then(|completeness| completeness.broken_off());
         Ok(summary)
     }
 

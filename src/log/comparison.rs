@@ -4,7 +4,7 @@
 
 use super::batch::Batch;
 use super::file::{LogError, MessageSink};
-use super::reader::{Completeness, Item, ReadError, read_log};
+use super::reader::{Completeness, Item, read_log};
 use super::seconds;
 use foxglove::Decode;
 use foxglove::messages::FrameTransforms;
@@ -32,9 +32,9 @@ pub enum Difference {
     /// The log has messages that the run has not.
     #[error("the log goes on after the end of the run, with {topic} at t = {time} s")]
     LogGoesOn { topic: String, time: f64 },
-    /// The log cannot be read.
-    #[error("{0}")]
-    Unreadable(String),
+    /// The log cannot be read, or not any further.
+    #[error("the log cannot be compared after t = {time} s: {reason}")]
+    Unreadable { time: f64, reason: String },
 }
 
 /// How much was found to be the same.
@@ -57,7 +57,7 @@ pub(super) struct Comparison {
     topics: Vec<String>,
     piece: Batch,
     expected: std::vec::IntoIter<Message>,
-    receiver: Receiver<Result<Vec<Message>, ReadError>>,
+    receiver: Receiver<Result<Vec<Message>, String>>,
     compared: Compared,
     found: Option<Difference>,
 }
@@ -69,7 +69,7 @@ impl Comparison {
         let log: PathBuf = path.to_path_buf();
         let read = move || {
             let mut piece = Vec::new();
-            let ended: Result<Option<Completeness>, ReadError> = read_log(&log, |item| {
+            let ended = read_log(&log, |item| {
                 let Item::Message { channel, time, data } = item else { return ControlFlow::Continue(()) };
                 if is_compared(&channel.topic) {
                     piece.push(Message { topic: channel.topic.clone(), time, data: data.to_vec() });
@@ -81,7 +81,14 @@ impl Comparison {
                     ControlFlow::Break(())
                 }
             });
-            let _ = sender.send(ended.map(|_| piece));
+            // What comes before the damage is compared all the same.
+            let _ = sender.send(Ok(piece));
+            let damage = match ended {
+                Ok(Some(damaged @ Completeness::Damaged { .. })) => damaged.broken_off(),
+                Ok(_) => None,
+                Err(error) => Some(error.to_string()),
+            };
+            let _ = damage.map(|reason| sender.send(Err(reason)));
         };
         let thread = std::thread::Builder::new().name("log".to_string()).spawn(read);
         thread.map_err(|reason| LogError::Write { path: path.to_path_buf(), reason })?;
@@ -102,7 +109,7 @@ impl Comparison {
             }
             match self.receiver.recv() {
                 Ok(Ok(piece)) => self.expected = piece.into_iter(),
-                Ok(Err(error)) => return Err(Difference::Unreadable(error.to_string())),
+                Ok(Err(reason)) => return Err(Difference::Unreadable { time: self.compared.time, reason }),
                 Err(_) => return Ok(None),
             }
         }

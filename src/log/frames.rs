@@ -209,10 +209,14 @@ impl Builder<'_> {
 /// Frames that are handed over together.
 const PIECE: usize = 64;
 
+/// Some frames, and how much of the log there was if they are the last.
+type FramePiece = (Vec<Frame>, Option<Completeness>);
+
 /// The frames of a log one after the other, read by a thread.
 pub struct Frames {
-    receiver: Receiver<Result<Vec<Frame>, ReadError>>,
+    receiver: Receiver<Result<FramePiece, ReadError>>,
     ready: std::vec::IntoIter<Frame>,
+    completeness: Option<Completeness>,
 }
 
 impl Frames {
@@ -226,11 +230,16 @@ impl Frames {
         let read = move || {
             let mut collector = Sender { sender, piece: Vec::new() };
             let ended = visit(&log, &mut collector);
-            let _ = collector.sender.send(ended.map(|_| collector.piece));
+            let _ = collector.sender.send(ended.map(|completeness| (collector.piece, completeness)));
         };
         let thread = std::thread::Builder::new().name("log".to_string()).spawn(read);
         thread.map_err(|reason| ReadError::Io { path: path.to_path_buf(), reason })?;
-        Ok(Frames { receiver, ready: Vec::new().into_iter() })
+        Ok(Frames { receiver, ready: Vec::new().into_iter(), completeness: None })
+    }
+
+    /// How much of the log there was, once there are no more frames.
+    pub fn completeness(&self) -> Option<&Completeness> {
+        self.completeness.as_ref()
     }
 }
 
@@ -243,7 +252,7 @@ impl Iterator for Frames {
                 return Some(Ok(frame));
             }
             match self.receiver.recv() {
-                Ok(Ok(piece)) => self.ready = piece.into_iter(),
+                Ok(Ok((piece, completeness))) => (self.ready, self.completeness) = (piece.into_iter(), completeness),
                 Ok(Err(error)) => return Some(Err(error)),
                 // The thread has ended: there are no more.
                 Err(_) => return None,
@@ -253,14 +262,14 @@ impl Iterator for Frames {
 }
 
 struct Sender {
-    sender: SyncSender<Result<Vec<Frame>, ReadError>>,
+    sender: SyncSender<Result<FramePiece, ReadError>>,
     piece: Vec<Frame>,
 }
 
 impl Visitor for Sender {
     fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
         self.piece.push(frame.clone());
-        if self.piece.len() < PIECE || self.sender.send(Ok(std::mem::take(&mut self.piece))).is_ok() {
+        if self.piece.len() < PIECE || self.sender.send(Ok((std::mem::take(&mut self.piece), None))).is_ok() {
             ControlFlow::Continue(())
         } else {
             // Nobody wants to see any more.

@@ -51,6 +51,20 @@ pub enum Completeness {
     },
 }
 
+impl Completeness {
+    /// Where the log breaks off, in words, if it does.
+    pub fn broken_off(&self) -> Option<String> {
+        match self {
+            Completeness::Complete => None,
+            Completeness::Cut { bytes, unchecked: 0 } => Some(format!("it ends in the middle, after {bytes} bytes")),
+            Completeness::Cut { bytes, unchecked } => Some(format!(
+                "it ends in the middle, after {bytes} bytes, and its last {unchecked} messages lack their checksum"
+            )),
+            Completeness::Damaged { reason } => Some(format!("from some place on it cannot be read: {reason}")),
+        }
+    }
+}
+
 /// Goes on with the next record, breaks off, or says what is wrong with this one.
 pub(super) type Seen = Result<ControlFlow<()>, String>;
 
