@@ -72,13 +72,25 @@ fn a_damaged_log_is_not_the_same_as_its_run() {
 
 /// The log with its messages changed.
 fn rewritten(bytes: &[u8], change: impl Fn(&str, u64, &mut Vec<u8>)) -> Vec<u8> {
+    rewritten_with(bytes, |_| {}, |_| true, change)
+}
+
+/// The log with its metadata and messages changed, and with some of its attachments.
+fn rewritten_with(
+    bytes: &[u8],
+    change_metadata: impl Fn(&mut mcap::records::Metadata),
+    keep: impl Fn(&str) -> bool,
+    change: impl Fn(&str, u64, &mut Vec<u8>),
+) -> Vec<u8> {
     let summary = mcap::Summary::read(bytes).expect("complete").expect("with a summary");
     let options = mcap::WriteOptions::new().library("catena 0.1.0");
     let mut writer = options.create(std::io::Cursor::new(Vec::new())).expect("memory");
     for index in &summary.metadata_indexes {
-        writer.write_metadata(&mcap::read::metadata(bytes, index).expect("metadata")).expect("memory");
+        let mut record = mcap::read::metadata(bytes, index).expect("metadata");
+        change_metadata(&mut record);
+        writer.write_metadata(&record).expect("memory");
     }
-    for index in &summary.attachment_indexes {
+    for index in summary.attachment_indexes.iter().filter(|index| keep(&index.name)) {
         writer.attach(&mcap::read::attachment(bytes, index).expect("an attachment")).expect("memory");
     }
     for message in mcap::MessageStream::new(bytes).expect("a log") {
@@ -121,6 +133,71 @@ fn a_scene_with_its_robots_is_replayed_from_the_log() {
     std::fs::remove_file(folder.join("pendulum.urdf")).expect("removed");
     let output = run(&folder, &["replay", "two.mcap"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+/// Below the scene and elsewhere: the paths that are recorded differ.
+#[test]
+fn a_scene_whose_urdf_has_an_absolute_path_is_looked_at_and_replayed_from_the_log_alone() {
+    for (name, place) in [("below", "scenes"), ("elsewhere", "robots")] {
+        let folder = folder(name);
+        for made in ["scenes", "robots"] {
+            std::fs::create_dir_all(folder.join(made)).expect("made");
+        }
+        let urdf = folder.join(place).join("pendulum.urdf");
+        std::fs::rename(folder.join("pendulum.urdf"), &urdf).expect("moved");
+        let scene =
+            format!("[[robot]]\nurdf = {urdf:?}\nvelocities = {{ hinge = 1.0 }}\n[simulation]\nduration = 0.5\n");
+        std::fs::write(folder.join("scenes/one.toml"), scene).expect("written");
+        let scene = folder.join("scenes/one.toml");
+        let output = run(&folder, &["simulate", &scene.to_string_lossy()]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        for made in ["scenes", "robots"] {
+            std::fs::remove_dir_all(folder.join(made)).expect("removed");
+        }
+        for verb in [&["replay", "one.mcap"][..], &["inspect", "one.mcap", "--at", "0.2", "--csv", "one.csv"]] {
+            let output = run(&folder, verb);
+            assert_eq!(output.status.code(), Some(0), "{name}: {}", text(&output.stderr));
+            assert_eq!(text(&output.stderr), "", "{name}");
+        }
+        let table = std::fs::read_to_string(folder.join("one.csv")).expect("a table");
+        assert!(table.lines().next().is_some_and(|head| head.contains("hinge.position [rad]")), "{table}");
+    }
+}
+
+/// A log may come from anybody, and says what it likes about paths.
+#[test]
+fn a_replay_reads_nothing_but_the_log_and_writes_nothing() {
+    let folder = folder("closed");
+    std::fs::write(folder.join("one.toml"), "[[robot]]\nurdf = \"pendulum.urdf\"\n").expect("written");
+    assert_eq!(run(&folder, &["simulate", "one.toml", "--duration", "0.5"]).status.code(), Some(0));
+    let log = std::fs::read(folder.join("one.mcap")).expect("a log");
+    let planted = folder.join("planted.urdf");
+    for path in [planted.to_string_lossy().into_owned(), "../planted.urdf".to_string(), "planted.urdf".to_string()] {
+        let moved = rewritten_inputs(&log, |_| true, &path);
+        std::fs::write(folder.join("moved.mcap"), moved).expect("written");
+        let before = std::fs::read_dir(&folder).expect("readable").count();
+        let output = catena(&folder, &["replay", "moved.mcap"]).env("TMPDIR", &folder).output().expect("runs");
+        assert_eq!(output.status.code(), Some(0), "{path}: {}", text(&output.stderr));
+        assert_eq!(std::fs::read_dir(&folder).expect("readable").count(), before, "{path}");
+        assert!(!folder.join("../planted.urdf").exists());
+    }
+    // The URDF lies where the scene says, but that is not what was simulated.
+    let lacking = rewritten_inputs(&log, |name| name != "pendulum.urdf", "pendulum.urdf");
+    std::fs::write(folder.join("lacking.mcap"), lacking).expect("written");
+    let output = run(&folder, &["replay", "lacking.mcap"]);
+    assert_one_error(&output, 2, "lacking");
+    assert!(text(&output.stderr).contains("the log does not carry it"), "{}", text(&output.stderr));
+}
+
+/// The log with some of its attachments, all of which were read from `path`.
+fn rewritten_inputs(bytes: &[u8], keep: impl Fn(&str) -> bool, path: &str) -> Vec<u8> {
+    let lead_to_path = |record: &mut mcap::records::Metadata| {
+        for entry in record.metadata.values_mut().filter(|_| record.name == "inputs") {
+            let hash = entry.split(' ').next().expect("a hash");
+            *entry = format!("{hash} {path}");
+        }
+    };
+    rewritten_with(bytes, lead_to_path, keep, |_, _, _| {})
 }
 
 #[test]

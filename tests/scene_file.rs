@@ -5,7 +5,7 @@ mod common;
 use catena::closures::loop_gaps;
 use catena::kinematics::body_states;
 use catena::model::{LoopKind, Model, Start};
-use catena::scene::{PackagePath, Scene, SceneError, scene_from_text};
+use catena::scene::{PackagePath, Scene, SceneError, read_urdf, scene_from_text};
 use catena::state::State;
 use common::command::{self, run};
 use nalgebra::Vector3;
@@ -44,7 +44,7 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn read(folder: &Path, text: &str) -> Result<Scene, SceneError> {
-    scene_from_text(text, &folder.join("scene.toml"), &PackagePath::default())
+    scene_from_text(text, &folder.join("scene.toml"), &mut |urdf| read_urdf(urdf, &PackagePath::default()))
 }
 
 fn build(folder: &Path, text: &str) -> (Model, Start, State) {

@@ -3,6 +3,7 @@
 
 use catena::scene::{
     Element, Geometry, PackagePath, Problem, Robot, SceneError, UrdfJointKind, Warning, read_urdf, robot_from_text,
+    robot_without_meshes,
 };
 use std::path::{Path, PathBuf};
 
@@ -484,6 +485,22 @@ fn packages_are_looked_for_in_the_documented_order() {
         assert!(robot.warnings.is_empty());
     }
     std::fs::remove_dir_all(&root).unwrap();
+}
+
+#[test]
+fn no_mesh_is_looked_for_where_nobody_needs_it() {
+    let folder = scratch("without_meshes");
+    std::fs::write(folder.join("a.stl"), "solid").unwrap();
+    let visual = |mesh: &str| format!("<visual><geometry><mesh filename=\"{mesh}\"/></geometry></visual>");
+    let text = robot(&format!("{GOOD_INERTIAL}{}{}", visual("a.stl"), visual("missing.stl")), "", "");
+    let robot = robot_without_meshes(&text, &folder.join(FILE)).unwrap();
+    let resolved = robot.links[1].visuals.iter().map(|visual| match &visual.geometry {
+        Geometry::Mesh(mesh) => mesh.resolved.clone(),
+        other => panic!("{other:?} is no mesh"),
+    });
+    assert_eq!(resolved.collect::<Vec<_>>(), [None, None]);
+    assert!(robot.warnings.is_empty(), "{:?}", robot.warnings);
+    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]

@@ -7,7 +7,7 @@ use super::numbers::Assignment;
 use anyhow::{Context, bail};
 use catena::lobatto::assembly::assemble;
 use catena::model::{Base, Model, ModelError, ModelOptions, Pose, Rule, Start};
-use catena::scene::{PackagePath, SimulationSettings, Warning, read_scene, read_urdf};
+use catena::scene::{PackagePath, Robot, Scene, SimulationSettings, Warning, read_scene, read_urdf};
 use catena::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::{Path, PathBuf};
@@ -131,6 +131,11 @@ impl InputArgs {
     }
 }
 
+/// Whether an input of this name is a scene file; all others are URDFs.
+pub fn is_scene(input: &Path) -> bool {
+    input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
 impl WorldArgs {
     /// Reads and reduces a robot or scene. Every error here is bad input (exit code 2).
     ///
@@ -138,22 +143,33 @@ impl WorldArgs {
     /// What is wrong with the file, naming file, line, and link, joint or key.
     pub fn load(&self, input: &Path) -> anyhow::Result<Loaded> {
         let packages = PackagePath::from_environment(self.package.clone());
-        let is_scene = input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-        if is_scene {
-            return self.load_scene(input, &packages);
+        if is_scene(input) {
+            self.place_scene(read_scene(input, &packages)?)
+        } else {
+            self.place_robot(read_urdf(input, &packages)?)
         }
+    }
+
+    /// Reduces a robot that was read.
+    ///
+    /// # Errors
+    /// What cannot be simulated.
+    pub fn place_robot(&self, robot: Robot) -> anyhow::Result<Loaded> {
         let defaults = ModelOptions::default();
         let options = ModelOptions {
             base: self.base.map_or(defaults.base, BaseChoice::base),
             base_pose: self.base_pose.map_or(defaults.base_pose, pose),
             gravity: self.gravity.map_or(defaults.gravity, Vector3::from),
         };
-        let model = Model::new(read_urdf(input, &packages)?, &options)?;
+        let model = Model::new(robot, &options)?;
         Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default() })
     }
 
-    fn load_scene(&self, input: &Path, packages: &PackagePath) -> anyhow::Result<Loaded> {
-        let mut scene = read_scene(input, packages)?;
+    /// Reduces a scene that was read.
+    ///
+    /// # Errors
+    /// What cannot be simulated, and options that are for one robot where there are several.
+    pub fn place_scene(&self, mut scene: Scene) -> anyhow::Result<Loaded> {
         if let Some(gravity) = self.gravity {
             scene.gravity = Some(Vector3::from(gravity));
         }
@@ -171,7 +187,7 @@ impl WorldArgs {
                     let count = several.len();
                     bail!(
                         "--base and --base-pose are for one robot; {} has {count}: write them there",
-                        input.display()
+                        scene.path.display()
                     );
                 }
             }

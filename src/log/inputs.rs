@@ -1,7 +1,8 @@
 //! The input files as attachments, so that a run can be made again from its log alone.
 //!
-//! The main input (the scene file, or else the URDF) comes first. The metadata record `inputs` has for each attachment the
-//! SHA-256 of its bytes and the path it was read from, relative to the folder of the main input: `HASH PATH`.
+//! The main input (the scene file, or else the URDF) comes first, then the robots of a scene in their order: that, and no path,
+//! tells which is which. The metadata record `inputs` has for each attachment the SHA-256 of its bytes and, for people, the path
+//! it was read from, relative to the folder of the main input if it is below that: `HASH PATH`.
 
 use super::file::{LogError, LogFile};
 use crate::model::Model;

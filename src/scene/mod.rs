@@ -38,4 +38,4 @@ pub use robot::{
     UrdfLoop, WORLD_LINK,
 };
 pub use scene_file::{JointValues, Scene, SceneRobot, SimulationSettings, read_scene, scene_from_text};
-pub use urdf::{read_urdf, robot_from_text};
+pub use urdf::{read_urdf, robot_from_text, robot_without_meshes};

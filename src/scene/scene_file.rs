@@ -101,18 +101,23 @@ pub struct SimulationSettings {
 /// # Errors
 /// [`SceneError`] with file, line and key.
 pub fn read_scene(path: &Path, packages: &PackagePath) -> Result<Scene, SceneError> {
-    scene_from_text(&read_text(path)?, path, packages)
+    scene_from_text(&read_text(path)?, path, &mut |urdf| read_urdf(urdf, packages))
 }
 
-/// Reads and validates the text of a scene file; `path` names it in messages, and URDF files are relative to it.
+/// Reads and validates the text of a scene file; `path` names it in messages, and URDF files are relative to it. The
+/// robots are what `read_robot` reads, one after the other.
 ///
 /// # Errors
 /// As [`read_scene`].
-pub fn scene_from_text(source: &str, path: &Path, packages: &PackagePath) -> Result<Scene, SceneError> {
+pub fn scene_from_text(
+    source: &str,
+    path: &Path,
+    read_robot: &mut dyn FnMut(&Path) -> Result<Robot, SceneError>,
+) -> Result<Scene, SceneError> {
     let text = TomlText { file: path, text: source.strip_prefix('\u{feff}').unwrap_or(source) };
     let file: FileTable = text.read()?;
     refuse_what_is_not_simulated(&text, &file)?;
-    let robots = robots(&text, file.robot, packages)?;
+    let robots = robots(&text, file.robot, read_robot)?;
     let mut reader = CouplingReader { text: &text, robots: &robots, warnings: Vec::new() };
     let loops = reader.loops(file.loops)?;
     let springs = reader.springs(file.spring)?;
@@ -149,12 +154,12 @@ fn refuse_what_is_not_simulated(text: &TomlText, file: &FileTable) -> Result<(),
 fn robots(
     text: &TomlText,
     tables: Vec<Spanned<RobotTable>>,
-    packages: &PackagePath,
+    read_robot: &mut dyn FnMut(&Path) -> Result<Robot, SceneError>,
 ) -> Result<Vec<SceneRobot>, SceneError> {
     let mut robots: Vec<SceneRobot> = Vec::with_capacity(tables.len());
     for table in tables {
         let span = table.span();
-        let robot = robot(text, table, packages)?;
+        let robot = robot(text, table, read_robot)?;
         if let Some(first) = robots.iter().find(|other| other.name == robot.name) {
             let problem = Problem::DuplicateName { first_line: first.line };
             return Err(text.error(&span, Some(Element::Robot(robot.name)), problem));
@@ -167,14 +172,18 @@ fn robots(
     Ok(robots)
 }
 
-fn robot(text: &TomlText, table: Spanned<RobotTable>, packages: &PackagePath) -> Result<SceneRobot, SceneError> {
+fn robot(
+    text: &TomlText,
+    table: Spanned<RobotTable>,
+    read_robot: &mut dyn FnMut(&Path) -> Result<Robot, SceneError>,
+) -> Result<SceneRobot, SceneError> {
     let span = table.span();
     let table = table.into_inner();
     let folder = text.file.parent().unwrap_or(Path::new(""));
     let urdf = folder.join(table.urdf.get_ref());
-    let robot = match read_urdf(&urdf, packages) {
+    let robot = match read_robot(&urdf) {
         // Whose fault it is that there is no such file stands in the scene.
-        Err(error) if matches!(*error.problem, Problem::Unreadable(_)) && !urdf.is_file() => {
+        Err(error) if matches!(*error.problem, Problem::Unreadable(_)) => {
             let message = error.to_string();
             let problem = Problem::Toml { key: Some("robot.urdf".to_string()), message };
             return Err(text.error(&table.urdf.span(), None, problem));

@@ -3,7 +3,7 @@
 use super::clean::{Cleaned, clean, error_at};
 use super::convert::Converter;
 use super::element::CleanElement;
-use super::error::{Element, Problem, SceneError};
+use super::error::{Element, Problem, SceneError, Warning};
 use super::mesh_files::MeshFiles;
 use super::package_path::PackagePath;
 use super::robot::{Robot, UrdfLoop};
@@ -28,6 +28,22 @@ pub fn read_urdf(path: &Path, packages: &PackagePath) -> Result<Robot, SceneErro
 /// # Errors
 /// As [`read_urdf`].
 pub fn robot_from_text(source: &str, path: &Path, packages: &PackagePath) -> Result<Robot, SceneError> {
+    read_robot(source, path, |robot| MeshFiles::find(path, robot, packages))
+}
+
+/// The same without looking for meshes, which only viewers need: no file is touched; `path` only names it in messages.
+///
+/// # Errors
+/// As [`read_urdf`].
+pub fn robot_without_meshes(source: &str, path: &Path) -> Result<Robot, SceneError> {
+    read_robot(source, path, |_| Default::default())
+}
+
+fn read_robot(
+    source: &str,
+    path: &Path,
+    find_meshes: impl FnOnce(&CleanElement) -> (MeshFiles, Vec<Warning>),
+) -> Result<Robot, SceneError> {
     let xml = XmlText::new(path, source)?;
     let Cleaned { mut robot, warnings: repairs, ignored } = clean(&xml, &ROBOT)?;
     check_joint_types(path, &robot)?;
@@ -39,7 +55,7 @@ pub fn robot_from_text(source: &str, path: &Path, packages: &PackagePath) -> Res
     robot.children = children;
     let quaternions = version.as_ref().is_some_and(|version| knows_quaternions(&version.text));
     let parsed = parse(path, &robot)?;
-    let (meshes, missing_meshes) = MeshFiles::find(path, &robot, packages);
+    let (meshes, missing_meshes) = find_meshes(&robot);
 
     let mut converter =
         Converter { file: path, meshes: &meshes, materials: &parsed.materials, quaternions, warnings: Vec::new() };
