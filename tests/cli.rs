@@ -76,6 +76,27 @@ fn an_output_that_cannot_be_is_refused_before_the_run() {
 }
 
 #[test]
+fn a_log_replaces_no_file_that_the_run_is_made_from() {
+    let folder = folder("made_from");
+    let with_mesh = PENDULUM.replace("<box size=\"0.1 0.1 1\"/>", "<mesh filename=\"rod.stl\"/>");
+    let scene = "[[robot]]\nurdf = \"rod.unfinished.urdf\"\n";
+    let files = [("rod.unfinished.urdf", with_mesh.as_str()), ("rod.stl", "solid rod\nendsolid"), ("rod.toml", scene)];
+    for (name, text) in files {
+        std::fs::write(folder.join(name), text).expect("written");
+    }
+    // While it is written, the last one would be in the file of the URDF.
+    for output in ["rod.unfinished.urdf", "rod.stl", "rod.toml", "../made_from/rod.stl", "rod.urdf"] {
+        let refused = run(&folder, &["simulate", "rod.toml", "-o", output, "--duration", "0.1"]);
+        assert_one_error(&refused, 2, output);
+        assert!(text(&refused.stderr).contains("is made from"), "{}", text(&refused.stderr));
+        for (name, before) in files {
+            assert_eq!(std::fs::read_to_string(folder.join(name)).expect("still there"), before, "-o {output}");
+        }
+    }
+    assert!(!folder.join("rod.urdf").exists());
+}
+
+#[test]
 fn an_error_names_what_is_wrong() {
     let folder = folder("naming");
     for (arguments, names) in [

@@ -12,7 +12,8 @@ use super::{Failure, print};
 use anyhow::{Context, anyhow};
 use catena::islands::Plan;
 use catena::lobatto::assembly::redundancy;
-use catena::log::{Recorder, Severity};
+use catena::log::{Recorder, Severity, neighbour};
+use catena::model::Model;
 use catena::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, energy_warning, joint_reports,
     link_reports, loop_reports, ringing_warning, singular_warning,
@@ -176,6 +177,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut loaded = arguments.input.load().map_err(Failure::input)?;
     let Setup { mut state, choice, duration, rate } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
     let model = &loaded.model;
+    output.iter().try_for_each(|output| check_apart(output, model)).map_err(Failure::input)?;
     let mechanism = &model.mechanism;
     let redundancy = redundancy(mechanism, &state);
 
@@ -277,11 +279,17 @@ fn output(arguments: &Arguments) -> anyhow::Result<Option<PathBuf>> {
     if output.is_dir() {
         return Err(anyhow!("cannot write {}: it is a folder", output.display()));
     }
-    // The log must not replace what it is made from.
-    if let (Ok(input), Ok(same)) = (input.canonicalize(), output.canonicalize())
-        && input == same
-    {
-        return Err(anyhow!("the output {} is the input itself", output.display()));
-    }
     Ok(Some(output))
+}
+
+/// Neither the log nor its file while the run has not finished may replace what it is made from.
+fn check_apart(output: &Path, model: &Model) -> anyhow::Result<()> {
+    let wanted = output.canonicalize().unwrap_or_else(|_| output.to_path_buf());
+    for written in [neighbour(&wanted), wanted].iter().filter_map(|path| path.canonicalize().ok()) {
+        if model.files().any(|file| file.canonicalize().is_ok_and(|file| file == written)) {
+            let (output, written) = (output.display(), written.display());
+            return Err(anyhow!("cannot write {output}: the run is made from {written}; choose another --output"));
+        }
+    }
+    Ok(())
 }

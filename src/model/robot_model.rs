@@ -11,7 +11,7 @@
 use super::joint::Pose;
 use super::mechanism::Mechanism;
 use crate::kinematics::WORLD;
-use crate::scene::{Robot, UrdfJointKind, Warning};
+use crate::scene::{Geometry, Robot, UrdfJointKind, Warning};
 use crate::state::BodyState;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
@@ -177,6 +177,19 @@ impl Model {
     /// The file it was read from: the scene file, or the URDF of the only robot.
     pub fn path(&self) -> &Path {
         self.scene.as_ref().map_or(&self.robots[0].robot.path, |scene| &scene.path)
+    }
+
+    /// All files it is made from: the scene file, the URDFs, the meshes that were found.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let robots = || self.robots.iter().map(|placed| &placed.robot);
+        let links = robots().flat_map(|robot| &robot.links);
+        let shapes = links.flat_map(|link| link.visuals.iter().chain(&link.collisions));
+        let meshes = shapes.filter_map(|shape| match &shape.geometry {
+            Geometry::Mesh(mesh) => mesh.resolved.as_deref(),
+            _ => None,
+        });
+        let scene = self.scene.iter().map(|scene| &*scene.path);
+        scene.chain(robots().map(|robot| &*robot.path)).chain(meshes)
     }
 
     /// What comes before the names of a robot's links and joints.
