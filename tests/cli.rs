@@ -123,6 +123,45 @@ fn a_full_disk_is_an_error_that_names_the_file() {
 }
 
 #[test]
+fn a_standard_output_that_is_full_is_no_fault_of_the_input_for_any_verb() {
+    let Ok(full) = std::fs::OpenOptions::new().write(true).open("/dev/full") else {
+        println!("skipped: this system has no /dev/full");
+        return;
+    };
+    let folder = folder("full_output");
+    assert_eq!(run(&folder, &["simulate", "pendulum.urdf", "--duration", "0.1"]).status.code(), Some(0));
+    let verbs: [&[&str]; 7] = [
+        &["simulate", "pendulum.urdf", "--duration", "0.1", "--no-log"],
+        &["model", "pendulum.urdf"],
+        &["model", "pendulum.urdf", "--json"],
+        &["inspect", "pendulum.mcap"],
+        &["inspect", "pendulum.mcap", "pendulum.mcap"],
+        &["inspect", "pendulum.mcap", "--at", "0.1", "--json"],
+        &["replay", "pendulum.mcap"],
+    ];
+    for verb in verbs {
+        let output = catena(&folder, verb).stdout(full.try_clone().expect("opened")).output().expect("runs");
+        assert_one_error(&output, 1, verb[0]);
+        assert!(text(&output.stderr).contains("cannot write to standard output"), "{}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn a_warning_that_nobody_can_see_does_not_end_the_program() {
+    let Ok(full) = std::fs::OpenOptions::new().write(true).open("/dev/full") else {
+        println!("skipped: this system has no /dev/full");
+        return;
+    };
+    let folder = folder("full_error");
+    assert_eq!(run(&folder, &["simulate", "pendulum.urdf", "--duration", "0.1"]).status.code(), Some(0));
+    let log = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    std::fs::write(folder.join("cut.mcap"), &log[..log.len() * 2 / 3]).expect("written");
+    let output = catena(&folder, &["inspect", "cut.mcap", "--csv", "cut.csv"]).stderr(full).output().expect("runs");
+    assert_eq!(output.status.code(), Some(0));
+    assert!(folder.join("cut.csv").exists());
+}
+
+#[test]
 fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
     let folder = folder("json");
     let output = run(&folder, &["simulate", "pendulum.urdf", "--json", "--duration", "0.5"]);

@@ -5,7 +5,7 @@
 
 use super::input::{Loaded, WorldArgs, numbers};
 use super::numbers::{Assignment, positive};
-use super::{Failure, print};
+use super::{Failure, print, warn};
 use anyhow::{Context, anyhow};
 use catena::chart::measure::Plan;
 use catena::chart::report::Report;
@@ -179,7 +179,7 @@ fn foreign(files: &[PathBuf], scenes: &[Scene]) -> anyhow::Result<Vec<Measuremen
     for file in files {
         let measurements = read_csv(file)?;
         if !measurements.iter().any(|one| scenes.iter().any(|scene| scene.name == one.scene)) {
-            eprintln!("catena: warning: {}: no measurement of any of the scenes", file.display());
+            warn(format_args!("{}: no measurement of any of the scenes", file.display()));
         }
         all.extend(measurements);
     }

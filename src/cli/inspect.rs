@@ -5,7 +5,7 @@
 
 use super::inspect_files::{check_absent, check_ending, draw, kinds, not_itself, recover_into, write_csv};
 use super::recorded::Recorded;
-use super::{Failure, print};
+use super::{Failure, print, print_json, warn};
 use anyhow::anyhow;
 use catena::inspection::compare::compare;
 use catena::inspection::curves::curves;
@@ -86,7 +86,7 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
     }
     let summary = Summary::read(log).map_err(Failure::input)?;
     if shows_more && !summary.complete {
-        eprintln!("catena: warning: {}: {}", log.display(), summary.state());
+        warn(format_args!("{}: {}", log.display(), summary.state()));
     }
     if let Some(time) = arguments.at {
         show_instant(log, time, arguments.json)?;
@@ -108,11 +108,6 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
         (false, true) => print_json(&summary),
         (false, false) => print(&summary),
     }
-}
-
-fn print_json(value: &impl Serialize) -> Result<(), Failure> {
-    let json = serde_json::to_string_pretty(value).map_err(Failure::run)?;
-    print(format_args!("{json}\n"))
 }
 
 /// One instant of a log, as the report of a run shows its end.

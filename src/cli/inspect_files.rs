@@ -1,7 +1,7 @@
 //! The files that `catena inspect` makes of a log: tables, plots, and complete logs.
 
 use super::recorded::Recorded;
-use super::{Failure, print};
+use super::{Failure, print, warn};
 use anyhow::{Context, bail};
 use catena::chart::files::write_with;
 use catena::chart::picture::Figure;
@@ -26,7 +26,7 @@ pub(super) fn kinds(log: &Path) -> JointKinds {
     match Recorded::open(log) {
         Ok(recorded) => joint_kinds(&recorded.loaded.model),
         Err(error) => {
-            eprintln!("catena: warning: units of joints are not known: {error:#}");
+            warn(format_args!("units of joints are not known: {error:#}"));
             JointKinds::new()
         }
     }

@@ -29,6 +29,7 @@ mod table;
 use anyhow::Context;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
+use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::fmt::Display;
@@ -102,7 +103,7 @@ pub fn main() -> ExitCode {
     outlive_large_files();
     let ended = match command_line.verb {
         Verb::Simulate(arguments) => simulate::run(&arguments),
-        Verb::Model(arguments) => model::run(&arguments).map_err(Failure::input),
+        Verb::Model(arguments) => model::run(&arguments),
         Verb::Inspect(arguments) => inspect::run(&arguments),
         Verb::Replay(arguments) => replay::run(&arguments),
         Verb::Chart(arguments) => chart::run(&arguments),
@@ -158,6 +159,12 @@ fn complain(message: &str) {
     let _ = writeln!(io::stderr(), "catena: error: {line}");
 }
 
+/// Prints a warning.
+pub fn warn(message: impl Display) {
+    // As for errors.
+    let _ = writeln!(io::stderr(), "catena: warning: {message}");
+}
+
 /// Writes to standard output; a reader that has gone away is no error.
 ///
 /// # Errors
@@ -170,6 +177,15 @@ pub fn print(text: impl Display) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// Writes a value to standard output as JSON, for people too.
+///
+/// # Errors
+/// As [`print`].
+pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let json = serde_json::to_string_pretty(value).map_err(Failure::run)?;
+    print(format_args!("{json}\n"))
 }
 
 /// Makes a file that has reached the size the system allows an error of the write, like a full disk, not the end of the process.

@@ -4,6 +4,7 @@ use super::couplings;
 use super::input::InputArgs;
 use super::rules;
 use super::table::{Table, counted, number, triple};
+use super::{Failure, print, print_json};
 use catena::islands::Plan;
 use catena::lobatto::assembly::{Redundancy, redundancy};
 use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, Rule, position_names, wxyz_from_rotation};
@@ -11,7 +12,6 @@ use catena::report::ModelReport;
 use catena::scene::Warning;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 /// Show what was read, what was left out and why, and what will be simulated
 #[derive(Clone, Debug, clap::Args)]
@@ -27,29 +27,25 @@ pub struct ModelArgs {
 /// Runs the verb.
 ///
 /// # Errors
-/// Bad input (exit code 2), or standard output that cannot be written.
-pub fn run(args: &ModelArgs) -> anyhow::Result<()> {
-    let mut loaded = args.input.load()?;
+/// [`Failure`]: 2 for bad input, 1 if standard output cannot be written.
+pub fn run(args: &ModelArgs) -> Result<(), Failure> {
+    let mut loaded = args.input.load().map_err(Failure::input)?;
     let state = match loaded.initial_state(&[], &[], None) {
         Ok(state) => state,
         // What does not close is worth looking at all the more.
         Err(error) => {
             let (file, message) = (loaded.model.path().to_path_buf(), error.root_cause().to_string());
             loaded.model.warnings.push(Warning { file, line: None, element: None, message });
-            loaded.wanted_state(&[], &[], None)?
+            loaded.wanted_state(&[], &[], None).map_err(Failure::input)?
         }
     };
     let model = &loaded.model;
     let redundancy = redundancy(&model.mechanism, &state);
     let plan = Plan::new(&model.mechanism, &state, &args.input.keep);
-    let report = match args.json {
-        true => serde_json::to_string_pretty(&as_json(model, &redundancy, &plan, &args.input.keep))? + "\n",
-        false => as_text(model, &redundancy, &plan, &args.input.keep),
-    };
-    match std::io::stdout().write_all(report.as_bytes()) {
-        // The reader of a pipe may have seen enough.
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        written => Ok(written?),
+    if args.json {
+        print_json(&as_json(model, &redundancy, &plan, &args.input.keep))
+    } else {
+        print(as_text(model, &redundancy, &plan, &args.input.keep))
     }
 }
 

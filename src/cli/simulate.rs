@@ -8,7 +8,7 @@ use super::input::{InputArgs, Loaded, numbers};
 use super::numbers::{Assignment, positive, rate};
 use super::progress::Progress;
 use super::run_log::{description, finish, log_failure};
-use super::{Failure, print};
+use super::{Failure, print, print_json};
 use anyhow::{Context, anyhow};
 use catena::islands::Plan;
 use catena::lobatto::assembly::redundancy;
@@ -251,8 +251,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         log,
     };
     if arguments.json {
-        let json = serde_json::to_string_pretty(&report).map_err(Failure::run)?;
-        print(format_args!("{json}\n"))?;
+        print_json(&report)?;
     } else if !arguments.quiet {
         print(&report)?;
     }
