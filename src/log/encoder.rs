@@ -122,3 +122,94 @@ pub(super) fn foxglove_channel<M: Encode>(sink: &mut dyn MessageSink, topic: &st
     let schema = M::get_schema().unwrap_or_else(|| Schema::new("", "", Vec::new()));
     sink.channel(topic, (&schema.name, &schema.encoding, &schema.data), &M::get_message_encoding())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lobatto::Lobatto;
+    use crate::log::batch::Batch;
+    use crate::model::{Base, ModelOptions};
+    use crate::scene::{PackagePath, read_scene, read_urdf};
+    use crate::simulation::{Observer, ObserverError, RunOptions, Sample, run};
+    use crate::state::State;
+    use allocation_counter::measure;
+    use std::path::{Path, PathBuf};
+
+    /// Messages in memory.
+    #[derive(Default)]
+    struct Memory {
+        channels: u16,
+        messages: Batch,
+    }
+
+    impl MessageSink for Memory {
+        fn channel(&mut self, _: &str, _: (&str, &str, &[u8]), _: &str) -> Result<u16, LogError> {
+            self.channels += 1;
+            Ok(self.channels)
+        }
+
+        fn message(&mut self, channel: u16, nanoseconds: u64, template: &[u8]) -> Result<&mut [u8], LogError> {
+            Ok(self.messages.push(channel, nanoseconds, template))
+        }
+    }
+
+    /// Samples with the figures of a step and a line before each.
+    #[derive(Default)]
+    struct Taken(Piece);
+
+    impl Observer for Taken {
+        fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+            let stamp = nanoseconds(sample.time);
+            let figures = Figures { energies: [1.0; 5], violation: [2.0; 2], work: [3.0; 5] };
+            self.0.push_between(Between::Figures(stamp, figures));
+            self.0.push_between(Between::Line(stamp, vec![1, 2, 3]));
+            self.0.push(sample.time, sample.position, sample.velocity);
+            Ok(())
+        }
+    }
+
+    fn robots(file: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(file)
+    }
+
+    fn urdf(file: &str, base: Base) -> (Model, State) {
+        let robot = read_urdf(&robots(file), &PackagePath::default()).expect("a robot");
+        let model = Model::new(robot, &ModelOptions { base, ..ModelOptions::default() }).expect("a model");
+        let state = model.zero_state();
+        (model, state)
+    }
+
+    #[test]
+    fn encoding_samples_allocates_nothing_whatever_the_joints_and_loops() {
+        let scene = read_scene(&robots("slider_crank.toml"), &PackagePath::default()).expect("a scene");
+        let (closed, start) = Model::from_scene(&scene).expect("a model");
+        let at_start = closed.initial_state(&start.positions, &start.velocities, None).expect("a state");
+        let all = [
+            urdf("arm7.urdf", Base::Fixed),
+            urdf("humanoid.urdf", Base::Floating),
+            urdf("planar_slider.urdf", Base::Fixed),
+            (closed, at_start),
+        ];
+        for (model, mut state) in all {
+            let mechanism = &model.mechanism;
+            let mut sink = Memory::default();
+            let mut encoder = SampleEncoder::new(&mut sink, &model).expect("memory");
+            let mut lobatto = Lobatto::fixed(mechanism, 4, 0.002).expect("a method");
+            // More than a second, since stamps are longer from then on.
+            let (options, mut taken) =
+                (RunOptions { duration: 1.1, rate: Some(100.0), interrupt: None }, Taken::default());
+            run(mechanism, &mut state, &mut lobatto, &options, &mut [&mut taken]).1.expect("a run");
+            let mut encode = || {
+                sink.messages.clear();
+                encoder.encode(&taken.0, &mut sink).expect("memory");
+                sink.messages.count()
+            };
+            // The first time lets the buffers grow to their size.
+            let count = encode();
+            assert!(count >= 111 * 6, "{}: {count} messages", mechanism.name);
+            // Counts on this thread alone.
+            let allocations = measure(|| assert_eq!(encode(), count));
+            assert_eq!(allocations.count_total, 0, "{}: {allocations:?}", mechanism.name);
+        }
+    }
+}
