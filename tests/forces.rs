@@ -361,7 +361,8 @@ fn a_motion_that_hard_dampers_stop_is_stopped_with_a_tolerance_and_said_to_ring_
         assert!(rings.velocity[0].abs() > 0.5 * rate.abs(), "{hardness}: {} rad/s", rings.velocity[0]);
         let mut short = fixed(&model, 9, seen.longest);
         let (stopped, _) = run(&model, &mut short, 8.0 * seen.longest);
-        assert!(stopped.velocity[0].abs() < 1e-9 * rate.abs(), "{hardness}: {} rad/s", stopped.velocity[0]);
+        // Nothing but what the iteration leaves, 1e-12 rad or less, times 36 over the step.
+        assert!(stopped.velocity[0].abs() < 36e-12 / seen.longest, "{hardness}: {} rad/s", stopped.velocity[0]);
         assert_eq!(short.description().ringing, None);
     }
 }
