@@ -222,3 +222,17 @@ fn pilots_of_a_calm_motion_with_nine_stages_are_two_and_take_few_more_steps_than
         assert!(2 * pilot_steps <= 5 * steps, "{tolerance:e}: {pilot_steps} for {steps}");
     }
 }
+
+#[test]
+fn how_long_an_accuracy_holds_does_not_hang_on_how_long_the_run_is() {
+    let model = models::chain(10);
+    let held = |duration: f64| {
+        let found = calibrate(&model.mechanism, &model.state, duration, 1e-6, &[], &mut |_| true).unwrap();
+        assert!(found.parted && found.holds_until < duration, "{duration} s: {found:?}");
+        found.holds_until
+    };
+    let (short, long) = (held(6.0), held(300.0));
+    println!("{short} s, and {long} s");
+    // Seen at instants a tenth and more of it apart, of runs whose steps differ.
+    assert!((long / short - 1.0).abs() < 0.4, "{short} s, and {long} s");
+}
