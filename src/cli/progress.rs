@@ -1,4 +1,4 @@
-//! The progress bar: simulated time, speed against real time, time left.
+//! What is shown on a terminal while a run is made: that there are pilot runs; then simulated time, speed against real time, time left.
 
 use catena::simulation::{Observer, ObserverError, Sample};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -30,6 +30,27 @@ impl Progress {
     /// Takes the bar away.
     pub fn clear(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// Says on standard error that pilot runs are being made, for as long as it lives.
+pub struct PilotsShown(ProgressBar);
+
+impl PilotsShown {
+    /// With the time they have taken.
+    pub fn new() -> Self {
+        let bar = ProgressBar::new_spinner();
+        if let Ok(style) = ProgressStyle::with_template("{spinner} pilot runs for the accuracy, {elapsed}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(INTERVAL);
+        PilotsShown(bar)
+    }
+}
+
+impl Drop for PilotsShown {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
     }
 }
 

@@ -6,7 +6,7 @@
 use super::engine::Engine;
 use super::input::{InputArgs, Loaded, numbers};
 use super::numbers::{Assignment, positive, rate};
-use super::progress::Progress;
+use super::progress::{PilotsShown, Progress};
 use super::run_log::{description, finish, log_failure};
 use super::{Failure, print, print_json};
 use anyhow::{Context, anyhow};
@@ -186,7 +186,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
     let plan = Plan::new(mechanism, &state, &arguments.input.keep);
     let model_report = ModelReport::new(model, &redundancy, &plan);
+    let shows = !arguments.quiet && std::io::stderr().is_terminal();
+    let pilots = (shows && choice.tolerance().is_some()).then(PilotsShown::new);
     let (mut engine, accuracy) = Engine::new(mechanism, &state, duration, choice, plan, &interrupted)?;
+    drop(pilots);
     let unreached = accuracy.as_ref().and_then(AccuracyReport::warning);
     let mut recorder = match &output {
         Some(path) => {
@@ -197,7 +200,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         None => None,
     };
-    let mut progress = (!arguments.quiet && std::io::stderr().is_terminal()).then(|| Progress::new(duration));
+    let mut progress = shows.then(|| Progress::new(duration));
     // Without a log and without a bar nobody looks at samples.
     let options = RunOptions {
         duration,
