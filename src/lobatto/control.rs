@@ -95,6 +95,8 @@ struct Memory {
     rejected: bool,
     /// For how many steps small changes of the energy are taken for the steps' own, whatever E says.
     wary: usize,
+    /// Length of the long step (s) up to which steps grow that stop what hard dampers stop.
+    settling: Option<f64>,
     /// How often the present step, which does not converge, was halved.
     halvings: usize,
 }
@@ -143,6 +145,18 @@ impl Control {
         }
     }
 
+    /// The same for a step of some length: where the motion is settling, velocities have to be as accurate as in long steps.
+    fn rule_for(&mut self, length: f64) -> StopRule {
+        let rule = self.rule();
+        let Some(long) = self.memory.settling else { return rule };
+        if length >= long {
+            self.memory.settling = None;
+            return rule;
+        }
+        let increment = (self.stop * length / long).max(1e-16);
+        StopRule { increment, rounding: increment.max(1e-11), ..rule }
+    }
+
     /// The largest E of a step that is kept.
     fn limit(&self) -> f64 {
         1.3_f64.powi(self.stages as i32 - 1).min(KEPT) * self.wanted
@@ -187,7 +201,7 @@ impl Control {
                 guess = Guess::Plain;
             }
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
-            let attempt = stepper.kernel.attempt(mechanism, length, &self.rule(), guess);
+            let attempt = stepper.kernel.attempt(mechanism, length, &self.rule_for(length), guess);
             outcome.iterations += attempt.iterations();
             let energies = match attempt {
                 Attempt::Converged { exact, .. } => {
@@ -201,6 +215,7 @@ impl Control {
                     stepper.accept(mechanism, state, length, end, &mut outcome)?;
                     self.keep_below(stepper.watch.safe_step());
                     if let Some(settling) = stepper.watch.take_settling(state.time) {
+                        self.memory.settling = Some(length);
                         self.memory.step = self.memory.step.min(settling);
                     }
                     return Ok(outcome);

@@ -154,6 +154,8 @@ pub struct Watch {
     ringing: Option<Ringing>,
     /// The longest step that stops what was seen to ring in the last look (s), until it is taken.
     settling: Option<f64>,
+    /// Whether steps are chosen and the first has been made.
+    settled: bool,
 }
 
 impl Watch {
@@ -161,13 +163,23 @@ impl Watch {
     /// at once, because springs may leave nothing to look at after a few.
     pub fn new(tableau: &'static Tableau, forces: bool) -> Self {
         let first = if forces { 1 } else { CLOSE_INTERVAL };
-        Watch { tableau, first, wait: first, latest: None, nearest: None, ringing: None, settling: None }
+        Watch {
+            tableau,
+            first,
+            wait: first,
+            latest: None,
+            nearest: None,
+            ringing: None,
+            settling: None,
+            settled: false,
+        }
     }
 
     /// Forgets the last look: the motion goes on from somewhere else.
     pub fn forget(&mut self) {
         self.latest = None;
         self.wait = self.first;
+        self.settled = false;
     }
 
     /// Counts an accepted step; returns the number of power iterations to look with, if it is time to.
@@ -208,7 +220,7 @@ impl Watch {
     /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (benches/README.md).
     fn ring(&mut self, decay: f64, step: f64, time: f64) -> Option<f64> {
         let s = self.tableau.stages as f64;
-        if step * decay <= 2.0 * s * (s - 1.0) {
+        if self.settled || step * decay <= 2.0 * s * (s - 1.0) {
             return None;
         }
         let longest = s / decay;
@@ -221,9 +233,11 @@ impl Watch {
         self.ringing
     }
 
-    /// Takes the next step (s) that stops what rings: steps that are chosen grow again from it, with nothing left to ring.
+    /// Takes the next step (s) that stops what rings, after the first step of a motion: steps that are chosen grow again from it, with nothing
+    /// left to ring. What rings later is not the motion but what iterations leave, which is as large in short steps.
     pub fn take_settling(&mut self, time: f64) -> Option<f64> {
-        let settling = self.settling.take().filter(|&step| step > SHORTEST * time)?;
+        let settled = std::mem::replace(&mut self.settled, true);
+        let settling = self.settling.take().filter(|&step| !settled && step > SHORTEST * time)?;
         self.ringing = None;
         Some(settling)
     }
