@@ -58,6 +58,7 @@ impl Builder<'_> {
     /// The relations of `<mimic>`.
     pub(super) fn urdf_mimics(&self, warnings: &mut Vec<Warning>) -> Result<Vec<Mimic>, ModelError> {
         let mut mimics = Vec::new();
+        let (mut still, mut free) = (Vec::new(), Vec::new());
         for (robot, file, joint) in self.urdf_joints() {
             let Some(mimic) = &joint.mimic else { continue };
             let stand =
@@ -75,10 +76,15 @@ impl Builder<'_> {
                 return Err(stand.refuse(CouplingProblem::MimicCircle(mimic.joint.clone())));
             }
             let moves = |name: &str| self.record(robot, name).is_some_and(|record| record.body.is_some());
-            if !moves(&joint.name) || !moves(&leader.name) {
-                let still = if moves(&joint.name) { &leader.name } else { &joint.name };
-                let message = format!("its mimic relation is not simulated, because joint {still:?} does not move");
-                warnings.push(warning(&stand, &message));
+            if !moves(&joint.name) {
+                let reason = if joint.kind == UrdfJointKind::Fixed { "is fixed" } else { "moves no mass" };
+                still.push(warning(&stand, &format!("it should mimic joint {:?}, but {reason}", leader.name)));
+                continue;
+            }
+            if !moves(&leader.name) {
+                let reason = if leader.kind == UrdfJointKind::Fixed { "is fixed" } else { "moves no mass" };
+                let message = format!("moves freely, because joint {:?}, which it should mimic, {reason}", leader.name);
+                free.push(warning(&stand, &message));
                 continue;
             }
             mimics.push(Mimic {
@@ -89,6 +95,8 @@ impl Builder<'_> {
                 offset: mimic.offset,
             });
         }
+        warnings.extend(Warning::of_kind(still, "joint"));
+        warnings.extend(Warning::of_kind(free, "joint"));
         Ok(mimics)
     }
 }
@@ -166,6 +174,21 @@ mod tests {
     }
 
     #[test]
+    fn fixed_joints_that_should_mimic_are_one_warning_that_counts_them() {
+        let text = "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/>\
+             <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link><link name='c'/><link name='d'/>\
+             <joint name='turn' type='continuous'><parent link='a'/><child link='b'/></joint>\
+             <joint name='left' type='fixed'><parent link='b'/><child link='c'/><mimic joint='turn'/></joint>\
+             <joint name='right' type='fixed'><parent link='b'/><child link='d'/><mimic joint='turn'/></joint></robot>";
+        let robot = robot_from_text(text, Path::new("r.urdf"), &PackagePath::default()).expect("a robot");
+        let model = Model::new(robot, &ModelOptions::default()).expect("a model");
+        let (_, warnings) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
+        let expected =
+            "r.urdf:1: joint \"left\": it should mimic joint \"turn\", but is fixed; so it is with 1 more joint";
+        assert_eq!(warnings, [expected]);
+    }
+
+    #[test]
     fn mimic_relations_that_cannot_be_are_refused_or_left_out_with_a_warning() {
         for (second, third, message) in [
             ("", "<mimic joint='joint9'/>", "mimics joint \"joint9\", which does not exist"),
@@ -179,6 +202,6 @@ mod tests {
         let model = chain("", "<mimic joint='joint4'/>");
         let (mimics, warnings) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
         assert_eq!(mimics.expect("a warning only").len(), 0);
-        assert!(warnings.len() == 1 && warnings[0].contains("joint \"joint4\" does not move"), "{warnings:?}");
+        assert!(warnings.len() == 1 && warnings[0].contains("moves freely, because joint \"joint4\""), "{warnings:?}");
     }
 }

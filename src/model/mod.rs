@@ -3,6 +3,7 @@
 mod assemble;
 mod closure;
 mod composite;
+mod constant_followers;
 mod coordinates;
 mod coupling_error;
 mod coupling_forces;

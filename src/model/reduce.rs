@@ -3,13 +3,15 @@
 //! The rules, each a function of its own or of `rigid_groups`:
 //!
 //! 1. the base is fixed in the world, or floats on a joint of its own;
-//! 2. links joined by fixed joints are one body (mass, centre and inertia composed), or part of the world;
+//! 2. links joined by fixed joints, or by joints that mimic one, are one body (mass, centre and inertia composed), or part of
+//!    the world;
 //! 3. a link without mass beyond which there is no mass is held still, with a warning;
 //! 4. a link without mass inside the tree stays a body, without mass;
 //! 5. each body's frame is its principal inertia frame at its centre of mass;
 //! 6. negative moments, and joints that can move without moving mass, are errors.
 
 use super::composite::Composite;
+use super::constant_followers::fix_constant_followers;
 use super::definiteness::undetermined_body;
 use super::joint::{Joint, JointKind, Pose};
 use super::joint_frame::{joint_frames, joint_kind};
@@ -63,8 +65,9 @@ impl Model {
     }
 
     /// The tree of a robot alone, without what couples its joints.
-    pub(super) fn of_robot(robot: Robot, options: &ModelOptions) -> Result<Self, ModelError> {
+    pub(super) fn of_robot(mut robot: Robot, options: &ModelOptions) -> Result<Self, ModelError> {
         refuse_bad_options(&robot, options)?;
+        fix_constant_followers(&mut robot);
         let tree = LinkTree::new(&robot);
         let mut moving = Moving::all(&robot, options.base == Base::Floating);
         let dropped = drop_massless_leaves(&robot, &tree, &mut moving);

@@ -72,6 +72,20 @@ pub struct Warning {
     pub message: String,
 }
 
+impl Warning {
+    /// One warning for several of a kind: the first, and how many more links or joints (`what`) it is true of.
+    pub(crate) fn of_kind(all: Vec<Warning>, what: &str) -> Option<Warning> {
+        let more = all.len().saturating_sub(1);
+        let mut first = all.into_iter().next()?;
+        match more {
+            0 => {}
+            1 => first.message += &format!("; so it is with 1 more {what}"),
+            _ => first.message += &format!("; so it is with {more} more {what}s"),
+        }
+        Some(first)
+    }
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{}: {}", place(&self.file, self.line, &self.element), self.message)
