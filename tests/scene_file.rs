@@ -172,6 +172,10 @@ fn what_is_wrong_is_said_with_file_line_and_key() {
             format!("{ONE}[[spring]]\njoint = \"elbow\"\nrest_length = 1"),
             &["scene.toml:5: spring \"spring1\": ", "no rest_length"],
         ),
+        (
+            format!("{ONE}[[spring]]\njoint = \"elbow\"\nrest = 1"),
+            &["scene.toml:3: spring \"spring1\": ", "needs its stiffness, its damping, or both"],
+        ),
         (format!("{ONE}[[spring]]\nstiffness = 1"), &["scene.toml:3: spring \"spring1\": ", "either between points"]),
         (
             format!("{ONE}[[spring]]\njoint = \"elbow\"\nstiffness = -1"),

@@ -7,7 +7,7 @@ use super::error::{Element, Problem, SceneError, Warning};
 use super::numbers::unit;
 use super::robot::{LoopType, WORLD_LINK};
 use super::scene_file::{SceneRobot, vector};
-use super::scene_schema::{EndTable, Finite, LoadTable, LoopTable, SpringTable};
+use super::scene_schema::{EndTable, Finite, LoadTable, LoopTable, NotNegative, SpringTable};
 use super::toml_text::TomlText;
 use toml::Spanned;
 
@@ -56,6 +56,8 @@ impl CouplingReader<'_> {
             let name = named(table.name, "spring", index);
             let owner = Element::Spring(name.clone());
             let refuse = |span, message| Err(self.text.error(&span, Some(owner.clone()), Problem::Keys(message)));
+            let number = |given: Option<NotNegative>| given.map_or(0.0, |number| number.0);
+            let (stiffness, damping) = (number(table.stiffness), number(table.damping));
             let place = match (&table.a, &table.b, &table.joint) {
                 (Some(a), Some(b), None) => {
                     if let Some(rest) = table.rest {
@@ -63,7 +65,7 @@ impl CouplingReader<'_> {
                     }
                     let rest_length = match table.rest_length {
                         Some(rest_length) => rest_length.get_ref().0,
-                        None if table.stiffness.0 == 0.0 => 0.0,
+                        None if stiffness == 0.0 => 0.0,
                         None => return refuse(span, "a spring between points needs its rest_length"),
                     };
                     let a = self.point(&a.link, &a.position, &owner)?;
@@ -79,7 +81,9 @@ impl CouplingReader<'_> {
                 }
                 _ => return refuse(span, "a spring is either between points a and b, or in a joint"),
             };
-            let (stiffness, damping) = (table.stiffness.0, table.damping.0);
+            if table.stiffness.is_none() && table.damping.is_none() {
+                return refuse(span, "a spring needs its stiffness, its damping, or both");
+            }
             springs.push(SceneSpring { name, stiffness, damping, place, line: self.text.line(&span) });
         }
         Ok(springs)

@@ -98,10 +98,8 @@ pub(super) struct SpringTable {
     pub a: Option<PointTable>,
     pub b: Option<PointTable>,
     pub joint: Option<Spanned<String>>,
-    #[serde(default)]
-    pub stiffness: NotNegative,
-    #[serde(default)]
-    pub damping: NotNegative,
+    pub stiffness: Option<NotNegative>,
+    pub damping: Option<NotNegative>,
     pub rest_length: Option<Spanned<NotNegative>>,
     pub rest: Option<Spanned<Finite>>,
 }
