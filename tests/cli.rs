@@ -51,6 +51,9 @@ fn bad_input_and_bad_usage_exit_with_2_and_one_line_and_touch_no_file() {
         &["pendulum.urdf", "--position", "knee=1"],
         &["pendulum.urdf", "--velocity", "weld=1"],
         &["pendulum.urdf", "--package", "name"],
+        &["pendulum.urdf", "--package", "name=no/such/folder"],
+        &["pendulum.urdf", "--position", "hinge=1", "--position", "hinge=2"],
+        &["pendulum.urdf", "--velocity", "hinge=1", "--velocity", "hinge=1"],
         &["pendulum.urdf", "pendulum.urdf"],
         &[],
     ];
@@ -104,9 +107,20 @@ fn an_error_names_what_is_wrong() {
         (["pendulum.urdf", "--position", "knee=1"], "\"hinge\""),
         (["pendulum.urdf", "--durration", "1"], "'--duration'"),
         (["pendulum.urdf", "--step", "1"], "--stages"),
+        (["pendulum.urdf", "--package", "name=no/such/folder"], "there is no folder \"no/such/folder\""),
     ] {
         let output = run(&folder, &[&["simulate"], &arguments[..]].concat());
         assert!(text(&output.stderr).contains(names), "{arguments:?}: {}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn a_joint_that_is_given_twice_is_named() {
+    let folder = folder("twice");
+    for option in ["--position", "--velocity"] {
+        let output = run(&folder, &["simulate", "pendulum.urdf", option, "hinge=1", option, "hinge=2"]);
+        let expected = format!("{option} is given twice for joint \"hinge\"");
+        assert!(text(&output.stderr).contains(&expected), "{}", text(&output.stderr));
     }
 }
 

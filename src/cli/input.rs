@@ -65,13 +65,15 @@ impl Loaded {
     /// The start, moved onto all loops and mimic relations; what was changed for that becomes a warning of the model.
     ///
     /// # Errors
-    /// As [`Loaded::wanted_state`], and if a loop cannot be closed or the velocities contradict one.
+    /// As [`Loaded::wanted_state`], if a joint is given twice, if a loop cannot be closed or the velocities contradict one.
     pub fn initial_state(
         &mut self,
         positions: &[Assignment],
         velocities: &[Assignment],
         base_velocity: Option<[f64; 6]>,
     ) -> anyhow::Result<State> {
+        refuse_repeated("--position", positions)?;
+        refuse_repeated("--velocity", velocities)?;
         let mut state = self.wanted_state(positions, velocities, base_velocity)?;
         let file = self.model.path();
         let correction = assemble(&self.model.mechanism, &mut state).with_context(|| file.display().to_string())?;
@@ -110,6 +112,16 @@ impl Loaded {
         all_velocities.extend(pairs(velocities));
         self.model.initial_state(&all_positions, &all_velocities, None)
     }
+}
+
+/// Of two values for one joint, nobody can tell which was meant.
+fn refuse_repeated(option: &str, given: &[Assignment]) -> anyhow::Result<()> {
+    for (index, one) in given.iter().enumerate() {
+        if given[..index].iter().any(|earlier| earlier.name == one.name) {
+            bail!("{option} is given twice for joint {:?}", one.name);
+        }
+    }
+    Ok(())
 }
 
 /// `--base`.
@@ -230,6 +242,9 @@ pub fn finite_numbers(text: &str) -> Result<Vec<f64>, String> {
 /// `NAME=DIR`.
 fn package(text: &str) -> Result<(String, PathBuf), String> {
     match text.split_once('=') {
+        Some((_, folder)) if !folder.is_empty() && !Path::new(folder).is_dir() => {
+            Err(format!("there is no folder {folder:?}"))
+        }
         Some((name, folder)) if !name.is_empty() && !folder.is_empty() => Ok((name.to_string(), folder.into())),
         _ => Err("give NAME=DIR, the name of the package and its folder".to_string()),
     }
