@@ -32,6 +32,9 @@ pub fn is_at_rest(mechanism: &Mechanism, state: &State) -> bool {
         return false;
     }
     let bodies = body_states(mechanism, state);
+    if mechanism.forces.point_springs.iter().any(|spring| spring.is_undirected(&bodies)) {
+        return false;
+    }
     let mut wrenches = vec![BodyWrench::default(); bodies.len()];
     body_wrenches(mechanism, &bodies, &mut wrenches);
     let mut reactions = Reactions::new(mechanism);

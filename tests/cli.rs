@@ -54,6 +54,7 @@ fn bad_input_and_bad_usage_exit_with_2_and_one_line_and_touch_no_file() {
         &["pendulum.urdf", "--package", "name=no/such/folder"],
         &["pendulum.urdf", "--position", "hinge=1", "--position", "hinge=2"],
         &["pendulum.urdf", "--velocity", "hinge=1", "--velocity", "hinge=1"],
+        &["pendulum.urdf", "--velocity", "hinge=1e300"],
         &["pendulum.urdf", "pendulum.urdf"],
         &[],
     ];
@@ -102,12 +103,16 @@ fn a_log_replaces_no_file_that_the_run_is_made_from() {
 #[test]
 fn an_error_names_what_is_wrong() {
     let folder = folder("naming");
+    std::fs::write(folder.join("far.urdf"), PENDULUM.replace("xyz=\"0 0 -0.5\"", "xyz=\"1e200 0 0\""))
+        .expect("written");
     for (arguments, names) in [
         (["missing.urdf", "--rate", "1"], "missing.urdf"),
         (["pendulum.urdf", "--position", "knee=1"], "\"hinge\""),
         (["pendulum.urdf", "--durration", "1"], "'--duration'"),
         (["pendulum.urdf", "--step", "1"], "--stages"),
         (["pendulum.urdf", "--package", "name=no/such/folder"], "there is no folder \"no/such/folder\""),
+        (["pendulum.urdf", "--velocity", "hinge=1e300"], "joint \"hinge\" starts so fast"),
+        (["far.urdf", "--rate", "1"], "link \"rod\" is 1e200 m away"),
     ] {
         let output = run(&folder, &[&["simulate"], &arguments[..]].concat());
         assert!(text(&output.stderr).contains(names), "{arguments:?}: {}", text(&output.stderr));

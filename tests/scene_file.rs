@@ -5,9 +5,10 @@ mod common;
 use catena::closures::loop_gaps;
 use catena::kinematics::body_states;
 use catena::model::{LoopKind, Model, Start};
+use catena::rest::is_at_rest;
 use catena::scene::{PackagePath, Scene, SceneError, read_urdf, scene_from_text};
 use catena::state::State;
-use common::command::{self, run};
+use common::command::{self, assert_one_error, run};
 use nalgebra::Vector3;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -419,6 +420,24 @@ fn the_command_line_goes_before_the_scene_file_and_that_before_the_defaults() {
     assert_eq!((&fixed["method"]["stages"], &fixed["method"]["step"]), (&Value::from(4), &Value::from(0.125)));
     let moved = quick(&["--base-pose", "1,2,3,0,0,0"]);
     assert_eq!(moved["links"]["base"]["position"], serde_json::json!([1.0, 2.0, 3.0]));
+}
+
+#[test]
+fn a_spring_whose_ends_coincide_at_the_start_is_refused_and_is_not_at_rest() {
+    let folder = folder("undirected");
+    let text = "[[robot]]\nurdf = \"pendulum.urdf\"\n[[spring]]\nstiffness = 5\nrest_length = 1\n\
+                a = { link = \"rod\", position = [0, 0, -1] }\nb = { link = \"world\", position = [0, 0, -1] }";
+    std::fs::write(folder.join("coincide.toml"), text).unwrap();
+    let refused = run(&folder, &["simulate", "coincide.toml", "--no-log"]);
+    assert_one_error(&refused, 2, "coincide");
+    let message = command::text(&refused.stderr);
+    assert!(message.contains("coincide.toml: spring \"spring1\": its ends coincide"), "{message}");
+    report(&folder, &["coincide.toml", "--no-log", "--position", "hinge=0.1", "--duration", "0.1"]);
+    let (model, _, state) = build(&folder, text);
+    assert!(!is_at_rest(&model.mechanism, &state));
+    // Without a rest length it is at rest there.
+    let (model, _, state) = build(&folder, &text.replace("rest_length = 1", "rest_length = 0"));
+    assert!(is_at_rest(&model.mechanism, &state));
 }
 
 #[test]

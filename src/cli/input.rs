@@ -65,7 +65,8 @@ impl Loaded {
     /// The start, moved onto all loops and mimic relations; what was changed for that becomes a warning of the model.
     ///
     /// # Errors
-    /// As [`Loaded::wanted_state`], if a joint is given twice, if a loop cannot be closed or the velocities contradict one.
+    /// As [`Loaded::wanted_state`], if a joint is given twice, if a loop cannot be closed or the velocities contradict one, and if
+    /// forces or energies are undefined or infinite there.
     pub fn initial_state(
         &mut self,
         positions: &[Assignment],
@@ -76,7 +77,10 @@ impl Loaded {
         refuse_repeated("--velocity", velocities)?;
         let mut state = self.wanted_state(positions, velocities, base_velocity)?;
         let file = self.model.path();
-        let correction = assemble(&self.model.mechanism, &mut state).with_context(|| file.display().to_string())?;
+        let in_file = || file.display().to_string();
+        self.model.check_representable(&state).with_context(in_file)?;
+        let correction = assemble(&self.model.mechanism, &mut state).with_context(in_file)?;
+        self.model.check_springs(&state).with_context(in_file)?;
         if correction.position.max(correction.velocity) > UNNOTICEABLE {
             let message = format!(
                 "the start was moved onto the loops: positions by up to {:.1e} rad or m a round, velocities by up to {:.1e} \

@@ -11,7 +11,8 @@
 //! ```
 //!
 //! The second term is the geometric stiffness: a taut spring resists turning. Where the points meet u has no direction;
-//! the force is taken to be zero there, which is right for a spring of no rest length and a choice for any other.
+//! the force is taken to be zero there, which is right for a spring of no rest length. Any other has no force there that is
+//! defined, so no run starts there ([`PointSpring::is_undirected`]).
 //!
 //! Source: E. J. Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 6.1.4
 //! (translational spring-damper-actuators).
@@ -24,6 +25,9 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Added to ℓ² [m²], so that u is zero, and not undefined, where the points meet; below the rounding of every other ℓ.
 pub(crate) const NO_LENGTH: f64 = 1e-300;
+
+/// Points coincide within this part of their distances from the origin: some roundings of the sums that place them.
+const COINCIDENCE: f64 = 1e-14;
 
 /// The line from a to b.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +63,13 @@ impl PointSpring {
     pub fn line(&self, bodies: &[BodyState]) -> Line {
         let ((from, from_rate), (to, to_rate)) = (attached_point(&self.a, bodies), attached_point(&self.b, bodies));
         Line::new(to - from, &(to_rate - from_rate))
+    }
+
+    /// Whether its ends coincide to some roundings of their places though it pushes them apart, with no direction to do so.
+    pub fn is_undirected(&self, bodies: &[BodyState]) -> bool {
+        let places = [&self.a, &self.b].map(|end| attached_point(end, bodies).0.norm());
+        let nothing = COINCIDENCE * (self.rest_length + places[0] + places[1]);
+        self.stiffness * self.rest_length > 0.0 && self.line(bodies).length <= nothing
     }
 
     /// `T` (N).
@@ -129,6 +140,14 @@ mod tests {
         let rate = Vector3::new(-0.4, 0.9, 0.2);
         let line = Line::new(separation, &rate);
         assert!((damper.dissipated_power(line.rate) + damper.force(&line).dot(&rate)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_spring_whose_ends_coincide_has_no_direction_unless_it_has_no_rest_length() {
+        assert!(spring().is_undirected(&[]));
+        assert!(!PointSpring { rest_length: 0.0, ..spring() }.is_undirected(&[]));
+        let beside = Attachment { body: None, frame: Pose::translation(1e-9, 0.0, 0.0) };
+        assert!(!PointSpring { b: beside, ..spring() }.is_undirected(&[]));
     }
 
     #[test]

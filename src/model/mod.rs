@@ -24,6 +24,7 @@ mod reported;
 mod rigid_groups;
 mod robot_model;
 mod rules;
+mod start_checks;
 
 pub use assemble::Start;
 pub use closure::{Attachment, Coordinate, JointLimit, LoopJoint, LoopKind, Mimic};

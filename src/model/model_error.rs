@@ -53,6 +53,24 @@ pub enum ModelError {
          turn it is: take whole turns off it"
     )]
     TurnedTooOften { joint: String, angle: f64, largest: f64 },
+    /// A link whose distance has no finite square.
+    #[error("link {link:?} is {distance:e} m away, so far that squares of distances to it are infinite")]
+    TooFarAway { link: String, distance: f64 },
+    /// A link whose kinetic energy is infinite.
+    #[error(
+        "joint {joint:?} starts so fast that the energy of link {link:?} is infinite: it moves at {speed:e} m/s and turns at {spin:e} \
+         rad/s"
+    )]
+    TooFast { joint: String, link: String, speed: f64, spin: f64 },
+    /// The sum of all energies is infinite though those of the bodies are not.
+    #[error("the energy of gravity, springs and loads is infinite where the run starts")]
+    InfiniteEnergy,
+    /// A spring that pushes apart two points that coincide.
+    #[error(
+        "spring {spring:?}: its ends coincide where the run starts though its rest length is {rest_length} m, so its force has no \
+         direction; start it elsewhere, or give it no rest length"
+    )]
+    UndirectedSpring { spring: String, rest_length: f64 },
     /// A base velocity for a base that does not float.
     #[error("a base velocity needs a floating base (--base floating)")]
     BaseDoesNotFloat,

@@ -1,0 +1,51 @@
+//! What a start can be that the numbers of every joint do not say: beyond what doubles hold, or undefined.
+
+use super::model_error::ModelError;
+use super::robot_model::Model;
+use crate::invariants::energy_with_forces;
+use crate::kinematics::body_states;
+use crate::state::State;
+
+impl Model {
+    /// Refuses places and velocities whose squares, and so energies, are infinite.
+    ///
+    /// # Errors
+    /// [`ModelError::TooFarAway`] or [`ModelError::TooFast`] with the first link of which that is so, or else
+    /// [`ModelError::InfiniteEnergy`].
+    pub fn check_representable(&self, state: &State) -> Result<(), ModelError> {
+        let states = body_states(&self.mechanism, state);
+        let mut kinetic = 0.0;
+        for (body, at) in self.mechanism.bodies.iter().zip(&states) {
+            if !at.position.norm_squared().is_finite() {
+                return Err(ModelError::TooFarAway { link: body.name.clone(), distance: at.position.amax() });
+            }
+            // At least the energy: a body may turn about any of its axes later.
+            kinetic +=
+                body.mass * at.velocity.norm_squared() + body.inertia.amax() * at.angular_velocity.norm_squared();
+            if !f64::is_finite(kinetic) {
+                return Err(ModelError::TooFast {
+                    joint: body.joint.name.clone(),
+                    link: body.name.clone(),
+                    speed: at.velocity.amax(),
+                    spin: at.angular_velocity.amax(),
+                });
+            }
+        }
+        let energy = energy_with_forces(&self.mechanism, &state.position, &states).total();
+        if energy.is_finite() { Ok(()) } else { Err(ModelError::InfiniteEnergy) }
+    }
+
+    /// Refuses a start at which the force of a spring has no direction.
+    ///
+    /// # Errors
+    /// [`ModelError::UndirectedSpring`] with its name.
+    pub fn check_springs(&self, state: &State) -> Result<(), ModelError> {
+        let states = body_states(&self.mechanism, state);
+        match self.mechanism.forces.point_springs.iter().find(|spring| spring.is_undirected(&states)) {
+            Some(spring) => {
+                Err(ModelError::UndirectedSpring { spring: spring.name.clone(), rest_length: spring.rest_length })
+            }
+            None => Ok(()),
+        }
+    }
+}
