@@ -130,6 +130,24 @@ fn a_joint_that_is_given_twice_is_named() {
 }
 
 #[test]
+fn a_start_outside_the_limits_is_one_warning_with_joint_value_and_limits() {
+    let folder = folder("limits");
+    let limited = "type=\"revolute\"><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>";
+    std::fs::write(folder.join("limited.urdf"), PENDULUM.replace("type=\"continuous\">", limited)).expect("written");
+    let warnings = |position: &str| {
+        let output = run(
+            &folder,
+            &["simulate", "limited.urdf", "--no-log", "--json", "--duration", "0.1", "--position", position],
+        );
+        let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        report["warnings"].to_string()
+    };
+    let outside = "limited.urdf: joint \\\"hinge\\\": it starts at 3 rad, outside its limits -1 to 1 rad";
+    assert!(warnings("hinge=3").contains(outside), "{}", warnings("hinge=3"));
+    assert!(!warnings("hinge=1").contains("outside its limits"), "{}", warnings("hinge=1"));
+}
+
+#[test]
 fn a_full_disk_is_an_error_that_names_the_file() {
     if !Path::new("/dev/full").exists() {
         println!("skipped: this system has no /dev/full");

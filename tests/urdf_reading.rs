@@ -290,6 +290,13 @@ fn missing_limits_are_assumed_with_a_warning() {
 }
 
 #[test]
+fn a_lower_limit_above_the_upper_one_is_not_used_and_said() {
+    let text = robot(GOOD_INERTIAL, "<limit lower=\"1\" upper=\"-1\" effort=\"1\" velocity=\"1\"/>", "")
+        .replace("continuous", "revolute");
+    warned(&text, "its lower limit 1 is above its upper limit -1, so neither is used", 6, joint("hinge"));
+}
+
+#[test]
 fn commas_between_numbers_are_read_as_spaces() {
     for text in ["0.07, 0, -0.69", "0.07,0,-0.69", "0.07 , 0,-0.69"] {
         let robot = warned(&robot("", &format!("<origin xyz=\"{text}\"/>"), ""), "commas", 6, joint("hinge"));

@@ -89,6 +89,7 @@ impl Loaded {
             );
             self.model.warnings.push(Warning { file: file.to_path_buf(), line: None, element: None, message });
         }
+        self.model.warnings.extend(self.model.limit_warning(&state));
         Ok(state)
     }
 

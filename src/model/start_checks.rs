@@ -1,10 +1,15 @@
-//! What a start can be that the numbers of every joint do not say: beyond what doubles hold, or undefined.
+//! What a start can be that the numbers of every joint do not say: beyond what doubles hold, undefined, or outside limits.
 
+use super::joint::JointKind;
 use super::model_error::ModelError;
 use super::robot_model::Model;
 use crate::invariants::energy_with_forces;
 use crate::kinematics::body_states;
+use crate::scene::{Element, Warning};
 use crate::state::State;
+
+/// A joint may be beyond a limit by this much [rad or m]: what is left of closing loops.
+const NEGLIGIBLE_EXCESS: f64 = 1e-9;
 
 impl Model {
     /// Refuses places and velocities whose squares, and so energies, are infinite.
@@ -47,5 +52,25 @@ impl Model {
             }
             None => Ok(()),
         }
+    }
+
+    /// What to say of joints that are outside their limits, which nothing will push back.
+    pub fn limit_warning(&self, state: &State) -> Option<Warning> {
+        let outside = self.mechanism.limits.iter().filter_map(|limit| {
+            let position = state.position[limit.coordinate.position];
+            let excess = (limit.lower - position).max(position - limit.upper);
+            let joint = &self.mechanism.bodies[limit.coordinate.body].joint;
+            let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+            (excess > NEGLIGIBLE_EXCESS).then(|| Warning {
+                file: self.path().to_path_buf(),
+                line: None,
+                element: Some(Element::Joint(joint.name.clone())),
+                message: format!(
+                    "it starts at {position} {unit}, outside its limits {} to {} {unit}",
+                    limit.lower, limit.upper
+                ),
+            })
+        });
+        Warning::of_kind(outside.collect(), "joint")
     }
 }

@@ -20,6 +20,8 @@ pub(super) struct Converter<'c> {
     /// Whether the file's version (1.1 and later) knows `quat_xyzw`.
     pub quaternions: bool,
     pub warnings: Vec<Warning>,
+    /// Of lower limits above the upper ones.
+    pub reversed_limits: Vec<Warning>,
 }
 
 impl Converter<'_> {
@@ -59,6 +61,14 @@ impl Converter<'_> {
         });
         if limit.is_none() && matches!(kind, UrdfJointKind::Revolute | UrdfJointKind::Prismatic) {
             self.warn(element.line, &owner, format!("a {} joint should have a <limit>; none is assumed", kind.name()));
+        }
+        if let Some(Limit { lower: Some(lower), upper: Some(upper), .. }) = limit
+            && lower > upper
+            && matches!(kind, UrdfJointKind::Revolute | UrdfJointKind::Prismatic)
+        {
+            let message = format!("its lower limit {lower} is above its upper limit {upper}, so neither is used");
+            let line = element.child("limit").map_or(element.line, |limit| limit.line);
+            self.reversed_limits.push(self.warning(line, &owner, message));
         }
         Ok(UrdfJoint {
             name: joint.name.clone(),
@@ -252,8 +262,11 @@ impl Converter<'_> {
     }
 
     fn warn(&mut self, line: usize, element: &Element, message: String) {
-        let file = self.file.to_path_buf();
-        self.warnings.push(Warning { file, line: Some(line), element: Some(element.clone()), message });
+        self.warnings.push(self.warning(line, element, message));
+    }
+
+    fn warning(&self, line: usize, element: &Element, message: String) -> Warning {
+        Warning { file: self.file.to_path_buf(), line: Some(line), element: Some(element.clone()), message }
     }
 }
 

@@ -57,8 +57,14 @@ fn read_robot(
     let parsed = parse(path, &robot)?;
     let (meshes, missing_meshes) = find_meshes(&robot);
 
-    let mut converter =
-        Converter { file: path, meshes: &meshes, materials: &parsed.materials, quaternions, warnings: Vec::new() };
+    let mut converter = Converter {
+        file: path,
+        meshes: &meshes,
+        materials: &parsed.materials,
+        quaternions,
+        warnings: Vec::new(),
+        reversed_limits: Vec::new(),
+    };
     let mut links = Vec::with_capacity(parsed.links.len());
     for (link, element) in parsed.links.iter().zip(robot.children_named("link")) {
         links.push(converter.link(link, element)?);
@@ -81,6 +87,7 @@ fn read_robot(
     let mut warnings = xml.warnings;
     warnings.extend(repairs);
     warnings.extend(converter.warnings);
+    warnings.extend(Warning::of_kind(converter.reversed_limits, "joint"));
     warnings.extend(missing_meshes);
     warnings.extend(unsimulated(path, &links, &joints, &ignored));
     let name = robot.attribute("name").map_or_else(|| file_stem(path), str::to_string);
