@@ -359,6 +359,15 @@ fn impossible_inertias_are_used_with_a_warning() {
     // Hidden in the products of inertia.
     let hidden = GOOD_INERTIAL.replace("ixy=\"0\"", "ixy=\"0.9\"");
     warned(&robot(&hidden, "", ""), "the largest exceeds the sum", 3, link("arm"));
+    // A rod along (1, 1, 1), whose moment is zero but for rounding, as another is; said once of both links.
+    let needle = r#"<inertial><mass value="1"/><inertia ixx="1e-6" ixy="1e-6" ixz="1e-6" iyy="1e-6" iyz="1e-6" izz="1e-6"/></inertial>"#;
+    let second = format!(
+        "<link name=\"c\">{needle}</link><joint name=\"second\" type=\"fixed\"><parent link=\"arm\"/><child link=\"c\"/></joint>"
+    );
+    let both = warned(&robot(needle, "", &second), "no body has the principal moments of inertia", 3, link("arm"));
+    let message = &both.warnings[0].message;
+    assert!(message.contains(" 0.0000e0, 0.0000e0, 3.0000e-6 kg m²"), "{message}");
+    assert!(message.ends_with("; so it is with 1 more link"), "{message}");
     let no_products = GOOD_INERTIAL.replace("ixz=\"0\" ", "");
     warned(&robot(&no_products, "", ""), "<inertia> has no ixz; 0 is assumed", 3, link("arm"));
 }

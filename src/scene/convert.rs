@@ -20,6 +20,8 @@ pub(super) struct Converter<'c> {
     /// Whether the file's version (1.1 and later) knows `quat_xyzw`.
     pub quaternions: bool,
     pub warnings: Vec<Warning>,
+    /// Of inertias that no body has.
+    pub impossible_inertias: Vec<Warning>,
     /// Of lower limits above the upper ones.
     pub reversed_limits: Vec<Warning>,
 }
@@ -189,20 +191,23 @@ impl Converter<'_> {
     fn check_inertia(&mut self, mass: f64, inertia: &Matrix3<f64>, element: &CleanElement, owner: &Element) {
         let mut moments: Vec<f64> = inertia.symmetric_eigenvalues().iter().copied().collect();
         moments.sort_by(f64::total_cmp);
+        // What the computation of the moments leaves of one that is zero may be negative.
+        for moment in 0..2 {
+            if moments[moment] < 0.0 && moments[moment] > -1e-12 * moments[2] {
+                moments[moment] = 0.0;
+            }
+        }
         let excess = moments[2] - moments[0] - moments[1];
         // Inertias are written with a few digits: less than one part in 10⁴ is their rounding.
         // A radius of gyration below a nanometre is the dust of a computation, not a statement.
         if excess > 1e-4 * moments[2] && moments[2] > mass * 1e-18 {
             let line = element.child("inertia").map_or(element.line, |inertia| inertia.line);
-            self.warn(
-                line,
-                owner,
-                format!(
-                    "no body has the principal moments of inertia {:.4e}, {:.4e}, {:.4e} kg m²: the largest exceeds \
-                     the sum of the others (they are used all the same)",
-                    moments[0], moments[1], moments[2]
-                ),
+            let message = format!(
+                "no body has the principal moments of inertia {:.4e}, {:.4e}, {:.4e} kg m²: the largest exceeds the sum of \
+                 the others (they are used all the same)",
+                moments[0], moments[1], moments[2]
             );
+            self.impossible_inertias.push(self.warning(line, owner, message));
         } else if mass == 0.0 && moments[2] != 0.0 {
             self.warn(element.line, owner, "has inertia but no mass".to_string());
         }

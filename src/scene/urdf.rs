@@ -63,6 +63,7 @@ fn read_robot(
         materials: &parsed.materials,
         quaternions,
         warnings: Vec::new(),
+        impossible_inertias: Vec::new(),
         reversed_limits: Vec::new(),
     };
     let mut links = Vec::with_capacity(parsed.links.len());
@@ -87,6 +88,7 @@ fn read_robot(
     let mut warnings = xml.warnings;
     warnings.extend(repairs);
     warnings.extend(converter.warnings);
+    warnings.extend(Warning::of_kind(converter.impossible_inertias, "link"));
     warnings.extend(Warning::of_kind(converter.reversed_limits, "joint"));
     warnings.extend(missing_meshes);
     warnings.extend(unsimulated(path, &links, &joints, &ignored));
