@@ -148,6 +148,24 @@ fn a_start_outside_the_limits_is_one_warning_with_joint_value_and_limits() {
 }
 
 #[test]
+fn a_body_on_a_fixed_base_is_a_warning_that_says_how_to_let_it_move() {
+    let folder = folder("nothing_moves");
+    let body = "<robot name=\"body\"><link name=\"body\"><inertial><mass value=\"1\"/>\
+                <inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link></robot>";
+    std::fs::write(folder.join("body.urdf"), body).expect("written");
+    let warnings = |base: &str| {
+        let output =
+            run(&folder, &["simulate", "body.urdf", "--no-log", "--json", "--duration", "0.1", "--base", base]);
+        let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        report["warnings"].clone()
+    };
+    let expected =
+        "body.urdf: nothing moves, because the root link is fixed in the world; --base floating lets it move";
+    assert_eq!(warnings("fixed"), serde_json::json!([expected]));
+    assert_eq!(warnings("floating"), serde_json::json!([]));
+}
+
+#[test]
 fn a_full_disk_is_an_error_that_names_the_file() {
     if !Path::new("/dev/full").exists() {
         println!("skipped: this system has no /dev/full");

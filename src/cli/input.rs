@@ -178,7 +178,8 @@ impl WorldArgs {
             base_pose: self.base_pose.map_or(defaults.base_pose, pose),
             gravity: self.gravity.map_or(defaults.gravity, Vector3::from),
         };
-        let model = Model::new(robot, &options)?;
+        let mut model = Model::new(robot, &options)?;
+        model.warnings.extend(nothing_moves(&model, "--base floating"));
         Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default() })
     }
 
@@ -209,9 +210,22 @@ impl WorldArgs {
                 }
             }
         }
-        let (model, start) = Model::from_scene(&scene)?;
+        let (mut model, start) = Model::from_scene(&scene)?;
+        model.warnings.extend(nothing_moves(&model, "base = \"floating\" in its [[robot]]"));
         Ok(Loaded { model, start, simulation: scene.simulation })
     }
+}
+
+/// A warning of a robot without bodies, all of whose mass is fixed in the world, which `remedy` would let move.
+fn nothing_moves(model: &Model, remedy: &str) -> Option<Warning> {
+    let robot = model.robots.iter().find(|placed| !placed.robot.root_is_world())?;
+    let has_mass = model.links[robot.links.clone()].iter().any(|link| link.mass > 0.0);
+    (model.mechanism.bodies.is_empty() && has_mass).then(|| Warning {
+        file: model.path().to_path_buf(),
+        line: None,
+        element: None,
+        message: format!("nothing moves, because the root link is fixed in the world; {remedy} lets it move"),
+    })
 }
 
 impl BaseChoice {
