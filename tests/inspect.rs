@@ -337,6 +337,22 @@ fn two_logs_are_compared_link_by_link() {
     assert!(text(&words.stdout).contains("different"), "{}", text(&words.stdout));
 }
 
+#[test]
+fn logs_of_which_nothing_can_be_compared_are_not_identical() {
+    let folder = folder("apart");
+    simulate(&folder, &["-o", "a.mcap"]);
+    let renamed = common::command::PENDULUM
+        .replace("\"base\"", "\"foot\"")
+        .replace("\"rod\"", "\"leg\"")
+        .replace("\"tip\"", "\"toe\"");
+    std::fs::write(folder.join("pendulum.urdf"), renamed).expect("written");
+    simulate(&folder, &["-o", "b.mcap"]);
+    let comparison = inspect(&folder, &["a.mcap", "b.mcap"]);
+    assert_eq!((&comparison["instants"], &comparison["identical"]), (&91.into(), &Value::Bool(false)), "{comparison}");
+    let words = run(&folder, &["inspect", "a.mcap", "b.mcap"]);
+    assert!(text(&words.stdout).contains("a.mcap and b.mcap: no link in common\n"), "{}", text(&words.stdout));
+}
+
 #[cfg(unix)]
 #[test]
 fn a_log_is_followed_until_its_run_ends() {

@@ -30,7 +30,7 @@ pub struct Comparison {
     pub only_b: u64,
     /// Time of the last instant that both have (s).
     pub until: f64,
-    /// Whether every pose of every common link at every common instant is the same, bit for bit.
+    /// Whether every pose of every common link at every common instant is the same, bit for bit; without such poses they are not.
     pub identical: bool,
     /// The links that both have.
     pub links: Vec<LinkDifference>,
@@ -133,8 +133,9 @@ pub fn compare(a: &Path, b: &Path) -> Result<Comparison, ReadError> {
     comparison.only_a += more_a;
     comparison.only_b += more_b;
     (comparison.broken_off_a, comparison.broken_off_b) = (broken_off_a, broken_off_b);
+    // Links are looked for at the first common instant: without one there are none.
     comparison.identical =
-        comparison.instants > 0 && comparison.links.iter().all(|link| link.first_difference.is_none());
+        !comparison.links.is_empty() && comparison.links.iter().all(|link| link.first_difference.is_none());
     Ok(comparison)
 }
 
@@ -157,6 +158,7 @@ impl fmt::Display for Comparison {
         let Comparison { a, b, instants, until, .. } = self;
         let verdict = match (instants, self.identical) {
             (0, _) => "no instant in common".to_string(),
+            _ if self.links.is_empty() => "no link in common".to_string(),
             (_, true) => format!("identical at {instants} instants up to t = {until} s"),
             (_, false) => format!("different; {instants} instants in common, up to t = {until} s"),
         };
