@@ -43,6 +43,9 @@ fn the_end_of_a_log_is_what_the_report_says_of_it() {
     let folder = folder("end");
     let turning = ["--velocity", "hinge=1"];
     let report = simulate(&folder, &turning);
+    for (at, nearest) in [("1e300", 1.5), ("-1e300", 0.0), ("0.51", 0.516666667), ("0.508", 0.5)] {
+        assert_eq!(inspect(&folder, &["pendulum.mcap", "--at", at])["time"], nearest, "{at}");
+    }
     let instant = inspect(&folder, &["pendulum.mcap", "--at", "1e9"]);
     assert_eq!(instant["time"], 1.5);
     for what in ["links", "joints"] {

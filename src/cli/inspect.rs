@@ -145,7 +145,9 @@ struct Nearest {
 impl Visitor for Nearest {
     fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
         let distance = |frame: &Frame| (frame.time() - self.time).abs();
-        if self.found.as_ref().is_some_and(|found| distance(found) <= distance(frame)) {
+        // Up to the time every frame is nearer than those before, also where it is so far off that their distances round to the same.
+        let is_past = frame.time() > self.time;
+        if is_past && self.found.as_ref().is_some_and(|found| distance(found) <= distance(frame)) {
             return ControlFlow::Break(());
         }
         self.found = Some(frame.clone());
