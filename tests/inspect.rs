@@ -152,17 +152,59 @@ fn a_comparison_names_the_log_that_is_damaged_or_cut() {
     let mut damaged = whole.clone();
     damaged[whole.len() / 2] ^= 1;
     let cut = whole[..whole.len() / 2].to_vec();
-    let in_the_middle = format!("it ends in the middle, after {} bytes", cut.len());
-    for (bytes, reason) in [(damaged, "from some place on it cannot be read: "), (cut, in_the_middle.as_str())] {
+    let in_the_middle = format!("TRUNCATED: it ends in the middle, after {} bytes", cut.len());
+    for (bytes, missing) in [(damaged, "DAMAGED: 1 chunk between t = "), (cut, in_the_middle.as_str())] {
         std::fs::write(folder.join("broken.mcap"), bytes).expect("written");
         let comparison = inspect(&folder, &["pendulum.mcap", "broken.mcap"]);
         assert!(comparison["only_a"].as_u64() > Some(0) && comparison["only_b"] == 0, "{comparison}");
-        assert_eq!(comparison["broken_off_a"], Value::Null);
-        assert!(comparison["broken_off_b"].as_str().is_some_and(|said| said.starts_with(reason)), "{comparison}");
+        assert_eq!(comparison["missing_a"], Value::Null);
+        assert!(comparison["missing_b"].as_str().is_some_and(|said| said.starts_with(missing)), "{comparison}");
         let words = run(&folder, &["inspect", "pendulum.mcap", "broken.mcap"]);
-        let said = format!("broken.mcap is TRUNCATED: {reason}");
+        let said = format!("broken.mcap is {missing}");
         assert!(text(&words.stdout).contains(&said), "{}", text(&words.stdout));
     }
+}
+
+#[test]
+fn of_a_log_with_a_damaged_chunk_everything_else_is_shown_and_recovered() {
+    let folder = folder("chunk");
+    simulate(&folder, &["--rate", "1000"]);
+    let mut log = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let third = log.len() / 3;
+    log[third..third + 8].fill(0xff);
+    std::fs::write(folder.join("damaged.mcap"), &log).expect("written");
+    let [mut damaged, whole] = ["damaged.mcap", "pendulum.mcap"].map(|log| inspect(&folder, &[log]));
+    assert_eq!(
+        (&damaged["complete"], &damaged["damaged"], &damaged["broken_off"]),
+        (&false.into(), &true.into(), &Value::Null)
+    );
+    let lost = damaged["lost_chunks"].clone();
+    assert_eq!(lost["count"], 1, "{lost}");
+    let [after, before] = ["after", "before"].map(|end| lost[end].as_f64().expect("a time"));
+    // A chunk is a quarter of a megabyte, which is some four hundred samples; those at its ends lack messages.
+    assert!(0.1 < after && after + 0.1 < before && before < 1.4, "{lost}");
+    let missed = whole["samples"].as_u64().expect("a count") - damaged["samples"].as_u64().expect("a count");
+    let gap = ((before - after) * 1000.0).round() as u64;
+    assert!((gap - 1..=gap + 1).contains(&missed), "{missed} samples in {lost}");
+    assert_eq!((&damaged["outcome"], &damaged["duration"]), (&"finished".into(), &1.5.into()));
+    assert_eq!(inspect(&folder, &["damaged.mcap", "--at", "1.4"])["time"], 1.4);
+
+    let said = format!("DAMAGED: 1 chunk between t = {after} s and t = {before} s cannot be read: ");
+    let words = run(&folder, &["inspect", "damaged.mcap"]);
+    assert!(text(&words.stdout).contains(&said), "{}", text(&words.stdout));
+    let output = run(&folder, &["inspect", "damaged.mcap", "--recover", "whole.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains(&said), "{}", text(&output.stdout));
+    let mut recovered = inspect(&folder, &["whole.mcap"]);
+    assert_eq!(recovered["complete"], true);
+    for summary in [&mut damaged, &mut recovered] {
+        ["complete", "damaged", "lost_chunks", "log", "bytes"].iter().for_each(|entry| {
+            summary.as_object_mut().expect("an object").remove(*entry);
+        });
+    }
+    assert_eq!(damaged, recovered);
+    let output = run(&folder, &["inspect", "damaged.mcap", "--csv", "damaged.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }
 
 /// Where each message of a log of uncompressed chunks ends, in bytes, and its channel.

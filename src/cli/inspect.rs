@@ -1,7 +1,7 @@
 //! `catena inspect`: looks at a log, at one instant of it, at its curves, or at two logs side by side.
 //!
 //! Everything is read from the log; what the samples do not hold (velocities of links) is worked out with the model
-//! that the log carries. A log that was cut off is shown up to there, with a warning on standard error.
+//! that the log carries. Of a log that was cut off or damaged all is shown that can be read, with a warning on standard error.
 
 use super::inspect_files::{check_absent, check_ending, draw, kinds, not_itself, recover_into, write_csv};
 use super::recorded::Recorded;
@@ -101,7 +101,7 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
         draw(&figure, plot).map_err(Failure::run)?;
     }
     if let Some(whole) = &arguments.recover {
-        recover_into(log, whole)?;
+        recover_into(log, whole, &summary)?;
     }
     match (shows_more, arguments.json) {
         (true, _) => Ok(()),

@@ -6,6 +6,7 @@ use anyhow::{Context, bail};
 use catena::chart::files::write_with;
 use catena::chart::picture::Figure;
 use catena::inspection::curves::{JointKinds, joint_kinds};
+use catena::inspection::summary::Summary;
 use catena::inspection::table::write_table;
 use catena::log::recovery::recover;
 use std::cell::Cell;
@@ -73,15 +74,18 @@ pub(super) fn check_absent(whole: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes a complete log of what can be read in another.
-pub(super) fn recover_into(log: &Path, whole: &Path) -> Result<(), Failure> {
+/// Writes a complete log of what can be read in another, and says what is missing of that.
+pub(super) fn recover_into(log: &Path, whole: &Path, summary: &Summary) -> Result<(), Failure> {
     let messages = Cell::new(0);
     let write = |out: &mut BufWriter<File>| {
         messages.set(recover(log, out)?);
         Ok(())
     };
     write_whole(whole, write).map_err(Failure::run)?;
-    print(format_args!("{}: a complete log of {} messages\n", whole.display(), messages.get()))
+    let (log, whole, messages) = (log.display(), whole.display(), messages.get());
+    let missing = summary.completeness.missing();
+    let of = missing.map_or(String::new(), |missing| format!(", all that can be read of {log}, which is {missing}"));
+    print(format_args!("{whole}: a complete log of {messages} messages{of}\n"))
 }
 
 pub(super) fn check_ending(plot: &Path) -> anyhow::Result<()> {

@@ -6,7 +6,7 @@
 use super::input::{Loaded, WorldArgs, is_scene};
 use super::{simulate, simulate_arguments};
 use anyhow::{Context, anyhow, bail};
-use catena::log::reader::{Completeness, Item, read_log};
+use catena::log::reader::{Item, read_log};
 use catena::log::{INPUTS, sha256};
 use catena::scene::{Problem, SceneError, robot_without_meshes, scene_from_text};
 use std::collections::BTreeMap;
@@ -29,9 +29,9 @@ impl Recorded {
     /// # Errors
     /// What the log lacks, or what is wrong with what it has.
     pub fn open(log: &Path) -> anyhow::Result<Self> {
-        let Beginning { simulation, inputs, files, broken_off } = Beginning::read(log)?;
+        let Beginning { simulation, inputs, files, missing } = Beginning::read(log)?;
         let lacks = |what: &str| {
-            let why = broken_off.as_ref().map_or(String::new(), |reason| format!(": {reason}"));
+            let why = missing.as_ref().map_or(String::new(), |reason| format!(": {reason}"));
             anyhow!("{}: it does not say how it was made: there is no {what}{why}", log.display())
         };
         let words = simulation.get("arguments").ok_or_else(|| lacks("record of its arguments"))?;
@@ -83,8 +83,8 @@ struct Beginning {
     simulation: BTreeMap<String, String>,
     inputs: BTreeMap<String, String>,
     files: Vec<(String, Vec<u8>)>,
-    /// Where the log breaks off, if that is in its beginning.
-    broken_off: Option<String>,
+    /// What is missing of the log, if that is in its beginning.
+    missing: Option<String>,
 }
 
 impl Beginning {
@@ -100,7 +100,7 @@ impl Beginning {
             }
             ControlFlow::Continue(())
         })?;
-        beginning.broken_off = ended.as_ref().and_then(Completeness::broken_off);
+        beginning.missing = ended.and_then(|completeness| completeness.missing());
         Ok(beginning)
     }
 }

@@ -38,10 +38,10 @@ pub struct Comparison {
     pub links_only_a: Vec<String>,
     /// Links that only the second has.
     pub links_only_b: Vec<String>,
-    /// Where the first breaks off, if it does; nothing after that is compared.
-    pub broken_off_a: Option<String>,
-    /// See `broken_off_a`.
-    pub broken_off_b: Option<String>,
+    /// What is missing of the first, if something is; it is not compared.
+    pub missing_a: Option<String>,
+    /// See `missing_a`.
+    pub missing_b: Option<String>,
 }
 
 /// How a link differs.
@@ -127,12 +127,12 @@ pub fn compare(a: &Path, b: &Path) -> Result<Comparison, ReadError> {
             frame?;
             count += 1;
         }
-        Ok((count, frames.completeness().and_then(Completeness::broken_off)))
+        Ok((count, frames.completeness().and_then(Completeness::missing)))
     };
-    let ((more_a, broken_off_a), (more_b, broken_off_b)) = (rest(next_a, frames_a)?, rest(next_b, frames_b)?);
+    let ((more_a, missing_a), (more_b, missing_b)) = (rest(next_a, frames_a)?, rest(next_b, frames_b)?);
     comparison.only_a += more_a;
     comparison.only_b += more_b;
-    (comparison.broken_off_a, comparison.broken_off_b) = (broken_off_a, broken_off_b);
+    (comparison.missing_a, comparison.missing_b) = (missing_a, missing_b);
     // Links are looked for at the first common instant: without one there are none.
     comparison.identical =
         !comparison.links.is_empty() && comparison.links.iter().all(|link| link.first_difference.is_none());
@@ -163,9 +163,9 @@ impl fmt::Display for Comparison {
             (_, false) => format!("different; {instants} instants in common, up to t = {until} s"),
         };
         writeln!(out, "{a} and {b}: {verdict}")?;
-        for (name, broken_off) in [(a, &self.broken_off_a), (b, &self.broken_off_b)] {
-            if let Some(reason) = broken_off {
-                writeln!(out, "  {name} is TRUNCATED: {reason}")?;
+        for (name, missing) in [(a, &self.missing_a), (b, &self.missing_b)] {
+            if let Some(missing) = missing {
+                writeln!(out, "  {name} is {missing}")?;
             }
         }
         for (name, count) in [(a, self.only_a), (b, self.only_b)] {

@@ -12,7 +12,7 @@ use crate::chart::picture::{Figure, Panel, Picture, Scale, Series};
 use crate::chart::style::curve;
 use crate::log::decode::MultiDofStates;
 use crate::log::frames::{Figures, Frame, Visitor, visit};
-use crate::log::reader::{Completeness, ReadError};
+use crate::log::reader::ReadError;
 use crate::log::seconds;
 use crate::model::Model;
 use crate::scene::UrdfJointKind;
@@ -277,9 +277,13 @@ pub fn curves(log: &Path, kinds: &JointKinds) -> Result<Figure, ReadError> {
         }
         picture(quantity, curves, end, index == last)
     });
-    let truncated = if completeness == Some(Completeness::Complete) { "" } else { " (the log is truncated)" };
+    let incomplete = match completeness {
+        Some(completeness) if completeness.is_complete() => "",
+        Some(completeness) if completeness.damaged => " (the log is damaged)",
+        _ => " (the log is truncated)",
+    };
     Ok(Figure {
-        title: format!("{}{truncated}", gatherer.robot),
+        title: format!("{}{incomplete}", gatherer.robot),
         subtitle: gatherer.method.clone(),
         pictures: pictures.collect(),
     })

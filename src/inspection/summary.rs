@@ -19,8 +19,9 @@ pub struct Summary {
     pub bytes: u64,
     /// Whether all of it is there.
     pub complete: bool,
-    /// Where it breaks off, if it does.
-    pub broken_off: Option<String>,
+    /// What is missing, if something is.
+    #[serde(flatten)]
+    pub completeness: Completeness,
     /// Whether a run is writing it.
     pub being_written: bool,
     /// How the run ended: `finished`, `interrupted`, `failed`; `null` if the log does not say.
@@ -227,16 +228,17 @@ impl Summary {
         summary.log = log.display().to_string();
         summary.bytes = std::fs::metadata(log).map_or(0, |file| file.len());
         summary.being_written = is_locked(log);
-        summary.complete = completeness == Some(Completeness::Complete);
-        summary.broken_off = completeness.and_then(|completeness| completeness.broken_off());
+        // The collector never breaks off.
+        summary.completeness = completeness.unwrap_or_default();
+        summary.complete = summary.completeness.is_complete();
         Ok(summary)
     }
 
     /// How complete the log is, in words.
     pub fn state(&self) -> String {
-        match (&self.outcome, &self.broken_off) {
+        match (&self.outcome, self.completeness.missing()) {
             _ if self.being_written => "still being written".to_string(),
-            (_, Some(reason)) => format!("TRUNCATED: {reason}; everything before is shown"),
+            (_, Some(missing)) => format!("{missing}; everything else is shown"),
             (Some(outcome), None) => {
                 format!("complete, the run {}", if outcome == "finished" { "has finished" } else { outcome.as_str() })
             }

@@ -4,7 +4,7 @@
 
 use super::batch::Batch;
 use super::file::{LogError, MessageSink};
-use super::reader::{Completeness, Item, read_log};
+use super::reader::{Item, read_log};
 use super::seconds;
 use foxglove::Decode;
 use foxglove::messages::FrameTransforms;
@@ -68,9 +68,16 @@ impl Comparison {
         let (sender, receiver) = sync_channel(4);
         let log: PathBuf = path.to_path_buf();
         let read = move || {
-            let mut piece = Vec::new();
+            let (mut piece, mut damage) = (Vec::new(), None);
             let ended = read_log(&log, |item| {
-                let Item::Message { channel, time, data } = item else { return ControlFlow::Continue(()) };
+                let (channel, time, data) = match item {
+                    Item::Message { channel, time, data } => (channel, time, data),
+                    Item::LostChunk(reason) => {
+                        damage = Some(format!("a chunk cannot be read: {reason}"));
+                        return ControlFlow::Break(());
+                    }
+                    _ => return ControlFlow::Continue(()),
+                };
                 if is_compared(&channel.topic) {
                     piece.push(Message { topic: channel.topic.clone(), time, data: data.to_vec() });
                 }
@@ -84,8 +91,8 @@ impl Comparison {
             // What comes before the damage is compared all the same.
             let _ = sender.send(Ok(piece));
             let damage = match ended {
-                Ok(Some(damaged @ Completeness::Damaged { .. })) => damaged.broken_off(),
-                Ok(_) => None,
+                Ok(Some(completeness)) if completeness.damaged => completeness.broken_off,
+                Ok(_) => damage,
                 Err(error) => Some(error.to_string()),
             };
             let _ = damage.map(|reason| sender.send(Err(reason)));

@@ -1,7 +1,7 @@
 //! A log as a row of frames: everything that is known of one sampled instant.
 //!
 //! The messages of a sample have the same time. Figures of a step belong to its end; a frame has those of the last step
-//! that ended at or before it. A last sample that lacks messages is no frame.
+//! that ended at or before it. A sample that lacks messages, because the log ends in it or a chunk is lost, is no frame.
 
 use super::decode::{self, JointStates, LinkPose, LogLine, MultiDofStates};
 use super::reader::{Completeness, Item, LogChannel, ReadError, read_log};
@@ -92,8 +92,15 @@ pub trait Visitor {
 /// # Errors
 /// [`ReadError`] if it is not a log, or a message of it is not what it should be.
 pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completeness>, ReadError> {
-    let mut builder =
-        Builder { frame: None, figures: None, last: Figures::default(), shape: None, visitor, problem: None };
+    let mut builder = Builder {
+        frame: None,
+        figures: None,
+        last: Figures::default(),
+        shape: None,
+        is_torn: false,
+        visitor,
+        problem: None,
+    };
     let ended = read_log(path, |item| match item {
         Item::Library(_) => ControlFlow::Continue(()),
         Item::Channel(channel) => {
@@ -107,6 +114,13 @@ pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completene
         Item::Attachment { name, media_type, data } => {
             builder.visitor.attachment(name, media_type, data);
             ControlFlow::Continue(())
+        }
+        Item::LostChunk(_) => {
+            // Some messages of the sample before it may be in it, and of the one after it.
+            builder.is_torn = true;
+            let flow = builder.flush();
+            builder.is_torn = true;
+            flow
         }
         Item::Message { channel, time, data } => {
             builder.visitor.message(channel, time);
@@ -128,8 +142,7 @@ pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completene
         return Err(problem);
     }
     // The messages of a sample are not written at once: of the last one of a killed run some may be missing.
-    let shape = builder.shape;
-    builder.frame.take_if(|frame| shape.is_some_and(|shape| shape != frame.shape()));
+    builder.is_torn = true;
     if ended.is_some() && builder.flush().is_break() {
         return Ok(None);
     }
@@ -142,6 +155,8 @@ struct Builder<'v> {
     last: Figures,
     /// That of the last frame.
     shape: Option<[usize; 4]>,
+    /// Whether messages may be missing of the frame.
+    is_torn: bool,
     visitor: &'v mut dyn Visitor,
     problem: Option<ReadError>,
 }
@@ -195,6 +210,10 @@ impl Builder<'_> {
         if let Some(figures) = self.figures.take() {
             self.visitor.figures(&figures);
             self.last = figures;
+        }
+        if std::mem::take(&mut self.is_torn) {
+            let shape = self.shape;
+            self.frame.take_if(|frame| shape.is_some_and(|shape| shape != frame.shape()));
         }
         match self.frame.take() {
             Some(frame) => {

@@ -1,8 +1,8 @@
 //! A log as a row of items: channels, messages, metadata and attachments in their order.
 
 use super::output::{END, FINISHED, OUTCOME};
-use super::records::read_records;
-pub use super::records::{Completeness, ReadError};
+pub use super::records::{Completeness, LostChunks, ReadError};
+use super::records::{Found, read_records};
 use mcap::records::Record;
 use mcap::sans_io::{SummaryReadEvent, SummaryReader, SummaryReaderOptions};
 use mcap::{McapError, parse_record};
@@ -35,6 +35,8 @@ pub enum Item<'i> {
     Metadata { name: &'i str, entries: &'i BTreeMap<String, String> },
     /// An attachment.
     Attachment { name: &'i str, media_type: &'i str, data: &'i [u8] },
+    /// A chunk that cannot be read, and why.
+    LostChunk(&'i str),
 }
 
 /// Shows a log to `visit`, item by item, until it breaks off, the log ends, or cannot be read any further; `None` if it
@@ -47,7 +49,11 @@ pub fn read_log(
     mut visit: impl FnMut(Item<'_>) -> ControlFlow<()>,
 ) -> Result<Option<Completeness>, ReadError> {
     let (mut schemas, mut channels) = (HashMap::<u16, String>::new(), HashMap::<u16, LogChannel>::new());
-    read_records(path, &mut |record| {
+    read_records(path, &mut |found| {
+        let record = match found {
+            Found::Record(record) => record,
+            Found::LostChunk(reason) => return Ok(visit(Item::LostChunk(reason))),
+        };
         Ok(match record {
             Record::Header(header) => visit(Item::Library(&header.library)),
             Record::Schema { header, .. } => {

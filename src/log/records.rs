@@ -1,12 +1,16 @@
 //! The records of an MCAP file from its beginning to its end, or to where it was cut off.
 //!
 //! They come one after the other and little of the file is in memory at any time. A chunk is shown only if its
-//! checksum is right. Where the file ends inside a chunk there is no telling, since the checksum is of all of it: its whole
-//! records are shown, and how many messages that were is said.
+//! checksum is right; one that cannot be read is passed over, because its length tells where the next record is. Where the file
+//! ends inside a chunk there is no telling, since the checksum is of all of it: its whole records are shown, and how many messages
+//! that were is said.
 
+use super::seconds;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, parse_record};
+use serde::Serialize;
+use std::fmt;
 use std::fs::File;
 use std::io::{self, Read};
 use std::ops::ControlFlow;
@@ -32,57 +36,100 @@ pub enum ReadError {
     Message { path: PathBuf, topic: String, time: f64, reason: String },
 }
 
-/// How much of a log there is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Completeness {
-    /// All of it.
-    Complete,
-    /// It ends in the middle: the run was killed, or it is still being written.
-    Cut {
-        /// Length of the file in bytes.
-        bytes: u64,
-        /// The last so many messages are of a chunk that is not whole, so that they could not be checked.
-        unchecked: u64,
-    },
-    /// From some place on it cannot be read.
-    Damaged {
-        /// What is wrong.
-        reason: String,
-    },
+/// How much of a log there is; nothing is missing of the default.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Completeness {
+    /// Whether what is in it is not what was written: chunks are lost, or it cannot be read to its end.
+    pub damaged: bool,
+    /// Chunks that cannot be read although others follow.
+    pub lost_chunks: Option<LostChunks>,
+    /// Where it breaks off, if it does: the run was killed, it is still being written, or the rest cannot be read.
+    pub broken_off: Option<String>,
+}
+
+/// Chunks that cannot be read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LostChunks {
+    /// How many.
+    pub count: u64,
+    /// Time of the last message before the first of them (s); zero without one.
+    pub after: f64,
+    /// Time of the first message after the last of them (s).
+    pub before: Option<f64>,
+    /// What is wrong with the first.
+    pub reason: String,
 }
 
 impl Completeness {
-    /// Where the log breaks off, in words, if it does.
-    pub fn broken_off(&self) -> Option<String> {
-        match self {
-            Completeness::Complete => None,
-            Completeness::Cut { bytes, unchecked: 0 } => Some(format!("it ends in the middle, after {bytes} bytes")),
-            Completeness::Cut { bytes, unchecked } => Some(format!(
-                "it ends in the middle, after {bytes} bytes, and its last {unchecked} messages lack their checksum"
-            )),
-            Completeness::Damaged { reason } => Some(format!("from some place on it cannot be read: {reason}")),
-        }
+    /// Whether all of it is there.
+    pub fn is_complete(&self) -> bool {
+        self.missing().is_none()
+    }
+
+    /// What is missing, in words, if something is.
+    pub fn missing(&self) -> Option<String> {
+        let lost = self.lost_chunks.as_ref().map(ToString::to_string);
+        let words: Vec<String> = lost.into_iter().chain(self.broken_off.clone()).collect();
+        let kind = if self.damaged { "DAMAGED" } else { "TRUNCATED" };
+        (!words.is_empty()).then(|| format!("{kind}: {}", words.join("; ")))
     }
 }
 
-/// Goes on with the next record, breaks off, or says what is wrong with this one.
+impl fmt::Display for LostChunks {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let LostChunks { count, after, before, reason } = self;
+        write!(out, "{count} {}", if *count == 1 { "chunk" } else { "chunks" })?;
+        match before {
+            Some(before) => write!(out, " between t = {after} s and t = {before} s")?,
+            None => write!(out, " after t = {after} s")?,
+        }
+        write!(out, " cannot be read: {reason}")
+    }
+}
+
+/// What there is in a file.
+pub(super) enum Found<'f> {
+    /// A record that can be read.
+    Record(Record<'f>),
+    /// A chunk that cannot, and why.
+    LostChunk(&'f str),
+}
+
+/// Goes on with what follows, breaks off, or says what is wrong with this record.
 pub(super) type Seen = Result<ControlFlow<()>, String>;
 
-/// Shows the records of a file to `visit`, those in chunks too, until it breaks off, the file ends, or it cannot be read any
+type Visit<'v> = dyn FnMut(Found<'_>) -> Seen + 'v;
+
+/// Shows what is in a file to `visit`, the records in chunks too, until it breaks off, the file ends, or it cannot be read any
 /// further; `None` if it was broken off.
 ///
 /// # Errors
 /// [`ReadError`] if it is no such file.
-pub(super) fn read_records(
-    path: &Path,
-    visit: &mut dyn FnMut(Record<'_>) -> Seen,
-) -> Result<Option<Completeness>, ReadError> {
+pub(super) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<Completeness>, ReadError> {
     let io_error = |reason| ReadError::Io { path: path.to_path_buf(), reason };
     let mut file = File::open(path).map_err(io_error)?;
     let mut reader = LinearReader::new_with_options(LinearReaderOptions::default().with_emit_chunks(true));
     // The last bytes, and how many of them are of records that were shown: in the end the rest is of one that is not whole.
     let (mut recent, mut shown) = (Vec::new(), mcap::MAGIC.len());
     let (mut bytes, mut seen) = (0_u64, false);
+    let (mut time, mut lost) = (0.0, None::<LostChunks>);
+    let mut timed = |found: Found<'_>| {
+        match &found {
+            Found::Record(Record::Message { header, .. }) => {
+                time = seconds(header.log_time);
+                if let Some(lost) = &mut lost {
+                    lost.before.get_or_insert(time);
+                }
+            }
+            Found::Record(_) => {}
+            Found::LostChunk(reason) => {
+                let reason = reason.to_string();
+                let lost = lost.get_or_insert(LostChunks { count: 0, after: time, before: None, reason });
+                (lost.count, lost.before) = (lost.count + 1, None);
+            }
+        }
+        visit(found)
+    };
     while let Some(event) = reader.next_event() {
         let flow = match event {
             Ok(LinearReadEvent::ReadRequest(wanted)) => {
@@ -99,15 +146,23 @@ pub(super) fn read_records(
             }
             Ok(LinearReadEvent::Record { opcode: op::CHUNK, data }) => {
                 shown += RECORD_HEADER + data.len();
-                chunk(data.len() as u64, data, true, visit)
+                chunk(data.len() as u64, data, true, &mut timed).or_else(|reason| timed(Found::LostChunk(&reason)))
             }
             Ok(LinearReadEvent::Record { opcode, data }) => {
                 shown += RECORD_HEADER + data.len();
-                show(opcode, data, visit)
+                // Nobody asks for the index of a chunk, so that one that is damaged does no harm.
+                if opcode == op::MESSAGE_INDEX { Ok(ControlFlow::Continue(())) } else { show(opcode, data, &mut timed) }
             }
             Err(McapError::UnexpectedEof) if seen => {
-                let unchecked = torn_chunk(&recent[shown.min(recent.len())..], visit);
-                return Ok(unchecked.map(|unchecked| Completeness::Cut { bytes, unchecked }));
+                let Some(unchecked) = torn_chunk(&recent[shown.min(recent.len())..], &mut timed) else {
+                    return Ok(None);
+                };
+                let lacking = match unchecked {
+                    0 => String::new(),
+                    _ => format!(", and its last {unchecked} messages lack their checksum"),
+                };
+                let broken_off = Some(format!("it ends in the middle, after {bytes} bytes{lacking}"));
+                return Ok(Some(Completeness { damaged: lost.is_some(), lost_chunks: lost, broken_off }));
             }
             Err(error) if seen => Err(error.to_string()),
             Err(error) => {
@@ -118,19 +173,22 @@ pub(super) fn read_records(
         match flow {
             Ok(ControlFlow::Continue(())) => {}
             Ok(ControlFlow::Break(())) => return Ok(None),
-            Err(reason) => return Ok(Some(Completeness::Damaged { reason })),
+            Err(reason) => {
+                let broken_off = Some(format!("from some place on it cannot be read: {reason}"));
+                return Ok(Some(Completeness { damaged: true, lost_chunks: lost, broken_off }));
+            }
         }
     }
-    Ok(Some(Completeness::Complete))
+    Ok(Some(Completeness { damaged: lost.is_some(), lost_chunks: lost, broken_off: None }))
 }
 
-fn show(opcode: u8, data: &[u8], visit: &mut dyn FnMut(Record<'_>) -> Seen) -> Seen {
-    visit(parse_record(opcode, data).map_err(|error| error.to_string())?)
+fn show(opcode: u8, data: &[u8], visit: &mut Visit<'_>) -> Seen {
+    visit(Found::Record(parse_record(opcode, data).map_err(|error| error.to_string())?))
 }
 
 /// Shows the records inside a chunk of this length, of which there are these bytes; those of a whole chunk if its checksum
 /// is right.
-fn chunk(length: u64, data: &[u8], is_whole: bool, visit: &mut dyn FnMut(Record<'_>) -> Seen) -> Seen {
+fn chunk(length: u64, data: &[u8], is_whole: bool, visit: &mut Visit<'_>) -> Seen {
     let options = LinearReaderOptions::default().with_skip_start_magic(true).with_skip_end_magic(true);
     let mut reader = LinearReader::new_with_options(options.with_prevalidate_chunk_crcs(is_whole));
     let length = length.to_le_bytes();
@@ -154,12 +212,12 @@ fn chunk(length: u64, data: &[u8], is_whole: bool, visit: &mut dyn FnMut(Record<
 
 /// Shows the whole records of a chunk that begins with `bytes`, if they are of a chunk. Returns how many messages they
 /// have, or nothing if that was broken off.
-fn torn_chunk(bytes: &[u8], visit: &mut dyn FnMut(Record<'_>) -> Seen) -> Option<u64> {
+fn torn_chunk(bytes: &[u8], visit: &mut Visit<'_>) -> Option<u64> {
     let mut messages = 0;
     if let Some((&[op::CHUNK, ref length @ ..], data)) = bytes.split_first_chunk::<RECORD_HEADER>() {
-        let mut count = |record: Record<'_>| {
-            let is_message = matches!(record, Record::Message { .. });
-            let flow = visit(record)?;
+        let mut count = |found: Found<'_>| {
+            let is_message = matches!(found, Found::Record(Record::Message { .. }));
+            let flow = visit(found)?;
             messages += u64::from(is_message);
             Ok(flow)
         };

@@ -1,7 +1,7 @@
 //! A complete log of all that can be read in one that is not: for viewers that need the index at the end of the file.
 
 use super::reader::no_channel;
-use super::records::{ReadError, read_records};
+use super::records::{Found, ReadError, read_records};
 use mcap::records::{MessageHeader, Record};
 use mcap::{Attachment, McapError, WriteOptions, Writer};
 use std::collections::HashMap;
@@ -33,11 +33,14 @@ pub fn recover(log: &Path, out: &mut (impl Write + Seek)) -> Result<u64, Recover
     let mut copy =
         Copy { writer: options.create(out)?, schemas: HashMap::new(), channels: HashMap::new(), messages: 0 };
     let mut failure = None;
-    read_records(log, &mut |record| match copy.record(record) {
-        Ok(seen) => seen.map(ControlFlow::Continue),
-        Err(error) => {
-            failure = Some(error);
-            Ok(ControlFlow::Break(()))
+    read_records(log, &mut |found| {
+        let Found::Record(record) = found else { return Ok(ControlFlow::Continue(())) };
+        match copy.record(record) {
+            Ok(seen) => seen.map(ControlFlow::Continue),
+            Err(error) => {
+                failure = Some(error);
+                Ok(ControlFlow::Break(()))
+            }
         }
     })?;
     if let Some(error) = failure {
