@@ -4,6 +4,7 @@
 use crate::forces::total::Exchange;
 use crate::model::Mechanism;
 use crate::state::State;
+use crate::words::short;
 
 /// What an integrator is and how it has stepped so far; goes into reports and logs.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,29 +102,34 @@ pub struct StepOutcome {
 pub enum StepError {
     /// The stage equations could not be solved, even after the step was shortened again and again.
     #[error(
-        "at t = {time} s the step from joint {joint:?} did not converge (last increment {increment:.1e}), not even with \
-         a step of {step:.1e} s; choose a smaller --step, more --stages or a smaller --tolerance"
+        "at t = {} s the step from joint {joint:?} did not converge (last increment {increment:.1e}), not even with \
+         a step of {step:.1e} s; choose a smaller --step, more --stages or a smaller --tolerance",
+        short(*.time)
     )]
     NotConverged { time: f64, step: f64, joint: String, increment: f64 },
     /// The stage equations could not be solved, and the step was beyond what the scheme is stable for.
     #[error(
-        "at t = {time} s a step of {step:.1e} s is beyond the stability limit of {stages} stages and does not converge; use \
-         --step below {longest:.1e} s, more --stages, or --tolerance"
+        "at t = {} s a step of {step:.1e} s is beyond the stability limit of {stages} stages and does not converge; use \
+         --step below {longest:.1e} s, more --stages, or --tolerance",
+        short(*.time)
     )]
     Unstable { time: f64, step: f64, stages: usize, longest: f64 },
     /// A joint turns by more than half a revolution within the shortest step.
     #[error(
-        "at t = {time} s joint {joint:?} turns by more than half a revolution within a step of {step:.1e} s; choose a smaller --step"
+        "at t = {} s joint {joint:?} turns by more than half a revolution within a step of {step:.1e} s; choose a smaller --step",
+        short(*.time)
     )]
     TurnedTooFar { time: f64, step: f64, joint: String },
     /// Every step changes the energy by more than the tolerance allows, or to that of another motion, however short.
     #[error(
-        "at t = {time} s no step is accurate enough, not even {step:.1e} s; choose a larger --tolerance, or with --step more --stages"
+        "at t = {} s no step is accurate enough, not even {step:.1e} s; choose a larger --tolerance, or with --step more --stages",
+        short(*.time)
     )]
     NotAccurate { time: f64, step: f64 },
     /// The state is not finite any more.
     #[error(
-        "at t = {time} s the velocity of joint {joint:?} is not finite; the motion is too violent for the step {step:.1e} s"
+        "at t = {} s the velocity of joint {joint:?} is not finite; the motion is too violent for the step {step:.1e} s",
+        short(*.time)
     )]
     NotFinite { time: f64, step: f64, joint: String },
 }

@@ -26,6 +26,7 @@
 //! | logs, looked at | [`inspection`] |
 //! | speed against accuracy, drawn | [`chart`] |
 //! | where which method fails, drawn | [`stress`] |
+//! | numbers and nouns in sentences, for all of these | [`words`] |
 
 // Allowed in one file: `lobatto/lanes/x86.rs`.
 #![deny(unsafe_code)]
@@ -53,3 +54,4 @@ mod small;
 pub mod snapshots;
 pub mod state;
 pub mod stress;
+pub mod words;

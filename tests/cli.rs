@@ -450,6 +450,18 @@ fn ctrl_c_ends_the_run_with_130_and_a_complete_log() {
 }
 
 #[test]
+fn what_acts_along_a_joint_has_the_units_of_the_joint() {
+    let folder = folder("units");
+    let damped = PENDULUM.replace("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><dynamics damping=\"0.5\"/>");
+    for (kind, unit) in [("continuous", "0.5000 N m s/rad"), ("prismatic", "0.5000 N s/m")] {
+        std::fs::write(folder.join("damped.urdf"), damped.replace("continuous", kind)).expect("written");
+        let output = run(&folder, &["model", "damped.urdf"]);
+        let line = text(&output.stdout).lines().find(|line| line.contains("damper")).map(str::trim_end);
+        assert!(line.is_some_and(|line| line.ends_with(unit)), "{kind}: {}", text(&output.stdout));
+    }
+}
+
+#[test]
 fn a_step_beyond_the_stability_limit_is_a_warning_that_names_a_shorter_one() {
     let folder = folder("beyond");
     // The rod swings with some 4 rad/s; two stages are stable up to 2 rad a step.

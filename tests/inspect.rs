@@ -114,7 +114,7 @@ fn the_summary_has_the_figures_of_the_report() {
     assert_eq!(summary["warnings"], report["warnings"]);
     assert_eq!(summary["attachments"]["pendulum.urdf"], common::command::PENDULUM.len());
     let words = run(&folder, &["inspect", "pendulum.mcap"]);
-    for said in ["complete", "/joint_states", "91 samples", "energy", "constraint"] {
+    for said in ["complete", "/joint_states", "91 samples", " links, 1 moving joint\n", "energy", "constraint"] {
         assert!(text(&words.stdout).contains(said), "{said}: {}", text(&words.stdout));
     }
 }

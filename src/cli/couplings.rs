@@ -67,11 +67,11 @@ pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Val
     let joint_dampers = forces
         .joint_dampers
         .iter()
-        .map(|damper| json!({"joint": joint_of(mechanism, damper.freedom), "damping": damper.coefficient}));
+        .map(|damper| json!({"joint": joint_of(mechanism, damper.freedom).0, "damping": damper.coefficient}));
     let joint_loads = forces
         .joint_loads
         .iter()
-        .map(|load| json!({"joint": joint_of(mechanism, load.freedom), "effort": load.effort}));
+        .map(|load| json!({"joint": joint_of(mechanism, load.freedom).0, "effort": load.effort}));
     let wrenches = forces.wrenches.iter().map(|wrench| {
         json!({
             "body": body_name(mechanism, Some(wrench.body)),
@@ -132,16 +132,18 @@ pub fn write_tables(model: &Model, redundancy: &Redundancy, text: &mut String) {
 
     let mut acting = Table::new(&["on", "acts", "how"]);
     for spring in &forces.joint_springs {
-        let how = format!("{} per rad or m, free at {}", number(spring.stiffness), number(spring.rest));
-        acting.row(vec![joint_name(mechanism, spring.coordinate).to_string(), "spring".to_string(), how]);
+        let (joint, length, effort) = joint_of(mechanism, spring.coordinate.freedom);
+        let how = format!("{} {effort}/{length}, free at {} {length}", number(spring.stiffness), number(spring.rest));
+        acting.row(vec![joint.to_string(), "spring".to_string(), how]);
     }
     for damper in &forces.joint_dampers {
-        let how = format!("{} s per rad or m", number(damper.coefficient));
-        acting.row(vec![joint_of(mechanism, damper.freedom).to_string(), "damper".to_string(), how]);
+        let (joint, length, effort) = joint_of(mechanism, damper.freedom);
+        let how = format!("{} {effort} s/{length}", number(damper.coefficient));
+        acting.row(vec![joint.to_string(), "damper".to_string(), how]);
     }
     for load in &forces.joint_loads {
-        let on = joint_of(mechanism, load.freedom).to_string();
-        acting.row(vec![on, "effort".to_string(), number(load.effort)]);
+        let (joint, _, effort) = joint_of(mechanism, load.freedom);
+        acting.row(vec![joint.to_string(), "effort".to_string(), format!("{} {effort}", number(load.effort))]);
     }
     for wrench in &forces.wrenches {
         let how = format!("force {} N, torque {} N m", triple(&wrench.force), triple(&wrench.torque));
@@ -179,8 +181,13 @@ fn joint_name(mechanism: &Mechanism, coordinate: Coordinate) -> &str {
     &mechanism.bodies[coordinate.body].joint.name
 }
 
-/// The joint that a degree of freedom belongs to.
-fn joint_of(mechanism: &Mechanism, freedom: usize) -> &str {
-    let body = mechanism.bodies.iter().find(|body| body.joint.velocity_range().contains(&freedom));
-    body.map_or("", |body| body.joint.name.as_str())
+/// The joint that a degree of freedom belongs to, and the units of its position and its effort.
+fn joint_of(mechanism: &Mechanism, freedom: usize) -> (&str, &'static str, &'static str) {
+    let mut joints = mechanism.bodies.iter().map(|body| &body.joint);
+    joints.find(|joint| joint.velocity_range().contains(&freedom)).map_or(("", "", ""), |joint| {
+        // Translations come before rotations.
+        let slides = freedom - joint.velocity_range().start < joint.kind.translation_axes().len();
+        let (length, effort) = if slides { ("m", "N") } else { ("rad", "N m") };
+        (joint.name.as_str(), length, effort)
+    })
 }

@@ -15,6 +15,7 @@ use catena::log::{is_locked, neighbour, seconds};
 use catena::report::{
     JointReport, LinkReport, LoopReport, Numbers, as_object, joint_reports, link_reports, loop_reports,
 };
+use catena::words::decimals;
 use clap::Args;
 use serde::Serialize;
 use std::collections::HashMap;
@@ -218,7 +219,9 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
 
 /// The instant for people.
 fn words(instant: &LoggedInstant) -> String {
-    let listed = |numbers: &[f64]| numbers.iter().map(|number| format!("{number:>11.6}")).collect::<Vec<_>>().join(" ");
+    let listed = |numbers: &[f64]| {
+        numbers.iter().map(|number| format!("{:>11}", decimals(*number))).collect::<Vec<_>>().join(" ")
+    };
     let mut text = format!("{}: t = {} s\n", instant.log, instant.time);
     let names = instant.links.iter().map(|link| &link.0).chain(instant.joints.iter().map(|joint| &joint.0));
     let names = names.chain(instant.loops.iter().map(|closing| &closing.0));

@@ -4,6 +4,7 @@ use crate::log::decode::LogLine;
 use crate::log::frames::{Figures, Frame, Visitor, visit};
 use crate::log::reader::{Completeness, LogChannel, ReadError};
 use crate::log::{is_locked, nanoseconds, seconds};
+use crate::words::{self, counted, decimals};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -247,12 +248,9 @@ impl Summary {
     }
 }
 
-/// A number without a row of zeros.
-pub(super) fn short(number: &str) -> String {
-    match number.parse::<f64>() {
-        Ok(value) if value != 0.0 && value.abs() < 1e-3 => format!("{value:e}"),
-        _ => number.to_string(),
-    }
+/// What a log says, if that is a number without a row of zeros.
+pub(super) fn short(said: &str) -> String {
+    said.parse().map_or_else(|_| said.to_string(), words::short)
 }
 
 /// More warnings than this are only counted.
@@ -273,7 +271,7 @@ impl fmt::Display for Summary {
             Some(rate) => writeln!(out, ", {rate} a second")?,
             None => writeln!(out)?,
         }
-        writeln!(out, "  model       {} links, {} moving joints", self.links, self.joints)?;
+        writeln!(out, "  model       {}, {}", counted(self.links, "link"), counted(self.joints, "moving joint"))?;
         if let Some(method) = entry("method") {
             write!(out, "  method      {method}")?;
             for (name, word) in
@@ -295,8 +293,9 @@ impl fmt::Display for Summary {
         if let Some(energy) = &self.energy {
             writeln!(
                 out,
-                "  energy      {:.6} J at the start, largest relative error {:.1e}",
-                energy.initial, energy.max_relative_error
+                "  energy      {} J at the start, largest relative error {:.1e}",
+                decimals(energy.initial),
+                energy.max_relative_error
             )?;
         }
         if let Some(constraint) = &self.constraint {

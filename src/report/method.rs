@@ -1,8 +1,8 @@
 //! How a run was integrated, how accurate it is expected to be, and what the user should know of it.
 
-use super::text::{counted, rounded};
 use crate::calibration::Calibration;
 use crate::simulation::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
+use crate::words::{counted, rounded};
 use serde::Serialize;
 
 /// The scheme of a run.

@@ -1,6 +1,7 @@
 //! The report as lines for people.
 
 use super::Report;
+use crate::words::{counted, decimals, rounded};
 use std::fmt;
 
 /// More warnings than this are only counted in the lines for people.
@@ -77,8 +78,9 @@ impl fmt::Display for Report {
         }
         writeln!(
             out,
-            "  energy      {:.6} J at the start, largest relative error {:.1e}",
-            self.energy.initial, self.energy.max_relative_error
+            "  energy      {} J at the start, largest relative error {:.1e}",
+            decimals(self.energy.initial),
+            self.energy.max_relative_error
         )?;
         let energy = &self.energy;
         if energy.dissipated != 0.0 || energy.work != 0.0 {
@@ -105,39 +107,5 @@ impl fmt::Display for Report {
             writeln!(out, "  warning     and {} more", self.warnings.len() - SHOWN_WARNINGS)?;
         }
         Ok(())
-    }
-}
-
-/// Three significant digits.
-pub(super) fn rounded(value: f64) -> String {
-    if !value.is_finite() || value == 0.0 {
-        return value.to_string();
-    }
-    let digits_before_point = value.abs().log10().floor() as i32;
-    match digits_before_point {
-        -4..=5 => format!("{value:.*}", (2 - digits_before_point).max(0) as usize),
-        _ => format!("{value:.2e}"),
-    }
-}
-
-/// A number and its noun, in the plural where that is due.
-pub(super) fn counted(count: usize, noun: &str) -> String {
-    match (count, noun) {
-        (1, _) => format!("1 {noun}"),
-        (_, "moving body") => format!("{count} moving bodies"),
-        (_, "degree of freedom") => format!("{count} degrees of freedom"),
-        _ => format!("{count} {noun}s"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{counted, rounded};
-
-    #[test]
-    fn numbers_for_people_have_three_digits_and_nouns_agree() {
-        assert_eq!([833.33, 0.012345, 1e9].map(rounded), ["833", "0.0123", "1.00e9"]);
-        assert_eq!(counted(1, "stage"), "1 stage");
-        assert_eq!(counted(2, "moving body"), "2 moving bodies");
     }
 }
