@@ -69,7 +69,7 @@ fn bad_input_and_bad_usage_exit_with_2_and_one_line_and_touch_no_file() {
 #[test]
 fn an_output_that_cannot_be_is_refused_before_the_run() {
     let folder = folder("bad_output");
-    for output in ["no/such/folder/out.mcap", ".", "pendulum.urdf"] {
+    for output in ["no/such/folder/out.mcap", ".", "-", "pendulum.urdf"] {
         let output = run(&folder, &["simulate", "pendulum.urdf", "-o", output, "--duration", "1e9"]);
         assert_one_error(&output, 2, "output");
     }

@@ -441,6 +441,9 @@ fn bad_usage_is_one_line_and_touches_no_file() {
         &["pendulum.mcap", "words.mcap"],
         &["pendulum.mcap", "--at", "soon"],
         &["pendulum.mcap", "--plot", "picture.gif"],
+        &["pendulum.mcap", "--plot", "-"],
+        &["pendulum.mcap", "--csv", "-"],
+        &["pendulum.mcap", "--recover", "-"],
         &["pendulum.mcap", "--csv", "pendulum.mcap"],
         &["pendulum.mcap", "--follow", "--csv", "a.csv"],
         &["pendulum.mcap", "pendulum.mcap", "--at", "1"],
@@ -449,6 +452,10 @@ fn bad_usage_is_one_line_and_touches_no_file() {
     for case in cases {
         assert_one_error(&run(&folder, &[&["inspect"], *case].concat()), 2, &format!("{case:?}"));
     }
+    let output = run(&folder, &["inspect", "pendulum.mcap", "--csv", "-"]);
+    assert!(text(&output.stderr).contains("standard output is not supported"), "{}", text(&output.stderr));
+    assert!(!folder.join("-").exists());
+    assert_eq!(run(&folder, &["inspect", "pendulum.mcap", "--csv", "./-"]).status.code(), Some(0));
     assert_one_error(&run(&folder, &["inspect", "pendulum.mcap", "--csv", "no/such/a.csv"]), 1, "no folder");
     assert!(std::fs::read(folder.join("pendulum.mcap")).expect("a log") == before);
 }

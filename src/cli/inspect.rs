@@ -44,15 +44,15 @@ pub struct InspectArgs {
     at: Option<f64>,
 
     /// Write all samples as a table of comma-separated values
-    #[arg(long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv", value_parser = super::output_file())]
     csv: Option<PathBuf>,
 
     /// Draw positions, velocities, energy error, constraint violation and reactions
-    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = super::output_file())]
     plot: Option<PathBuf>,
 
     /// Write all that can be read as a new, complete log: of a run that was killed, for viewers that need its index
-    #[arg(long, value_name = "FILE.mcap")]
+    #[arg(long, value_name = "FILE.mcap", value_parser = super::output_file())]
     recover: Option<PathBuf>,
 
     /// Go on looking while a run writes the log, a line whenever there is something new

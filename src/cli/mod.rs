@@ -27,6 +27,7 @@ mod stress;
 mod table;
 
 use anyhow::Context;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use serde::Serialize;
@@ -34,6 +35,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::fmt::Display;
 use std::io::{self, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -150,6 +152,19 @@ pub fn simulate_arguments(arguments: &[String]) -> anyhow::Result<simulate::Argu
         Verb::Simulate(arguments) => Ok(*arguments),
         _ => anyhow::bail!("it was not written by catena simulate"),
     }
+}
+
+/// A file to write.
+///
+/// # Errors
+/// For `-`, by which users mean standard output, where nothing can be renamed to or sought in.
+pub fn output_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| {
+        if path.as_os_str() == "-" {
+            return Err("standard output is not supported; give a file, ./- if it shall have this name");
+        }
+        Ok(path)
+    })
 }
 
 /// Prints an error on one line.

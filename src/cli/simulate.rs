@@ -50,7 +50,7 @@ pub struct Arguments {
     velocity: Vec<Assignment>,
 
     /// The log [default: the name of the input with .mcap, in the current folder]
-    #[arg(short, long, value_name = "FILE.mcap")]
+    #[arg(short, long, value_name = "FILE.mcap", value_parser = super::output_file())]
     output: Option<PathBuf>,
 
     /// Write no log
