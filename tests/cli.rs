@@ -450,6 +450,19 @@ fn ctrl_c_ends_the_run_with_130_and_a_complete_log() {
 }
 
 #[test]
+fn a_step_longer_than_the_run_is_reported_as_long_as_it_is_made() {
+    let folder = folder("long_step");
+    let way = ["--position", "hinge=0.1", "--duration", "0.01", "--stages", "4", "--step", "100"];
+    let output = run(&folder, &[&["simulate", "pendulum.urdf", "--json"], &way[..]].concat());
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!((&report["method"]["step"], &report["steps"]), (&0.01.into(), &1.into()), "{}", report["method"]);
+    let summary = run(&folder, &["inspect", "pendulum.mcap", "--json"]);
+    let summary: Value = serde_json::from_slice(&summary.stdout).expect("JSON");
+    assert_eq!(summary["simulation"]["step"], "0.01");
+    assert_eq!(run(&folder, &["replay", "pendulum.mcap"]).status.code(), Some(0));
+}
+
+#[test]
 fn what_acts_along_a_joint_has_the_units_of_the_joint() {
     let folder = folder("units");
     let damped = PENDULUM.replace("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><dynamics damping=\"0.5\"/>");

@@ -122,6 +122,16 @@ impl StepChoice {
         }
     }
 
+    /// The same for a run of this duration (s), in which no fixed step is longer.
+    fn within(self, duration: f64) -> Self {
+        match self {
+            StepChoice::Fixed { stages, step } => StepChoice::Fixed { stages, step: step.min(duration) },
+            StepChoice::Precise { stages, step } => StepChoice::Precise { stages, step: step.min(duration) },
+            // The step that the user said is a measure of those that are made.
+            StepChoice::Tolerance(_) | StepChoice::Reversible { .. } => self,
+        }
+    }
+
     /// The wanted accuracy, where steps are chosen from it [m].
     pub fn tolerance(self) -> Option<f64> {
         match self {
@@ -130,7 +140,7 @@ impl StepChoice {
         }
     }
 
-    /// The step that the user said [s].
+    /// The step that the user said, as far as the run is as long [s].
     pub fn step(self) -> Option<f64> {
         match self {
             StepChoice::Tolerance(_) => None,
@@ -159,10 +169,11 @@ impl Setup {
     pub fn new(arguments: &Arguments, loaded: &mut Loaded) -> anyhow::Result<Self> {
         let state = loaded.initial_state(&arguments.position, &arguments.velocity, arguments.base_velocity)?;
         let file = &loaded.simulation;
+        let duration = arguments.duration.or(file.duration).unwrap_or(DEFAULT_DURATION);
         Ok(Setup {
             state,
-            choice: StepChoice::new(arguments, file),
-            duration: arguments.duration.or(file.duration).unwrap_or(DEFAULT_DURATION),
+            choice: StepChoice::new(arguments, file).within(duration),
+            duration,
             rate: arguments.rate.or(file.rate).unwrap_or(DEFAULT_RATE),
         })
     }
