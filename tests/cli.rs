@@ -450,6 +450,22 @@ fn ctrl_c_ends_the_run_with_130_and_a_complete_log() {
 }
 
 #[test]
+fn joints_that_do_not_start_as_the_user_said_are_named_with_both_values() {
+    let folder = folder("moved");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/four_bar_1.toml");
+    let output =
+        run(&folder, &["simulate", scene, "--no-log", "--json", "--duration", "1e-9", "--position", "crank0=1.2"]);
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let starts = report["joints"]["crank0"]["position"].as_f64().expect("a number");
+    assert!((starts - 1.2).abs() > 0.01, "{starts}");
+    let warnings = report["warnings"].as_array().expect("warnings");
+    let warning = warnings.iter().filter_map(Value::as_str).find(|said| said.contains("moved onto the loops"));
+    let warning = warning.expect("a warning");
+    assert!(warning.contains(&format!("; crank0 starts at {starts:.6} rad, not at 1.2")), "{warning}");
+    assert!(warning.contains(&format!("positions by up to {:.1e} rad or m,", (starts - 1.2).abs())), "{warning}");
+}
+
+#[test]
 fn a_step_longer_than_the_run_is_reported_as_long_as_it_is_made() {
     let folder = folder("long_step");
     let way = ["--position", "hinge=0.1", "--duration", "0.01", "--stages", "4", "--step", "100"];

@@ -5,10 +5,13 @@
 
 use super::numbers::Assignment;
 use anyhow::{Context, bail};
+use catena::inspection::curves::joint_kinds;
 use catena::lobatto::assembly::assemble;
 use catena::model::{Base, Model, ModelError, ModelOptions, Pose, Rule, Start};
-use catena::scene::{PackagePath, Robot, Scene, SimulationSettings, Warning, read_scene, read_urdf};
+use catena::report::{Numbers, joint_reports};
+use catena::scene::{PackagePath, Robot, Scene, SimulationSettings, UrdfJointKind, Warning, read_scene, read_urdf};
 use catena::state::State;
+use catena::words::{decimals, short};
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::{Path, PathBuf};
 
@@ -61,6 +64,9 @@ pub struct Loaded {
 /// Changes of the start [m, rad, or a second of these] that nobody need be told.
 const UNNOTICEABLE: f64 = 1e-9;
 
+/// Most changes of the start that are told one by one.
+const NAMED: usize = 3;
+
 impl Loaded {
     /// The start, moved onto all loops and mimic relations; what was changed for that becomes a warning of the model.
     ///
@@ -75,7 +81,8 @@ impl Loaded {
     ) -> anyhow::Result<State> {
         refuse_repeated("--position", positions)?;
         refuse_repeated("--velocity", velocities)?;
-        let mut state = self.wanted_state(positions, velocities, base_velocity)?;
+        let wanted = self.wanted(positions, velocities, base_velocity)?;
+        let mut state = self.model.initial_state(&wanted.positions, &wanted.velocities, None)?;
         let file = self.model.path();
         let in_file = || file.display().to_string();
         self.model.check_representable(&state).with_context(in_file)?;
@@ -83,14 +90,40 @@ impl Loaded {
         self.model.check_springs(&state).with_context(in_file)?;
         if correction.position.max(correction.velocity) > UNNOTICEABLE {
             let message = format!(
-                "the start was moved onto the loops: positions by up to {:.1e} rad or m a round, velocities by up to {:.1e} \
-                 rad/s or m/s",
-                correction.position, correction.velocity
+                "the start was moved onto the loops: positions by up to {:.1e} rad or m, velocities by up to {:.1e} rad/s or m/s{}",
+                correction.position,
+                correction.velocity,
+                self.moved(&wanted, &state)
             );
             self.model.warnings.push(Warning { file: file.to_path_buf(), line: None, element: None, message });
         }
         self.model.warnings.extend(self.model.limit_warning(&state));
         Ok(state)
+    }
+
+    /// The first joints of one number that do not start as they were wanted, as the end of a sentence.
+    fn moved(&self, wanted: &Start, state: &State) -> String {
+        let kinds = joint_kinds(&self.model);
+        let is_length = |joint: &str| kinds.get(joint) == Some(&UrdfJointKind::Prismatic);
+        let reports = joint_reports(&self.model, state);
+        let mut all = Vec::new();
+        for (joint, report) in &reports {
+            let unit = if is_length(joint) { "m" } else { "rad" };
+            for (given, starts, per_second) in
+                [(&wanted.positions, &report.position, ""), (&wanted.velocities, &report.velocity, "/s")]
+            {
+                // What comes later counts.
+                let given = given.iter().rev().find(|(name, _)| name == joint).map(|(_, numbers)| numbers.as_slice());
+                if let (Some(&[given]), &Numbers::One(starts)) = (given, starts)
+                    && decimals(given) != decimals(starts)
+                {
+                    let (starts, given) = (decimals(starts), short(given));
+                    all.push(format!("; {joint} starts at {starts} {unit}{per_second}, not at {given}"));
+                }
+            }
+        }
+        all.truncate(NAMED);
+        all.concat()
     }
 
     /// The start of the file, with what the command line says instead of it.
@@ -103,6 +136,16 @@ impl Loaded {
         velocities: &[Assignment],
         base_velocity: Option<[f64; 6]>,
     ) -> Result<State, ModelError> {
+        let wanted = self.wanted(positions, velocities, base_velocity)?;
+        self.model.initial_state(&wanted.positions, &wanted.velocities, None)
+    }
+
+    fn wanted(
+        &self,
+        positions: &[Assignment],
+        velocities: &[Assignment],
+        base_velocity: Option<[f64; 6]>,
+    ) -> Result<Start, ModelError> {
         let pairs = |given: &[Assignment]| -> Vec<(String, Vec<f64>)> {
             given.iter().map(|one| (one.name.clone(), one.values.clone())).collect()
         };
@@ -115,7 +158,7 @@ impl Loaded {
             (None, _) => {}
         }
         all_velocities.extend(pairs(velocities));
-        self.model.initial_state(&all_positions, &all_velocities, None)
+        Ok(Start { positions: all_positions, velocities: all_velocities })
     }
 }
 

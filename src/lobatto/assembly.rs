@@ -21,7 +21,7 @@ const AT_REST: f64 = 1e-9;
 /// What the projection of the start changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Correction {
-    /// Largest change of a joint position in one round [m or rad].
+    /// Largest change of a number of the joint positions [m, rad, or of a quaternion].
     pub position: f64,
     /// Largest change of a joint velocity [m/s or rad/s].
     pub velocity: f64,
@@ -119,11 +119,10 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
     let mut projection = Projection::new(mechanism);
     let mut start = Start::new(mechanism);
     let wanted = state.clone();
-    let Projected { mut gap, mut worst, correction: mut moved } = projection.positions(mechanism, &mut start, state);
+    let Projected { mut gap, mut worst, .. } = projection.positions(mechanism, &mut start, state);
     if within_limits(mechanism, &wanted) && !within_limits(mechanism, state) {
         state.copy_from(&wanted);
-        Projected { gap, worst, correction: moved } =
-            close_within_limits(mechanism, &mut projection, &mut start, state);
+        Projected { gap, worst, .. } = close_within_limits(mechanism, &mut projection, &mut start, state);
         if gap.is_nan() || gap > OPEN {
             return Err(AssemblyError::Limited { closure: closure_name(mechanism, worst).to_string(), gap });
         }
@@ -131,7 +130,8 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
     if gap.is_nan() || gap > OPEN {
         return Err(AssemblyError::Open { closure: closure_name(mechanism, worst).to_string(), gap });
     }
-    correction.position = moved;
+    let changes = state.position.iter().zip(&wanted.position).map(|(after, before)| (after - before).abs());
+    correction.position = changes.fold(0.0, f64::max);
     start.set(mechanism, state);
     let fastest = state.velocity.iter().fold(1.0_f64, |most, rate| most.max(rate.abs()));
     let Projected { gap: rate, worst, correction: changed } =
