@@ -27,7 +27,7 @@ pub enum Engine {
     Islands {
         islands: Islands,
         /// What stands for the method where all sleep.
-        idle: MethodDescription,
+        idle: Box<MethodDescription>,
     },
 }
 
@@ -63,7 +63,7 @@ impl Engine {
         let pilots = if choice.tolerance().is_some() { 2.0 } else { 0.0 };
         let expected = pilots * PILOT_SECONDS * mechanism.bodies.len() as f64 * duration;
         let nothing = Mechanism::new(&mechanism.name, mechanism.gravity, Vec::new()).map_err(Failure::run)?;
-        let idle = uncalibrated(&nothing, choice)?.description();
+        let idle = Box::new(uncalibrated(&nothing, choice)?.description());
         let (islands, accuracies) = Islands::new(plan, state, Threads::WherePaid, expected, make)?;
         let accuracy = choice
             .tolerance()
@@ -89,7 +89,7 @@ impl Engine {
     pub fn description(&self) -> MethodDescription {
         match self {
             Engine::Whole(lobatto) => lobatto.description(),
-            Engine::Islands { islands, idle } => islands.description().unwrap_or_else(|| idle.clone()),
+            Engine::Islands { islands, idle } => islands.description().unwrap_or_else(|| (**idle).clone()),
         }
     }
 
