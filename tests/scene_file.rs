@@ -432,7 +432,10 @@ fn a_spring_whose_ends_coincide_at_the_start_is_refused_and_is_not_at_rest() {
     assert_one_error(&refused, 2, "coincide");
     let message = command::text(&refused.stderr);
     assert!(message.contains("coincide.toml: spring \"spring1\": its ends coincide"), "{message}");
-    report(&folder, &["coincide.toml", "--no-log", "--position", "hinge=0.1", "--duration", "0.1"]);
+    report(
+        &folder,
+        &["simulate", "coincide.toml", "--no-log", "--json", "--position", "hinge=0.1", "--duration", "0.1"],
+    );
     let (model, _, state) = build(&folder, text);
     assert!(!is_at_rest(&model.mechanism, &state));
     // Without a rest length it is at rest there.
