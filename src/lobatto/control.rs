@@ -79,7 +79,7 @@ struct Memory {
     step: f64,
     /// E of the last step.
     previous: Option<f64>,
-    /// Largest kinetic energy at the ends of the steps that were kept (J).
+    /// Largest kinetic energy at the end of any attempt (J).
     kinetic: f64,
     /// Length and change of energy of the first attempt at this step that changed the energy too much.
     refused: Option<(f64, f64)>,
@@ -214,7 +214,7 @@ impl Control {
                 Verdict::Accept => {
                     stepper.accept(mechanism, state, length, end, &mut outcome)?;
                     self.keep_below(stepper.watch.safe_step());
-                    if let Some(settling) = stepper.watch.take_settling(state.time) {
+                    if let Some(settling) = stepper.watch.take_settling(state.time, self.tolerance) {
                         self.memory.settling = Some(length);
                         self.memory.step = self.memory.step.min(settling);
                     }

@@ -28,7 +28,7 @@
 
 use super::dynamics::Dynamics;
 use super::projection::Projection;
-use super::stability::Mode;
+use super::stability::{Mode, Transient};
 use super::start::{Plan, Start};
 use crate::closures::gap_accelerations;
 use crate::forces::total::{BodyWrench, body_wrenches, joint_efforts};
@@ -223,8 +223,8 @@ impl Linearised {
         (0.125 * (with - without) / size).max(0.0)
     }
 
-    /// γ of a motion that dampers are about to stop [1/s]; zero where there is none to speak of.
-    fn transient(&mut self, mechanism: &Mechanism, state: &State) -> f64 {
+    /// A motion that dampers are about to stop, if there is one to speak of.
+    fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient> {
         let Linearised { motion, acceleration, image, state: moved, .. } = self;
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         acceleration.fill(0.0);
@@ -237,8 +237,9 @@ impl Linearised {
         let before = motion.kinetic(mechanism, moved, acceleration.iter().copied());
         let after = motion.kinetic(mechanism, moved, image.iter().copied());
         let decay = (after / before).sqrt();
+        let rate = largest(acceleration) / scale / decay;
         // Not where anything is no number.
-        if largest(acceleration) / scale > SHARE * decay * largest(&state.velocity) { decay } else { 0.0 }
+        (rate > SHARE * largest(&state.velocity)).then_some(Transient { decay, rate })
     }
 }
 

@@ -137,8 +137,17 @@ pub struct Mode {
     pub frequency: f64,
     /// ζ.
     pub damping: f64,
-    /// How fast dampers stop a motion that they are about to stop [1/s]; zero where there is none to speak of.
-    pub transient: f64,
+    /// What dampers are about to stop, if there is any to speak of.
+    pub transient: Option<Transient>,
+}
+
+/// A motion that dampers are about to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transient {
+    /// γ [1/s].
+    pub decay: f64,
+    /// The largest rate of any coordinate in it, w [rad/s, m/s].
+    pub rate: f64,
 }
 
 /// When to look at the frequency, and what has been seen.
@@ -152,8 +161,8 @@ pub struct Watch {
     nearest: Option<FrequencyStep>,
     /// What was seen to ring first.
     ringing: Option<Ringing>,
-    /// The longest step that stops what was seen to ring in the last look (s), until it is taken.
-    settling: Option<f64>,
+    /// The longest step that stops what was seen to ring in the last look (s), and its largest rate, until it is taken.
+    settling: Option<(f64, f64)>,
     /// Whether steps are chosen and the first has been made.
     settled: bool,
 }
@@ -215,17 +224,18 @@ impl Watch {
         }
     }
 
-    /// Looks whether a motion that decays with `decay` [1/s] rings in steps of `step`; returns the longest step that stops it.
+    /// Looks whether what dampers stop rings in steps of `step`; returns the longest step that stops it, and its largest rate.
     ///
     /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (benches/README.md).
-    fn ring(&mut self, decay: f64, step: f64, time: f64) -> Option<f64> {
+    fn ring(&mut self, transient: Option<Transient>, step: f64, time: f64) -> Option<(f64, f64)> {
+        let Transient { decay, rate } = transient?;
         let s = self.tableau.stages as f64;
         if self.settled || step * decay <= 2.0 * s * (s - 1.0) {
             return None;
         }
         let longest = s / decay;
         self.ringing = self.ringing.or(Some(Ringing { decay, step, longest, time }));
-        Some(longest)
+        Some((longest, rate))
     }
 
     /// What was seen to ring first.
@@ -234,12 +244,17 @@ impl Watch {
     }
 
     /// Takes the next step (s) that stops what rings, after the first step of a motion: steps that are chosen grow again from it, with nothing
-    /// left to ring. What rings later is not the motion but what iterations leave, which is as large in short steps.
-    pub fn take_settling(&mut self, time: f64) -> Option<f64> {
+    /// left to ring. What rings later is not the motion but what iterations leave, which is as large in short steps; and what is slower than
+    /// the `tolerance` (m, rad) in a second is nothing to a run that wants no more.
+    pub fn take_settling(&mut self, time: f64, tolerance: f64) -> Option<f64> {
         let settled = std::mem::replace(&mut self.settled, true);
-        let settling = self.settling.take().filter(|&step| !settled && step > SHORTEST * time)?;
+        let (settling, rate) = self.settling.take().filter(|_| !settled)?;
+        let matters = rate > tolerance;
+        if matters && settling <= SHORTEST * time {
+            return None;
+        }
         self.ringing = None;
-        Some(settling)
+        matters.then_some(settling)
     }
 
     /// The longest step that is safely stable as far as is known (s).
