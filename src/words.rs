@@ -29,14 +29,9 @@ pub fn short(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e16).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
 }
 
-/// A number and its noun, in the plural where that is due.
-pub fn counted(count: usize, noun: &str) -> String {
-    match (count, noun) {
-        (1, _) => format!("1 {noun}"),
-        (_, "moving body") => format!("{count} moving bodies"),
-        (_, "degree of freedom") => format!("{count} degrees of freedom"),
-        _ => format!("{count} {noun}s"),
-    }
+/// A number and its noun.
+pub fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
 }
 
 #[cfg(test)]
@@ -46,8 +41,8 @@ mod tests {
     #[test]
     fn numbers_for_people_have_three_digits_and_nouns_agree() {
         assert_eq!([833.33, 0.012345, 1e9].map(rounded), ["833", "0.0123", "1.00e9"]);
-        assert_eq!(counted(1, "stage"), "1 stage");
-        assert_eq!(counted(2, "moving body"), "2 moving bodies");
+        assert_eq!(counted(1, "stage", "stages"), "1 stage");
+        assert_eq!(counted(2, "moving body", "moving bodies"), "2 moving bodies");
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! The part of `catena model` about what the tree does not say: several robots, loops, mimic relations and forces.
 
-use super::table::{Table, counted, number, triple};
+use super::table::{Table, number, triple};
 use catena::lobatto::assembly::Redundancy;
 use catena::model::{Attachment, Coordinate, LoopKind, Mechanism, Model};
+use catena::words::counted;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -185,9 +186,7 @@ fn joint_name(mechanism: &Mechanism, coordinate: Coordinate) -> &str {
 fn joint_of(mechanism: &Mechanism, freedom: usize) -> (&str, &'static str, &'static str) {
     let mut joints = mechanism.bodies.iter().map(|body| &body.joint);
     joints.find(|joint| joint.velocity_range().contains(&freedom)).map_or(("", "", ""), |joint| {
-        // Translations come before rotations.
-        let slides = freedom - joint.velocity_range().start < joint.kind.translation_axes().len();
-        let (length, effort) = if slides { ("m", "N") } else { ("rad", "N m") };
-        (joint.name.as_str(), length, effort)
+        let unit = joint.kind.unit(freedom - joint.velocity_index);
+        (joint.name.as_str(), unit, if unit == "m" { "N" } else { "N m" })
     })
 }

@@ -5,11 +5,10 @@
 
 use super::numbers::Assignment;
 use anyhow::{Context, bail};
-use catena::inspection::curves::joint_kinds;
 use catena::lobatto::assembly::assemble;
 use catena::model::{Base, Model, ModelError, ModelOptions, Pose, Rule, Start};
 use catena::report::{Numbers, joint_reports};
-use catena::scene::{PackagePath, Robot, Scene, SimulationSettings, UrdfJointKind, Warning, read_scene, read_urdf};
+use catena::scene::{PackagePath, Robot, Scene, SimulationSettings, Warning, read_scene, read_urdf};
 use catena::state::State;
 use catena::words::{decimals, short};
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -103,12 +102,14 @@ impl Loaded {
 
     /// The first joints of one number that do not start as they were wanted, as the end of a sentence.
     fn moved(&self, wanted: &Start, state: &State) -> String {
-        let kinds = joint_kinds(&self.model);
-        let is_length = |joint: &str| kinds.get(joint) == Some(&UrdfJointKind::Prismatic);
+        let unit = |joint: &str| {
+            let record = self.model.joints.iter().find(|record| record.name == joint);
+            let body = record.and_then(|record| record.body);
+            body.map_or("", |body| self.model.mechanism.bodies[body].joint.kind.unit(0))
+        };
         let reports = joint_reports(&self.model, state);
         let mut all = Vec::new();
         for (joint, report) in &reports {
-            let unit = if is_length(joint) { "m" } else { "rad" };
             for (given, starts, per_second) in
                 [(&wanted.positions, &report.position, ""), (&wanted.velocities, &report.velocity, "/s")]
             {
@@ -117,7 +118,7 @@ impl Loaded {
                 if let (Some(&[given]), &Numbers::One(starts)) = (given, starts)
                     && decimals(given) != decimals(starts)
                 {
-                    let (starts, given) = (decimals(starts), short(given));
+                    let (starts, given, unit) = (decimals(starts), short(given), unit(joint));
                     all.push(format!("; {joint} starts at {starts} {unit}{per_second}, not at {given}"));
                 }
             }

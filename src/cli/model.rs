@@ -3,13 +3,14 @@
 use super::couplings;
 use super::input::InputArgs;
 use super::rules;
-use super::table::{Table, counted, number, triple};
+use super::table::{Table, number, triple};
 use super::{Failure, print, print_json};
 use catena::islands::Plan;
 use catena::lobatto::assembly::{Redundancy, redundancy};
 use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, Rule, position_names, wxyz_from_rotation};
 use catena::report::ModelReport;
 use catena::scene::Warning;
+use catena::words::counted;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

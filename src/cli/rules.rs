@@ -1,8 +1,9 @@
 //! The part of `catena model` about what a run leaves out: the rules, what each saves here, and the islands.
 
-use super::table::{Table, counted};
+use super::table::Table;
 use catena::islands::Plan;
 use catena::model::{Island, Mechanism, Model, ReductionRule, Rule, point_bodies, sliding_bodies, spherical_bodies};
+use catena::words::counted;
 use serde_json::{Value, json};
 
 /// What a rule does here.

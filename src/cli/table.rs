@@ -37,11 +37,6 @@ impl Table {
     }
 }
 
-/// A number and its noun.
-pub fn counted(count: usize, one: &str, several: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { several })
-}
-
 /// Four significant digits.
 pub fn number(value: f64) -> String {
     if value == 0.0 {

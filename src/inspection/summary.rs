@@ -271,7 +271,12 @@ impl fmt::Display for Summary {
             Some(rate) => writeln!(out, ", {rate} a second")?,
             None => writeln!(out)?,
         }
-        writeln!(out, "  model       {}, {}", counted(self.links, "link"), counted(self.joints, "moving joint"))?;
+        writeln!(
+            out,
+            "  model       {}, {}",
+            counted(self.links, "link", "links"),
+            counted(self.joints, "moving joint", "moving joints")
+        )?;
         if let Some(method) = entry("method") {
             write!(out, "  method      {method}")?;
             for (name, word) in

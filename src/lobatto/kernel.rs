@@ -29,7 +29,7 @@ use super::newton::Newton;
 use super::predictor::{Guess, Predictor};
 use super::projection::Projection;
 use super::reversible::Pace;
-use super::stability::Mode;
+use super::stability::{Mode, Transient};
 use super::stage::{MAX_TURN, StagePose, Stages};
 use super::start::Start;
 use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, largest_coefficient, weigh, worst_freedom};
@@ -323,6 +323,10 @@ impl<V: Lanes> Step for Kernel<V> {
 
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
         self.modes.fastest(mechanism, &self.stages.plan, &self.stages.start, state, iterations)
+    }
+
+    fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient> {
+        self.modes.transient(mechanism, state)
     }
 
     fn pace(&mut self, mechanism: &Mechanism, _: &State) -> Option<Pace> {

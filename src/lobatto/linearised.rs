@@ -170,17 +170,6 @@ impl Linearised {
 
     /// The mode at a state, from below, after some power iterations; zero where nothing is stiff or the state is not finite.
     pub fn estimate(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
-        let mut mode = self.undamped_mode(mechanism, state, iterations);
-        if self.undamped.is_some() {
-            if mode.frequency > 0.0 {
-                mode.damping = self.damping(mechanism, state) / mode.frequency;
-            }
-            mode.transient = self.transient(mechanism, state);
-        }
-        mode
-    }
-
-    fn undamped_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
         self.motion.project(mechanism, state, &mut self.direction);
         scale(&mut self.direction);
         let mut frequency = 0.0;
@@ -208,7 +197,8 @@ impl Linearised {
             std::mem::swap(&mut self.direction, &mut self.image);
             scale(&mut self.direction);
         }
-        Mode { frequency, ..Mode::default() }
+        let damping = if self.undamped.is_some() { self.damping(mechanism, state) / frequency } else { 0.0 };
+        Mode { frequency, damping }
     }
 
     /// ζω of the mode [1/s].
@@ -224,9 +214,9 @@ impl Linearised {
     }
 
     /// A motion that dampers are about to stop, if there is one to speak of.
-    fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient> {
+    pub fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient> {
+        self.undamped.as_ref()?;
         let Linearised { motion, acceleration, image, state: moved, .. } = self;
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         acceleration.fill(0.0);
         motion.add(mechanism, state, 1.0, acceleration);
         // Of the size of rates, so that the sums of the differences keep their digits.
@@ -243,9 +233,14 @@ impl Linearised {
     }
 }
 
+/// The largest entry, without its sign.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| value.abs().max(most))
+}
+
 /// Makes the largest entry one.
 fn scale(direction: &mut [f64]) {
-    let largest = direction.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let largest = largest(direction);
     if largest > 0.0 {
         direction.iter_mut().for_each(|value| *value /= largest);
     }

@@ -6,7 +6,7 @@
 use super::dynamics::Dynamics;
 use super::linearised::Linearised;
 use super::reversible::Pace;
-use super::stability::{Fastest, Mode};
+use super::stability::{Fastest, Mode, Transient};
 use super::start::{Plan, Start};
 use crate::model::Mechanism;
 use crate::state::State;
@@ -46,10 +46,15 @@ impl Modes {
         let (fastest, gravity) = (&mut self.fastest, mechanism.gravity.into());
         let of_tree = self.dynamics.as_mut().map(|dynamics| Mode {
             frequency: fastest.estimate(dynamics, plan, start, &gravity, iterations),
-            ..Mode::default()
+            damping: 0.0,
         });
         let of_others = || self.linearised.as_mut().map(|linearised| linearised.estimate(mechanism, state, iterations));
         of_tree.or_else(of_others).unwrap_or_default()
+    }
+
+    /// What dampers are about to stop at a state, if there is any to speak of.
+    pub fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient> {
+        self.linearised.as_mut().and_then(|linearised| linearised.transient(mechanism, state))
     }
 
     /// The pace at an instant; `None` where forces and closures play a part that it does not know.

@@ -25,7 +25,7 @@ use super::lanes::{Lanes, in_lanes};
 use super::numbers::{Double, Numbers};
 use super::predictor::Guess;
 use super::reversible::Pace;
-use super::stability::Mode;
+use super::stability::{Mode, Transient};
 use super::stage::Stages;
 use super::start::Start;
 use super::step::{Attempt, Step, StopRule, worst_freedom};
@@ -192,6 +192,10 @@ impl<V: Lanes> Step for Precise<V> {
 
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
         self.coarse.fastest_mode(mechanism, state, iterations)
+    }
+
+    fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient> {
+        self.coarse.transient(mechanism, state)
     }
 
     fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace> {

@@ -137,8 +137,6 @@ pub struct Mode {
     pub frequency: f64,
     /// ζ.
     pub damping: f64,
-    /// What dampers are about to stop, if there is any to speak of.
-    pub transient: Option<Transient>,
 }
 
 /// A motion that dampers are about to stop.
@@ -161,10 +159,10 @@ pub struct Watch {
     nearest: Option<FrequencyStep>,
     /// What was seen to ring first.
     ringing: Option<Ringing>,
-    /// The longest step that stops what was seen to ring in the last look (s), and its largest rate, until it is taken.
+    /// The longest step that stops it (s), and its largest rate, until it is taken.
     settling: Option<(f64, f64)>,
-    /// Whether steps are chosen and the first has been made.
-    settled: bool,
+    /// Whether anybody wants to know what rings.
+    listens: bool,
 }
 
 impl Watch {
@@ -172,23 +170,14 @@ impl Watch {
     /// at once, because springs may leave nothing to look at after a few.
     pub fn new(tableau: &'static Tableau, forces: bool) -> Self {
         let first = if forces { 1 } else { CLOSE_INTERVAL };
-        Watch {
-            tableau,
-            first,
-            wait: first,
-            latest: None,
-            nearest: None,
-            ringing: None,
-            settling: None,
-            settled: false,
-        }
+        Watch { tableau, first, wait: first, latest: None, nearest: None, ringing: None, settling: None, listens: true }
     }
 
     /// Forgets the last look: the motion goes on from somewhere else.
     pub fn forget(&mut self) {
         self.latest = None;
         self.wait = self.first;
-        self.settled = false;
+        self.listens = true;
     }
 
     /// Counts an accepted step; returns the number of power iterations to look with, if it is time to.
@@ -217,25 +206,28 @@ impl Watch {
             self.wait = CLOSE_INTERVAL;
         }
         self.latest = Some(seen);
-        self.settling = self.ring(mode.transient, step, time);
         // Beyond the limit the motion is soon none that would tell anything: the first such step counts.
         if self.nearest.is_none_or(|nearest| seen.product > nearest.product && !nearest.is_unstable()) {
             self.nearest = Some(seen);
         }
     }
 
-    /// Looks whether what dampers stop rings in steps of `step`; returns the longest step that stops it, and its largest rate.
+    /// Whether to look for what dampers are about to stop.
+    pub fn listens(&self) -> bool {
+        self.listens
+    }
+
+    /// Notes at `time` what dampers are about to stop, if it rings in steps of `step`.
     ///
     /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (benches/README.md).
-    fn ring(&mut self, transient: Option<Transient>, step: f64, time: f64) -> Option<(f64, f64)> {
-        let Transient { decay, rate } = transient?;
+    pub fn hear(&mut self, Transient { decay, rate }: Transient, step: f64, time: f64) {
         let s = self.tableau.stages as f64;
-        if self.settled || step * decay <= 2.0 * s * (s - 1.0) {
-            return None;
+        if step * decay > 2.0 * s * (s - 1.0) {
+            let longest = s / decay;
+            self.ringing = self.ringing.or(Some(Ringing { decay, step, longest, time }));
+            self.settling = Some((longest, rate));
+            self.listens = false;
         }
-        let longest = s / decay;
-        self.ringing = self.ringing.or(Some(Ringing { decay, step, longest, time }));
-        Some((longest, rate))
     }
 
     /// What was seen to ring first.
@@ -247,8 +239,8 @@ impl Watch {
     /// left to ring. What rings later is not the motion but what iterations leave, which is as large in short steps; and what is slower than
     /// the `tolerance` (m, rad) in a second is nothing to a run that wants no more.
     pub fn take_settling(&mut self, time: f64, tolerance: f64) -> Option<f64> {
-        let settled = std::mem::replace(&mut self.settled, true);
-        let (settling, rate) = self.settling.take().filter(|_| !settled)?;
+        self.listens = false;
+        let (settling, rate) = self.settling.take()?;
         let matters = rate > tolerance;
         if matters && settling <= SHORTEST * time {
             return None;

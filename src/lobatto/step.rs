@@ -4,7 +4,7 @@
 use super::lanes::{Lanes, in_lanes};
 use super::predictor::Guess;
 use super::reversible::Pace;
-use super::stability::Mode;
+use super::stability::{Mode, Transient};
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
 use crate::model::Mechanism;
@@ -115,6 +115,8 @@ pub trait Step: Send {
     fn last_displacement(&self, freedom: usize) -> f64;
     /// The fastest mode at `state`, the start of the step, from some power iterations.
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode;
+    /// What dampers are about to stop at `state`, the start of the step, if there is any to speak of.
+    fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient>;
     /// Pace of the motion at `state`, the start of the step; `None` where forces and loops play a part that it does not know.
     fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace>;
     /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length.

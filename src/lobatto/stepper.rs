@@ -151,6 +151,11 @@ impl Stepper {
     fn look(&mut self, mechanism: &Mechanism, state: &State, iterations: usize, length: f64) {
         let mode = self.kernel.fastest_mode(mechanism, state, iterations);
         self.watch.see(mode, length, state.time);
+        if self.watch.listens()
+            && let Some(transient) = self.kernel.transient(mechanism, state)
+        {
+            self.watch.hear(transient, length, state.time);
+        }
     }
 
     /// Why a step failed: because of its length alone, if that is beyond the limit of stability.

@@ -6,6 +6,7 @@
 //! that were is said.
 
 use super::seconds;
+use crate::words::counted;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, parse_record};
@@ -51,7 +52,7 @@ pub struct Completeness {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LostChunks {
     /// How many.
-    pub count: u64,
+    pub count: usize,
     /// Time of the last message before the first of them (s); zero without one.
     pub after: f64,
     /// Time of the first message after the last of them (s).
@@ -78,7 +79,7 @@ impl Completeness {
 impl fmt::Display for LostChunks {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let LostChunks { count, after, before, reason } = self;
-        write!(out, "{count} {}", if *count == 1 { "chunk" } else { "chunks" })?;
+        write!(out, "{}", counted(*count, "chunk", "chunks"))?;
         match before {
             Some(before) => write!(out, " between t = {after} s and t = {before} s")?,
             None => write!(out, " after t = {after} s")?,

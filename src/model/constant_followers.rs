@@ -3,6 +3,7 @@
 //! A fixed joint is always at zero, so its followers are at `multiplier · 0 + offset`; and so on along chains of followers.
 
 use super::joint::Pose;
+use super::joint_frame::joint_kind;
 use crate::scene::{Element, Robot, UrdfJoint, UrdfJointKind, Warning};
 use nalgebra::{Rotation3, Translation3, Unit};
 use std::collections::HashMap;
@@ -19,7 +20,7 @@ pub fn fix_constant_followers(robot: &mut Robot) {
         for joint in &mut robot.joints {
             let Some((value, displacement)) = constant_displacement(joint, &constant) else { continue };
             let Some(mimic) = joint.mimic.take() else { continue };
-            let unit = if joint.kind == UrdfJointKind::Prismatic { "m" } else { "rad" };
+            let unit = joint_kind(joint.kind).map_or("", |kind| kind.unit(0));
             joint.origin *= displacement;
             joint.kind = UrdfJointKind::Fixed;
             constant.insert(joint.name.clone(), value);

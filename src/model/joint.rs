@@ -91,6 +91,11 @@ impl JointKind {
             }
     }
 
+    /// The unit of a degree of freedom, counted from the first: translations come before rotations.
+    pub fn unit(self, freedom: usize) -> &'static str {
+        if freedom < self.translation_axes().len() { "m" } else { "rad" }
+    }
+
     /// The URDF-style name, for tables and messages.
     pub fn name(self) -> &'static str {
         match self {

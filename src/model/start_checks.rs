@@ -1,6 +1,5 @@
 //! What a start can be that the numbers of every joint do not say: beyond what doubles hold, undefined, or outside limits.
 
-use super::joint::JointKind;
 use super::model_error::ModelError;
 use super::robot_model::Model;
 use crate::invariants::energy_with_forces;
@@ -60,7 +59,7 @@ impl Model {
             let position = state.position[limit.coordinate.position];
             let excess = (limit.lower - position).max(position - limit.upper);
             let joint = &self.mechanism.bodies[limit.coordinate.body].joint;
-            let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
+            let unit = joint.kind.unit(limit.coordinate.freedom - joint.velocity_index);
             (excess > NEGLIGIBLE_EXCESS).then(|| Warning {
                 file: self.path().to_path_buf(),
                 line: None,

@@ -76,7 +76,7 @@ impl MethodReport {
             "a step of {} s is beyond the stability limit of {} at t = {} s, where the fastest motion turns by {} rad in it \
              and {} rad is the limit: {remedy}",
             rounded(seen.step),
-            counted(description.stages, "stage"),
+            counted(description.stages, "stage", "stages"),
             rounded(seen.time),
             rounded(seen.product),
             rounded(seen.limit)

@@ -23,14 +23,19 @@ impl fmt::Display for Report {
         write!(
             out,
             "  model       {}, {}, {}",
-            counted(model.links, "link"),
-            counted(model.bodies, "moving body"),
-            counted(model.degrees_of_freedom, "degree of freedom")
+            counted(model.links, "link", "links"),
+            counted(model.bodies, "moving body", "moving bodies"),
+            counted(model.degrees_of_freedom, "degree of freedom", "degrees of freedom")
         )?;
         match (model.loops, model.redundant_constraints) {
             (0, _) => writeln!(out)?,
             (loops, redundant) => {
-                writeln!(out, ", {}, {}", counted(loops, "loop"), counted(redundant, "redundant constraint"))?;
+                writeln!(
+                    out,
+                    ", {}, {}",
+                    counted(loops, "loop", "loops"),
+                    counted(redundant, "redundant constraint", "redundant constraints")
+                )?;
             }
         }
         match (model.islands, model.sleeping_islands) {
@@ -45,12 +50,18 @@ impl fmt::Display for Report {
             }
         }
         let method = &self.method;
-        write!(out, "  method      {}, {}, order {}, ", method.name, counted(method.stages, "stage"), method.order)?;
+        write!(
+            out,
+            "  method      {}, {}, order {}, ",
+            method.name,
+            counted(method.stages, "stage", "stages"),
+            method.order
+        )?;
         let step = rounded(1e3 * method.step);
         match (method.tolerance, method.reversible_resets) {
             (Some(tolerance), _) => writeln!(out, "tolerance {tolerance:e}, mean step {step} ms")?,
             (None, Some(resets)) => {
-                writeln!(out, "reversible steps, mean {step} ms, {}", counted(resets, "reset"))?;
+                writeln!(out, "reversible steps, mean {step} ms, {}", counted(resets, "reset", "resets"))?;
             }
             (None, None) if method.digits > 16 => writeln!(out, "step {step} ms, {} digits", method.digits)?,
             (None, None) => writeln!(out, "step {step} ms")?,
@@ -62,7 +73,7 @@ impl fmt::Display for Report {
                 accuracy.estimated, accuracy.pilots
             )?;
         }
-        write!(out, "  steps       {}, {}", self.steps, counted(self.iterations, "iteration"))?;
+        write!(out, "  steps       {}, {}", self.steps, counted(self.iterations, "iteration", "iterations"))?;
         if self.steps > 0 {
             write!(out, " ({:.1} a step", self.iterations as f64 / self.steps as f64)?;
             match 100 * self.kept_factor_iterations / self.iterations.max(1) {

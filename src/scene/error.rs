@@ -1,5 +1,6 @@
 //! Errors and warnings about the input: each names the file, the line, and the link or joint.
 
+use crate::words::counted;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -77,10 +78,9 @@ impl Warning {
     pub(crate) fn of_kind(all: Vec<Warning>, what: &str) -> Option<Warning> {
         let more = all.len().saturating_sub(1);
         let mut first = all.into_iter().next()?;
-        match more {
-            0 => {}
-            1 => first.message += &format!("; so it is with 1 more {what}"),
-            _ => first.message += &format!("; so it is with {more} more {what}s"),
+        if more > 0 {
+            first.message +=
+                &format!("; so it is with {}", counted(more, &format!("more {what}"), &format!("more {what}s")));
         }
         Some(first)
     }

@@ -114,10 +114,8 @@ impl Control {
             let order = (2 * self.stages - 1) as f64;
             by_energy = 0.9 * (allowed / change).powf(1.0 / order);
         }
-        if change > allowed && !self.is_rounding(step, change + rounding, ROUNDED * self.memory.kinetic) {
-            return Err(by_energy);
-        }
-        Ok(by_energy)
+        let refused = change > allowed && !self.is_rounding(step, change + rounding);
+        if refused { Err(by_energy) } else { Ok(by_energy) }
     }
 
     /// The next step after one that is kept.
@@ -153,14 +151,14 @@ impl Control {
     }
 
     /// Whether a change of energy is one of rounding alone: a step half as long changes it as much, where truncation would fall to
-    /// nothing; not if it is larger than `most`. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their
-    /// roundings.
-    fn is_rounding(&mut self, step: f64, change: f64, most: f64) -> bool {
+    /// nothing. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their roundings.
+    fn is_rounding(&mut self, step: f64, change: f64) -> bool {
         let Some((first_step, first_change)) = self.memory.refused else {
             self.memory.refused = Some((step, change));
             return false;
         };
-        let rounding = step <= 0.5 * first_step && change >= 0.1 * first_change && change <= most;
+        let rounding =
+            step <= 0.5 * first_step && change >= 0.1 * first_change && change <= ROUNDED * self.memory.kinetic;
         if rounding {
             self.memory.rounding = 3.0 * change;
         }

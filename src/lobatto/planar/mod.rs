@@ -27,7 +27,7 @@ use super::modes::Modes;
 use super::predictor::{Guess, Predictor};
 use super::projection::Projection;
 use super::reversible::Pace;
-use super::stability::Mode;
+use super::stability::{Mode, Transient};
 use super::stage::{Coefficients, MAX_TURN};
 use super::start::Start;
 use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, largest_coefficient, weigh, worst_freedom};
@@ -268,6 +268,10 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
         self.space.set(mechanism, state);
         self.modes.fastest(mechanism, &self.stages.plan.tree, &self.space, state, iterations)
+    }
+
+    fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient> {
+        self.modes.transient(mechanism, state)
     }
 
     fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace> {
