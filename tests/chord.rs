@@ -8,7 +8,7 @@ use catena::lobatto::stage::Stages;
 use catena::lobatto::tableau::Tableau;
 use models::Model;
 
-type Sixteen = Portable<16>;
+type Four = Portable<4>;
 
 /// Every joint kind twice in a row, mixtures, branches and bodies that never turn, and all forces on some of them.
 fn every_model() -> Vec<Model> {
@@ -24,7 +24,7 @@ fn every_model() -> Vec<Model> {
 }
 
 /// The stages of a step of 20 ms from the state of a model, guessed to stay where they are.
-fn stages_of(model: &Model) -> Stages<Sixteen> {
+fn stages_of(model: &Model) -> Stages<Four> {
     let mut stages = Stages::new(&model.mechanism, Tableau::of(5).unwrap(), &[]);
     stages.start.set(&model.mechanism, &model.state);
     stages.step = 0.02;
@@ -32,7 +32,7 @@ fn stages_of(model: &Model) -> Stages<Sixteen> {
 }
 
 /// The increments of an iteration from the displacements at hand, with new factors or with those of the last one.
-fn iterate(stages: &mut Stages<Sixteen>, model: &Model, keep: bool) -> Vec<f64> {
+fn iterate(stages: &mut Stages<Four>, model: &Model, keep: bool) -> Vec<f64> {
     let gravity = model.mechanism.gravity.into();
     stages.sweep_poses();
     if stages.applied.is_some() {
@@ -80,7 +80,7 @@ fn with_the_factors_of_another_iterate_a_solution_is_a_solution_still() {
             iterate(&mut stages, &model, false);
         }
         let solution = stages.displacement.clone();
-        stages.displacement.fill(Sixteen::splat(0.3));
+        stages.displacement.fill(Four::splat(0.3));
         let elsewhere = largest(iterate(&mut stages, &model, false));
         stages.displacement = solution;
         let left = largest(iterate(&mut stages, &model, true));

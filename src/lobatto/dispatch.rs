@@ -26,6 +26,13 @@ pub fn step_for(mechanism: &Mechanism, tableau: &'static Tableau, isa: Isa, kept
 /// Most stages of steps with 32 digits: they have eight lanes, whatever the processor.
 pub const MOST_PRECISE_STAGES: usize = 9;
 
+/// The vectors of a step with 32 digits on every other processor. On x86-64 they are those of many stages, so that there is no kernel for
+/// eight lanes, which would take its share of the build.
+#[cfg(target_arch = "x86_64")]
+type ForAny = Portable<16>;
+#[cfg(not(target_arch = "x86_64"))]
+type ForAny = Portable<8>;
+
 /// A step with 32 digits for a tree under gravity alone, of at most [`MOST_PRECISE_STAGES`] stages.
 pub fn precise_step_for(mechanism: &Mechanism, tableau: &'static Tableau, kept: &[Rule]) -> Box<dyn Step> {
     match Isa::detect() {
@@ -33,7 +40,7 @@ pub fn precise_step_for(mechanism: &Mechanism, tableau: &'static Tableau, kept: 
         Isa::Avx512 => Box::new(Precise::<Avx512>::new(mechanism, tableau, kept)),
         #[cfg(target_arch = "x86_64")]
         Isa::Avx2 => Box::new(Precise::<Pair<Avx256, 8>>::new(mechanism, tableau, kept)),
-        _ => Box::new(Precise::<Portable<8>>::new(mechanism, tableau, kept)),
+        _ => Box::new(Precise::<ForAny>::new(mechanism, tableau, kept)),
     }
 }
 

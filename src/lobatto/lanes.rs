@@ -16,6 +16,9 @@ pub trait Lanes:
     /// Whether lanes are best read back from memory where every lane meets a number of its own: there they are operands of
     /// multiplications, in a register they have to be shuffled first.
     const READS_BACK: bool = false;
+    /// Whether these vectors carry the most general sweeps alone, with forces and with twice the digits of the coefficients: few runs
+    /// use them, and every sweep takes its share of the build.
+    const GENERAL_ALONE: bool = false;
     /// `[f64; COUNT]`.
     type Array: Copy + AsRef<[f64]> + AsMut<[f64]>;
     /// The same lanes in single precision, where those are cheaper.

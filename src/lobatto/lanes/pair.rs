@@ -26,6 +26,7 @@ macro_rules! pair {
         impl Lanes for Pair<$half, $count> {
             const COUNT: usize = $count;
             const READS_BACK: bool = <$half>::READS_BACK;
+            const GENERAL_ALONE: bool = $count == 16;
             type Array = [f64; $count];
             $($precision)*
             #[inline(always)]

@@ -19,11 +19,12 @@ impl<const N: usize> Portable<N> {
     }
     #[inline(always)]
     fn zip3(self, b: Self, c: Self, operation: impl Fn(f64, f64, f64) -> f64) -> Self {
-        if Self::CALLED { self.zip3_called(b, c, operation) } else { self.zip3_in_place(b, c, operation) }
+        if Self::CALLED { Self::zip3_called(&self, &b, &c, operation) } else { self.zip3_in_place(b, c, operation) }
     }
+    /// By reference, because copies of the operands would be most of the instructions where it is called.
     #[inline(never)]
-    fn zip3_called(self, b: Self, c: Self, operation: impl Fn(f64, f64, f64) -> f64) -> Self {
-        self.zip3_in_place(b, c, operation)
+    fn zip3_called(a: &Self, b: &Self, c: &Self, operation: impl Fn(f64, f64, f64) -> f64) -> Self {
+        a.zip3_in_place(*b, *c, operation)
     }
     #[inline(always)]
     fn zip3_in_place(self, b: Self, c: Self, operation: impl Fn(f64, f64, f64) -> f64) -> Self {
@@ -50,6 +51,7 @@ where
     [f64; N]: AsRef<[f64]> + AsMut<[f64]>,
 {
     const COUNT: usize = N;
+    const GENERAL_ALONE: bool = Self::CALLED;
     type Array = [f64; N];
     double_alone!();
     #[inline(always)]
