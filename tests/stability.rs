@@ -9,8 +9,9 @@ use catena::invariants::energy;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::lobatto::dynamics::Dynamics;
+use catena::lobatto::fastest::Fastest;
 use catena::lobatto::linearised::Linearised;
-use catena::lobatto::stability::{Fastest, damped_limit, limit};
+use catena::lobatto::stability::{damped_limit, limit};
 use catena::lobatto::start::{Plan, Start};
 use catena::lobatto::tableau::Tableau;
 use catena::model::Mechanism;
@@ -282,7 +283,7 @@ fn rod_on_a_hinge(stiffness: f64, damping: f64) -> Model {
     Model { mechanism, state }
 }
 
-fn mode(model: &Model, iterations: usize) -> catena::lobatto::stability::Mode {
+fn mode(model: &Model, iterations: usize) -> catena::lobatto::watch::Mode {
     Linearised::new(&model.mechanism).estimate(&model.mechanism, &model.state, iterations)
 }
 

@@ -5,10 +5,10 @@
 use super::axis::Axis;
 use super::canvas::{Drawn, INK, QUIET, png_of, svg_of, text, text_at};
 use super::error::ChartError;
+use super::legend::{LEGEND, draw_legend, legend_extent};
 use super::picture::{Figure, Picture, Series};
-use super::style::{Dash, Look, Marker};
+use super::strokes::{GRID, draw_line, draw_marker};
 use plotters::coord::Shift;
-use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 use std::path::Path;
@@ -21,10 +21,7 @@ const RIGHT: i32 = 948;
 const TOP: i32 = 92;
 /// From the data area to the lower edge of the picture.
 const BELOW: i32 = 84;
-/// Left edge of the legend.
-const LEGEND: i32 = 976;
 
-const GRID: RGBColor = RGBColor(210, 210, 210);
 const FINE_GRID: RGBColor = RGBColor(240, 240, 240);
 
 /// Size of a picture and of its data area, in pixels.
@@ -52,7 +49,7 @@ const LAST_HEIGHT: i32 = 356;
 impl Page {
     /// Room for everything in the legend.
     fn new(picture: &Picture) -> Self {
-        let (right, bottom) = legend_extent(picture);
+        let (right, bottom) = legend_extent(picture, TOP);
         let height = SIZE.1.max(bottom + 16);
         Page {
             width: SIZE.0.max(right + 16),
@@ -148,7 +145,7 @@ fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, picture: 
     for series in picture.panels.iter().rev().flat_map(|panel| panel.series.iter()) {
         draw_series(area, page, series, &x, &y)?;
     }
-    draw_legend(area, page, picture)
+    draw_legend(area, (page.legend, page.top), page.letters - 2, picture)
 }
 
 fn draw_axes<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, x: &Axis, y: &Axis) -> Drawn<DB> {
@@ -192,130 +189,8 @@ fn draw_series<DB: DrawingBackend>(
     Ok(())
 }
 
-fn draw_line<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, pixels: &[(i32, i32)], look: &Look) -> Drawn<DB> {
-    if pixels.len() < 2 {
-        return Ok(());
-    }
-    let style = color(look).stroke_width(look.width);
-    let (size, gap) = match look.dash {
-        // Piece by piece: a path that folds back on itself is drawn with a long spike at the fold.
-        Dash::Solid => {
-            let mut pieces = pixels.windows(2);
-            return pieces.try_for_each(|piece| area.draw(&PathElement::new(piece.to_vec(), style)));
-        }
-        Dash::Dashed => (9, 6),
-        Dash::Dotted => (2, 5),
-    };
-    area.draw(&DashedPathElement::new(pixels.to_vec(), size, gap, style))
-}
-
-fn draw_marker<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, (x, y): (i32, i32), look: &Look) -> Drawn<DB> {
-    const RADIUS: f64 = 6.5;
-    let corner = |turn: f64, radius: f64| {
-        let angle = turn * std::f64::consts::TAU;
-        (x + (radius * angle.sin()).round() as i32, y - (radius * angle.cos()).round() as i32)
-    };
-    let polygon = |corners: u32, first: f64| -> Vec<(i32, i32)> {
-        (0..corners).map(|k| corner(first + f64::from(k) / f64::from(corners), RADIUS * 1.25)).collect()
-    };
-    let outline = match look.marker {
-        Marker::Circle => {
-            let fill = if look.filled { color(look) } else { WHITE };
-            area.draw(&Circle::new((x, y), 6, fill.filled()))?;
-            return area.draw(&Circle::new((x, y), 6, color(look).stroke_width(2)));
-        }
-        Marker::Cross | Marker::Plus => {
-            let first = if look.marker == Marker::Plus { 0.0 } else { 0.125 };
-            for turn in [first, first + 0.25] {
-                let line = vec![corner(turn, RADIUS), corner(turn + 0.5, RADIUS)];
-                area.draw(&PathElement::new(line, color(look).stroke_width(2)))?;
-            }
-            return Ok(());
-        }
-        Marker::None => return Ok(()),
-        Marker::Square => polygon(4, 0.125),
-        Marker::Diamond => polygon(4, 0.0),
-        Marker::Triangle => polygon(3, 0.0),
-        Marker::TriangleDown => polygon(3, 0.5),
-        Marker::Star => {
-            let radius = |k: u32| if k.is_multiple_of(2) { 1.5 * RADIUS } else { 0.6 * RADIUS };
-            (0..10).map(|k| corner(f64::from(k) / 10.0, radius(k))).collect()
-        }
-    };
-    let fill = if look.filled { color(look) } else { WHITE };
-    area.draw(&Polygon::new(outline.clone(), fill.filled()))?;
-    let closed: Vec<(i32, i32)> = outline.iter().chain(outline.first()).copied().collect();
-    area.draw(&PathElement::new(closed, color(look).stroke_width(2)))
-}
-
-/// Heights of the legend's rows in pixels: a heading, a curve, a line of a band and of a note, and the space after each group.
-const HEADING: i32 = 34;
-const CURVE: i32 = 27;
-const BAND_LINE: i32 = 21;
-const NOTE: i32 = 25;
-const SPACE: i32 = 8;
-/// Left edge of the words beside a sample, from the edge of the legend.
-const WORDS: i32 = 54;
-
-/// Right and lower edge of the legend in pixels.
-fn legend_extent(picture: &Picture) -> (i32, i32) {
-    // A letter of this font is on average 0.45 times as wide as its size says.
-    let end = |words: &str, indent: i32, size: i32| LEGEND + indent + words.chars().count() as i32 * size * 23 / 50;
-    let (mut right, mut bottom) = (LEGEND, TOP + SPACE);
-    for panel in picture.panels.iter().filter(|panel| !panel.series.is_empty()) {
-        bottom += HEADING + CURVE * panel.series.len() as i32 + SPACE;
-        right = panel.series.iter().fold(right, |right, series| right.max(end(&series.label, WORDS, 18)));
-    }
-    for line in picture.bands.iter().flat_map(|band| band.label.lines()) {
-        bottom += BAND_LINE;
-        right = right.max(end(line, WORDS, 16));
-    }
-    bottom += SPACE * picture.bands.len() as i32 + NOTE * picture.notes.len() as i32;
-    let right = picture.notes.iter().fold(right, |right, note| right.max(end(note, 0, 18)));
-    (right, bottom)
-}
-
-fn draw_legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, picture: &Picture) -> Drawn<DB> {
-    let (legend, letters) = (page.legend, page.letters - 2);
-    let mut y = page.top;
-    for panel in picture.panels.iter().filter(|panel| !panel.series.is_empty()) {
-        if !panel.heading.is_empty() {
-            text(area, &panel.heading, (legend, y), letters, HPos::Left, QUIET)?;
-            y += HEADING;
-        }
-        for series in &panel.series {
-            let middle = y + letters / 2 - 7;
-            draw_line(area, &[(legend, middle), (legend + 44, middle)], &series.look)?;
-            draw_marker(area, (legend + 22, middle), &series.look)?;
-            text_at(area, &series.label, (legend + WORDS, middle), letters, (HPos::Left, VPos::Center), false)?;
-            y += CURVE - 18 + letters;
-        }
-        y += SPACE;
-    }
-    for band in &picture.bands {
-        area.draw(&Rectangle::new([(legend, y), (legend + 44, y + 18)], BLACK.mix(band.strength).filled()))?;
-        area.draw(&Rectangle::new([(legend, y), (legend + 44, y + 18)], GRID.stroke_width(1)))?;
-        for line in band.label.lines() {
-            text(area, line, (legend + WORDS, y), 16, HPos::Left, INK)?;
-            y += BAND_LINE;
-        }
-        y += SPACE;
-    }
-    y += SPACE;
-    for note in &picture.notes {
-        text(area, note, (legend, y), letters, HPos::Left, INK)?;
-        y += NOTE - 18 + letters;
-    }
-    Ok(())
-}
-
 fn grid_color(strong: bool) -> RGBColor {
     if strong { GRID } else { FINE_GRID }
-}
-
-fn color(look: &Look) -> RGBColor {
-    let (red, green, blue) = look.color;
-    RGBColor(red, green, blue)
 }
 
 #[cfg(test)]
@@ -359,7 +234,7 @@ mod tests {
             // Short legends leave the picture as it is.
             assert_eq!(height == SIZE.1, curves < 20, "{curves} curves, {height} pixels");
             // 36 letters of a font of size 18 take some 290 pixels.
-            assert!(numbers("width")[0] >= LEGEND + WORDS + 290);
+            assert!(numbers("width")[0] >= LEGEND + super::super::legend::WORDS + 290);
         }
     }
 }

@@ -5,7 +5,7 @@ use super::{Failure, print, warn};
 use anyhow::{Context, bail};
 use catena::chart::files::write_with;
 use catena::chart::picture::Figure;
-use catena::inspection::curves::{JointKinds, joint_kinds};
+use catena::inspection::joint_values::{JointKinds, joint_kinds};
 use catena::inspection::summary::Summary;
 use catena::inspection::table::write_table;
 use catena::log::recovery::recover;

@@ -6,5 +6,6 @@
 
 pub mod compare;
 pub mod curves;
+pub mod joint_values;
 pub mod summary;
 pub mod table;

@@ -8,7 +8,7 @@
 //! | `LINK.x [m]`, …, `LINK.qw`, …            | every link frame in the world                                |
 //! | `step_end [s]`, `energy.total [J]`, …    | figures at the end of the last step, which is not later       |
 
-use super::curves::{JointKinds, joint_values};
+use super::joint_values::{JointKinds, joint_values};
 use crate::chart::comma_separated::field;
 use crate::log::frames::{Frame, Frames};
 use crate::log::reader::ReadError;

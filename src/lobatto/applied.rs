@@ -25,8 +25,6 @@
 //!     κ = max |μ|² / Re μ           ½, ⅓, 0.272, 0.2375, … 0.176 for s = 2, 3, 4, 5, … 9; exact for s = 2
 //! ```
 //!
-//! Lengths are changed without cancellation: `ℓ_i − ℓ₀ = (2 d₀ + Δd_i)·Δd_i / (ℓ_i + ℓ₀)`.
-//!
 //! What dampers dissipate and what torques without potential put in is summed by the quadrature of the scheme,
 //! `h Σ_k b_k P_k`.
 //!
@@ -35,12 +33,14 @@
 //! partitioned additive Runge–Kutta methods", SIAM J. Sci. Comput. 20 (1998).
 
 use super::algebra::{Matrix, Vector};
-use super::applied_plan::{AppliedPlan, SpringLaw};
+use super::applied_motion::{Motion, Place};
+use super::applied_plan::AppliedPlan;
 use super::lanes::Lanes;
 use super::residual::increment_matrix;
-use super::stage::{MAX_LANES, StagePose, Stages, rotate_increment, row_stage};
+use super::stage::{MAX_LANES, StagePose, Stages, row_stage};
 use super::sweeps::{tangent, tilted};
 use super::tableau::Tableau;
+use super::turns::rotate_increment;
 use crate::forces::point_spring::NO_LENGTH;
 use crate::forces::total::Exchange;
 use crate::model::Mechanism;
@@ -61,70 +61,6 @@ pub struct Applied<V> {
     pub(super) rows: Place<V>,
     /// The same with the end of the step in the last lane.
     pub(super) end: Place<V>,
-}
-
-/// Which stage each lane stands for, and what makes velocities of displacements there.
-#[derive(Clone, Copy)]
-pub(super) struct Place<V> {
-    /// `Ā B` by columns.
-    pub(super) velocity: [V; MAX_LANES],
-    /// One where a lane has the geometry of its stage, zero where it has that of the start.
-    pub(super) moved: V,
-    /// Weights b of the stages whose power this place has to account for.
-    pub(super) weights: V,
-}
-
-/// The scalar coordinates in a step, as far as forces see them.
-pub(super) struct Motion<'s, V> {
-    pub(super) displacement: &'s [V],
-    pub(super) rates: &'s [f64],
-    /// Of the joint springs, at the start.
-    pub(super) extensions: &'s [f64],
-    /// `h c_i` and `1/h`.
-    pub(super) times: V,
-    pub(super) inverse: V,
-}
-
-impl<V: Lanes> Motion<'_, V> {
-    /// Rate of a scalar at the places, from its displacements at the stages.
-    #[inline(always)]
-    pub(super) fn rate(&self, place: &Place<V>, displacement: V, start_rate: f64) -> V {
-        let start_rate = V::splat(start_rate);
-        start_rate.neg_mul_add(self.times, displacement).mix(&place.velocity).mul_add(self.inverse, start_rate)
-    }
-}
-
-/// A spring with a damper on a line, at the places.
-pub(super) struct Taut<V> {
-    /// One over the length (1/m).
-    pub(super) per_length: V,
-    /// `ℓ̇` [m/s].
-    pub(super) rate: V,
-    /// What the damper has of the tension, and the whole (N).
-    pub(super) braking: V,
-    pub(super) tension: V,
-}
-
-impl SpringLaw {
-    /// For `|d|²` at the stages, `(d + d₀)·(d − d₀)`, and length (m) and rate [m/s] at the start.
-    #[inline(always)]
-    pub(super) fn stretched<V: Lanes>(
-        &self,
-        motion: &Motion<V>,
-        place: &Place<V>,
-        square: V,
-        along: V,
-        (start_length, start_rate): (f64, f64),
-    ) -> Taut<V> {
-        let length = square.square_root();
-        let start = V::splat(start_length);
-        let growth = along * (length + start).reciprocal();
-        let rate = motion.rate(place, growth, start_rate);
-        let per_length = (length - start).mul_add(place.moved, start).reciprocal();
-        let extension = growth.mul_add(place.moved, V::splat(start_length - self.rest_length));
-        let braking = rate * V::splat(self.damping);
-        Taut { per_length, rate, braking, tension: extension.mul_add(V::splat(self.stiffness), braking) }
-    }
 }
 
 impl<V: Lanes> Applied<V> {

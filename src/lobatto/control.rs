@@ -15,7 +15,7 @@
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
 //! seldom has done so once. What an attempt with too large an E has found is the guess of the next one ([`super::predictor`]). Whatever
 //! these say, a step stays within the limit of stability, and a motion that hard dampers are about to stop is stopped in short ones
-//! ([`super::stability`]).
+//! ([`super::watch`]).
 //!
 //! Where the simplified iteration does not converge, not from the plain guess either, a tree under gravity gets half the step: one of the exact
 //! Newton method costs ten times as much, and it is tried after some halvings only. With forces it is tried at once, because a stiff

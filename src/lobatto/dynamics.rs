@@ -29,6 +29,8 @@ use super::sweeps::{collect, with_children};
 use crate::forces::total::BodyWrench;
 use nalgebra::{Matrix3, Vector3};
 
+mod jerks;
+
 /// One number where the step has a lane for each stage.
 type Scalar = Portable<1>;
 
@@ -221,53 +223,6 @@ impl Dynamics {
             }
         }
         size
-    }
-
-    /// Writes the time derivative of [`Dynamics::accelerations`].
-    pub fn jerks(&mut self, plan: &Plan, start: &Start, out: &mut [f64]) {
-        for (index, (own, known)) in plan.bodies.iter().zip(&start.bodies).enumerate() {
-            let (above, spin) = self.parent(own, start);
-            let (jerk, angular_jerk) = self.parent_twist(own);
-            let (slide, turn) = joint_motion(own, start, &start.rates);
-            let (slide_rate, turn_rate) = joint_motion(own, start, &self.accelerations);
-            let (arm, com, own_spin) = (Vector3::from(known.arm), Vector3::from(known.com), Vector3::from(known.spin));
-            let body = &self.bodies[index];
-            // Derivatives of the arm, of the sliding velocity and of the turning rate, first to third.
-            let arm1 = spin.cross(&arm) + slide;
-            let slide1 = slide_rate + spin.cross(&slide);
-            let arm2 = above.angular.cross(&arm) + spin.cross(&arm1) + slide1;
-            let slide2 = spin.cross(&slide_rate) + above.angular.cross(&slide) + spin.cross(&slide1);
-            let arm3 = angular_jerk.cross(&arm) + 2.0 * above.angular.cross(&arm1) + spin.cross(&arm2) + slide2;
-            let turn1 = turn_rate + spin.cross(&turn);
-            let angular = angular_jerk + above.angular.cross(&turn) + spin.cross(&turn1) + own_spin.cross(&turn_rate);
-            let linear = jerk + arm3;
-            self.pairs[index] = (linear, angular);
-            let com1 = own_spin.cross(&com);
-            let com2 = body.angular.cross(&com) + own_spin.cross(&com1);
-            let com3 = angular.cross(&com) + 2.0 * body.angular.cross(&com1) + own_spin.cross(&com2);
-            let force = known.mass * (linear + com3);
-            // The second derivative of R J Rᵀ ω.
-            let (swirl, push) = (spin_inertia(known, &own_spin), spin_inertia(known, &body.angular));
-            let torque = spin_inertia(known, &angular) + own_spin.cross(&push)
-                - spin_inertia(known, &own_spin.cross(&body.angular))
-                + body.angular.cross(&swirl)
-                + own_spin.cross(&(push + own_spin.cross(&swirl)));
-            self.changes[index] = (force, torque + com1.cross(&body.own) + com.cross(&force));
-        }
-        for (index, (own, known)) in plan.bodies.iter().zip(&start.bodies).enumerate().rev() {
-            let (_, spin) = self.parent(own, start);
-            self.rows_of(own, start, index, &spin, out);
-            if let Some(above) = own.parent {
-                let arm = Vector3::from(known.arm);
-                let (slide, _) = joint_motion(own, start, &start.rates);
-                let (force, torque) = self.changes[index];
-                let turned = (spin.cross(&arm) + slide).cross(&self.bodies[index].force);
-                self.changes[above].0 += force;
-                self.changes[above].1 += torque + turned + arm.cross(&force);
-            }
-        }
-        out.iter_mut().for_each(|row| *row = -*row);
-        self.solve(plan, start, out);
     }
 
     /// What the rows of a joint change by where its axes turn with the parent by `turn` and the wrench changes.

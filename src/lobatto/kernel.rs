@@ -29,14 +29,14 @@ use super::newton::Newton;
 use super::predictor::{Guess, Predictor};
 use super::projection::Projection;
 use super::reversible::Pace;
-use super::stability::{Mode, Transient};
-use super::stage::{MAX_TURN, StagePose, Stages};
+use super::stage::{Stages, largest_of_turn, turned_too_far};
 use super::start::Start;
 use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, largest_coefficient, weigh, worst_freedom};
 use super::tableau::Tableau;
+use super::watch::{Mode, Transient};
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
-use crate::model::{FreeRotation, Mechanism, Rule};
+use crate::model::{Mechanism, Rule};
 use crate::state::State;
 
 /// [`Step`] with the lanes of `V`.
@@ -345,32 +345,4 @@ impl<V: Lanes> Step for Kernel<V> {
             *out = 2.0 * at_end(increment, self.stages.coefficients.active) / (step * step);
         }
     }
-}
-
-/// The largest top Legendre coefficient of `sin φ` and `cos φ` of a body's rotation.
-#[inline(always)]
-fn largest_of_turn<V: Lanes>(pose: &StagePose<V>, top: V, start: f64) -> f64 {
-    let weighted = pose.w * top;
-    let twice = weighted + weighted;
-    let [x, y, z] = pose.u.0;
-    // w² − |u|² = 2w² − 1 for a unit quaternion, one at the start; the coefficient of a constant is zero.
-    let cosine = (twice * pose.w).sum() + 2.0 * start;
-    (twice * x).sum().abs().max((twice * y).sum().abs()).max((twice * z).sum().abs()).max(cosine.abs())
-}
-
-/// The first degree of freedom whose rotation has left what the series of the stage poses represent.
-#[inline(always)]
-fn turned_too_far<V: Lanes>(stages: &Stages<V>) -> Option<usize> {
-    stages.plan.bodies.iter().find_map(|plan| {
-        let first = plan.first_axis + plan.translations;
-        let square = match plan.rotation {
-            FreeRotation::None => return None,
-            FreeRotation::AboutZ => (stages.displacement[first] * stages.displacement[first]).largest(),
-            FreeRotation::Ball => {
-                let vector = stages.rotation_vector(first);
-                vector.dot(vector).largest()
-            }
-        };
-        (square > MAX_TURN * MAX_TURN).then_some(first)
-    })
 }

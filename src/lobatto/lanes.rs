@@ -234,7 +234,7 @@ pub(crate) use pair::Pair;
 mod tests {
     use super::*;
     use crate::lobatto::numbers::{Numbers, mix_from_memory};
-    use crate::lobatto::stage::{FEW, half_angle, half_angle_of_few};
+    use crate::lobatto::turns::{FEW, half_angle, half_angle_of_few};
 
     fn keeps_nan<N: Numbers>() {
         let [nan, two, minus_three] = [f64::NAN, 2.0, -3.0].map(N::splat);

@@ -28,8 +28,8 @@
 
 use super::dynamics::Dynamics;
 use super::projection::Projection;
-use super::stability::{Mode, Transient};
 use super::start::{Plan, Start};
+use super::watch::{Mode, Transient};
 use crate::closures::gap_accelerations;
 use crate::forces::total::{BodyWrench, body_wrenches, joint_efforts};
 use crate::kinematics::{BodyAcceleration, body_accelerations};
@@ -164,7 +164,7 @@ impl Linearised {
     /// Forgets the mode.
     fn restart(&mut self) {
         for (freedom, value) in self.direction.iter_mut().enumerate() {
-            *value = super::stability::first_guess(freedom);
+            *value = super::fastest::first_guess(freedom);
         }
     }
 

@@ -40,8 +40,6 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 pub(super) const BODY_COORDINATES: usize = 12;
 /// Newton's method converges in about six iterations; many more mean that the step is too long for it.
 const MAXIMUM_ITERATIONS: usize = 50;
-/// Step of the differences that give the derivative of the forces in Newton's matrix, which need not be exact.
-const DIFFERENCE: f64 = 1e-6;
 /// A correction this small (metres, or entries of a rotation matrix) that stops shrinking is rounding.
 const ROUNDING_LEVEL: f64 = 1e-10;
 
@@ -83,14 +81,14 @@ pub struct LiteralStep {
 /// The literal scheme for one mechanism and one tableau.
 #[derive(Clone, Debug)]
 pub struct Literal<'a> {
-    mechanism: &'a Mechanism,
-    tableau: &'a Tableau,
+    pub(super) mechanism: &'a Mechanism,
+    pub(super) tableau: &'a Tableau,
     /// Diagonal of M (12 n).
-    mass: DVector<f64>,
+    pub(super) mass: DVector<f64>,
     /// `−∂V/∂q` (12 n), constant for gravity.
     force: DVector<f64>,
     /// The rows of g.
-    constraints: Vec<Quadratic>,
+    pub(super) constraints: Vec<Quadratic>,
 }
 
 impl<'a> Literal<'a> {
@@ -199,7 +197,7 @@ impl<'a> Literal<'a> {
     }
 
     /// The forces of all stages, gravity included.
-    fn forces(
+    pub(super) fn forces(
         &self,
         q: &DVector<f64>,
         velocity: &DVector<f64>,
@@ -209,36 +207,6 @@ impl<'a> Literal<'a> {
         let mut forces = stage_forces(self.mechanism, self.tableau, q, velocity, increments, step);
         forces.iter_mut().for_each(|force| *force += &self.force);
         forces
-    }
-
-    /// Adds the derivative of the forces by `Q_2 … Q_s` to Newton's matrix, by differences.
-    fn add_force_derivatives(
-        &self,
-        q: &DVector<f64>,
-        velocity: &DVector<f64>,
-        increments: &[DVector<f64>],
-        step: f64,
-        forces: &[DVector<f64>],
-        matrix: &mut DMatrix<f64>,
-    ) {
-        if self.mechanism.forces.is_empty() {
-            return;
-        }
-        let (s, n) = (self.tableau.stages, q.len());
-        let mut moved = increments.to_vec();
-        for (stage, coordinate) in (1..s).flat_map(|stage| (0..n).map(move |coordinate| (stage, coordinate))) {
-            moved[stage][coordinate] += DIFFERENCE;
-            let changed = self.forces(q, velocity, &moved, step);
-            moved[stage][coordinate] = increments[stage][coordinate];
-            for k in 0..s - 1 {
-                let slope = (&changed[k] - &forces[k]).component_div(&self.mass) / DIFFERENCE;
-                for i in 1..s {
-                    let weight = step * step * self.tableau.a_hat[(i - 1) * (s - 1) + k];
-                    let mut column = matrix.view_mut(((i - 1) * n, (stage - 1) * n + coordinate), (n, 1));
-                    column -= &slope * weight;
-                }
-            }
-        }
     }
 
     /// `P_i` by (2.5.11b, e), and `Q_i − q` by (2.5.11a, d), from the multipliers and `Dg(Q_i)` of all stages.
@@ -263,44 +231,6 @@ impl<'a> Literal<'a> {
             })
             .collect();
         (momenta, increments)
-    }
-
-    /// Derivative of the residual with respect to `(Q_2 … Q_s, Λ_1 … Λ_{s−1} ÷ scale)`.
-    fn newton_matrix(
-        &self,
-        step: f64,
-        jacobians: &[DMatrix<f64>],
-        multipliers: &[DVector<f64>],
-        scale: &DVector<f64>,
-    ) -> DMatrix<f64> {
-        let (s, n, d) = (self.tableau.stages, self.mass.len(), self.constraints.len());
-        let mut matrix = DMatrix::zeros((s - 1) * (n + d), (s - 1) * (n + d));
-        for i in 1..s {
-            for coordinate in 0..n {
-                matrix[((i - 1) * n + coordinate, (i - 1) * n + coordinate)] = 1.0;
-            }
-            let constraint_rows = (s - 1) * n + (i - 1) * d;
-            matrix.view_mut((constraint_rows, (i - 1) * n), (d, n)).copy_from(&jacobians[i]);
-            for k in 0..s - 1 {
-                let weight = step * step * self.tableau.a_hat[(i - 1) * (s - 1) + k];
-                for column in 0..d {
-                    for row in 0..n {
-                        matrix[((i - 1) * n + row, (s - 1) * n + k * d + column)] =
-                            weight * jacobians[k][(column, row)] * scale[column] / self.mass[row];
-                    }
-                }
-                if k > 0 {
-                    // d(Dg(Q)ᵀ Λ)/dQ; the first stage has none because Q_1 = q is given.
-                    for (constraint, multiplier) in self.constraints.iter().zip(multipliers[k].iter()) {
-                        constraint.add_second_derivative(|row, column, entry| {
-                            matrix[((i - 1) * n + row, (k - 1) * n + column)] +=
-                                weight * multiplier * entry / self.mass[row];
-                        });
-                    }
-                }
-            }
-        }
-        matrix
     }
 
     /// The last multiplier by the projection (2.5.11h), and the end of the step.
@@ -350,16 +280,6 @@ impl<'a> Literal<'a> {
         }
         let right = weighted.tr_mul(momentum);
         Some((jacobian * weighted).cholesky()?.solve(&right))
-    }
-
-    /// `1 / (Dg M⁻¹ Dgᵀ)_rr` at q: the multiplier whose force moves the constraint by about one unit. Newton's unknown is
-    /// the multiplier measured in it, so that light and heavy bodies mix without harm.
-    fn multiplier_scale(&self, q: &DVector<f64>) -> DVector<f64> {
-        let jacobian = self.constraint_jacobian(q);
-        DVector::from_iterator(
-            self.constraints.len(),
-            jacobian.row_iter().map(|row| 1.0 / row.iter().zip(self.mass.iter()).map(|(j, m)| j * j / m).sum::<f64>()),
-        )
     }
 
     /// The mechanism this scheme was written out for.

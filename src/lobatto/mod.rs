@@ -1,16 +1,17 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
-//! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`start`], [`stage`] (poses
-//! of all stages), [`residual`], [`applied_plan`] and [`applied`] (forces), [`articulated`], [`sweeps`], [`chord`] and [`first`] (the stage
+//! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`start`], [`stage`] and [`turns`] (poses
+//! of all stages), [`residual`], [`applied_plan`], [`applied_motion`] and [`applied`] (forces), [`articulated`], [`sweeps`], [`chord`] and [`first`] (the stage
 //! equations and their solve), [`planar`] (the same in a plane), [`precise`] (the same to 32 digits), [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
-//! (step length), [`stage_choice`] (how many stages), [`stability`], [`modes`], [`dynamics`] and [`linearised`] (what they need to
-//! know), [`stepper`] and [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
+//! (step length), [`stage_choice`] (how many stages), [`stability`], [`watch`], [`modes`], [`fastest`], [`dynamics`] and [`linearised`] (what they need
+//! to know), [`stepper`] and [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
 //! [`elimination`], [`front`], [`projection`], [`closing`] and [`assembly`]; [`instants`] are samples of a motion, in lanes;
 //! [`literal`] is the scheme word for word, the oracle of the tests; [`lanes`], [`numbers`], [`algebra`] and [`dispatch`] are the SIMD underneath.
 
 pub mod algebra;
 pub mod anderson;
 pub mod applied;
+mod applied_motion;
 pub mod applied_plan;
 pub mod articulated;
 pub mod assembly;
@@ -24,6 +25,7 @@ pub mod dispatch;
 pub mod dynamics;
 pub mod elimination;
 mod extended;
+pub mod fastest;
 mod first;
 mod fixed;
 pub mod front;
@@ -37,6 +39,7 @@ pub mod linearised;
 pub mod literal;
 mod literal_constraints;
 mod literal_forces;
+mod literal_newton;
 pub mod modes;
 pub mod newton;
 pub mod numbers;
@@ -55,5 +58,7 @@ pub mod step;
 mod stepper;
 pub mod sweeps;
 pub mod tableau;
+pub mod turns;
+pub mod watch;
 
 pub use integrator::Lobatto;

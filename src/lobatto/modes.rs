@@ -4,10 +4,11 @@
 //! differences of accelerations ([`super::linearised`]), and nobody knows the pace.
 
 use super::dynamics::Dynamics;
+use super::fastest::Fastest;
 use super::linearised::Linearised;
 use super::reversible::Pace;
-use super::stability::{Fastest, Mode, Transient};
 use super::start::{Plan, Start};
+use super::watch::{Mode, Transient};
 use crate::model::Mechanism;
 use crate::state::State;
 

@@ -4,7 +4,7 @@
 //! step can be solved to sixteen digits fast and then to thirty-two ([`super::precise`]) by the same lines.
 
 use super::lanes::Lanes;
-use super::stage::{half_angle, half_angle_of_few};
+use super::turns::{half_angle, half_angle_of_few};
 use std::ops::{Add, Mul, Neg, Sub};
 
 mod double;
@@ -46,7 +46,7 @@ pub trait Numbers:
     fn max_abs(self, bound: Self) -> Self;
     /// Largest of numbers that are not negative, to sixteen digits; NaN if any is NaN.
     fn largest(self) -> f64;
-    /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](super::stage::MAX_TURN), or `φ ≤` [`FEW`](super::stage::FEW) where
+    /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](super::stage::MAX_TURN), or `φ ≤` [`FEW`](super::turns::FEW) where
     /// few terms are asked for.
     fn half_angle(square: Self, few: bool) -> (Self, Self);
 

@@ -17,12 +17,12 @@
 //!     p(x) = Σ_j ℓ_j(x h/h_a) θ_j,     ℓ_j(x) = Π_{k≠j} (x − c_k)/(c_j − c_k)
 //! ```
 
-use super::algebra::Vector;
 use super::dense::scales;
 use super::lanes::Lanes;
-use super::stage::{Coefficients, MAX_LANES, compose, half_angle, horner};
-use super::step::at_end;
+use super::stage::{Coefficients, MAX_LANES};
 use super::tableau::Tableau;
+
+mod balls;
 
 /// At most so many degrees of freedom vote on the order.
 const VOTERS: usize = 48;
@@ -208,29 +208,6 @@ impl<V: Lanes> Predictor<V> {
         self.old_step = unknowns.step;
     }
 
-    /// The past of a ball joint: rotation vectors from the new start, `log(exp(−θ_s) exp(θ_n))`.
-    #[inline(always)]
-    fn learn_ball(&mut self, unknowns: &Unknowns<V>, freedom: usize) {
-        let count = self.nodes.len();
-        let active = unknowns.coefficients.active;
-        let displacement = &unknowns.displacement[freedom..freedom + 3];
-        let turn = Vector([displacement[0], displacement[1], displacement[2]]);
-        let (w, sine) = half_angle(turn.dot(turn));
-        let u = turn.times(sine);
-        let [x, y, z] = u.0;
-        let back = Vector::splat(&[-at_end(x, active), -at_end(y, active), -at_end(z, active)]);
-        let (w, u) = compose(V::splat(at_end(w, active)), back, w, u);
-        let vector = u.times(twice_angle_over_sine(w));
-        for (axis, entry) in vector.0.into_iter().enumerate() {
-            let past = &mut self.past[(freedom + axis) * count..(freedom + axis + 1) * count];
-            let lanes = entry.to_array();
-            for (n, past) in past[..count - 1].iter_mut().enumerate() {
-                *past = lanes.as_ref()[active - 2 - n];
-            }
-            past[count - 1] = -at_end(turn.0[axis], active);
-        }
-    }
-
     #[inline(always)]
     fn vote(&mut self, unknowns: &Unknowns<V>) {
         let count = self.nodes.len();
@@ -258,28 +235,6 @@ impl<V: Lanes> Predictor<V> {
         }
         self.order = best.1;
     }
-}
-
-/// `2 ψ / sin ψ` from `w = cos ψ`, the half angle of a rotation: with `z = (1 − w)/2`,
-///
-/// ```text
-///     ψ / sin ψ = arcsin √z / √(z (1 − z)) = Σ_k 4ᵏ (k!)² / (2k + 1)!  zᵏ
-/// ```
-///
-/// Sixteen terms are good to rounding for rotations up to 1.5 rad and to 1e-5 at half a turn: enough for a guess.
-#[inline(always)]
-fn twice_angle_over_sine<V: Lanes>(w: V) -> V {
-    const TERMS: [f64; 16] = {
-        let mut terms = [2.0; 16];
-        let mut k = 1;
-        while k < 16 {
-            terms[k] = terms[k - 1] * (2 * k) as f64 / (2 * k + 1) as f64;
-            k += 1;
-        }
-        terms
-    };
-    let half = V::splat(0.5);
-    horner(&TERMS, w.neg_mul_add(half, half))
 }
 
 /// The order of the first guess from a past with these nodes.

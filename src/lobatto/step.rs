@@ -4,7 +4,7 @@
 use super::lanes::{Lanes, in_lanes};
 use super::predictor::Guess;
 use super::reversible::Pace;
-use super::stability::{Mode, Transient};
+use super::watch::{Mode, Transient};
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
 use crate::model::Mechanism;

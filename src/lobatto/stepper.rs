@@ -8,9 +8,9 @@
 
 use super::control::Energies;
 use super::sampling::LastStep;
-use super::stability::Watch;
 use super::step::{Attempt, Step};
 use super::tableau::Tableau;
+use super::watch::Watch;
 use crate::integrator::{SingularPosition, StepError, StepOutcome};
 use crate::model::Mechanism;
 use crate::state::State;

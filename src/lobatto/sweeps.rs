@@ -22,8 +22,9 @@ use super::algebra::Vector;
 use super::articulated::{Articulated, Push};
 use super::numbers::Numbers;
 use super::residual::{Sweep, body_residual, sliding_residual};
-use super::stage::{Stages, horner, rotate_increment};
+use super::stage::Stages;
 use super::start::{BodyPlan, Children};
+use super::turns::{horner, rotate_increment};
 use crate::model::FreeRotation;
 
 impl<V: Numbers> Stages<V> {

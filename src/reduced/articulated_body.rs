@@ -29,9 +29,9 @@
 //! 5.3 (the bias force).
 
 use super::articulated_inertia::{Articulated, Screw};
-use crate::model::joint::rotation_from_wxyz;
-use crate::model::{Body, FreeRotation, JointKind, Mechanism};
-use crate::small::{Symmetric, column, cross, from_columns, product, times};
+use super::link::{Link, rotate_about_z};
+use crate::model::{JointKind, Mechanism};
+use crate::small::{Symmetric, column, cross, product, times};
 use nalgebra::{Matrix3, Vector3};
 
 /// Forward dynamics of one mechanism: its constants and the workspace of an evaluation.
@@ -48,29 +48,6 @@ pub struct ArticulatedBody {
     rest: Vec<Acceleration>,
     position_count: usize,
     velocity_count: usize,
-}
-
-/// The constants of a body, in its joint frame.
-#[derive(Clone, Debug)]
-struct Link {
-    kind: JointKind,
-    /// Entry of the parent in the workspace, where the world is entry 0.
-    parent: usize,
-    /// Whether the next body is a child.
-    next_is_child: bool,
-    /// Whether there are other children.
-    branches: bool,
-    position_index: usize,
-    velocity_index: usize,
-    /// The joint frame on the parent, seen from the parent's own joint frame.
-    mount: Matrix3<f64>,
-    /// From the parent's anchor to the origin of the joint frame on the parent, in the parent's joint frame [m].
-    arm: Vector3<f64>,
-    mass: f64,
-    /// Mass times the arm from the anchor to the centre of mass [kg m].
-    moment: Vector3<f64>,
-    /// Inertia about the anchor [kg m²].
-    inertia: Symmetric,
 }
 
 /// A body's pose and motion at zero joint acceleration, and what that motion needs; all in the axes of the world.
@@ -273,78 +250,6 @@ impl ArticulatedBody {
     }
 }
 
-impl Link {
-    /// The constants of one body; who its children are is filled in afterwards.
-    fn new(bodies: &[Body], index: usize) -> Self {
-        let body = &bodies[index];
-        let joint = &body.joint;
-        let frame_on_child = joint.on_child.rotation.matrix();
-        let (mount, arm) = match body.parent {
-            // The place of a root in the world does not matter: gravity is uniform.
-            None => (*joint.on_parent.rotation.matrix(), Vector3::zeros()),
-            Some(parent) => {
-                let anchor = &bodies[parent].joint.on_child;
-                let seen = anchor.inverse() * joint.on_parent;
-                (*seen.rotation.matrix(), seen.translation.vector)
-            }
-        };
-        let centre = -(frame_on_child.transpose() * joint.on_child.translation.vector);
-        let steiner = Matrix3::identity() * centre.norm_squared() - centre * centre.transpose();
-        let inertia =
-            frame_on_child.transpose() * Matrix3::from_diagonal(&body.inertia) * frame_on_child + steiner * body.mass;
-        Link {
-            kind: joint.kind,
-            parent: body.parent.map_or(0, |parent| parent + 1),
-            next_is_child: false,
-            branches: false,
-            position_index: joint.position_index,
-            velocity_index: joint.velocity_index,
-            mount,
-            arm,
-            mass: body.mass,
-            moment: centre * body.mass,
-            inertia: Symmetric::from_matrix(&inertia),
-        }
-    }
-}
-
-impl JointKind {
-    /// Joint translation and rotation from the head of a position vector.
-    fn split_position(self, position: &[f64]) -> (Vector3<f64>, Matrix3<f64>) {
-        let axes = self.translation_axes();
-        let rotation = match self.rotation() {
-            FreeRotation::None => Matrix3::identity(),
-            FreeRotation::AboutZ => rotate_about_z(&Matrix3::identity(), position[axes.len()]),
-            FreeRotation::Ball => rotation_from_wxyz(&position[axes.len()..]),
-        };
-        (self.split_translation(position), rotation)
-    }
-
-    /// Translation rates and rotation rates from the head of a velocity vector.
-    fn split_velocity(self, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
-        let turn = &velocity[self.translation_axes().len()..];
-        let rotation = match self.rotation() {
-            FreeRotation::None => Vector3::zeros(),
-            FreeRotation::AboutZ => Vector3::new(0.0, 0.0, turn[0]),
-            FreeRotation::Ball => Vector3::new(turn[0], turn[1], turn[2]),
-        };
-        (self.split_translation(velocity), rotation)
-    }
-
-    fn split_translation(self, values: &[f64]) -> Vector3<f64> {
-        let mut translation = Vector3::zeros();
-        for (&axis, &value) in self.translation_axes().iter().zip(values) {
-            translation[axis] = value;
-        }
-        translation
-    }
-
-    /// The joint-frame axis of the n-th free rotation.
-    fn rotation_axis(self, number: usize) -> usize {
-        if self.rotation() == FreeRotation::AboutZ { 2 } else { number }
-    }
-}
-
 impl Default for Motion {
     /// The world at rest.
     fn default() -> Self {
@@ -361,14 +266,6 @@ impl Default for Motion {
             force: Vector3::zeros(),
         }
     }
-}
-
-/// `F Rz(angle)`.
-#[inline(always)]
-fn rotate_about_z(frame: &Matrix3<f64>, angle: f64) -> Matrix3<f64> {
-    let (sine, cosine) = angle.sin_cos();
-    let (x, y) = (column(frame, 0), column(frame, 1));
-    from_columns(&(x * cosine + y * sine), &(y * cosine - x * sine), &column(frame, 2))
 }
 
 /// `[α]× + ω ωᵀ − |ω|² 1`.

@@ -14,8 +14,10 @@ pub mod dop853;
 mod dop853_table;
 pub mod euler;
 pub mod inverse_dynamics;
+mod link;
 pub mod ode;
 pub mod rk4;
+mod weighted_sums;
 
 pub use articulated_body::ArticulatedBody;
 pub use dop853::Dop853;

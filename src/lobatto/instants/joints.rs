@@ -4,7 +4,7 @@ use super::Row;
 use super::quaternion::Quaternion;
 use crate::lobatto::algebra::Vector;
 use crate::lobatto::lanes::Lanes;
-use crate::lobatto::stage::half_angle;
+use crate::lobatto::turns::half_angle;
 use std::f64::consts::FRAC_1_PI;
 
 /// 2π as a sum whose first two terms have 33 bits (Cody and Waite; the parts of π/2 are those of fdlibm's `e_rem_pio2.c`, times four).

@@ -2,7 +2,7 @@
 
 use crate::lobatto::algebra::{Matrix, Vector};
 use crate::lobatto::lanes::Lanes;
-use crate::lobatto::stage::compose;
+use crate::lobatto::turns::compose;
 
 /// A quaternion: real part, imaginary parts.
 pub(super) type Quaternion<V> = (V, Vector<V>);

@@ -21,7 +21,7 @@ use crate::forces::total::joint_efforts;
 use crate::lobatto::algebra::{Matrix, Symmetric, Vector};
 use crate::lobatto::articulated::{Articulated, Eliminated, Push};
 use crate::lobatto::lanes::{Lanes, in_lanes};
-use crate::lobatto::stage::compose;
+use crate::lobatto::turns::compose;
 use crate::model::{FreeRotation, JointKind, Mechanism};
 use nalgebra::Vector3;
 

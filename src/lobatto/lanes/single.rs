@@ -4,7 +4,7 @@
 
 use super::{Add, Mul, Neg, Single, Sub};
 use crate::lobatto::numbers::{Numbers, mix_from_memory};
-use crate::lobatto::stage::half_angle_single;
+use crate::lobatto::turns::half_angle_single;
 
 operators!(Single,);
 

@@ -5,7 +5,8 @@ use super::applied_plan::ForcesStart;
 use super::stage::PlanarStages;
 use crate::forces::point_spring::NO_LENGTH;
 use crate::forces::total::Exchange;
-use crate::lobatto::applied::{Applied, Motion, Place};
+use crate::lobatto::applied::Applied;
+use crate::lobatto::applied_motion::{Motion, Place};
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::stage::Coefficients;
 

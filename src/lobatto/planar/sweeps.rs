@@ -27,8 +27,8 @@ use super::start::PlanarBody;
 use crate::lobatto::articulated::Push;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::residual::Sweep;
-use crate::lobatto::stage::{FEW, half_angle, half_angle_of_few};
 use crate::lobatto::start::Children;
+use crate::lobatto::turns::{FEW, half_angle, half_angle_of_few};
 use crate::model::FreeRotation;
 
 impl<V: Lanes> PlanarStages<V> {

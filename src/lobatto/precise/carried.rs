@@ -14,8 +14,9 @@ use crate::lobatto::algebra::Vector;
 use crate::lobatto::extended::Extended;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::numbers::{Double, Numbers};
-use crate::lobatto::stage::{StagePose, Stages, rotate_increment};
+use crate::lobatto::stage::{StagePose, Stages};
 use crate::lobatto::start::{BodyPlan, BodyStart, Plan, Start};
+use crate::lobatto::turns::rotate_increment;
 use crate::model::FreeRotation;
 
 /// A vector of 32 digits.

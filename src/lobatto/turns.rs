@@ -1,0 +1,74 @@
+//! Rotations as unit quaternions `(w, u)`, for all stages at once: their series, their product, and what they do to a vector.
+
+use super::algebra::Vector;
+use super::lanes::Lanes;
+use super::numbers::Numbers;
+
+/// `N v = (D − 1) v` of a rotation given as a unit quaternion, without cancellation.
+#[inline(always)]
+pub fn rotate_increment<V: Numbers>(w: V, u: Vector<V>, v: Vector<V>) -> Vector<V> {
+    let twice = u.times(V::splat(2.0));
+    let across = twice.cross(v);
+    u.cross_plus(across, across.times(w))
+}
+
+/// The product of two quaternions.
+#[inline(always)]
+pub(super) fn compose<V: Numbers>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (V, Vector<V>) {
+    let real = u.dot_from(u2, w * w2);
+    (real, u.cross_plus(u2, u2.times_plus(w, u.times(w2))))
+}
+
+/// `(−1/4)ⁿ / (2n)!`, the series of `cos(φ/2)` in `φ²`,
+const COSINE: [f64; 11] = series(0, 1.0);
+/// and `½ (−1/4)ⁿ / (2n + 1)!`, that of `sin(φ/2)/φ`.
+const SINE: [f64; 11] = series(1, 0.5);
+
+/// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`], by their Taylor series.
+#[inline(always)]
+pub(super) fn half_angle<V: Lanes>(square: V) -> (V, V) {
+    // At φ = 3.1 the first term left out is below 2e-17.
+    (horner(&COSINE, square), horner(&SINE, square))
+}
+
+/// Up to this angle (rad) [`half_angle_of_few`] is enough.
+pub(super) const FEW: f64 = 0.75;
+
+/// [`half_angle`] for `φ ≤` [`FEW`]: at 0.75 the first term left out is below 2e-17.
+#[inline(always)]
+pub(super) fn half_angle_of_few<V: Lanes>(square: V) -> (V, V) {
+    (horner(&COSINE[..7], square), horner(&SINE[..7], square))
+}
+
+/// [`half_angle`] to seven digits.
+#[inline(always)]
+pub(super) fn half_angle_single<V: Numbers>(square: V, few: bool) -> (V, V) {
+    if few {
+        (horner(&COSINE[..5], square), horner(&SINE[..4], square))
+    } else {
+        (horner(&COSINE[..8], square), horner(&SINE[..8], square))
+    }
+}
+
+/// The coefficients `first · (−1/4)ⁿ / (2n + odd)!`.
+const fn series(odd: usize, first: f64) -> [f64; 11] {
+    let mut terms = [first; 11];
+    let mut n = 1;
+    while n < terms.len() {
+        terms[n] = -0.25 * terms[n - 1] / (((2 * n + odd) * (2 * n + odd - 1)) as f64);
+        n += 1;
+    }
+    terms
+}
+
+/// A polynomial with ascending coefficients.
+#[inline(always)]
+pub fn horner<V: Numbers>(coefficients: &[f64], x: V) -> V {
+    let mut value = V::splat(coefficients[coefficients.len() - 1]);
+    let mut index = coefficients.len() - 1;
+    while index > 0 {
+        index -= 1;
+        value = value.mul_add(x, V::splat(coefficients[index]));
+    }
+    value
+}
