@@ -44,6 +44,7 @@ fn bad_input_and_bad_usage_exit_with_2_and_one_line_and_touch_no_file() {
         &["pendulum.urdf", "--base", "flying"],
         &["pendulum.urdf", "--base-pose", "1,2,3"],
         &["pendulum.urdf", "--base-velocity", "1,2,3,4,5,6"],
+        &["pendulum.urdf", "--base", "floating", "--base-velocity", "1,2,3,4,5,6", "--velocity", "base=0,0,0,0,0,0"],
         &["pendulum.urdf", "--gravity", "0,0"],
         &["pendulum.urdf", "--gravity", "0,0,nan"],
         &["pendulum.urdf", "--position", "hinge"],
@@ -72,6 +73,10 @@ fn an_output_that_cannot_be_is_refused_before_the_run() {
     for output in ["no/such/folder/out.mcap", ".", "-", "pendulum.urdf"] {
         let output = run(&folder, &["simulate", "pendulum.urdf", "-o", output, "--duration", "1e9"]);
         assert_one_error(&output, 2, "output");
+    }
+    for verb in [&["chart", "pendulum.urdf"][..], &["stress"]] {
+        assert_one_error(&run(&folder, &[verb, &["-o", "-"]].concat()), 2, verb[0]);
+        assert!(!folder.join("-").exists(), "{}", verb[0]);
     }
     let both = run(&folder, &["simulate", "pendulum.urdf", "-o", "out.mcap", "--no-log"]);
     assert_one_error(&both, 2, "-o and --no-log");

@@ -9,6 +9,7 @@ use plotters::prelude::*;
 /// Lines across the data area.
 pub(super) const GRID: RGBColor = RGBColor(210, 210, 210);
 
+/// Draws a curve through these pixels.
 pub(super) fn draw_line<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     pixels: &[(i32, i32)],
@@ -30,6 +31,7 @@ pub(super) fn draw_line<DB: DrawingBackend>(
     area.draw(&DashedPathElement::new(pixels.to_vec(), size, gap, style))
 }
 
+/// Draws a marker around a pixel.
 pub(super) fn draw_marker<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     (x, y): (i32, i32),

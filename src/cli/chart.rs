@@ -29,7 +29,7 @@ pub struct ChartArgs {
     inputs: Vec<PathBuf>,
 
     /// Folder for the pictures, measurements.csv and index.html; made if it is not there
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = super::output_folder())]
     output: PathBuf,
 
     #[command(flatten)]

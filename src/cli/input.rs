@@ -80,6 +80,12 @@ impl Loaded {
     ) -> anyhow::Result<State> {
         refuse_repeated("--position", positions)?;
         refuse_repeated("--velocity", velocities)?;
+        let base = self.model.joints.iter().find(|joint| joint.is_base);
+        if let (Some(_), Some(base)) = (base_velocity, base)
+            && velocities.iter().any(|one| one.name == base.name)
+        {
+            bail!("the velocity of the base is given twice, by --base-velocity and by --velocity {}", base.name);
+        }
         let wanted = self.wanted(positions, velocities, base_velocity)?;
         let mut state = self.model.initial_state(&wanted.positions, &wanted.velocities, None)?;
         let file = self.model.path();

@@ -17,7 +17,7 @@ use std::sync::atomic::Ordering;
 #[derive(Args, Debug)]
 pub struct StressArgs {
     /// Folder for the pictures, cells.csv and index.html; made if it is not there
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = super::output_folder())]
     output: PathBuf,
 
     /// Only the problem of this name (repeatable): mass_ratio, chain_length, spin_rate, stiff_spring, stiff_damper,

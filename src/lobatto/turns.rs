@@ -1,4 +1,10 @@
 //! Rotations as unit quaternions `(w, u)`, for all stages at once: their series, their product, and what they do to a vector.
+//!
+//! ```text
+//!     w = cos φ/2 = Σ_n (−φ²/4)ⁿ / (2n)!           u = θ sin(φ/2)/φ,   sin(φ/2)/φ = ½ Σ_n (−φ²/4)ⁿ / (2n + 1)!        φ = |θ|  (rad)
+//!     (w, u) ∘ (w₂, u₂) = (w w₂ − u·u₂, w u₂ + w₂ u + u × u₂)
+//!     N v = R v − v = 2 (w u × v + u × (u × v))
+//! ```
 
 use super::algebra::Vector;
 use super::lanes::Lanes;
@@ -24,7 +30,7 @@ const COSINE: [f64; 11] = series(0, 1.0);
 /// and `½ (−1/4)ⁿ / (2n + 1)!`, that of `sin(φ/2)/φ`.
 const SINE: [f64; 11] = series(1, 0.5);
 
-/// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`], by their Taylor series.
+/// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](super::stage::MAX_TURN), by their Taylor series.
 #[inline(always)]
 pub(super) fn half_angle<V: Lanes>(square: V) -> (V, V) {
     // At φ = 3.1 the first term left out is below 2e-17.

@@ -19,6 +19,7 @@ struct Closure {
     done: bool,
 }
 
+/// A plan in the making.
 pub(super) struct Planner<'m> {
     mechanism: &'m Mechanism,
     closures: Vec<Closure>,
@@ -27,10 +28,12 @@ pub(super) struct Planner<'m> {
     processed: Vec<bool>,
     /// Whether a row's right-hand side is in a front already.
     gap_taken: Vec<bool>,
+    /// What is planned so far.
     pub(super) plan: Elimination,
 }
 
 impl<'m> Planner<'m> {
+    /// Nothing planned yet, for the arguments of [`Elimination::new`].
     pub(super) fn new(mechanism: &'m Mechanism, width: usize, rows: &[usize], springs: bool) -> Self {
         let ancestors = |body: Option<usize>| -> Vec<usize> {
             std::iter::successors(body, |&body| mechanism.bodies[body].parent).collect()
@@ -85,6 +88,7 @@ impl<'m> Planner<'m> {
         }
     }
 
+    /// Puts an empty front on the stack.
     pub(super) fn open(&mut self) {
         self.stack.push(Vec::new());
         self.plan.levels = self.plan.levels.max(self.stack.len());
@@ -142,6 +146,7 @@ impl<'m> Planner<'m> {
         self.plan.operations.push(Operation::Enter { slots, present, gaps });
     }
 
+    /// Adds a body's own inertia and its ends of closures to the top front.
     pub(super) fn own(&mut self, body: usize) {
         let loops = self.mechanism.loops.len();
         let touching = |closure: &Closure| closure.ends.contains(&body);
@@ -183,6 +188,7 @@ impl<'m> Planner<'m> {
         twist.chain(held).filter(|column| Some(column.slot) != without).collect()
     }
 
+    /// Eliminates the freedoms of a body's joint: the top front is that of its parent then.
     pub(super) fn freedoms(&mut self, body: usize) {
         let joint = &self.mechanism.bodies[body].joint;
         let front = &self.stack[self.top()];
