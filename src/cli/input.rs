@@ -70,7 +70,7 @@ impl Loaded {
     /// The start, moved onto all loops and mimic relations; what was changed for that becomes a warning of the model.
     ///
     /// # Errors
-    /// As [`Loaded::wanted_state`], if a joint is given twice, if a loop cannot be closed or the velocities contradict one, and if
+    /// As [`Loaded::unassembled_state`], if a joint is given twice, if a loop cannot be closed or the velocities contradict one, and if
     /// forces or energies are undefined or infinite there.
     pub fn initial_state(
         &mut self,
@@ -80,12 +80,6 @@ impl Loaded {
     ) -> anyhow::Result<State> {
         refuse_repeated("--position", positions)?;
         refuse_repeated("--velocity", velocities)?;
-        let base = self.model.joints.iter().find(|joint| joint.is_base);
-        if let (Some(_), Some(base)) = (base_velocity, base)
-            && velocities.iter().any(|one| one.name == base.name)
-        {
-            bail!("the velocity of the base is given twice, by --base-velocity and by --velocity {}", base.name);
-        }
         let wanted = self.wanted(positions, velocities, base_velocity)?;
         let mut state = self.model.initial_state(&wanted.positions, &wanted.velocities, None)?;
         let file = self.model.path();
@@ -133,39 +127,37 @@ impl Loaded {
         all.concat()
     }
 
-    /// The start of the file, with what the command line says instead of it.
+    /// The start of the file as it stands, whatever the loops say.
     ///
     /// # Errors
     /// [`ModelError`] for joints that do not exist or do not move, and for wrong counts of numbers.
-    pub fn wanted_state(
-        &self,
-        positions: &[Assignment],
-        velocities: &[Assignment],
-        base_velocity: Option<[f64; 6]>,
-    ) -> Result<State, ModelError> {
-        let wanted = self.wanted(positions, velocities, base_velocity)?;
-        self.model.initial_state(&wanted.positions, &wanted.velocities, None)
+    pub fn unassembled_state(&self) -> Result<State, ModelError> {
+        self.model.initial_state(&self.start.positions, &self.start.velocities, None)
     }
 
+    /// The start of the file, with what the command line says instead of it.
     fn wanted(
         &self,
         positions: &[Assignment],
         velocities: &[Assignment],
         base_velocity: Option<[f64; 6]>,
-    ) -> Result<Start, ModelError> {
+    ) -> anyhow::Result<Start> {
         let pairs = |given: &[Assignment]| -> Vec<(String, Vec<f64>)> {
             given.iter().map(|one| (one.name.clone(), one.values.clone())).collect()
         };
-        let Start { positions: mut all_positions, velocities: mut all_velocities } = self.start.clone();
-        all_positions.extend(pairs(positions));
-        // The velocity of the base is that of its joint; what comes later counts.
-        match (base_velocity, self.model.joints.iter().find(|joint| joint.is_base)) {
-            (Some(velocity), Some(base)) => all_velocities.push((base.name.clone(), velocity.to_vec())),
-            (Some(_), None) => return Err(ModelError::BaseDoesNotFloat),
-            (None, _) => {}
+        let mut wanted = self.start.clone();
+        // What comes later counts.
+        wanted.positions.extend(pairs(positions));
+        wanted.velocities.extend(pairs(velocities));
+        if let Some(velocity) = base_velocity {
+            // The velocity of the base is that of its joint.
+            let base = self.model.joints.iter().find(|joint| joint.is_base).ok_or(ModelError::BaseDoesNotFloat)?;
+            if velocities.iter().any(|one| one.name == base.name) {
+                bail!("the velocity of the base is given twice, by --base-velocity and by --velocity {}", base.name);
+            }
+            wanted.velocities.push((base.name.clone(), velocity.to_vec()));
         }
-        all_velocities.extend(pairs(velocities));
-        Ok(Start { positions: all_positions, velocities: all_velocities })
+        Ok(wanted)
     }
 }
 

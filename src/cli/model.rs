@@ -37,7 +37,7 @@ pub fn run(args: &ModelArgs) -> Result<(), Failure> {
         Err(error) => {
             let (file, message) = (loaded.model.path().to_path_buf(), error.root_cause().to_string());
             loaded.model.warnings.push(Warning { file, line: None, element: None, message });
-            loaded.wanted_state(&[], &[], None).map_err(Failure::input)?
+            loaded.unassembled_state().map_err(Failure::input)?
         }
     };
     let model = &loaded.model;

@@ -14,9 +14,11 @@
 use super::dynamics::Dynamics;
 use super::start::{Plan, Start};
 
-/// A direction that has a part in every mode: these numbers have no symmetry of a mechanism.
-pub(super) fn first_guess(freedom: usize) -> f64 {
-    (1.0 + 2.4 * freedom as f64).cos()
+/// Makes it a direction that has a part in every mode: its numbers have no symmetry of a mechanism.
+pub(super) fn first_direction(direction: &mut [f64]) {
+    for (freedom, value) in direction.iter_mut().enumerate() {
+        *value = (1.0 + 2.4 * freedom as f64).cos();
+    }
 }
 
 /// Follows the frequency of the fastest mode of a tree under gravity.
@@ -30,15 +32,8 @@ impl Fastest {
     /// Nothing known yet.
     pub fn new(freedoms: usize) -> Self {
         let mut fastest = Fastest { direction: vec![0.0; freedoms], image: vec![0.0; freedoms] };
-        fastest.restart();
+        first_direction(&mut fastest.direction);
         fastest
-    }
-
-    /// Forgets the mode.
-    fn restart(&mut self) {
-        for (freedom, value) in self.direction.iter_mut().enumerate() {
-            *value = first_guess(freedom);
-        }
     }
 
     /// The frequency at an instant [rad/s], from below, after some power iterations; zero where nothing is stiff or the state
@@ -59,7 +54,7 @@ impl Fastest {
             dynamics.solve(plan, start, &mut self.direction);
             let product: f64 = self.direction.iter().zip(&self.image).map(|(a, b)| a * b).sum();
             if !(product / size).is_normal() || product < 0.0 {
-                self.restart();
+                first_direction(&mut self.direction);
                 return 0.0;
             }
             power = product / size;

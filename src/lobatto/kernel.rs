@@ -130,7 +130,7 @@ impl<V: Lanes> Equations for Kernel<V> {
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(false));
         }
-        match (V::GENERAL_ALONE || stages.applied.is_some(), self.chord.keeps(), refines && settled) {
+        match (stages.is_general(), self.chord.keeps(), refines && settled) {
             (true, false, _) => in_lanes!(V, stages.sweep_forced_residual(gravity)),
             (true, true, _) => in_lanes!(V, stages.sweep_forced_wrenches(gravity)),
             // Increments that settle are small.
@@ -144,7 +144,7 @@ impl<V: Lanes> Equations for Kernel<V> {
     }
 
     fn refines(&self) -> bool {
-        self.refined && !V::GENERAL_ALONE && self.stages.applied.is_none()
+        self.refined && !self.stages.is_general()
     }
 
     fn advance(&mut self) -> f64 {
@@ -270,7 +270,7 @@ impl<V: Lanes> Step for Kernel<V> {
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(true));
         }
-        if V::GENERAL_ALONE || stages.applied.is_some() {
+        if stages.is_general() {
             in_lanes!(V, stages.sweep_momentum::<true, true>(gravity));
         } else if self.refined {
             in_lanes!(V, stages.sweep_momentum::<true, false>(gravity));

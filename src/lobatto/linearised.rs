@@ -27,6 +27,7 @@
 //! Where K alone is wanted on a tree under gravity, [`super::dynamics`] has it without differences.
 
 use super::dynamics::Dynamics;
+use super::fastest::first_direction;
 use super::projection::Projection;
 use super::start::{Plan, Start};
 use super::watch::{Mode, Transient};
@@ -157,15 +158,8 @@ impl Linearised {
             state: State::zero(mechanism),
             undamped,
         };
-        mode.restart();
+        first_direction(&mut mode.direction);
         mode
-    }
-
-    /// Forgets the mode.
-    fn restart(&mut self) {
-        for (freedom, value) in self.direction.iter_mut().enumerate() {
-            *value = super::fastest::first_guess(freedom);
-        }
     }
 
     /// The mode at a state, from below, after some power iterations; zero where nothing is stiff or the state is not finite.
@@ -190,7 +184,7 @@ impl Linearised {
             let after = self.motion.kinetic(mechanism, &mut self.state, self.image.iter().copied());
             let power = after / before;
             if !power.is_normal() {
-                self.restart();
+                first_direction(&mut self.direction);
                 return Mode::default();
             }
             frequency = power.sqrt().sqrt();

@@ -260,6 +260,12 @@ impl<V: Lanes> Stages<V> {
         Stages { applied: Applied::new(mechanism, tableau), ..Stages::unforced(mechanism, tableau, kept) }
     }
 
+    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]).
+    #[inline(always)]
+    pub fn is_general(&self) -> bool {
+        V::GENERAL_ALONE || self.applied.is_some()
+    }
+
     /// What the predictor is to guess.
     pub fn unknowns(&mut self) -> Unknowns<'_, V> {
         Unknowns {

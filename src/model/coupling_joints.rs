@@ -76,14 +76,15 @@ impl Builder<'_> {
                 return Err(stand.refuse(CouplingProblem::MimicCircle(mimic.joint.clone())));
             }
             let moves = |name: &str| self.record(robot, name).is_some_and(|record| record.body.is_some());
+            let reason = |of: &UrdfJoint| if of.kind == UrdfJointKind::Fixed { "is fixed" } else { "moves no mass" };
             if !moves(&joint.name) {
-                let reason = if joint.kind == UrdfJointKind::Fixed { "is fixed" } else { "moves no mass" };
-                still.push(warning(&stand, &format!("it should mimic joint {:?}, but {reason}", leader.name)));
+                let (leader, reason) = (&leader.name, reason(joint));
+                still.push(warning(&stand, &format!("it should mimic joint {leader:?}, but {reason}")));
                 continue;
             }
             if !moves(&leader.name) {
-                let reason = if leader.kind == UrdfJointKind::Fixed { "is fixed" } else { "moves no mass" };
-                let message = format!("moves freely, because joint {:?}, which it should mimic, {reason}", leader.name);
+                let (leader, reason) = (&leader.name, reason(leader));
+                let message = format!("moves freely, because joint {leader:?}, which it should mimic, {reason}");
                 free.push(warning(&stand, &message));
                 continue;
             }

@@ -105,7 +105,7 @@ impl<V: Lanes> Equations for PlanarKernel<V> {
         let refines = self.refines();
         let (stages, coefficients) = (&mut self.stages, &self.coefficients);
         let gravity = stages.plan.gravity;
-        let increment = match (V::GENERAL_ALONE || stages.applied.is_some(), self.chord.keeps(), refines && settled) {
+        let increment = match (stages.is_general(), self.chord.keeps(), refines && settled) {
             (true, false, _) => in_lanes!(V, stages.increments::<true, true, false>(coefficients, &gravity)),
             (true, true, _) => in_lanes!(V, stages.increments::<true, true, true>(coefficients, &gravity)),
             (false, _, true) => in_lanes!(V, stages.increments::<true, false, true>(coefficients, &gravity)),
@@ -117,7 +117,7 @@ impl<V: Lanes> Equations for PlanarKernel<V> {
     }
 
     fn refines(&self) -> bool {
-        self.refined && !V::GENERAL_ALONE && self.stages.applied.is_none()
+        self.refined && !self.stages.is_general()
     }
 
     fn advance(&mut self) -> f64 {
@@ -213,7 +213,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let (stages, velocity, coefficients) = (&mut self.stages, &mut self.velocity, &self.coefficients);
         let gravity = stages.plan.gravity;
-        if V::GENERAL_ALONE || stages.applied.is_some() {
+        if stages.is_general() {
             in_lanes!(V, stages.end_velocities::<true, true>(coefficients, &gravity, velocity));
         } else if self.refined {
             in_lanes!(V, stages.end_velocities::<true, false>(coefficients, &gravity, velocity));

@@ -103,6 +103,12 @@ impl<V: Lanes> PlanarStages<V> {
         self.measure();
     }
 
+    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]).
+    #[inline(always)]
+    pub fn is_general(&self) -> bool {
+        V::GENERAL_ALONE || self.applied.is_some()
+    }
+
     /// The largest increment of any freedom at any stage.
     #[inline(always)]
     pub fn largest_increment(&self) -> f64 {
