@@ -245,9 +245,9 @@ fn first_order(nodes: &[f64]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lobatto::dispatch::step_for;
-    use crate::lobatto::lanes::{Isa, Portable};
-    use crate::lobatto::step::{Attempt, StopRule};
+    use crate::lobatto::kernel::Kernel;
+    use crate::lobatto::lanes::Portable;
+    use crate::lobatto::step::{Attempt, Step, StopRule};
     use crate::model::{Body, Joint, JointKind, Mechanism, Pose};
     use crate::state::State;
     use nalgebra::{Translation3, UnitQuaternion, Vector3};
@@ -287,7 +287,8 @@ mod tests {
         let mechanism = Mechanism::new("arm", Vector3::new(0.0, -9.81, 0.0), bodies).unwrap();
         let mut state = State::zero(&mechanism);
         state.velocity.copy_from_slice(&[1.0, -2.0]);
-        let mut kernel = step_for(&mechanism, Tableau::of(9).unwrap(), Isa::Portable, &[]);
+        // The vectors of the tests of 32 digits, so that there is one kernel in the unit tests.
+        let mut kernel = Kernel::<Portable<16>>::new(&mechanism, Tableau::of(9).unwrap(), &[]);
         kernel.begin(&mechanism, &state);
         let rule = StopRule { increment: 1e-9, ..StopRule::ROUNDING };
         let mut iterations = |step, guess| match kernel.attempt(&mechanism, step, &rule, guess) {

@@ -126,11 +126,9 @@ pub(super) fn foxglove_channel<M: Encode>(sink: &mut dyn MessageSink, topic: &st
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lobatto::Lobatto;
     use crate::log::batch::Batch;
     use crate::model::{Base, ModelOptions};
     use crate::scene::{PackagePath, read_scene, read_urdf};
-    use crate::simulation::{Observer, ObserverError, RunOptions, Sample, run};
     use crate::state::State;
     use allocation_counter::measure;
     use std::path::{Path, PathBuf};
@@ -153,19 +151,26 @@ mod tests {
         }
     }
 
-    /// Samples with the figures of a step and a line before each.
-    #[derive(Default)]
-    struct Taken(Piece);
-
-    impl Observer for Taken {
-        fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
-            let stamp = nanoseconds(sample.time);
+    /// Samples of every joint moving at a pace of its own, loops torn, with the figures of a step and a line before each. Nothing is
+    /// simulated for them, so that the unit tests are built without kernels.
+    fn samples(model: &Model, mut state: State) -> Piece {
+        const INTERVAL: f64 = 0.01;
+        let mechanism = &model.mechanism;
+        let pace = |freedom: usize| 0.3 + 0.1 * freedom as f64;
+        let displacement: Vec<f64> = (0..mechanism.velocity_count).map(|freedom| INTERVAL * pace(freedom)).collect();
+        state.velocity = (0..mechanism.velocity_count).map(pace).collect();
+        let mut piece = Piece::default();
+        // More than a second, since stamps are longer from then on.
+        for sample in 0..=110 {
+            let time = INTERVAL * f64::from(sample);
+            let stamp = nanoseconds(time);
             let figures = Figures { energies: [1.0; 5], violation: [2.0; 2], work: [3.0; 5] };
-            self.0.push_between(Between::Figures(stamp, figures));
-            self.0.push_between(Between::Line(stamp, vec![1, 2, 3]));
-            self.0.push(sample.time, sample.position, sample.velocity);
-            Ok(())
+            piece.push_between(Between::Figures(stamp, figures));
+            piece.push_between(Between::Line(stamp, vec![1, 2, 3]));
+            piece.push(time, &state.position, &state.velocity);
+            state.displace(mechanism, &displacement);
         }
+        piece
     }
 
     fn robots(file: &str) -> PathBuf {
@@ -190,18 +195,14 @@ mod tests {
             urdf("planar_slider.urdf", Base::Fixed),
             (closed, at_start),
         ];
-        for (model, mut state) in all {
+        for (model, state) in all {
             let mechanism = &model.mechanism;
             let mut sink = Memory::default();
             let mut encoder = SampleEncoder::new(&mut sink, &model).expect("memory");
-            let mut lobatto = Lobatto::fixed(mechanism, 4, 0.002).expect("a method");
-            // More than a second, since stamps are longer from then on.
-            let (options, mut taken) =
-                (RunOptions { duration: 1.1, rate: Some(100.0), interrupt: None }, Taken::default());
-            run(mechanism, &mut state, &mut lobatto, &options, &mut [&mut taken]).1.expect("a run");
+            let samples = samples(&model, state);
             let mut encode = || {
                 sink.messages.clear();
-                encoder.encode(&taken.0, &mut sink).expect("memory");
+                encoder.encode(&samples, &mut sink).expect("memory");
                 sink.messages.count()
             };
             // The first time lets the buffers grow to their size.
