@@ -1,16 +1,14 @@
 //! The scheme agrees with the comparator, which shares no formula with it: other coordinates, other equations, an
 //! explicit method of order 8.
 
-mod common;
-mod models;
-
+use crate::common::{models_of, run_until, stem, urdf_files};
+use crate::models;
+use crate::models::{pose_distance, velocity_distance};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::model::Mechanism;
 use catena::reduced::Dop853;
 use catena::state::State;
-use common::{models_of, run_until, stem, urdf_files};
-use models::{pose_distance, velocity_distance};
 use std::path::PathBuf;
 
 /// The end of a run by steps of `step` with nine stages against its end by DOP853 at 1e-13: distance of the poses, and

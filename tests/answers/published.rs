@@ -5,16 +5,14 @@
 
 #![allow(clippy::excessive_precision, reason = "reference values stand as their source prints them")]
 
-mod common;
-mod models;
-
+use crate::common::run_until;
+use crate::models;
+use crate::models::{Model, PoseReference, body, frame, gravity};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::model::{Joint, JointKind, Mechanism, Pose};
 use catena::simulation::Summary;
 use catena::state::{BodyState, State};
-use common::run_until;
-use models::{Model, PoseReference, body, frame, gravity};
 use nalgebra::{Translation3, Vector3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 

@@ -1,7 +1,6 @@
 //! Scenes whose motion is known from programs of others, run to more digits than are compared.
 
-mod common;
-
+use crate::common::{by_tolerance, rotation_angle, run_until, shared};
 use catena::calibration::calibrate;
 use catena::distance::{distance, probes};
 use catena::kinematics::body_states;
@@ -10,7 +9,6 @@ use catena::model::{Mechanism, Model, ModelOptions};
 use catena::scene::{PackagePath, read_urdf};
 use catena::simulation::Integrator;
 use catena::state::State;
-use common::{by_tolerance, rotation_angle, run_until, shared};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Mechanisms with loops, built by hand.
 
-// Every test compiles its own copy of this module and uses some of it.
+// Every program of tests compiles its own copy of this module and uses some of it.
 #![allow(dead_code)]
 
 use catena::model::{Attachment, Body, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Pose};

@@ -21,9 +21,12 @@ pub const PENDULUM: &str = r#"<robot name="pendulum">
 /// Far more than any test waits for.
 pub const ENDLESS: [&str; 8] = ["--duration", "1e7", "--stages", "4", "--step", "0.01", "--rate", "1"];
 
-/// An empty folder with a pendulum in it.
+/// An empty folder of this test's own with a pendulum in it.
 pub fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join(name);
+    // The thread of a test has its name, with that of its module.
+    let thread = std::thread::current();
+    let test = thread.name().expect("the thread of a test").replace("::", "/");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join(test).join(name);
     // It is not there the first time.
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).expect("a folder for the test");

@@ -1,6 +1,6 @@
 //! What several tests share: reproducible numbers, and the URDF evaluated literally, link by link.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(dead_code, reason = "each program of tests uses its own part")]
 
 pub mod command;
 

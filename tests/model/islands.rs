@@ -1,9 +1,9 @@
 //! Islands: what nothing connects is simulated apart, as if it were alone, and what rests in equilibrium not at all.
 
-mod closed;
-mod common;
-mod models;
-
+use crate::common::Numbers;
+use crate::common::command;
+use crate::models::Model;
+use crate::{closed, common, models};
 use catena::forces::total::{Stored, stored};
 use catena::forces::{Forces, JointLoad, PointSpring};
 use catena::invariants::{energy, energy_with_forces};
@@ -16,9 +16,6 @@ use catena::model::{
 use catena::rest::is_at_rest;
 use catena::simulation::{Observer, ObserverError, RunError, RunOptions, Sample, Summary, run};
 use catena::state::State;
-use common::Numbers;
-use common::command;
-use models::Model;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,14 +1,13 @@
 //! What vanishes from the equations of a body may be left out: the full model says the same.
 
-mod models;
-
+use crate::models;
+use crate::models::Model;
 use catena::invariants::{energy, momentum};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::model::{Joint, JointKind, Mechanism, Rule, point_bodies, sliding_bodies, spherical_bodies};
 use catena::simulation::{Integrator, StepOutcome};
 use catena::state::State;
-use models::Model;
 use nalgebra::Vector3;
 
 /// A cart that slides along three axes in turn, the first with a second cart beside it, a spatial pendulum of two hinges on each end,

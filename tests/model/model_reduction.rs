@@ -1,11 +1,9 @@
 //! The reduction keeps the physics: masses, centres, inertias and the pose of every link are those of the URDF.
 
-mod common;
-
+use crate::common::{Numbers, literal_link_poses, rotation_angle};
 use catena::kinematics::body_states;
 use catena::model::{Base, JointKind, Model, ModelError, ModelOptions, Pose, ReductionRule};
 use catena::scene::{Element, PackagePath, Robot, robot_from_text};
-use common::{Numbers, literal_link_poses, rotation_angle};
 use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
 use std::time::{Duration, Instant};

@@ -1,14 +1,12 @@
 //! Claims about scene files: what they may say, what they may not, and where the command line has the last word.
 
-mod common;
-
+use crate::common::command::{self, assert_one_error, run};
 use catena::closures::loop_gaps;
 use catena::kinematics::body_states;
 use catena::model::{LoopKind, Model, Start};
 use catena::rest::is_at_rest;
 use catena::scene::{PackagePath, Scene, SceneError, read_urdf, scene_from_text};
 use catena::state::State;
-use common::command::{self, assert_one_error, run};
 use nalgebra::Vector3;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -335,7 +333,7 @@ fn an_axis_that_is_not_of_length_one_is_normalised_with_a_warning() {
     );
     let (model, _, _) = build(&folder, &text);
     let warnings: Vec<String> = model.warnings.iter().map(ToString::to_string).collect();
-    let axis: Vec<&String> = warnings.iter().filter(|warning| warning.contains("normalised")).collect();
+    let axis: Vec<&String> = warnings.iter().filter(|warning| warning.contains("has length")).collect();
     assert!(axis.len() == 1 && axis[0].contains("scene.toml:5: loop \"loop1\": the axis has length 5"), "{warnings:?}");
     let z = model.mechanism.loops[0].b.frame.rotation.matrix().column(2).into_owned();
     assert!((z - Vector3::new(0.0, 0.6, 0.8)).amax() < 1e-15);

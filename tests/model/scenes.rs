@@ -1,7 +1,6 @@
 //! Claims about the example scenes in `robots/`: they load, they are assembled, and they are the mechanisms they say.
 
-mod common;
-
+use crate::common::{run_until, stem};
 use catena::closures::{loop_gaps, mimic_gap};
 use catena::invariants::energy;
 use catena::kinematics::body_states;
@@ -11,7 +10,6 @@ use catena::model::{Mechanism, Model};
 use catena::scene::{PackagePath, Scene, read_scene};
 use catena::simulation::Integrator;
 use catena::state::State;
-use common::{run_until, stem};
 use nalgebra::{DMatrix, Vector3};
 use std::path::PathBuf;
 
@@ -266,7 +264,7 @@ fn mechanisms_with_springs_dampers_and_loads_move_as_published_from_their_files(
 }
 
 #[test]
-#[ignore = "half an hour; cargo test --release --test scenes -- --ignored"]
+#[ignore = "half an hour; cargo test --release --test model scenes:: -- --ignored"]
 fn the_gaps_of_every_closed_scene_are_rounding_over_a_million_steps() {
     for file in scene_files() {
         let name = stem(&file);

@@ -1,12 +1,10 @@
 //! Real URDFs: those that work elsewhere load with the bodies they should have; damaged ones load with a warning or
 //! give one clear error.
 
-mod common;
-
+use crate::common::{Numbers, literal_link_poses, rotation_angle, shared};
 use catena::kinematics::body_states;
 use catena::model::{Base, Model, ModelError, ModelOptions, Pose};
 use catena::scene::{PackagePath, Robot, SceneError, read_urdf, robot_from_text};
-use common::{Numbers, literal_link_poses, rotation_angle, shared};
 use std::path::{Path, PathBuf};
 
 /// Links, joints and bodies that move (fixed base) of the robots that must load.

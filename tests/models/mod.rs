@@ -4,7 +4,7 @@
 //! "Heavy top", "Free box / Dzhanibekov" and "Chains and double pendula"), which names its own sources. Lengths are in
 //! metres, masses in kg, angles in radians, times in seconds; gravity is 9.81 m/s² downwards unless a line says otherwise.
 
-// Every test and bench compiles its own copy of this module and uses some of it.
+// Every program of tests and every bench compiles its own copy of this module and uses some of it.
 #![allow(dead_code)]
 
 use catena::forces::total::scalar_coordinate;

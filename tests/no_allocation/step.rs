@@ -1,8 +1,6 @@
 //! A step allocates nothing on the heap.
 
-mod closed;
-mod models;
-
+use crate::{closed, models};
 use allocation_counter::measure;
 use catena::lobatto::Lobatto;
 use catena::model::JointKind;

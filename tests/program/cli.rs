@@ -6,8 +6,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-mod common;
-use common::command::{
+use crate::common::command::{
     ENDLESS, PENDULUM, assert_one_error, catena, folder, run, salvaged, salvaged_samples, text, wait_for,
 };
 

@@ -1,10 +1,12 @@
 //! `catena inspect`: what it says of a log is what the run reported.
 
+use crate::common;
 use serde_json::Value;
 use std::path::Path;
 
-mod common;
-use common::command::{ENDLESS, assert_one_error, catena, folder, run, salvaged, salvaged_samples, text, wait_for};
+use crate::common::command::{
+    ENDLESS, assert_one_error, catena, folder, run, salvaged, salvaged_samples, text, wait_for,
+};
 use std::process::Stdio;
 
 fn json(output: &std::process::Output) -> Value {

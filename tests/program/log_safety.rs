@@ -7,9 +7,10 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-mod common;
-use common::Numbers;
-use common::command::{ENDLESS, assert_one_error, catena, folder, run, salvaged, salvaged_samples, text, wait_for};
+use crate::common::Numbers;
+use crate::common::command::{
+    ENDLESS, assert_one_error, catena, folder, run, salvaged, salvaged_samples, text, wait_for,
+};
 
 const SIMULATE: [&str; 4] = ["simulate", "pendulum.urdf", "--velocity", "hinge=1"];
 

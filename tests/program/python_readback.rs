@@ -5,8 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-mod common;
-use common::command::{ENDLESS, catena, folder, run, salvaged, salvaged_samples, text, wait_for};
+use crate::common::command::{ENDLESS, catena, folder, run, salvaged, salvaged_samples, text, wait_for};
 
 /// A Python that has the readers.
 fn python() -> Option<PathBuf> {

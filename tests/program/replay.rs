@@ -1,10 +1,10 @@
 //! `catena replay`: a log is enough to make its run again, and what differs is found.
 
+use crate::common;
 use std::path::Path;
 
-mod common;
-use common::command::{ENDLESS, assert_one_error, catena, folder, run, salvaged_samples, text, wait_for};
-use common::shared;
+use crate::common::command::{ENDLESS, assert_one_error, catena, folder, run, salvaged_samples, text, wait_for};
+use crate::common::shared;
 
 #[test]
 fn a_log_alone_is_enough_to_make_the_run_again_bit_for_bit() {

@@ -1,10 +1,8 @@
 //! Real robots run: every URDF that works elsewhere simulates a second at the default tolerance without losing energy,
 //! and damaged ones are refused, or run with a warning, as a user of the command line sees it.
 
-mod common;
-
+use crate::common::{by_tolerance, models_of, run_until, shared, stem, urdf_files};
 use catena::lobatto::assembly::assemble;
-use common::{by_tolerance, models_of, run_until, shared, stem, urdf_files};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;

@@ -1,12 +1,11 @@
 //! Iterations that keep the factors of an earlier one have the residual of their own iterate, and end where the others do.
 
-mod models;
-
+use crate::models;
+use crate::models::Model;
 use catena::lobatto::chord::Chord;
 use catena::lobatto::lanes::{Lanes, Portable};
 use catena::lobatto::stage::Stages;
 use catena::lobatto::tableau::Tableau;
-use models::Model;
 
 type Four = Portable<4>;
 

@@ -1,8 +1,8 @@
 //! Steps that begin in single precision end where others do. That their first iterations are those of double precision to the digits of
 //! single is tested where these are made, in `src/lobatto/first.rs`.
 
-mod models;
-
+use crate::models;
+use crate::models::Model;
 use catena::kinematics::body_states;
 use catena::lobatto::dispatch::step_for;
 use catena::lobatto::lanes::Isa;
@@ -11,7 +11,6 @@ use catena::lobatto::step::{Attempt, StopRule};
 use catena::lobatto::tableau::Tableau;
 use catena::model::Rule;
 use catena::state::BodyState;
-use models::Model;
 
 const STAGES: usize = 9;
 const STEP: f64 = 0.05;

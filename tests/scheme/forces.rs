@@ -3,9 +3,9 @@
 
 #![allow(clippy::excessive_precision, reason = "reference values stand as their source prints them")]
 
-mod common;
-mod models;
-
+use crate::common::run_until;
+use crate::models;
+use crate::models::{Model, pose_distance, velocity_distance};
 use catena::forces::{Forces, JointDamper, JointLoad, JointSpring, PointSpring, Wrench};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
@@ -14,8 +14,6 @@ use catena::model::{Coordinate, Joint, JointKind, Mechanism, Pose};
 use catena::reduced::{Dop853, Rk4};
 use catena::simulation::{Integrator, Summary};
 use catena::state::{BodyState, State};
-use common::run_until;
-use models::{Model, pose_distance, velocity_distance};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// A box on one joint whose axis is y and whose centre of mass is `below` under the joint.
@@ -178,7 +176,7 @@ fn check_orders(model: Model, time: f64, cases: &[(usize, f64)]) {
         let orders = [(coarse.0 / fine.0).log2(), (coarse.1 / fine.1).log2()];
         println!("{} s={stages}: orders {orders:.2?}, errors {coarse:?} {fine:?}", model.mechanism.name);
         let expected = (2 * stages - 2) as f64;
-        // As in tests/order.rs. What is dissipated may happen to have a small leading error and look better than it is.
+        // As in tests/scheme/order.rs. What is dissipated may happen to have a small leading error and look better than it is.
         assert!((orders[0] - expected).abs() < 0.5, "s={stages}: order {:.2}, expected {expected}", orders[0]);
         assert!(orders[1] > expected - 0.5, "s={stages}: order of the heat {:.2}, expected {expected}", orders[1]);
         assert!(fine.0 > 1e-13, "s={stages}: the finer error {:.1e} is rounding and shows no order", fine.0);

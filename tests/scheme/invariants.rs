@@ -1,12 +1,11 @@
 //! What never drifts: constraints, momenta, energy.
 
-mod models;
-
+use crate::models;
+use crate::models::Model;
 use catena::invariants::{energy, momentum, violation};
 use catena::kinematics::{WORLD, body_states, forward_kinematics};
 use catena::lobatto::Lobatto;
 use catena::simulation::{self, Integrator, RunOptions};
-use models::Model;
 use nalgebra::Vector3;
 
 /// Runs `steps` fixed steps and shows each end to `see`.
@@ -117,7 +116,7 @@ fn energy_of_a_million_steps_of_three_stages_walks_at_random() {
 }
 
 #[test]
-#[ignore = "half a minute: cargo test --release --test invariants -- --ignored"]
+#[ignore = "half a minute: cargo test --release --test scheme invariants:: -- --ignored"]
 fn energy_drifts_by_less_than_one_rounding_a_step_over_ten_million_steps() {
     let model = models::double_pendulum();
     let initial = energy(&model.mechanism, &model.bodies()).total();

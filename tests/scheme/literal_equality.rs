@@ -1,7 +1,7 @@
 //! The fast kernel makes the same step as the literal scheme (2.5.11), with forces and without.
 
-mod models;
-
+use crate::models;
+use crate::models::Model;
 use catena::kinematics::body_states;
 use catena::lobatto::dispatch::step_for;
 use catena::lobatto::lanes::Isa;
@@ -10,9 +10,8 @@ use catena::lobatto::predictor::Guess;
 use catena::lobatto::step::{Attempt, StopRule};
 use catena::lobatto::tableau::Tableau;
 use catena::model::Rule;
-use models::Model;
 
-/// Poses and velocities after one step of the fast kernel in space; `tests/planar.rs` has that in a plane.
+/// Poses and velocities after one step of the fast kernel in space; `tests/scheme/planar.rs` has that in a plane.
 fn fast_step(model: &Model, stages: usize, step: f64, isa: Isa) -> Vec<catena::state::BodyState> {
     let tableau = Tableau::of(stages).unwrap();
     let mut kernel = step_for(&model.mechanism, tableau, isa, &[Rule::Planar]);

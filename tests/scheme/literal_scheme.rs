@@ -3,8 +3,8 @@
 //! Its states are compared with benchmark answers, its order with 2s − 2 (theorem 2.5.2), its trajectories with the
 //! discrete Euler–Lagrange equations (2.5.8) of the discrete Lagrangian (2.5.12), none of which it is built from.
 
-mod models;
-
+use crate::models;
+use crate::models::{Model, pose_distance, velocity_distance};
 use catena::invariants::{energy, violation};
 use catena::kinematics::{body_states, forward_kinematics};
 use catena::lobatto::Lobatto;
@@ -13,7 +13,6 @@ use catena::lobatto::tableau::Tableau;
 use catena::model::Mechanism;
 use catena::simulation::Integrator;
 use catena::state::{BodyState, State};
-use models::{Model, pose_distance, velocity_distance};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// The state after `count` equal steps over `duration` seconds.

@@ -2,9 +2,7 @@
 
 #![allow(clippy::excessive_precision, reason = "reference values stand as their source prints them")]
 
-mod closed;
-mod common;
-
+use crate::{closed, common};
 use catena::closures::{loop_gaps, mimic_gap};
 use catena::invariants::{energy, violation};
 use catena::kinematics::body_states;
@@ -152,7 +150,7 @@ fn no_step_jumps_to_another_branch_of_a_singular_position() {
 }
 
 #[test]
-#[ignore = "minutes; cargo test --release --test loops -- --ignored"]
+#[ignore = "minutes; cargo test --release --test scheme loops:: -- --ignored"]
 fn singular_positions_are_passed_at_two_hundred_step_sizes() {
     for count in [1, 2] {
         for stages in [4, 5, 9] {
@@ -401,7 +399,7 @@ fn dense_output_stays_on_the_loops() {
 }
 
 #[test]
-#[ignore = "a minute; cargo test --release --test loops -- --ignored"]
+#[ignore = "a minute; cargo test --release --test scheme loops:: -- --ignored"]
 fn the_gap_of_bricard_is_rounding_after_a_million_steps() {
     let (mechanism, mut state) = closed::bricard();
     let (_, gap) = run(&mechanism, &mut state, 4, 0.01, 1e4);

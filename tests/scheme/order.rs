@@ -1,12 +1,11 @@
 //! The order of convergence is 2s − 2 (theorem 2.5.2).
 
-mod models;
-
+use crate::models;
+use crate::models::Model;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::simulation::Integrator;
 use catena::state::BodyState;
-use models::Model;
 
 fn after(model: &Model, stages: usize, step: f64, time: f64) -> Vec<BodyState> {
     let mut state = model.state.clone();

@@ -1,9 +1,9 @@
 //! Planar motion: three coordinates a body say the same as six, step by step.
 
-mod common;
-mod in_plane;
-mod models;
-
+use crate::common::{Numbers, command};
+use crate::in_plane::random_tree;
+use crate::models;
+use crate::models::Model;
 use catena::invariants::energy_with_forces;
 use catena::islands::Plan as IslandPlan;
 use catena::kinematics::body_states;
@@ -16,9 +16,6 @@ use catena::lobatto::tableau::Tableau;
 use catena::model::{Body, JointKind, Mechanism, Plane, Rule};
 use catena::simulation::{Integrator, StepOutcome};
 use catena::state::State;
-use common::{Numbers, command};
-use in_plane::random_tree;
-use models::Model;
 use nalgebra::{Rotation3, Vector3};
 
 /// Two rods on parallel hinges.
@@ -135,7 +132,7 @@ fn one_step_in_the_plane_is_that_of_the_literal_scheme() {
             let expected = literal.step(&model.bodies(), step).expect("a step").bodies;
             let (state, _) = run(&model, Lobatto::fixed(&model.mechanism, stages, step).expect("stages"), step);
             let bodies = body_states(&model.mechanism, &state);
-            // As in `tests/literal_equality.rs`: the dense oracle rounds at entries of size one to ten.
+            // As in `tests/scheme/literal_equality.rs`: the dense oracle rounds at entries of size one to ten.
             let (position, velocity) =
                 (models::pose_distance(&bodies, &expected), models::velocity_distance(&bodies, &expected));
             assert!(position < 1e-12, "tree {seed}, {stages} stages: poses differ by {position:.1e}");

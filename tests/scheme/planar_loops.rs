@@ -1,10 +1,9 @@
 //! Closed loops in a plane: three coordinates a body say the same as six, step by step.
 
-mod closed;
-mod common;
-mod in_plane;
-mod models;
-
+use crate::common::{Numbers, command};
+use crate::in_plane::{place, random_tree};
+use crate::models::Model;
+use crate::{closed, models};
 use catena::closures::{loop_gaps, mimic_gap};
 use catena::islands::Plan as IslandPlan;
 use catena::kinematics::body_states;
@@ -15,9 +14,6 @@ use catena::lobatto::step::StopRule;
 use catena::model::{Attachment, Coordinate, LoopJoint, LoopKind, Mechanism, Mimic, PlanarEquation, Plane, Pose, Rule};
 use catena::simulation::{Integrator, StepOutcome};
 use catena::state::State;
-use common::{Numbers, command};
-use in_plane::{place, random_tree};
-use models::Model;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -1,8 +1,7 @@
 //! Steps with 32 digits: the same motion as with 16, without what rounding adds to it in the longest runs.
 
-mod closed;
-mod models;
-
+use crate::models::Model;
+use crate::{closed, models};
 use catena::invariants::energy;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
@@ -10,7 +9,6 @@ use catena::lobatto::integrator::MethodError;
 use catena::model::{Mechanism, Rule};
 use catena::simulation::Integrator;
 use catena::state::State;
-use models::Model;
 
 /// The largest deviation of the energy from that at the start, and the mean of the last tenth less that of the first; over the largest
 /// kinetic energy.
@@ -43,7 +41,7 @@ fn energy_keeps_to_the_rounding_of_one_state_over_twenty_thousand_steps() {
 }
 
 #[test]
-#[ignore = "six minutes: cargo test --release --test precise -- --ignored"]
+#[ignore = "six minutes: cargo test --release --test scheme precise:: -- --ignored"]
 fn energy_keeps_to_the_rounding_of_one_state_over_ten_million_steps() {
     let model = models::double_pendulum();
     let steps = 10_000_000;

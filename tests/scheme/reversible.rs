@@ -1,14 +1,13 @@
 //! Reversible steps: a run that is turned round retraces itself, and its energy has no trend.
 
-mod models;
-
+use crate::models;
+use crate::models::Model;
 use catena::kinematics::{WORLD, forward_kinematics};
 use catena::lobatto::Lobatto;
 use catena::lobatto::integrator::MethodError;
 use catena::model::{Joint, JointKind, Mechanism};
 use catena::simulation::Integrator;
 use catena::state::State;
-use models::Model;
 use nalgebra::Vector3;
 
 /// Steps made, their lengths, and the state at the end.
@@ -126,7 +125,7 @@ fn energy_has_no_trend_over_a_thousand_periods_with_reversible_steps_and_one_wit
 }
 
 #[test]
-#[ignore = "half a minute: cargo test --release --test reversible -- --ignored --nocapture"]
+#[ignore = "half a minute: cargo test --release --test scheme reversible:: -- --ignored --nocapture"]
 fn energy_has_no_trend_over_a_hundred_thousand_periods_with_reversible_steps() {
     check(1e5);
 }

@@ -1,8 +1,7 @@
 //! What is logged of several instants at once is what is worked out for one instant after the other.
 
-mod common;
-mod models;
-
+use crate::common::Numbers;
+use crate::models;
 use catena::lobatto::dispatch::instants_for;
 use catena::lobatto::instants::{INSTANTS, Instants, LaneInstants, LinkPlace, Row, Snapshots};
 use catena::lobatto::lanes::Portable;
@@ -10,7 +9,6 @@ use catena::model::{Base, JointKind, Mechanism, ModelOptions, Pose};
 use catena::scene::{PackagePath, read_urdf};
 use catena::snapshots::{SerialInstants, instants};
 use catena::state::State;
-use common::Numbers;
 use nalgebra::Vector3;
 use std::path::Path;
 

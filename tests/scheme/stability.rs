@@ -1,9 +1,8 @@
 //! Where the scheme becomes unstable, and that it is known how near a step is to it.
 
-mod closed;
-mod common;
-mod models;
-
+use crate::common::shared;
+use crate::models::Model;
+use crate::{closed, models};
 use catena::forces::{JointDamper, JointSpring, PointSpring};
 use catena::invariants::energy;
 use catena::kinematics::body_states;
@@ -20,8 +19,6 @@ use catena::reduced::ReducedOde;
 use catena::scene::{PackagePath, read_urdf};
 use catena::simulation::{Integrator, StepError};
 use catena::state::{BodyState, State};
-use common::shared;
-use models::Model;
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 
 /// Second derivatives of a centre of mass and of a rotation matrix.

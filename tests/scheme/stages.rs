@@ -1,9 +1,8 @@
 //! The number of stages that a tolerance is given.
 
-mod closed;
-mod common;
-mod models;
-
+use crate::closed::four_bars;
+use crate::common::{by_tolerance, run_until};
+use crate::models;
 use catena::calibration::calibrate;
 use catena::distance::{distance, probes};
 use catena::forces::JointDamper;
@@ -16,8 +15,6 @@ use catena::model::{Mechanism, Model};
 use catena::scene::{PackagePath, read_scene};
 use catena::simulation::Integrator;
 use catena::state::State;
-use closed::four_bars;
-use common::{by_tolerance, run_until};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 

@@ -1,7 +1,6 @@
 //! How steps are strung together: the grid, halving, the last step, and interruptions by the caller.
 
-mod models;
-
+use crate::models;
 use catena::calibration::calibrate;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;

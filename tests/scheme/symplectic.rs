@@ -1,7 +1,7 @@
 //! The step is symplectic on T*N and time-reversible.
 
-mod models;
-
+use crate::models;
+use crate::models::Model;
 use catena::kinematics::forward_kinematics;
 use catena::lobatto::dispatch::step_for;
 use catena::lobatto::lanes::Isa;
@@ -10,7 +10,6 @@ use catena::lobatto::step::{Attempt, Step, StopRule};
 use catena::lobatto::tableau::Tableau;
 use catena::model::{JointKind, Mechanism};
 use catena::state::State;
-use models::Model;
 use nalgebra::{DMatrix, DVector};
 
 /// Mass matrix in joint coordinates, from the kinetic energy of unit velocities (a quadratic form, so polarisation is

@@ -1,0 +1,11 @@
+//! Motions that something else knows: the comparator in joint coordinates, and answers of others.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../models/mod.rs"]
+mod models;
+
+mod against_reduced;
+mod published;
+mod reduced;
+mod reference_answers;

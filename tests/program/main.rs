@@ -1,0 +1,15 @@
+//! The program as its users see it: commands, logs, pages.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod chart;
+mod cli;
+mod inspect;
+mod log_readback;
+mod log_safety;
+mod model_verb;
+mod python_readback;
+mod replay;
+mod stress;
+mod urdf_corpus_runs;
