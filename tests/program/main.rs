@@ -11,5 +11,6 @@ mod log_safety;
 mod model_verb;
 mod python_readback;
 mod replay;
+mod rules;
 mod stress;
 mod urdf_corpus_runs;

@@ -1,5 +1,6 @@
 //! `catena model`: exit codes, tables and JSON.
 
+use crate::common::command::{PENDULUM, folder, run, text};
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::{Command, Output};
@@ -82,4 +83,16 @@ fn bad_input_is_one_line_on_standard_error_and_exit_code_2() {
         assert_eq!(catena(&arguments).status.code(), Some(2), "{arguments:?}");
     }
     std::fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn what_acts_along_a_joint_has_the_units_of_the_joint() {
+    let folder = folder("units");
+    let damped = PENDULUM.replace("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><dynamics damping=\"0.5\"/>");
+    for (kind, unit) in [("continuous", "0.5000 N m s/rad"), ("prismatic", "0.5000 N s/m")] {
+        std::fs::write(folder.join("damped.urdf"), damped.replace("continuous", kind)).expect("written");
+        let output = run(&folder, &["model", "damped.urdf"]);
+        let line = text(&output.stdout).lines().find(|line| line.contains("damper")).map(str::trim_end);
+        assert!(line.is_some_and(|line| line.ends_with(unit)), "{kind}: {}", text(&output.stdout));
+    }
 }

@@ -1,0 +1,6 @@
+//! The command line as scripts see it: exit codes, what is printed where, and what happens to files.
+
+mod errors;
+mod report;
+mod runs;
+mod warnings;

@@ -1,0 +1,212 @@
+//! Of a log that was cut off or damaged everything that is left is shown and recovered, and it is said what is missing.
+
+use super::{inspect, json, simulate};
+use crate::common;
+use crate::common::command::{assert_one_error, folder, run, text};
+use serde_json::Value;
+
+#[test]
+fn a_log_that_was_cut_off_is_shown_up_to_there_and_said_to_be_truncated() {
+    let folder = folder("cut");
+    simulate(&folder, &["--rate", "100"]);
+    let whole = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let (mut samples, mut readable) = (0, 0);
+    for part in 0..=20 {
+        std::fs::write(folder.join("cut.mcap"), &whole[..whole.len() * part / 20]).expect("written");
+        let output = run(&folder, &["inspect", "cut.mcap", "--json"]);
+        if output.status.code() == Some(0) {
+            let summary = json(&output);
+            let now = summary["samples"].as_u64().expect("a count");
+            assert!(now >= samples, "a longer log has no fewer samples");
+            samples = now;
+            readable += 1;
+            assert_eq!(summary["complete"] == true, part == 20, "{part}");
+            let words = run(&folder, &["inspect", "cut.mcap"]);
+            assert_eq!(text(&words.stdout).contains("TRUNCATED"), part < 20, "{}", text(&words.stdout));
+        } else {
+            assert_one_error(&output, 2, "cut");
+        }
+    }
+    assert!(samples == 151 && readable >= 19, "{samples} {readable}");
+}
+
+#[test]
+fn a_comparison_names_the_log_that_is_damaged_or_cut() {
+    let folder = folder("broken");
+    simulate(&folder, &["--rate", "1000"]);
+    let whole = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let mut damaged = whole.clone();
+    damaged[whole.len() / 2] ^= 1;
+    let cut = whole[..whole.len() / 2].to_vec();
+    let in_the_middle = format!("TRUNCATED: it ends in the middle, after {} bytes", cut.len());
+    for (bytes, missing) in [(damaged, "DAMAGED: 1 chunk between t = "), (cut, in_the_middle.as_str())] {
+        std::fs::write(folder.join("broken.mcap"), bytes).expect("written");
+        let comparison = inspect(&folder, &["pendulum.mcap", "broken.mcap"]);
+        assert!(comparison["only_a"].as_u64() > Some(0) && comparison["only_b"] == 0, "{comparison}");
+        assert_eq!(comparison["missing_a"], Value::Null);
+        assert!(comparison["missing_b"].as_str().is_some_and(|said| said.starts_with(missing)), "{comparison}");
+        let words = run(&folder, &["inspect", "pendulum.mcap", "broken.mcap"]);
+        let said = format!("broken.mcap is {missing}");
+        assert!(text(&words.stdout).contains(&said), "{}", text(&words.stdout));
+    }
+}
+
+#[test]
+fn of_a_log_with_a_damaged_chunk_everything_else_is_shown_and_recovered() {
+    let folder = folder("chunk");
+    simulate(&folder, &["--rate", "1000"]);
+    let mut log = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let half = log.len() / 2;
+    log[half..half + 8].fill(0xff);
+    std::fs::write(folder.join("damaged.mcap"), &log).expect("written");
+    let [mut damaged, whole] = ["damaged.mcap", "pendulum.mcap"].map(|log| inspect(&folder, &[log]));
+    assert_eq!(
+        (&damaged["complete"], &damaged["damaged"], &damaged["broken_off"]),
+        (&false.into(), &true.into(), &Value::Null)
+    );
+    let lost = damaged["lost_chunks"].clone();
+    assert_eq!(lost["count"], 1, "{lost}");
+    let [after, before] = ["after", "before"].map(|end| lost[end].as_f64().expect("a time"));
+    // A chunk is a quarter of a megabyte, which is some four hundred samples; those at its ends lack messages.
+    assert!(0.1 < after && after + 0.1 < before && before < 1.4, "{lost}");
+    let missed = whole["samples"].as_u64().expect("a count") - damaged["samples"].as_u64().expect("a count");
+    let gap = ((before - after) * 1000.0).round() as u64;
+    assert!((gap - 1..=gap + 1).contains(&missed), "{missed} samples in {lost}");
+    assert_eq!((&damaged["outcome"], &damaged["duration"]), (&"finished".into(), &1.5.into()));
+    assert_eq!(inspect(&folder, &["damaged.mcap", "--at", "1.4"])["time"], 1.4);
+
+    let said = format!("DAMAGED: 1 chunk between t = {after} s and t = {before} s cannot be read: ");
+    let words = run(&folder, &["inspect", "damaged.mcap"]);
+    assert!(text(&words.stdout).contains(&said), "{}", text(&words.stdout));
+    let output = run(&folder, &["inspect", "damaged.mcap", "--recover", "whole.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains(&said), "{}", text(&output.stdout));
+    let mut recovered = inspect(&folder, &["whole.mcap"]);
+    assert_eq!(recovered["complete"], true);
+    for summary in [&mut damaged, &mut recovered] {
+        ["complete", "damaged", "lost_chunks", "log", "bytes"].iter().for_each(|entry| {
+            summary.as_object_mut().expect("an object").remove(*entry);
+        });
+    }
+    assert_eq!(damaged, recovered);
+    let output = run(&folder, &["inspect", "damaged.mcap", "--csv", "damaged.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+/// Where each message of a log of uncompressed chunks ends, in bytes, and its channel.
+fn ends_of_messages(log: &[u8]) -> Vec<(usize, u16)> {
+    let number = |at: usize| u64::from_le_bytes(log[at..at + 8].try_into().expect("eight bytes")) as usize;
+    let (mut ends, mut at) = (Vec::new(), 8);
+    while at + 9 <= log.len() - 8 {
+        let next = at + 9 + number(at + 1);
+        if log[at] == 6 {
+            // Two times, two sizes, the checksum and no compression come before the records.
+            let mut inside = at + 9 + 8 + 8 + 8 + 4 + 4 + 8;
+            while inside < next {
+                let end = inside + 9 + number(inside + 1);
+                if log[inside] == 5 {
+                    ends.push((end, u16::from_le_bytes([log[inside + 9], log[inside + 10]])));
+                }
+                inside = end;
+            }
+        }
+        at = next;
+    }
+    ends
+}
+
+#[test]
+fn every_whole_message_before_a_cut_is_read_also_those_of_the_chunk_that_was_cut() {
+    let folder = folder("torn");
+    simulate(&folder, &["--rate", "100"]);
+    let whole = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let ends = ends_of_messages(&whole);
+    let channels: std::collections::BTreeSet<u16> = ends.iter().map(|(_, channel)| *channel).collect();
+    let mut numbers = common::Numbers::new(11);
+    let mut cuts: Vec<usize> = (0..12).map(|_| numbers.next(ends[0].0 as f64, whole.len() as f64) as usize).collect();
+    // Just before and at the end of a message, the first of all and one in the middle of the samples.
+    cuts.extend([ends[0].0, ends[ends.len() / 2].0].iter().flat_map(|end| [end - 1, *end]));
+    for cut in cuts {
+        std::fs::write(folder.join("cut.mcap"), &whole[..cut]).expect("written");
+        let summary = inspect(&folder, &["cut.mcap"]);
+        let topics = summary["topics"].as_array().expect("topics");
+        let mut found: Vec<u64> = topics.iter().map(|topic| topic["messages"].as_u64().expect("a count")).collect();
+        let count = |channel| ends.iter().filter(|(end, of)| *end <= cut && of == channel).count() as u64;
+        let mut expected: Vec<u64> = channels.iter().map(count).collect();
+        // Channels without a message are in the chunks too, or not yet.
+        [&mut found, &mut expected].into_iter().for_each(|counts| {
+            counts.retain(|count| *count > 0);
+            counts.sort_unstable();
+        });
+        assert_eq!(found, expected, "{cut} of {} bytes", whole.len());
+        let words = run(&folder, &["inspect", "cut.mcap"]);
+        assert!(text(&words.stdout).contains("TRUNCATED"), "{}", text(&words.stdout));
+        // The last sample may lack messages: it is no row of the table, which would have other columns.
+        let output = run(&folder, &["inspect", "cut.mcap", "--csv", "cut.csv"]);
+        assert_eq!(output.status.code(), Some(0), "{cut}: {}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn a_recovered_log_is_complete_and_has_everything_that_could_be_read() {
+    let folder = folder("recovered");
+    simulate(&folder, &["--rate", "100"]);
+    let original = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    std::fs::write(folder.join("cut.mcap"), &original[..original.len() * 3 / 5]).expect("written");
+    let output = run(&folder, &["inspect", "cut.mcap", "--recover", "whole.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let whole = std::fs::read(folder.join("whole.mcap")).expect("a log");
+    let [original, found] = [&original, &whole].map(|log| {
+        let messages = mcap::MessageStream::new(log).expect("a log").map(|message| message.expect("whole"));
+        let known = |message: mcap::Message| {
+            let schema = message.channel.schema.clone().expect("a schema");
+            (
+                message.channel.topic.clone(),
+                schema.name.clone(),
+                schema.data.to_vec(),
+                message.log_time,
+                message.data.to_vec(),
+            )
+        };
+        messages.map(known).collect::<Vec<_>>()
+    });
+    // There are indexes among the bytes behind the cut, so that more than half of the messages are before it.
+    assert!((original.len() / 2..original.len()).contains(&found.len()), "{} of {}", found.len(), original.len());
+    assert!(found == original[..found.len()]);
+    let index = mcap::Summary::read(&whole).expect("a log").expect("an index");
+    assert_eq!(index.stats.expect("figures").message_count, found.len() as u64);
+    let [mut cut, mut recovered] = ["cut.mcap", "whole.mcap"].map(|log| inspect(&folder, &[log]));
+    assert_eq!((&cut["complete"], &recovered["complete"]), (&false.into(), &true.into()));
+    for summary in [&mut cut, &mut recovered] {
+        ["complete", "log", "bytes", "broken_off"].iter().for_each(|entry| {
+            summary.as_object_mut().expect("an object").remove(*entry);
+        });
+    }
+    assert_eq!(cut, recovered);
+    // Its run can be made again, and it is not written over.
+    assert_eq!(run(&folder, &["replay", "whole.mcap"]).status.code(), Some(0));
+    assert_one_error(&run(&folder, &["inspect", "cut.mcap", "--recover", "whole.mcap"]), 2, "there already");
+    assert!(std::fs::read(folder.join("whole.mcap")).expect("a log") == whole);
+}
+
+#[test]
+fn a_log_that_ends_inside_a_sample_has_the_joints_of_the_samples_before() {
+    let folder = folder("inside");
+    simulate(&folder, &[]);
+    let whole = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
+    let messages: Vec<_> =
+        mcap::MessageStream::new(&whole).expect("a log").map(|message| message.expect("whole")).collect();
+    let last = messages.iter().rposition(|message| message.channel.topic == "/tf").expect("samples");
+    let mut writer =
+        mcap::Writer::new(std::fs::File::create(folder.join("inside.mcap")).expect("a file")).expect("a log");
+    messages[..=last].iter().for_each(|message| writer.write(message).expect("written"));
+    writer.finish().expect("written");
+    let (inside, whole) = (inspect(&folder, &["inside.mcap"]), inspect(&folder, &["pendulum.mcap"]));
+    for what in ["links", "joints"] {
+        assert_eq!(inside[what], whole[what], "{what}");
+    }
+    // The sample that lacks messages is none, and no row of a table, which would have other columns.
+    assert_eq!(inside["samples"].as_u64(), whole["samples"].as_u64().map(|samples| samples - 1));
+    let table = run(&folder, &["inspect", "inside.mcap", "--csv", "inside.csv"]);
+    assert_eq!(table.status.code(), Some(0), "{}", text(&table.stderr));
+}
