@@ -11,7 +11,7 @@ use catena::lobatto::step::{Attempt, StopRule};
 use catena::lobatto::tableau::Tableau;
 use catena::model::Rule;
 
-/// Poses and velocities after one step of the fast kernel in space; `tests/scheme/planar.rs` has that in a plane.
+/// Poses and velocities after one step of the fast kernel in space; `tests/scheme/planar/trees.rs` has that in a plane.
 fn fast_step(model: &Model, stages: usize, step: f64, isa: Isa) -> Vec<catena::state::BodyState> {
     let tableau = Tableau::of(stages).unwrap();
     let mut kernel = step_for(&model.mechanism, tableau, isa, &[Rule::Planar]);

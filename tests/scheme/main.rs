@@ -18,7 +18,6 @@ mod literal_scheme;
 mod loops;
 mod order;
 mod planar;
-mod planar_loops;
 mod precise;
 mod reversible;
 mod snapshots;

@@ -1,11 +1,10 @@
-//! Planar motion: three coordinates a body say the same as six, step by step.
+//! Trees in a plane: fixed and chosen steps, long ones and hard ones, and energies are those in space.
 
-use crate::common::{Numbers, command};
+use super::apart;
 use crate::in_plane::random_tree;
 use crate::models;
 use crate::models::Model;
 use catena::invariants::energy_with_forces;
-use catena::islands::Plan as IslandPlan;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::lobatto::dispatch::step_for;
@@ -13,10 +12,10 @@ use catena::lobatto::lanes::Isa;
 use catena::lobatto::literal::Literal;
 use catena::lobatto::step::StopRule;
 use catena::lobatto::tableau::Tableau;
-use catena::model::{Body, JointKind, Mechanism, Plane, Rule};
+use catena::model::{JointKind, Plane, Rule};
 use catena::simulation::{Integrator, StepOutcome};
 use catena::state::State;
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::Vector3;
 
 /// Two rods on parallel hinges.
 fn double_pendulum() -> Model {
@@ -41,12 +40,6 @@ fn everything() -> Vec<(&'static str, Model)> {
         ("tree with forces", forced(random_tree(3, 12, Vector3::new(-0.2, 0.4, 0.6)))),
         ("slides with forces", forced(models::one_joint(JointKind::Prismatic))),
     ]
-}
-
-/// Largest difference of positions and velocities.
-fn apart(a: &State, b: &State) -> f64 {
-    let differences = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    differences(&a.position, &b.position).max(differences(&a.velocity, &b.velocity))
 }
 
 /// What became of a run: the state at its end, and what each step did.
@@ -267,103 +260,4 @@ fn joints_that_have_turned_ten_thousand_times_are_placed_as_well_as_in_space() {
     let places = |state: &State| body_states(&model.mechanism, state);
     let difference = models::pose_distance(&places(&flat.0), &places(&full.0));
     assert!(difference < 1e-13, "{difference:e}");
-}
-
-#[test]
-fn only_what_joints_keep_in_a_plane_has_one() {
-    let has = |mechanism: &Mechanism| Plane::of(mechanism).is_some();
-    for seed in 0..40 {
-        let mut numbers = Numbers::new(seed);
-        let normal = Vector3::from_fn(|_, _| numbers.next(-1.0, 1.0));
-        let mut model = random_tree(seed, 30, normal.normalize());
-        let plane = Plane::of(&model.mechanism).unwrap_or_else(|| panic!("tree {seed} has no plane"));
-        assert!(plane.normal().cross(&normal.normalize()).norm() < 1e-13, "tree {seed}: {plane:?}");
-
-        // A joint that is off by little more than rounding leaves the plane by as much.
-        let joint = &mut model.mechanism.bodies[seed as usize % 30].joint;
-        joint.on_parent.rotation *= Rotation3::new(Vector3::new(3e-12, 4e-12, 0.0));
-        assert!(!has(&model.mechanism), "tree {seed}");
-    }
-    for kind in models::JOINT_KINDS {
-        // Two slides always have a plane, two hinges that are not parallel never.
-        assert_eq!(has(&models::one_joint(kind).mechanism), kind == JointKind::Prismatic, "{kind:?}");
-    }
-    assert!(has(&models::chain(1).mechanism) && !has(&models::chain(2).mechanism));
-
-    let chain = models::planar_chain(3).mechanism;
-    assert!(has(&chain));
-    for (name, forces) in models::every_force(&chain) {
-        assert!(has(&Mechanism { forces, ..chain.clone() }), "{name}");
-    }
-    assert!(!has(&Mechanism::new("nothing", models::gravity(), Vec::new()).expect("nothing")));
-}
-
-#[test]
-fn islands_in_parallel_planes_are_run_together_and_stay_in_their_plane() {
-    // Four swings in one plane, two in another, and arms that have none, in turns.
-    let turned = |mut model: Model, about: Vector3<f64>| {
-        let joint = &mut model.mechanism.bodies[0].joint;
-        joint.on_parent.rotation = Rotation3::new(about) * joint.on_parent.rotation;
-        model
-    };
-    let across = Vector3::new(0.0, 0.0, 1.2);
-    let parts = [
-        models::planar_chain(3),
-        models::chain(3),
-        turned(models::planar_chain(3), across),
-        models::planar_chain(3),
-        models::chain(3),
-        models::planar_chain(3),
-        turned(models::planar_chain(3), across),
-        models::planar_chain(3),
-    ];
-    let bodies = parts.iter().enumerate().flat_map(|(part, model)| {
-        model
-            .mechanism
-            .bodies
-            .iter()
-            .map(move |body| Body { parent: body.parent.map(|body| body + 3 * part), ..body.clone() })
-    });
-    let mechanism = Mechanism::new("swings", models::gravity(), bodies.collect()).expect("depth first");
-    let mut state = State::zero(&mechanism);
-    state.velocity.fill(0.3);
-    let group = |smallest: usize, kept: &[Rule]| -> Vec<(usize, bool)> {
-        let plan = IslandPlan::new(&mechanism, &state, kept).grouped(&mechanism, smallest);
-        let sizes = plan.islands.iter().map(|(island, _)| &island.mechanism);
-        sizes.map(|part| (part.bodies.len(), Plane::of(part).is_some())).collect()
-    };
-    assert_eq!(group(12, &[]), [(12, true), (12, false)], "two swings are too few to be worth a group");
-    assert_eq!(group(6, &[]), [(6, true), (6, false), (6, true), (6, true)]);
-    assert_eq!(group(12, &[Rule::Planar]), [(12, false), (12, false)]);
-    assert_eq!(group(2, &[]).len(), 8);
-}
-
-#[test]
-fn the_rule_is_named_counted_and_switched_off_by_name() {
-    // Where it hangs in equilibrium it would sleep.
-    const SIDEWAYS: [&str; 4] = ["model", "pendulum.urdf", "--gravity", "3,0,-9"];
-    let folder = command::folder("planar");
-    let rule = |arguments: &[&str]| -> serde_json::Value {
-        let output = command::run(&folder, &[&SIDEWAYS[..], &["--json"], arguments].concat());
-        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-        let rules = json["rules"].as_array().expect("an array").clone();
-        rules.into_iter().find(|rule| rule["name"] == "planar").expect("the rule is named")
-    };
-    assert_eq!((&rule(&[])["count"], &rule(&[])["kept"]), (&1.into(), &false.into()));
-    assert_eq!(rule(&["--keep", "planar"])["kept"], true);
-    let table = command::run(&folder, &SIDEWAYS);
-    assert!(command::text(&table.stdout).contains("1 body, three coordinates each instead of six"));
-
-    let report = |arguments: &[&str]| -> serde_json::Value {
-        let always = ["simulate", "pendulum.urdf", "--no-log", "--json", "--position", "hinge=1", "--duration", "2"];
-        let output = command::run(&folder, &[&always[..], arguments].concat());
-        serde_json::from_slice(&output.stdout).expect("JSON")
-    };
-    for method in [&["--tolerance", "1e-8"][..], &["--stages", "6", "--step", "0.02"]] {
-        let (flat, full) = (report(method), report(&[method, &["--keep", "planar"]].concat()));
-        let ends = [&flat, &full].map(|report| report["joints"]["hinge"]["position"].as_f64().expect("an angle"));
-        // Both round; with a tolerance their steps differ by a share of the error.
-        assert!((ends[0] - ends[1]).abs() < 1e-11, "{ends:?}");
-        assert_eq!(flat["steps"], full["steps"]);
-    }
 }
