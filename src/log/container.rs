@@ -12,7 +12,7 @@
 //!
 //! The crate's own writer takes a message in seven pieces, each through three layers with a checksum in two of them, which is a third
 //! of what a sample costs and cannot be given a chunk that is encoded already; that is why it is not used (benches/README.md). Its
-//! readers, and those of Python, hold what is written here against the format in `tests/program/log_readback.rs`. Source: MCAP format
+//! readers, and those of Python, hold what is written here against the format in `tests/program/log_readback/`. Source: MCAP format
 //! specification (mcap.dev/spec).
 
 use super::batch::{Batch, CHUNK_HEADER, Entry, RECORD_HEADER};

@@ -1,6 +1,6 @@
 //! The report of a run: one structure, shown as JSON to scripts and as a few aligned lines to people (`text`).
 //!
-//! The JSON is a promise to other people's scripts; its keys and their order are tested (`tests/program/cli.rs`). Links and
+//! The JSON is a promise to other people's scripts; its keys and their order are tested (`tests/program/cli/report.rs`). Links and
 //! joints are given in the world and in the joint's frame on the parent as [`LinkReport`] and [`JointReport`] say.
 
 mod method;
