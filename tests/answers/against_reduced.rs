@@ -2,8 +2,7 @@
 //! explicit method of order 8.
 
 use crate::common::{models_of, run_until, stem, urdf_files};
-use crate::models;
-use crate::models::{pose_distance, velocity_distance};
+use crate::models::{self, pose_distance, velocity_distance};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::model::Mechanism;

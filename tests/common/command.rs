@@ -1,5 +1,6 @@
 //! Running the program as scripts do, in folders of its own.
 
+use super::scratch;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
@@ -23,13 +24,7 @@ pub const ENDLESS: [&str; 8] = ["--duration", "1e7", "--stages", "4", "--step", 
 
 /// An empty folder of this test's own with a pendulum in it.
 pub fn folder(name: &str) -> PathBuf {
-    // The thread of a test has its name, with that of its module.
-    let thread = std::thread::current();
-    let test = thread.name().expect("the thread of a test").replace("::", "/");
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join(test).join(name);
-    // It is not there the first time.
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a folder for the test");
+    let folder = scratch(name);
     std::fs::write(folder.join("pendulum.urdf"), PENDULUM).expect("the pendulum is written");
     folder
 }

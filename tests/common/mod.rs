@@ -76,6 +76,18 @@ pub fn rotation_angle(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
     (a - b).norm() / std::f64::consts::SQRT_2
 }
 
+/// An empty folder of this test's own. What is left in it afterwards is in the folder of the build.
+pub fn scratch(name: &str) -> PathBuf {
+    // The thread of a test has its name, with that of its module.
+    let thread = std::thread::current();
+    let test = thread.name().expect("the thread of a test").replace("::", "/");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join(test).join(name);
+    // It is not there the first time.
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder for the test");
+    folder
+}
+
 /// A folder of the shared test data; `None`, with the reason printed, where it is not there.
 pub fn shared(folder: &str) -> Option<PathBuf> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared").join(folder);

@@ -1,7 +1,6 @@
 //! What vanishes from the equations of a body may be left out: the full model says the same.
 
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::invariants::{energy, momentum};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;

@@ -1,5 +1,6 @@
 //! Claims about `catena chart`: the arithmetic of the ratios, the references, the files it writes.
 
+use crate::common::scratch;
 use catena::chart::measure::Plan;
 use catena::chart::ratio::{Comparison, Front, Reach};
 use catena::chart::reference::reference;
@@ -41,14 +42,6 @@ fn pendulum(duration: f64) -> Scene {
 
 fn robot(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(name)
-}
-
-/// A folder for one test, empty at its start.
-fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("catena-chart-{}-{name}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
 }
 
 fn catena(arguments: &[&str]) -> Output {
@@ -177,7 +170,7 @@ fn measurements_survive_the_way_through_a_csv_file() {
             ..measurement(Method::Dop853, 1.0, 1.0)
         },
     ];
-    let file = folder("round-trip").join("measurements.csv");
+    let file = scratch("round-trip").join("measurements.csv");
     std::fs::write(&file, write_csv(&runs)).unwrap();
     assert_eq!(read_csv(&file).unwrap(), runs);
 }
@@ -204,7 +197,7 @@ fn orders(runs: &[Measurement], method: Method, range: std::ops::Range<f64>) -> 
 
 #[test]
 fn the_command_writes_pictures_numbers_and_a_page_and_the_numbers_show_the_orders() {
-    let folder = folder("command");
+    let folder = scratch("command");
     let (input, output) = (robot("pendulum.urdf"), folder.join("chart"));
     // Another program's file, with a second scene that is not drawn.
     let foreign = folder.join("foreign.csv");
@@ -236,12 +229,11 @@ fn the_command_writes_pictures_numbers_and_a_page_and_the_numbers_show_the_order
     // Order 16 shows over a few rungs only: above them the steps are coarse, below them is rounding.
     let of_nine = orders(&runs, Method::Lobatto(9), 1e-13..1e-5);
     assert!(of_nine.len() >= 2 && of_nine.iter().all(|order| (13.0..18.0).contains(order)), "{of_nine:?}");
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn wrong_input_is_one_line_and_no_files() {
-    let folder = folder("wrong");
+    let folder = scratch("wrong");
     let output = folder.join("chart");
     let good = robot("pendulum.urdf").to_str().unwrap().to_string();
     let bad_csv = folder.join("bad.csv");
@@ -263,18 +255,16 @@ fn wrong_input_is_one_line_and_no_files() {
         assert_eq!(said.lines().count(), 1, "{said}");
         assert!(said.contains(told) && !output.exists() && ended.stdout.is_empty(), "{arguments:?}: {said}");
     }
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn a_file_in_the_place_of_the_folder_is_left_alone() {
-    let folder = folder("occupied");
+    let folder = scratch("occupied");
     let occupied = folder.join("chart");
     std::fs::write(&occupied, "mine").unwrap();
     let ended = catena(&[robot("pendulum.urdf").to_str().unwrap(), "-o", occupied.to_str().unwrap()]);
     assert_eq!(ended.status.code(), Some(2));
     assert_eq!(std::fs::read_to_string(&occupied).unwrap(), "mine");
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! `catena model`: exit codes, tables and JSON.
 
 use crate::common::command::{PENDULUM, folder, run, text};
+use crate::common::scratch;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::{Command, Output};
@@ -20,7 +21,7 @@ fn catena(arguments: &[&str]) -> Output {
 
 /// A URDF file of this test's own.
 fn urdf(name: &str, text: &str) -> PathBuf {
-    let path = std::env::temp_dir().join(format!("catena-model-verb-{}-{name}.urdf", std::process::id()));
+    let path = scratch(name).join("robot.urdf");
     std::fs::write(&path, text).unwrap();
     path
 }
@@ -49,7 +50,6 @@ fn the_json_names_bodies_joints_reductions_and_warnings() {
     assert_eq!(rules, ["fixed_base", "fused_with_parent"]);
     assert_eq!(report["warnings"].as_array().unwrap().len(), 1);
     assert!(report["warnings"][0].as_str().unwrap().ends_with(":7: <gazebo> is not read"));
-    std::fs::remove_file(path).unwrap();
 }
 
 #[test]
@@ -63,7 +63,6 @@ fn the_tables_show_what_is_simulated_and_what_is_not() {
     for part in ["shoulder", "continuous", "2.000", "0.1000, 0.2000, 0.1500", "fixed to its parent", "1 warning:"] {
         assert!(text.contains(part), "{part:?} in {text}");
     }
-    std::fs::remove_file(path).unwrap();
 }
 
 #[test]
@@ -82,7 +81,6 @@ fn bad_input_is_one_line_on_standard_error_and_exit_code_2() {
     {
         assert_eq!(catena(&arguments).status.code(), Some(2), "{arguments:?}");
     }
-    std::fs::remove_file(path).unwrap();
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //!
 //! A reduced map, a few cells of each problem; `catena stress` draws the whole.
 
+use crate::common::scratch;
 use catena::chart::{Method as ChartMethod, Setting};
 use catena::lobatto::Lobatto;
 use catena::simulation::Integrator;
@@ -10,7 +11,7 @@ use catena::stress::problem::steps;
 use catena::stress::table::write_csv;
 use catena::stress::{Answer, Case, Ended, Map, Method, Problem, Verdict, report};
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
@@ -201,14 +202,6 @@ fn steps_of_a_map_are_evenly_spaced_on_a_logarithmic_scale() {
     assert!(steps.windows(2).all(|pair| (pair[0] / pair[1] - 10_f64.powf(1.0 / 39.0)).abs() < 1e-14));
 }
 
-/// A folder for one test, empty at its start.
-fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("catena-stress-{}-{name}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
 fn catena(arguments: &[&str], folder: &Path) -> Output {
     let program = env!("CARGO_BIN_EXE_catena");
     Command::new(program).arg("stress").args(arguments).current_dir(folder).output().unwrap()
@@ -216,7 +209,7 @@ fn catena(arguments: &[&str], folder: &Path) -> Output {
 
 #[test]
 fn pictures_numbers_and_the_page_are_written_whole() {
-    let folder = folder("files");
+    let folder = scratch("files");
     report::write(&reduced()[..2], "a processor", &folder).unwrap();
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     let csv = read("cells.csv");
@@ -231,12 +224,11 @@ fn pictures_numbers_and_the_page_are_written_whole() {
         assert!(std::fs::metadata(folder.join(format!("{name}.png"))).unwrap().len() > 10_000);
     }
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 6);
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn wrong_usage_is_one_line_and_touches_nothing() {
-    let folder = folder("usage");
+    let folder = scratch("usage");
     std::fs::write(folder.join("file"), "").unwrap();
     for (arguments, said) in [
         (vec!["-o", "out", "--only", "mass"], "there is no problem \"mass\"; there are mass_ratio, chain_length"),
@@ -249,19 +241,17 @@ fn wrong_usage_is_one_line_and_touches_nothing() {
         assert!(error.contains(said) && error.lines().count() == 1, "{error}");
     }
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn one_problem_can_be_mapped_alone() {
-    let folder = folder("only");
+    let folder = scratch("only");
     let output = catena(&["-o", "out", "--only", "gimbal_lock", "--quick"], &folder);
     assert!(output.status.success(), "{output:?}");
     let told = String::from_utf8(output.stdout).unwrap();
     assert!(told.lines().filter(|line| line.starts_with("gimbal_lock")).count() == Method::ALL.len(), "{told}");
     assert!(Verdict::ALL.iter().all(|verdict| told.contains(verdict.word())));
     assert!(folder.join("out/gimbal_lock.png").is_file() && folder.join("out/index.html").is_file());
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 /// A run of a difficulty of the gimbals to its end, or where it fails.

@@ -1,10 +1,9 @@
 //! Real robots run: every URDF that works elsewhere simulates a second at the default tolerance without losing energy,
 //! and damaged ones are refused, or run with a warning, as a user of the command line sees it.
 
-use crate::common::{by_tolerance, models_of, run_until, shared, stem, urdf_files};
+use crate::common::{by_tolerance, models_of, run_until, scratch, shared, stem, urdf_files};
 use catena::lobatto::assembly::assemble;
 use serde_json::Value;
-use std::path::Path;
 use std::process::Command;
 
 /// The default of `catena simulate`.
@@ -63,8 +62,7 @@ const REJECTS: [(&str, Result<&str, &str>); 11] = [
 fn damaged_files_run_with_a_warning_or_end_with_exit_code_two_and_one_line() {
     let Some(folder) = shared("urdf-corpus/rejects") else { return };
     assert_eq!(urdf_files(&folder).len(), REJECTS.len(), "every file is listed");
-    let empty = Path::new(env!("CARGO_TARGET_TMPDIR")).join("urdf_corpus_runs");
-    std::fs::create_dir_all(&empty).unwrap();
+    let empty = scratch("empty");
     for (name, expected) in REJECTS {
         let output = Command::new(env!("CARGO_BIN_EXE_catena"))
             .current_dir(&empty)

@@ -1,7 +1,6 @@
 //! Iterations that keep the factors of an earlier one have the residual of their own iterate, and end where the others do.
 
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::lobatto::chord::Chord;
 use catena::lobatto::lanes::{Lanes, Portable};
 use catena::lobatto::stage::Stages;

@@ -1,8 +1,7 @@
 //! Steps that begin in single precision end where others do. That their first iterations are those of double precision to the digits of
 //! single is tested where these are made, in `src/lobatto/first.rs`.
 
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::kinematics::body_states;
 use catena::lobatto::dispatch::step_for;
 use catena::lobatto::lanes::Isa;

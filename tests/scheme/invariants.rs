@@ -1,7 +1,6 @@
 //! What never drifts: constraints, momenta, energy.
 
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::invariants::{energy, momentum, violation};
 use catena::kinematics::{WORLD, body_states, forward_kinematics};
 use catena::lobatto::Lobatto;

@@ -1,7 +1,6 @@
 //! The fast kernel makes the same step as the literal scheme (2.5.11), with forces and without.
 
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::kinematics::body_states;
 use catena::lobatto::dispatch::step_for;
 use catena::lobatto::lanes::Isa;

@@ -1,7 +1,6 @@
 //! The order of convergence is 2s − 2 (theorem 2.5.2).
 
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::simulation::Integrator;

@@ -1,7 +1,6 @@
 //! Reversible steps: a run that is turned round retraces itself, and its energy has no trend.
 
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::kinematics::{WORLD, forward_kinematics};
 use catena::lobatto::Lobatto;
 use catena::lobatto::integrator::MethodError;

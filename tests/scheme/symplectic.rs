@@ -1,7 +1,6 @@
 //! The step is symplectic on T*N and time-reversible.
 
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::kinematics::forward_kinematics;
 use catena::lobatto::dispatch::step_for;
 use catena::lobatto::lanes::Isa;

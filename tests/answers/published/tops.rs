@@ -3,8 +3,7 @@
 #![allow(clippy::excessive_precision, reason = "reference values stand as their source prints them")]
 
 use super::{assert_close, visit};
-use crate::models;
-use crate::models::PoseReference;
+use crate::models::{self, PoseReference};
 use catena::state::BodyState;
 use nalgebra::Vector3;
 

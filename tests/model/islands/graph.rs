@@ -2,8 +2,7 @@
 
 use super::{parts, side_by_side, spring_between};
 use crate::common::Numbers;
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::forces::total::{Stored, stored};
 use catena::forces::{Forces, PointSpring};
 use catena::kinematics::body_states;

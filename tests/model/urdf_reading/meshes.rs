@@ -1,6 +1,7 @@
 //! Meshes are found where packages are documented to be, and one that is missing is a warning.
 
-use super::{FILE, GOOD_INERTIAL, link, read, robot, scratch};
+use super::{FILE, GOOD_INERTIAL, link, read, robot};
+use crate::common::scratch;
 use catena::scene::{Geometry, PackagePath, robot_from_text, robot_without_meshes};
 
 #[test]
@@ -41,7 +42,6 @@ fn packages_are_looked_for_in_the_documented_order() {
         assert!(robot.description.contains(&format!("file://{}", mesh.display())), "{}", robot.description);
         assert!(robot.warnings.is_empty());
     }
-    std::fs::remove_dir_all(&root).unwrap();
 }
 
 #[test]
@@ -57,7 +57,6 @@ fn no_mesh_is_looked_for_where_nobody_needs_it() {
     });
     assert_eq!(resolved.collect::<Vec<_>>(), [None, None]);
     assert!(robot.warnings.is_empty(), "{:?}", robot.warnings);
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]

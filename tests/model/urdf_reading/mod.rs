@@ -56,10 +56,3 @@ fn link(name: &str) -> Option<Element> {
 fn joint(name: &str) -> Option<Element> {
     Some(Element::Joint(name.to_string()))
 }
-
-/// A folder of this test's own.
-fn scratch(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("catena-urdf-reading-{}-{name}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}

@@ -1,6 +1,7 @@
 //! What is no URDF, or says what cannot be, is refused with one clear error, and no damage makes the reader panic.
 
-use super::{GOOD_INERTIAL, joint, link, read, refused, robot, scratch, warned};
+use super::{GOOD_INERTIAL, joint, link, read, refused, robot, warned};
+use crate::common::scratch;
 use catena::scene::{PackagePath, Problem, read_urdf};
 
 #[test]

@@ -1,6 +1,7 @@
 //! The file: the same bytes for the same run, an index and checksums that are right, and readable while it is written.
 
-use super::{Onlooker, URDF, log, log_seen_by, messages, of_topic, temporary};
+use super::{Onlooker, URDF, log, log_seen_by, messages, of_topic};
+use crate::common::scratch;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 /// Long enough for several chunks.
@@ -78,7 +79,7 @@ fn the_summary_leads_to_every_message_attachment_and_record_and_all_checksums_ar
 /// What a killed run leaves behind is what is in the file at that time.
 #[test]
 fn all_but_the_last_second_is_readable_before_the_log_is_complete_and_leaves_no_trace() {
-    let mut onlooker = Onlooker { path: Some(temporary("onlooker.mcap")), seen: 0 };
+    let mut onlooker = Onlooker { path: Some(scratch("log").join("onlooker.mcap")), seen: 0 };
     let bytes = log_seen_by("onlooker.mcap", 60.0, &mut onlooker);
     assert!(onlooker.seen >= 31, "{} of the 31 samples up to t = 0.5 s", onlooker.seen);
     assert!(bytes == log("undisturbed.mcap", 60.0));

@@ -1,6 +1,7 @@
 //! The messages: what is known at the start, times, poses, joints, reactions and energy are those of the run.
 
-use super::{Coasting, URDF, VELOCITY, arm, log, messages, model_of, of_topic, simulation, temporary};
+use super::{Coasting, URDF, VELOCITY, arm, log, messages, model_of, of_topic, simulation};
+use crate::common::scratch;
 use catena::kinematics::{WORLD, forward_kinematics};
 use catena::log::{Ending, Recorder, Severity};
 use catena::model::Base;
@@ -223,7 +224,7 @@ fn reactions_are_those_of_the_report() {
 /// A floating base and a ball: their logged transforms place the links as `/tf` does.
 #[test]
 fn joints_of_several_numbers_are_logged_as_transforms_and_twists() {
-    let path = temporary("floating.mcap");
+    let path = scratch("log").join("floating.mcap");
     let inertial = r#"<inertial><origin xyz="0.1 0.2 0"/><mass value="2"/>
         <inertia ixx="0.1" iyy="0.2" izz="0.25" ixy="0.01" ixz="0" iyz="0"/></inertial>"#;
     let urdf = format!(
@@ -266,7 +267,7 @@ fn joints_of_several_numbers_are_logged_as_transforms_and_twists() {
 /// Viewers refuse a frame that is its own parent.
 #[test]
 fn a_link_that_is_the_world_frame_has_no_transform() {
-    let path = temporary("world.mcap");
+    let path = scratch("log").join("world.mcap");
     let model = model_of(&URDF.replace("\"base\"", "\"world\""), Base::Fixed);
     let mut recorder = Recorder::create(&path, &model, simulation()).expect("the log is created");
     let options = RunOptions { duration: 0.1, rate: None, interrupt: None };
@@ -284,7 +285,7 @@ fn a_link_that_is_the_world_frame_has_no_transform() {
 
 #[test]
 fn what_ended_a_run_is_the_last_line_of_the_log() {
-    let path = temporary("ended.mcap");
+    let path = scratch("log").join("ended.mcap");
     let model = arm();
     let mut recorder = Recorder::create(&path, &model, simulation()).expect("the log is created");
     recorder.say(Severity::Error, "it broke");

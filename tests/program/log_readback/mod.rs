@@ -4,6 +4,7 @@ mod file;
 mod layout;
 mod messages;
 
+use crate::common::scratch;
 use catena::log::{Ending, Recorder};
 use catena::model::{Base, Mechanism, Model, ModelOptions};
 use catena::scene::{PackagePath, robot_from_text};
@@ -90,17 +91,13 @@ fn simulation() -> BTreeMap<String, String> {
     BTreeMap::from([("robot".to_string(), "arm".to_string())])
 }
 
-fn temporary(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
-}
-
 /// The bytes of a log of `duration` seconds, with steps of 0.05 s that do not fit the samples.
 fn log(name: &str, duration: f64) -> Vec<u8> {
     log_seen_by(name, duration, &mut Onlooker { path: None, seen: 0 })
 }
 
 fn log_seen_by(name: &str, duration: f64, onlooker: &mut Onlooker) -> Vec<u8> {
-    let path = temporary(name);
+    let path = scratch("log").join(name);
     let model = arm();
     let mut state = model.zero_state();
     state.velocity.copy_from_slice(&VELOCITY);

@@ -3,8 +3,7 @@
 #![allow(clippy::excessive_precision, reason = "reference values stand as their source prints them")]
 
 use super::{damper, fixed, one_body, run};
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::forces::{Forces, JointLoad, JointSpring, PointSpring, Wrench};
 use catena::model::{Coordinate, Joint, JointKind, Mechanism, Pose};
 use catena::state::State;

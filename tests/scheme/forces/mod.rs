@@ -6,8 +6,7 @@ mod order;
 mod stiff;
 
 use crate::common::run_until;
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::forces::{Forces, JointDamper};
 use catena::lobatto::Lobatto;
 use catena::model::{Joint, JointKind, Mechanism};

@@ -1,8 +1,7 @@
 //! With every force on every kind of joint the order stays, the energy is accounted for, and another method agrees.
 
 use super::{fixed, run};
-use crate::models;
-use crate::models::{Model, pose_distance, velocity_distance};
+use crate::models::{self, Model, pose_distance, velocity_distance};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::model::JointKind;

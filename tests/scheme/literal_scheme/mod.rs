@@ -6,8 +6,7 @@
 mod steps;
 mod variational;
 
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 
 /// A moving start, so that no term of the equations vanishes by symmetry.
 fn moving_double_pendulum() -> Model {

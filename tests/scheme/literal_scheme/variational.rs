@@ -2,8 +2,7 @@
 //! the fast kernel.
 
 use super::moving_double_pendulum;
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::kinematics::forward_kinematics;
 use catena::lobatto::Lobatto;
 use catena::lobatto::literal::{Literal, coordinates};

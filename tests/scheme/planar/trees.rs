@@ -2,8 +2,7 @@
 
 use super::apart;
 use crate::in_plane::random_tree;
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::invariants::energy_with_forces;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;

@@ -2,8 +2,7 @@
 
 use super::start_of;
 use crate::common::shared;
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::invariants::energy;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;

@@ -4,8 +4,7 @@ mod fastest;
 mod limits;
 mod modes;
 
-use crate::models;
-use crate::models::Model;
+use crate::models::{self, Model};
 use catena::forces::{JointDamper, JointSpring};
 use catena::lobatto::start::{Plan, Start};
 use catena::model::{Coordinate, Joint, JointKind, Mechanism, Pose};
