@@ -13,7 +13,7 @@ use catena::state::State;
 use cpu_time::ProcessTime;
 use std::time::Instant;
 
-#[path = "../tests/models/mod.rs"]
+#[path = "../tests/shared/models/mod.rs"]
 mod models;
 
 const ROUNDS: usize = 31;

@@ -11,7 +11,7 @@ use catena::state::State;
 use cpu_time::ThreadTime;
 use std::process::Command;
 
-#[path = "../tests/models/mod.rs"]
+#[path = "../tests/shared/models/mod.rs"]
 mod models;
 
 const STAGES: usize = 5;

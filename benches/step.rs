@@ -14,7 +14,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use std::time::Duration;
 
-#[path = "../tests/models/mod.rs"]
+#[path = "../tests/shared/models/mod.rs"]
 mod models;
 
 /// Steps between two looks at the clock.

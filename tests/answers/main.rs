@@ -1,8 +1,8 @@
 //! Motions that something else knows: the comparator in joint coordinates, and answers of others.
 
-#[path = "../common/mod.rs"]
+#[path = "../shared/common/mod.rs"]
 mod common;
-#[path = "../models/mod.rs"]
+#[path = "../shared/models/mod.rs"]
 mod models;
 
 mod against_reduced;

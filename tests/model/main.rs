@@ -1,10 +1,10 @@
 //! From files to mechanisms: what is read, what is left out, and that nothing is lost by it.
 
-#[path = "../closed/mod.rs"]
+#[path = "../shared/closed/mod.rs"]
 mod closed;
-#[path = "../common/mod.rs"]
+#[path = "../shared/common/mod.rs"]
 mod common;
-#[path = "../models/mod.rs"]
+#[path = "../shared/models/mod.rs"]
 mod models;
 
 mod islands;

@@ -1,8 +1,8 @@
 //! What does not allocate on the heap, counted by an allocator that other tests do without.
 
-#[path = "../closed/mod.rs"]
+#[path = "../shared/closed/mod.rs"]
 mod closed;
-#[path = "../models/mod.rs"]
+#[path = "../shared/models/mod.rs"]
 mod models;
 
 mod sample;

@@ -1,6 +1,6 @@
 //! The program as its users see it: commands, logs, pages.
 
-#[path = "../common/mod.rs"]
+#[path = "../shared/common/mod.rs"]
 mod common;
 
 mod chart;

@@ -1,4 +1,4 @@
-//! Logs as the readers of the mcap project see them (`tests/readback.py`), which share no line with ours.
+//! Logs as the readers of the mcap project see them (`tests/program/readback.py`), which share no line with ours.
 //!
 //! They are Python packages, which `.ci/run` puts into `target/python`; without them these tests say so and skip.
 
@@ -20,7 +20,7 @@ fn python() -> Option<PathBuf> {
 
 /// Runs the script and returns the number of messages it has read.
 fn readback(python: &Path, arguments: &[&Path]) -> usize {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/readback.py");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/readback.py");
     let output = Command::new(python).arg(script).args(arguments).output().expect("Python runs");
     assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
     text(&output.stdout).trim().parse().expect("a count")

@@ -1,12 +1,12 @@
 //! The scheme, its solver and its steps: what the method claims.
 
-#[path = "../closed/mod.rs"]
+#[path = "../shared/closed/mod.rs"]
 mod closed;
-#[path = "../common/mod.rs"]
+#[path = "../shared/common/mod.rs"]
 mod common;
-#[path = "../in_plane/mod.rs"]
+#[path = "../shared/in_plane/mod.rs"]
 mod in_plane;
-#[path = "../models/mod.rs"]
+#[path = "../shared/models/mod.rs"]
 mod models;
 
 mod chord;
