@@ -6,6 +6,7 @@ use catena::distance::{distance, probes};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::model::{Mechanism, Model, ModelOptions};
+use catena::reduced::Dop853;
 use catena::scene::{PackagePath, read_urdf};
 use catena::simulation::Integrator;
 use catena::state::State;
@@ -98,7 +99,7 @@ const PRECISE: [(&str, f64, f64, f64); 5] = [
 ];
 
 /// Holds the ends of integrators against the answers of a table's scenes.
-fn assert_answers(table: &[(&str, f64, f64, f64)], make: impl Fn(&Mechanism, f64) -> Lobatto) {
+fn assert_answers<I: Integrator>(table: &[(&str, f64, f64, f64)], make: impl Fn(&Mechanism, f64) -> I) {
     let Some(folder) = shared("reference") else { return };
     for &(name, step, metres, radians) in table {
         let scene = Scene::read(&folder, name);
@@ -122,6 +123,11 @@ fn steps_with_32_digits_differ_from_the_answers_by_what_these_are_good_to() {
 #[test]
 fn chosen_steps_give_the_reference_answers_as_well_as_fixed_ones() {
     assert_answers(&FIXED, |mechanism, _| Lobatto::adaptive(mechanism, 1e-12));
+}
+
+#[test]
+fn the_comparator_with_its_tightest_tolerance_gives_the_reference_answers_as_well_as_fixed_steps() {
+    assert_answers(&FIXED, |mechanism, _| Dop853::new(mechanism, 1e-13));
 }
 
 #[test]

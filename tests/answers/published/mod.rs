@@ -1,4 +1,4 @@
-//! Published benchmark problems, with their published or independently computed answers.
+//! Published benchmark problems, with their published or independently computed answers, by the scheme and by the comparator.
 //!
 //! The numbers are those of the project's page of benchmark problems (`benchmarks.md`); the comments on the
 //! tables name the sections there, and the sources that page gives for them. Computed answers hold to all digits printed.
@@ -10,16 +10,36 @@ use crate::common::run_until;
 use crate::models::Model;
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
-use catena::simulation::Summary;
+use catena::model::Mechanism;
+use catena::reduced::Dop853;
+use catena::simulation::{Integrator, Summary};
 use catena::state::BodyState;
 
-/// Visits the bodies at each of the `times` of a run by steps of nine stages; returns the figures of the worst stretch.
-fn visit(model: &Model, step: f64, times: &[f64], mut look: impl FnMut(usize, &[BodyState])) -> Summary {
+/// What moves a problem.
+#[derive(Clone, Copy, Debug)]
+enum Method {
+    /// The scheme, in steps of nine stages and so many seconds.
+    Scheme(f64),
+    /// The comparator in joint coordinates, with a tolerance of 1e-13 a step.
+    Comparator,
+}
+
+impl Method {
+    fn integrator(self, mechanism: &Mechanism) -> Box<dyn Integrator> {
+        match self {
+            Method::Scheme(step) => Box::new(Lobatto::fixed(mechanism, 9, step).unwrap()),
+            Method::Comparator => Box::new(Dop853::new(mechanism, 1e-13)),
+        }
+    }
+}
+
+/// Visits the bodies at each of the `times` of a run; returns the figures of the worst stretch.
+fn visit(model: &Model, method: Method, times: &[f64], mut look: impl FnMut(usize, &[BodyState])) -> Summary {
     let mut state = model.state.clone();
-    let mut lobatto = Lobatto::fixed(&model.mechanism, 9, step).unwrap();
+    let mut integrator = method.integrator(&model.mechanism);
     let mut worst = Summary::default();
     for (index, &time) in times.iter().enumerate() {
-        let summary = run_until(&model.mechanism, &mut state, &mut lobatto, time);
+        let summary = run_until(&model.mechanism, &mut state, integrator.as_mut(), time);
         worst.max_relative_energy_error = worst.max_relative_energy_error.max(summary.max_relative_energy_error);
         worst.rejected_steps += summary.rejected_steps;
         look(index, &body_states(&model.mechanism, &state));

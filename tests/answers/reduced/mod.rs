@@ -1,9 +1,8 @@
-//! What the comparator in joint coordinates claims: right accelerations, right reactions, right orders, and agreement
-//! with published and independently computed motions.
+//! What the comparator in joint coordinates claims: right accelerations, right reactions, right orders. That it moves as published
+//! is tested with the scheme, in `published` and `reference_answers`.
 
 mod dynamics;
 mod integrators;
-mod motions;
 
 use catena::model::{Body, Joint, JointKind, Mechanism, Pose};
 use catena::simulation::{Integrator, RunOptions, Summary, run};

@@ -20,19 +20,21 @@ fn run(model: &Model, stages: usize, duration: f64, count: usize) -> Vec<BodySta
 
 #[test]
 fn planar_chains_reach_the_benchmark_positions() {
-    for (links, time, x, z) in models::PLANAR_CHAIN_TIP.into_iter().filter(|row| row.0 <= 2) {
-        let (tip_x, tip_z) =
-            models::planar_chain_tip(&run(&models::planar_chain(links), 7, time, (time * 20.0) as usize));
-        // Order 12 at h = 0.05 leaves less than rounding, which is 1e-16/h a step, 100 steps, grown up to sevenfold.
-        let error = (tip_x - x).abs().max((tip_z - z).abs());
-        assert!(error < 2e-12, "{links} links at {time} s: {error:e}");
+    for (links, answers) in models::PLANAR_CHAIN.into_iter().filter(|(links, _)| *links <= 2) {
+        for (time, [x, z, ..]) in answers.into_iter().filter(|(time, _)| *time <= 5.0) {
+            let (tip_x, tip_z) =
+                models::planar_chain_tip(&run(&models::planar_chain(links), 7, time, (time * 20.0) as usize));
+            // Order 12 at h = 0.05 leaves less than rounding, which is 1e-16/h a step, 100 steps, grown up to sevenfold.
+            let error = (tip_x - x).abs().max((tip_z - z).abs());
+            assert!(error < 2e-12, "{links} links at {time} s: {error:e}");
+        }
     }
 }
 
 #[test]
 fn thrown_box_follows_the_benchmark_rotation_and_the_parabola() {
     let model = models::free_body();
-    for (time, quaternion, body_spin) in models::FREE_BODY {
+    for (time, quaternion, body_spin) in models::FREE_BODY.into_iter().filter(|answer| answer.0 <= 2.0) {
         let body = run(&model, 7, time, (time * 40.0) as usize)[0];
         let rotation = catena::model::joint::rotation_from_wxyz(&quaternion);
         let start = model.bodies()[0];
