@@ -33,6 +33,25 @@ pub struct MethodDescription {
     pub reversible_resets: Option<usize>,
 }
 
+impl MethodDescription {
+    /// Of a method with steps of `step` seconds and 16 digits, of which there is nothing else to tell.
+    pub fn fixed(name: &str, stages: usize, order: usize, step: f64) -> Self {
+        MethodDescription {
+            name: name.to_string(),
+            stages,
+            order,
+            step,
+            adaptive: false,
+            tolerance: None,
+            frequency_step: None,
+            ringing: None,
+            singular: None,
+            digits: 16,
+            reversible_resets: None,
+        }
+    }
+}
+
 /// An end of a step within about a milliradian of a singular position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SingularPosition {

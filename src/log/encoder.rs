@@ -152,7 +152,7 @@ mod tests {
     }
 
     /// Samples of every joint moving at a pace of its own, loops torn, with the figures of a step and a line before each. Nothing is
-    /// simulated for them, so that the unit tests are built without kernels.
+    /// simulated for them, so that the unit tests are built without the kernels of all vectors.
     fn samples(model: &Model, mut state: State) -> Piece {
         const INTERVAL: f64 = 0.01;
         let mechanism = &model.mechanism;

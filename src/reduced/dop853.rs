@@ -216,19 +216,7 @@ impl Integrator for Dop853 {
             Control::Tolerance(tolerance) => (true, Some(tolerance), self.accepted_time / self.accepted.max(1) as f64),
             Control::Fixed(step) => (false, None, step),
         };
-        MethodDescription {
-            name: "dop853".to_string(),
-            stages: 12,
-            order: 8,
-            step,
-            adaptive,
-            tolerance,
-            frequency_step: None,
-            ringing: None,
-            singular: None,
-            digits: 16,
-            reversible_resets: None,
-        }
+        MethodDescription { adaptive, tolerance, ..MethodDescription::fixed("dop853", 12, 8, step) }
     }
 }
 

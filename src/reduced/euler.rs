@@ -78,18 +78,6 @@ impl Integrator for Euler {
     }
 
     fn description(&self) -> MethodDescription {
-        MethodDescription {
-            name: "euler".to_string(),
-            stages: 1,
-            order: 1,
-            step: self.step,
-            adaptive: false,
-            tolerance: None,
-            frequency_step: None,
-            ringing: None,
-            singular: None,
-            digits: 16,
-            reversible_resets: None,
-        }
+        MethodDescription::fixed("euler", 1, 1, self.step)
     }
 }

@@ -95,19 +95,7 @@ impl Integrator for Rk4 {
     }
 
     fn description(&self) -> MethodDescription {
-        MethodDescription {
-            name: "rk4".to_string(),
-            stages: 4,
-            order: 4,
-            step: self.step,
-            adaptive: false,
-            tolerance: None,
-            frequency_step: None,
-            ringing: None,
-            singular: None,
-            digits: 16,
-            reversible_resets: None,
-        }
+        MethodDescription::fixed("rk4", 4, 4, self.step)
     }
 }
 

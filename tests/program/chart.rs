@@ -1,5 +1,6 @@
 //! Claims about `catena chart`: the arithmetic of the ratios, the references, the files it writes.
 
+use crate::common::command::run;
 use crate::common::scratch;
 use catena::chart::measure::Plan;
 use catena::chart::ratio::{Comparison, Front, Reach};
@@ -13,7 +14,7 @@ use catena::scene::{PackagePath, read_urdf};
 use catena::state::State;
 use nalgebra::{Translation3, Vector3};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use std::sync::atomic::AtomicBool;
 
 fn measurement(method: Method, error: f64, cost: f64) -> Measurement {
@@ -44,8 +45,8 @@ fn robot(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(name)
 }
 
-fn catena(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_catena")).arg("chart").args(arguments).output().unwrap()
+fn catena(folder: &Path, arguments: &[&str]) -> Output {
+    run(folder, &[&["chart"], arguments].concat())
 }
 
 #[test]
@@ -204,7 +205,7 @@ fn the_command_writes_pictures_numbers_and_a_page_and_the_numbers_show_the_order
     let lines = "scene,method,error,cpu_seconds_per_simulated_second\npendulum,Peer <1>,1e-4,1e-4\nother,x,1,1\n";
     std::fs::write(&foreign, lines).unwrap();
     let arguments = [input.to_str().unwrap(), "-o", output.to_str().unwrap(), "--csv", foreign.to_str().unwrap()];
-    let ended = catena(&[&arguments[..], &["--quick", "--duration", "2"]].concat());
+    let ended = catena(&folder, &[&arguments[..], &["--quick", "--duration", "2"]].concat());
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     let mut files: Vec<String> =
         std::fs::read_dir(&output).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
@@ -249,7 +250,7 @@ fn wrong_input_is_one_line_and_no_files() {
         (&[], "INPUT"),
     ];
     for (arguments, told) in cases {
-        let ended = catena(&[arguments, &["-o", output.to_str().unwrap()]].concat());
+        let ended = catena(&folder, &[arguments, &["-o", output.to_str().unwrap()]].concat());
         let said = String::from_utf8_lossy(&ended.stderr).into_owned();
         assert_eq!(ended.status.code(), Some(2), "{arguments:?}: {said}");
         assert_eq!(said.lines().count(), 1, "{said}");
@@ -262,7 +263,7 @@ fn a_file_in_the_place_of_the_folder_is_left_alone() {
     let folder = scratch("occupied");
     let occupied = folder.join("chart");
     std::fs::write(&occupied, "mine").unwrap();
-    let ended = catena(&[robot("pendulum.urdf").to_str().unwrap(), "-o", occupied.to_str().unwrap()]);
+    let ended = catena(&folder, &[robot("pendulum.urdf").to_str().unwrap(), "-o", occupied.to_str().unwrap()]);
     assert_eq!(ended.status.code(), Some(2));
     assert_eq!(std::fs::read_to_string(&occupied).unwrap(), "mine");
 }

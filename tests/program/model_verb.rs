@@ -3,8 +3,8 @@
 use crate::common::command::{PENDULUM, folder, run, text};
 use crate::common::scratch;
 use serde_json::Value;
-use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::path::{Path, PathBuf};
+use std::process::Output;
 
 const ARM: &str = r#"<robot name="arm">
 <link name="base"/>
@@ -15,8 +15,8 @@ const ARM: &str = r#"<robot name="arm">
 <gazebo/>
 </robot>"#;
 
-fn catena(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_catena")).arg("model").args(arguments).output().expect("catena runs")
+fn catena(urdf: &Path, arguments: &[&str]) -> Output {
+    run(urdf.parent().expect("a folder"), &[&["model"], arguments].concat())
 }
 
 /// A URDF file of this test's own.
@@ -29,7 +29,7 @@ fn urdf(name: &str, text: &str) -> PathBuf {
 #[test]
 fn the_json_names_bodies_joints_reductions_and_warnings() {
     let path = urdf("json", ARM);
-    let output = catena(&[path.to_str().unwrap(), "--json", "--gravity", "0,0,-1.62"]);
+    let output = catena(&path, &[path.to_str().unwrap(), "--json", "--gravity", "0,0,-1.62"]);
     assert_eq!(output.status.code(), Some(0));
     assert!(output.stderr.is_empty());
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -55,9 +55,9 @@ fn the_json_names_bodies_joints_reductions_and_warnings() {
 #[test]
 fn the_tables_show_what_is_simulated_and_what_is_not() {
     let path = urdf("table", ARM);
-    let output = catena(&[path.to_str().unwrap(), "--base", "floating"]);
+    let output = catena(&path, &[path.to_str().unwrap(), "--base", "floating"]);
     assert_eq!(output.status.code(), Some(2), "the base has no mass");
-    let output = catena(&[path.to_str().unwrap()]);
+    let output = catena(&path, &[path.to_str().unwrap()]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.starts_with("arm: 3 links → 1 body, 1 joint, 1 degree of freedom\n"), "{text}");
     for part in ["shoulder", "continuous", "2.000", "0.1000, 0.2000, 0.1500", "fixed to its parent", "1 warning:"] {
@@ -69,7 +69,7 @@ fn the_tables_show_what_is_simulated_and_what_is_not() {
 fn bad_input_is_one_line_on_standard_error_and_exit_code_2() {
     let path = urdf("bad", &ARM.replace("mass value=\"2\"", "mass value=\"two\""));
     for arguments in [vec![path.to_str().unwrap()], vec!["missing.urdf"], vec!["scene.toml"]] {
-        let output = catena(&arguments);
+        let output = catena(&path, &arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert!(output.stdout.is_empty());
         let text = String::from_utf8(output.stderr).unwrap();
@@ -79,7 +79,7 @@ fn bad_input_is_one_line_on_standard_error_and_exit_code_2() {
     for arguments in
         [["a.urdf", "--gravity", "0,0"], ["a.urdf", "--base-pose", "0,0,0,0,0,x"], ["a.urdf", "--package", "x"]]
     {
-        assert_eq!(catena(&arguments).status.code(), Some(2), "{arguments:?}");
+        assert_eq!(catena(&path, &arguments).status.code(), Some(2), "{arguments:?}");
     }
 }
 

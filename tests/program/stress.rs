@@ -2,6 +2,7 @@
 //!
 //! A reduced map, a few cells of each problem; `catena stress` draws the whole.
 
+use crate::common::command;
 use crate::common::scratch;
 use catena::chart::{Method as ChartMethod, Setting};
 use catena::lobatto::Lobatto;
@@ -12,7 +13,7 @@ use catena::stress::table::write_csv;
 use catena::stress::{Answer, Case, Ended, Map, Method, Problem, Verdict, report};
 use std::collections::HashSet;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
@@ -202,9 +203,8 @@ fn steps_of_a_map_are_evenly_spaced_on_a_logarithmic_scale() {
     assert!(steps.windows(2).all(|pair| (pair[0] / pair[1] - 10_f64.powf(1.0 / 39.0)).abs() < 1e-14));
 }
 
-fn catena(arguments: &[&str], folder: &Path) -> Output {
-    let program = env!("CARGO_BIN_EXE_catena");
-    Command::new(program).arg("stress").args(arguments).current_dir(folder).output().unwrap()
+fn catena(folder: &Path, arguments: &[&str]) -> Output {
+    command::run(folder, &[&["stress"], arguments].concat())
 }
 
 #[test]
@@ -235,7 +235,7 @@ fn wrong_usage_is_one_line_and_touches_nothing() {
         (vec!["-o", "file"], "it is not a folder"),
         (vec![], "--output <DIR>"),
     ] {
-        let output = catena(&arguments, &folder);
+        let output = catena(&folder, &arguments);
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{error}");
         assert!(error.contains(said) && error.lines().count() == 1, "{error}");
@@ -246,7 +246,7 @@ fn wrong_usage_is_one_line_and_touches_nothing() {
 #[test]
 fn one_problem_can_be_mapped_alone() {
     let folder = scratch("only");
-    let output = catena(&["-o", "out", "--only", "gimbal_lock", "--quick"], &folder);
+    let output = catena(&folder, &["-o", "out", "--only", "gimbal_lock", "--quick"]);
     assert!(output.status.success(), "{output:?}");
     let told = String::from_utf8(output.stdout).unwrap();
     assert!(told.lines().filter(|line| line.starts_with("gimbal_lock")).count() == Method::ALL.len(), "{told}");

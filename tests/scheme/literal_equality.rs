@@ -29,21 +29,26 @@ fn every_model() -> Vec<Model> {
     all
 }
 
+/// Both solvers stop at rounding; the literal one works on entries of size one to ten with dense LU factors, whose
+/// condition (at most some 1e3 here) times 1e-16 is well below the bounds.
+fn assert_literal(model: &Model, forces: &str, stages: usize) {
+    let step = 0.02;
+    let literal = Literal::new(&model.mechanism, Tableau::of(stages).unwrap()).unwrap();
+    let literal = literal.step(&model.bodies(), step).unwrap().bodies;
+    let fast = fast_step(model, stages, step, Isa::detect());
+    let position = models::pose_distance(&fast, &literal);
+    let velocity = models::velocity_distance(&fast, &literal);
+    let name = &model.mechanism.name;
+    println!("{name}, {forces}, s={stages}: {position:.1e} {velocity:.1e}");
+    assert!(position < 1e-12, "{name}, {forces}, s={stages}: poses differ by {position:.1e}");
+    assert!(velocity < 1e-11, "{name}, {forces}, s={stages}: velocities differ by {velocity:.1e}");
+}
+
 #[test]
 fn one_step_equals_the_literal_scheme_for_every_joint_kind_and_two_to_five_stages() {
-    // Both solvers stop at rounding; the literal one works on entries of size one to ten with dense LU factors, whose
-    // condition (at most some 1e3 here) times 1e-16 is well below the bound.
     for model in every_model() {
         for stages in 2..=5 {
-            let tableau = Tableau::of(stages).unwrap();
-            let step = 0.02;
-            let literal = Literal::new(&model.mechanism, tableau).unwrap().step(&model.bodies(), step).unwrap();
-            let fast = fast_step(&model, stages, step, Isa::detect());
-            let position = models::pose_distance(&fast, &literal.bodies);
-            let velocity = models::velocity_distance(&fast, &literal.bodies);
-            let name = &model.mechanism.name;
-            assert!(position < 1e-12, "{name} s={stages}: poses differ by {position:.1e}");
-            assert!(velocity < 1e-11, "{name} s={stages}: velocities differ by {velocity:.1e}");
+            assert_literal(&model, "no forces", stages);
         }
     }
 }
@@ -62,16 +67,7 @@ fn one_step_equals_the_literal_scheme_for_every_force_every_joint_kind_and_two_t
                 if model.mechanism.bodies.len() > 2 && (kind != "all forces" || stages > 3) {
                     continue;
                 }
-                let tableau = Tableau::of(stages).unwrap();
-                let step = 0.02;
-                let literal = Literal::new(&model.mechanism, tableau).unwrap().step(&model.bodies(), step).unwrap();
-                let fast = fast_step(&model, stages, step, Isa::detect());
-                let position = models::pose_distance(&fast, &literal.bodies);
-                let velocity = models::velocity_distance(&fast, &literal.bodies);
-                let name = &model.mechanism.name;
-                println!("{name} {kind} s={stages}: {position:.1e} {velocity:.1e}");
-                assert!(position < 1e-12, "{name}, {kind}, s={stages}: poses differ by {position:.1e}");
-                assert!(velocity < 1e-11, "{name}, {kind}, s={stages}: velocities differ by {velocity:.1e}");
+                assert_literal(&model, kind, stages);
             }
         }
     }

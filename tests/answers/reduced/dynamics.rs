@@ -1,6 +1,8 @@
 //! Accelerations are those of the dense mass matrix, and reactions those of Newton and Euler, for every kind of joint.
 
-use super::{GRAVITY, body, chain, pose};
+use super::{GRAVITY, body, chain};
+use crate::common::Numbers;
+use crate::models::turned_frame;
 use catena::invariants::momentum;
 use catena::kinematics::{WORLD, body_states, forward_kinematics};
 use catena::model::{FreeRotation, JointKind, Mechanism, Pose};
@@ -8,42 +10,33 @@ use catena::reduced::{ArticulatedBody, joint_reactions};
 use catena::state::State;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// Numbers in (−1, 1) that look random and are the same on every machine.
-struct Scatter(u64);
+fn vector(numbers: &mut Numbers) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| numbers.next(-1.0, 1.0))
+}
 
-impl Scatter {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    fn vector(&mut self) -> [f64; 3] {
-        [self.next(), self.next(), self.next()]
-    }
-
-    fn pose(&mut self) -> Pose {
-        pose(self.vector(), self.vector().map(|angle| 2.0 * angle))
-    }
+fn pose(numbers: &mut Numbers) -> Pose {
+    let place = vector(numbers);
+    turned_frame(place, 2.0 * vector(numbers))
 }
 
 /// A tree with oblique joint frames: `kinds` gives the parent, the joint and whether the body has mass.
 fn oblique_tree(kinds: &[(Option<usize>, JointKind, bool)]) -> Mechanism {
-    let mut scatter = Scatter(7);
+    let mut numbers = Numbers::new(7);
     let bodies = kinds.iter().enumerate().map(|(index, &(parent, kind, massive))| {
         let size = if massive { 1.0 } else { 0.0 };
-        let mass = size * (1.2 + scatter.next());
-        let inertia = scatter.vector().map(|value| size * (0.4 + 0.1 * value));
-        body(index, parent, mass, inertia, (kind, scatter.pose(), scatter.pose()))
+        let mass = size * (1.2 + numbers.next(-1.0, 1.0));
+        let inertia = size * vector(&mut numbers).map(|value| 0.4 + 0.1 * value);
+        body(index, parent, mass, inertia.into(), (kind, pose(&mut numbers), pose(&mut numbers)))
     });
     Mechanism::new("oblique tree", Vector3::new(0.3, -1.0, -9.7), bodies.collect()).expect("depth first")
 }
 
 fn scattered_state(mechanism: &Mechanism) -> State {
-    let mut scatter = Scatter(11);
+    let mut numbers = Numbers::new(11);
     let mut state = State::zero(mechanism);
-    let increment: Vec<f64> = (0..mechanism.velocity_count).map(|_| scatter.next()).collect();
+    let increment: Vec<f64> = (0..mechanism.velocity_count).map(|_| numbers.next(-1.0, 1.0)).collect();
     state.displace(mechanism, &increment);
-    state.velocity.iter_mut().for_each(|rate| *rate = 2.0 * scatter.next());
+    state.velocity.iter_mut().for_each(|rate| *rate = 2.0 * numbers.next(-1.0, 1.0));
     state
 }
 
@@ -122,8 +115,8 @@ fn mass_matrix(mechanism: &Mechanism, state: &State) -> DMatrix<f64> {
 fn accelerations_equal_the_dense_mass_matrix_solution_for_every_joint_kind() {
     for mechanism in every_kind() {
         let state = scattered_state(&mechanism);
-        let mut scatter = Scatter(23);
-        let applied: Vec<f64> = (0..mechanism.velocity_count).map(|_| 5.0 * scatter.next()).collect();
+        let mut numbers = Numbers::new(23);
+        let applied: Vec<f64> = (0..mechanism.velocity_count).map(|_| 5.0 * numbers.next(-1.0, 1.0)).collect();
         let nothing = vec![0.0; mechanism.velocity_count];
         let bias = DVector::from_vec(joint_forces(&mechanism, &state, &nothing));
         let mass = mass_matrix(&mechanism, &state);

@@ -1,6 +1,7 @@
 //! The integrators of the comparator have their orders, keep to their tolerances, land on the end, and say where they fail.
 
-use super::{chain, integrate};
+use super::chain;
+use crate::common::run_until;
 use catena::kinematics::body_states;
 use catena::model::{JointKind, Mechanism};
 use catena::reduced::{Dop853, Euler, Rk4};
@@ -31,10 +32,10 @@ fn observed_order(
     integrator: impl Fn(&Mechanism, f64) -> Box<dyn Integrator>,
 ) -> f64 {
     let mut reference = start.clone();
-    integrate(&mechanism, &mut reference, &mut Dop853::new(&mechanism, 1e-14), 1.0);
+    run_until(&mechanism, &mut reference, &mut Dop853::new(&mechanism, 1e-14), 1.0);
     let errors = steps.map(|step| {
         let mut state = start.clone();
-        integrate(&mechanism, &mut state, &mut *integrator(&mechanism, step), 1.0);
+        run_until(&mechanism, &mut state, &mut *integrator(&mechanism, step), 1.0);
         distance(&mechanism, &state, &reference)
     });
     println!("steps {steps:?}: errors {errors:?}");
@@ -70,10 +71,10 @@ fn dop853_has_order_eight() {
 fn dop853_keeps_to_its_tolerance() {
     let (mechanism, start) = ball_pendulum();
     let mut reference = start.clone();
-    integrate(&mechanism, &mut reference, &mut Dop853::new(&mechanism, 1e-14), 2.0);
+    run_until(&mechanism, &mut reference, &mut Dop853::new(&mechanism, 1e-14), 2.0);
     for tolerance in [1e-4, 1e-6, 1e-8, 1e-10] {
         let mut state = start.clone();
-        integrate(&mechanism, &mut state, &mut Dop853::new(&mechanism, tolerance), 2.0);
+        run_until(&mechanism, &mut state, &mut Dop853::new(&mechanism, tolerance), 2.0);
         let error = distance(&mechanism, &state, &reference);
         // Errors of many steps add up and this motion spreads them some hundredfold; a broken estimate is far off.
         assert!(error < 300.0 * tolerance && error > 1e-4 * tolerance, "tolerance {tolerance:e}: {error:e}");
@@ -83,7 +84,7 @@ fn dop853_keeps_to_its_tolerance() {
 #[test]
 fn dop853_at_the_tightest_tolerance_keeps_the_energy() {
     let (mechanism, mut state) = ball_pendulum();
-    let summary = integrate(&mechanism, &mut state, &mut Dop853::new(&mechanism, 1e-13), 10.0);
+    let summary = run_until(&mechanism, &mut state, &mut Dop853::new(&mechanism, 1e-13), 10.0);
     assert!(summary.max_relative_energy_error < 1e-11, "{:e}", summary.max_relative_energy_error);
     assert!(summary.max_violation.position < 1e-14, "joints hold by construction: {:?}", summary.max_violation);
 }
@@ -93,13 +94,13 @@ fn dense_output_of_dop853_is_as_good_as_its_steps() {
     let (mechanism, start) = ball_pendulum();
     let mut state = start.clone();
     let mut integrator = Dop853::with_fixed_step(&mechanism, 0.02);
-    integrate(&mechanism, &mut state, &mut integrator, 0.5);
+    run_until(&mechanism, &mut state, &mut integrator, 0.5);
     for fraction in [0.0, 0.3, 0.7, 1.0] {
         let time = 0.48 + 0.02 * fraction;
         let mut inside = start.clone();
         integrator.dense(&mechanism, time, &mut inside.position, &mut inside.velocity);
         let mut reference = start.clone();
-        integrate(&mechanism, &mut reference, &mut Dop853::new(&mechanism, 1e-14), time);
+        run_until(&mechanism, &mut reference, &mut Dop853::new(&mechanism, 1e-14), time);
         // Order 7 in a step that makes 1e-10 itself; a cubic would be off by 1e-7.
         let error = distance(&mechanism, &inside, &reference);
         assert!(error < 1e-9, "position at {fraction} of the step: {error:e}");
@@ -118,7 +119,7 @@ fn dense_output_of_the_fixed_step_methods_has_their_order() {
         let mut inside = start.clone();
         integrator.dense(&mechanism, 0.4 * step, &mut inside.position, &mut inside.velocity);
         let mut reference = start.clone();
-        integrate(&mechanism, &mut reference, &mut Dop853::new(&mechanism, 1e-14), 0.4 * step);
+        run_until(&mechanism, &mut reference, &mut Dop853::new(&mechanism, 1e-14), 0.4 * step);
         distance(&mechanism, &inside, &reference)
     };
     let ratio = |coarse: f64, fine: f64| (coarse / fine).log2();
@@ -139,7 +140,7 @@ fn every_integrator_lands_exactly_on_the_end() {
     ];
     for mut integrator in integrators {
         let mut state = start.clone();
-        let summary = integrate(&mechanism, &mut state, &mut *integrator, 0.3);
+        let summary = run_until(&mechanism, &mut state, &mut *integrator, 0.3);
         assert_eq!(state.time, 0.3, "{:?}", integrator.description());
         if !integrator.description().adaptive {
             assert_eq!(summary.steps, 30, "no sliver of a step is left: {:?}", integrator.description());
@@ -158,8 +159,8 @@ fn a_state_changed_between_steps_is_noticed() {
     state = start.clone();
     state.velocity[0] = 1.0;
     let mut fresh = state.clone();
-    integrate(&mechanism, &mut state, &mut integrator, 0.2);
-    integrate(&mechanism, &mut fresh, &mut Dop853::new(&mechanism, 1e-10), 0.2);
+    run_until(&mechanism, &mut state, &mut integrator, 0.2);
+    run_until(&mechanism, &mut fresh, &mut Dop853::new(&mechanism, 1e-10), 0.2);
     assert_eq!(state, fresh);
 }
 

@@ -5,15 +5,9 @@ mod dynamics;
 mod integrators;
 
 use catena::model::{Body, Joint, JointKind, Mechanism, Pose};
-use catena::simulation::{Integrator, RunOptions, Summary, run};
-use catena::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 const GRAVITY: f64 = 9.81;
-
-fn pose(translation: [f64; 3], rotation_vector: [f64; 3]) -> Pose {
-    Pose::from_parts(Translation3::from(Vector3::from(translation)), Rotation3::new(Vector3::from(rotation_vector)))
-}
 
 fn body(index: usize, parent: Option<usize>, mass: f64, inertia: [f64; 3], joint: (JointKind, Pose, Pose)) -> Body {
     let (kind, on_parent, on_child) = joint;
@@ -35,11 +29,4 @@ fn chain(count: usize, mass: f64, length: f64, inertia: [f64; 3], axis: impl Fn(
         body(index, index.checked_sub(1), mass, inertia, (JointKind::Revolute, on_parent, frame(0.5 * length)))
     });
     Mechanism::new("chain", Vector3::new(0.0, 0.0, -GRAVITY), bodies.collect()).expect("depth first")
-}
-
-fn integrate(mechanism: &Mechanism, state: &mut State, integrator: &mut dyn Integrator, duration: f64) -> Summary {
-    let options = RunOptions { duration, rate: None, interrupt: None };
-    let (summary, ended) = run(mechanism, state, integrator, &options, &mut []);
-    ended.expect("the run reaches its end");
-    summary
 }

@@ -60,19 +60,7 @@ impl Integrator for Coasting {
     }
 
     fn description(&self) -> MethodDescription {
-        MethodDescription {
-            name: "coasting".into(),
-            stages: 1,
-            order: 1,
-            step: self.step,
-            adaptive: false,
-            tolerance: None,
-            frequency_step: None,
-            ringing: None,
-            singular: None,
-            digits: 16,
-            reversible_resets: None,
-        }
+        MethodDescription::fixed("coasting", 1, 1, self.step)
     }
 }
 
