@@ -10,6 +10,7 @@
 
 use crate::kinematics::{BodyAcceleration, WORLD};
 use crate::model::{Attachment, LoopJoint, LoopKind, Mechanism, Mimic};
+use crate::small::{product, times};
 use crate::state::{BodyState, State};
 use nalgebra::{Matrix3, Vector3};
 
@@ -49,11 +50,11 @@ struct End {
 impl End {
     fn new(end: &Attachment, bodies: &[BodyState]) -> Self {
         let body = end.body.map_or(&WORLD, |body| &bodies[body]);
-        let arm = body.rotation * end.frame.translation.vector;
+        let arm = times(&body.rotation, &end.frame.translation.vector);
         End {
             point: body.position + arm,
             rate: body.velocity + body.angular_velocity.cross(&arm),
-            axes: body.rotation * end.frame.rotation.matrix(),
+            axes: product(&body.rotation, end.frame.rotation.matrix()),
             spin: body.angular_velocity,
         }
     }

@@ -11,6 +11,7 @@ use crate::closures::{loop_gaps, mimic_gap};
 use crate::forces::total::stored;
 use crate::kinematics::WORLD;
 use crate::model::{FreeRotation, Mechanism};
+use crate::small::{column, product, times, transpose_times};
 use crate::state::{BodyState, State};
 use nalgebra::Vector3;
 
@@ -45,7 +46,7 @@ pub struct Violation {
 
 /// Angular momentum of one body about its centre of mass, in the world.
 fn spin(inertia: &Vector3<f64>, body: &BodyState) -> Vector3<f64> {
-    body.rotation * inertia.component_mul(&(body.rotation.transpose() * body.angular_velocity))
+    times(&body.rotation, &inertia.component_mul(&transpose_times(&body.rotation, &body.angular_velocity)))
 }
 
 /// The energy that the bodies have by themselves, under gravity: without springs and loads.
@@ -87,17 +88,17 @@ pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> 
     for (body, here) in mechanism.bodies.iter().zip(bodies) {
         let parent = body.parent.map_or(WORLD, |parent| bodies[parent]);
         let joint = &body.joint;
-        let frame_p = parent.rotation * joint.on_parent.rotation.matrix();
-        let frame_c = here.rotation * joint.on_child.rotation.matrix();
-        let arm_p = parent.rotation * joint.on_parent.translation.vector;
-        let arm_c = here.rotation * joint.on_child.translation.vector;
+        let frame_p = product(&parent.rotation, joint.on_parent.rotation.matrix());
+        let frame_c = product(&here.rotation, joint.on_child.rotation.matrix());
+        let arm_p = times(&parent.rotation, &joint.on_parent.translation.vector);
+        let arm_c = times(&here.rotation, &joint.on_child.translation.vector);
         let gap = here.position + arm_c - parent.position - arm_p;
         let gap_rate = here.velocity + here.angular_velocity.cross(&arm_c)
             - parent.velocity
             - parent.angular_velocity.cross(&(arm_p + gap));
         let relative_spin = here.angular_velocity - parent.angular_velocity;
         for axis in (0..3).filter(|axis| !joint.kind.translation_axes().contains(axis)) {
-            let direction = frame_p.column(axis);
+            let direction = column(&frame_p, axis);
             see(direction.dot(&gap), direction.dot(&gap_rate));
         }
         // Each pair (i, j) asks e_i(parent) · e_j(child) = 0; the rate is −(e_i × e_j) · (ω − ω_p).
@@ -107,10 +108,11 @@ pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> 
             FreeRotation::Ball => &[],
         };
         for &(on_parent, on_child) in perpendicular {
-            let (first, second) = (frame_p.column(on_parent), frame_c.column(on_child));
+            let (first, second) = (column(&frame_p, on_parent), column(&frame_c, on_child));
             see(first.dot(&second), relative_spin.dot(&second.cross(&first)));
         }
-        let defect = here.rotation.transpose() * here.rotation - nalgebra::Matrix3::identity();
+        let across = here.rotation.transpose();
+        let defect = product(&across, &here.rotation) - nalgebra::Matrix3::identity();
         see(defect.amax(), 0.0);
     }
     for joint in &mechanism.loops {

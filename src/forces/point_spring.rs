@@ -20,6 +20,7 @@
 use super::PointSpring;
 use crate::kinematics::WORLD;
 use crate::model::Attachment;
+use crate::small::times;
 use crate::state::BodyState;
 use nalgebra::{Matrix3, Vector3};
 
@@ -54,7 +55,7 @@ impl Line {
 /// A point of a body in the world: place (m) and velocity [m/s].
 pub fn attached_point(attachment: &Attachment, bodies: &[BodyState]) -> (Vector3<f64>, Vector3<f64>) {
     let body = attachment.body.map_or(WORLD, |body| bodies[body]);
-    let arm = body.rotation * attachment.frame.translation.vector;
+    let arm = times(&body.rotation, &attachment.frame.translation.vector);
     (body.position + arm, body.velocity + body.angular_velocity.cross(&arm))
 }
 

@@ -11,18 +11,19 @@
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.4.
 
 use super::Wrench;
+use crate::small::times;
 use crate::state::BodyState;
 use nalgebra::{Matrix3, Vector3};
 
 impl Wrench {
     /// Torque about the centre of mass [N m].
     pub fn torque_about_center(&self, body: &BodyState) -> Vector3<f64> {
-        self.torque + (body.rotation * self.point).cross(&self.force)
+        self.torque + times(&body.rotation, &self.point).cross(&self.force)
     }
 
     /// The potential of the force (J), zero for a point at the world origin.
     pub fn potential(&self, body: &BodyState) -> f64 {
-        -self.force.dot(&(body.position + body.rotation * self.point))
+        -self.force.dot(&(body.position + times(&body.rotation, &self.point)))
     }
 
     /// The power of the torque (W).

@@ -4,6 +4,7 @@ use crate::forces::PointSpring;
 use crate::forces::point_spring::{Line, attached_point};
 use crate::forces::total::scalar_coordinate;
 use crate::model::Mechanism;
+use crate::small::times;
 use crate::state::{BodyState, State};
 
 /// The constant data of all forces, by what they need.
@@ -97,7 +98,7 @@ impl AppliedStart {
         }
         // From the anchor of a body to a point in its frame.
         let arm = |body: usize, point: &nalgebra::Vector3<f64>| {
-            bodies[body].rotation * (point - mechanism.bodies[body].joint.on_child.translation.vector)
+            times(&bodies[body].rotation, &(point - mechanism.bodies[body].joint.on_child.translation.vector))
         };
         for (start, spring) in self.lines.iter_mut().zip(&forces.point_springs) {
             let ends = [&spring.a, &spring.b];

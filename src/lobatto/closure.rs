@@ -17,6 +17,7 @@ use super::lanes::Lanes;
 use super::start::Start;
 use crate::forces::point_spring::NO_LENGTH;
 use crate::model::{Attachment, LoopKind};
+use crate::small::{product, times};
 use nalgebra::Vector3;
 
 /// One equation of a closure.
@@ -61,9 +62,9 @@ impl EndStart {
             None => (*frame, end.frame.translation.vector, Vector3::zeros()),
             Some(body) => {
                 let state = start.body_state(body);
-                let reach = state.rotation * end.frame.translation.vector;
+                let reach = times(&state.rotation, &end.frame.translation.vector);
                 let arm = reach + Vector3::from(start.bodies[body].com);
-                (state.rotation * frame, state.position + reach, arm)
+                (product(&state.rotation, frame), state.position + reach, arm)
             }
         };
         EndStart {

@@ -20,6 +20,7 @@ use crate::forces::total::stored;
 use crate::invariants::Energy;
 use crate::kinematics::{Placed, WORLD, place};
 use crate::model::{FreeRotation, JointKind, Mechanism, Rule, point_bodies, sliding_bodies, spherical_bodies};
+use crate::small::{column, times};
 use crate::state::{BodyState, State};
 
 /// What receives the articulated inertia of a body's children, and how.
@@ -266,9 +267,9 @@ impl Start {
             let velocity = &state.velocity[joint.velocity_range()];
             let Placed { body: own, frame, translation } = place(joint, &parent, position, rest, velocity);
             self.states[index] = own;
-            let com = -(own.rotation * joint.on_child.translation.vector);
+            let com = -times(&own.rotation, &joint.on_child.translation.vector);
             // The anchor on the parent, from the parent's own anchor, without a difference of world positions.
-            let mut arm = parent.rotation * joint.on_parent.translation.vector + frame * translation;
+            let mut arm = times(&parent.rotation, &joint.on_parent.translation.vector) + times(&frame, &translation);
             if let Some(parent) = body.parent {
                 for axis in 0..3 {
                     arm[axis] += self.bodies[parent].com[axis];
@@ -276,12 +277,11 @@ impl Start {
             }
             let moments = body.inertia;
             let second = nalgebra::Vector3::repeat(0.5 * moments.sum()) - moments;
-            let scaled = own.rotation * nalgebra::Matrix3::from_diagonal(&second);
             let rotation = own.rotation;
             let entry = |row: usize, column: usize| {
-                scaled[(row, 0)] * rotation[(column, 0)]
-                    + scaled[(row, 1)] * rotation[(column, 1)]
-                    + scaled[(row, 2)] * rotation[(column, 2)]
+                rotation[(row, 0)] * second.x * rotation[(column, 0)]
+                    + rotation[(row, 1)] * second.y * rotation[(column, 1)]
+                    + rotation[(row, 2)] * second.z * rotation[(column, 2)]
             };
             let sigma = [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)];
             // ωᵀ J ω with J = ½ tr J − Σ.
@@ -302,7 +302,7 @@ impl Start {
             };
             let mut slot = joint.velocity_index;
             for &axis in joint.kind.translation_axes() {
-                self.axes[slot] = frame.column(axis).into_owned().into();
+                self.axes[slot] = column(&frame, axis).into();
                 slot += 1;
             }
             let rotations: &[usize] = match joint.kind.rotation() {
@@ -311,7 +311,7 @@ impl Start {
                 FreeRotation::Ball => &[0, 1, 2],
             };
             for &axis in rotations {
-                self.axes[slot] = (own.rotation * joint.on_child.rotation.matrix().column(axis)).into();
+                self.axes[slot] = times(&own.rotation, &column(joint.on_child.rotation.matrix(), axis)).into();
                 slot += 1;
             }
         }

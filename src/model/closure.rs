@@ -16,6 +16,7 @@
 
 use super::joint::Pose;
 use crate::kinematics::WORLD;
+use crate::small::{product, times};
 use crate::state::BodyState;
 use nalgebra::{Matrix3, Vector3};
 
@@ -32,8 +33,8 @@ impl Attachment {
     /// Origin (m) and axes (as columns) of the frame in the world.
     pub fn place(&self, bodies: &[BodyState]) -> (Vector3<f64>, Matrix3<f64>) {
         let body = self.body.map_or(&WORLD, |body| &bodies[body]);
-        let origin = body.position + body.rotation * self.frame.translation.vector;
-        (origin, body.rotation * self.frame.rotation.matrix())
+        let origin = body.position + times(&body.rotation, &self.frame.translation.vector);
+        (origin, product(&body.rotation, self.frame.rotation.matrix()))
     }
 }
 
