@@ -4,7 +4,7 @@
 use super::instants::{Instants, LaneInstants, LinkPlace};
 use super::kernel::Kernel;
 #[cfg(target_arch = "x86_64")]
-use super::lanes::{Avx128, Avx256, Avx512, Pair};
+use super::lanes::{Avx128, Avx256, Avx512, Pair, Sse2};
 use super::lanes::{Isa, Lanes, Portable};
 use super::planar::PlanarKernel;
 use super::precise::Precise;
@@ -107,8 +107,11 @@ fn in_vectors(kernel: &impl Make, tableau: &Tableau, isa: Isa) -> Box<dyn Step> 
     let _ = isa;
     match lanes {
         // Few processors of this kind lack AVX2, and every type takes a share of the build.
+        #[cfg(target_arch = "x86_64")]
+        ..=4 => kernel.make::<Pair<Sse2, 4>>(),
         #[cfg(not(target_arch = "x86_64"))]
         ..=2 => kernel.make::<Portable<2>>(),
+        #[cfg(not(target_arch = "x86_64"))]
         ..=4 => kernel.make::<Portable<4>>(),
         #[cfg(not(target_arch = "x86_64"))]
         ..=8 => kernel.make::<Portable<8>>(),

@@ -83,7 +83,10 @@ impl<V: Lanes> FirstIterations<V> {
 
     /// The attempt begins, from this start.
     pub fn begin(&mut self, start: &Start, step: f64) {
-        if let Some(stages) = self.stages.as_deref_mut().filter(|_| self.allowed) {
+        if V::HAS_SINGLE
+            && self.allowed
+            && let Some(stages) = self.stages.as_deref_mut()
+        {
             self.next = true;
             in_lanes!(V, stages.take_start(start, step));
         }
@@ -105,9 +108,11 @@ impl<V: Lanes> FirstIterations<V> {
     /// An iteration in single precision, if it is time for one: finds the increments of `stages`, returns the largest.
     pub fn iterate(&mut self, stages: &mut Stages<V>, chord: &mut Chord, gravity: &[f64; 3]) -> Option<f64> {
         // Known to the compiler, so that vectors without single precision carry no code for it.
-        if !V::HAS_SINGLE || !self.next {
-            return None;
-        }
+        if V::HAS_SINGLE && self.next { self.iterate_single(stages, chord, gravity) } else { None }
+    }
+
+    #[inline(always)]
+    fn iterate_single(&mut self, stages: &mut Stages<V>, chord: &mut Chord, gravity: &[f64; 3]) -> Option<f64> {
         let single = self.stages.as_deref_mut()?;
         let keeps = chord.keeps();
         let increment = in_lanes!(V, {
@@ -160,7 +165,7 @@ impl<V: Lanes> FirstIterations<V> {
 
     /// The poses of the latest iteration, if it was one of these.
     pub fn latest(&self) -> Option<&[StagePose<V::Single>]> {
-        self.stages.as_ref().filter(|_| self.latest).map(|stages| &stages.poses[..])
+        if V::HAS_SINGLE && self.latest { self.stages.as_ref().map(|stages| &stages.poses[..]) } else { None }
     }
 }
 

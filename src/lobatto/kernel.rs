@@ -130,13 +130,21 @@ impl<V: Lanes> Equations for Kernel<V> {
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(false));
         }
-        match (stages.is_general(), self.chord.keeps(), refines && settled) {
-            (true, false, _) => in_lanes!(V, stages.sweep_forced_residual(gravity)),
-            (true, true, _) => in_lanes!(V, stages.sweep_forced_wrenches(gravity)),
-            // Increments that settle are small.
-            (false, _, true) => in_lanes!(V, stages.sweep_wrenches::<true>(gravity)),
-            (false, true, false) => in_lanes!(V, stages.sweep_wrenches::<false>(gravity)),
-            (false, false, false) => in_lanes!(V, stages.sweep_residual(gravity)),
+        let keeps = self.chord.keeps();
+        // Vectors that carry the general sweeps alone are not compiled with the others: here the condition is known before them.
+        if V::GENERAL_ALONE || stages.applied.is_some() {
+            if keeps {
+                in_lanes!(V, stages.sweep_forced_wrenches(gravity));
+            } else {
+                in_lanes!(V, stages.sweep_forced_residual(gravity));
+            }
+        } else {
+            match (keeps, refines && settled) {
+                // Increments that settle are small.
+                (_, true) => in_lanes!(V, stages.sweep_wrenches::<true>(gravity)),
+                (true, false) => in_lanes!(V, stages.sweep_wrenches::<false>(gravity)),
+                (false, false) => in_lanes!(V, stages.sweep_residual(gravity)),
+            }
         }
         let increment = in_lanes!(V, stages.sweep_increments().largest());
         self.chord.see(increment);
@@ -270,7 +278,7 @@ impl<V: Lanes> Step for Kernel<V> {
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(true));
         }
-        if stages.is_general() {
+        if V::GENERAL_ALONE || stages.applied.is_some() {
             in_lanes!(V, stages.sweep_momentum::<true, true>(gravity));
         } else if self.refined {
             in_lanes!(V, stages.sweep_momentum::<true, false>(gravity));

@@ -17,7 +17,7 @@ pub trait Lanes:
     /// multiplications, in a register they have to be shuffled first.
     const READS_BACK: bool = false;
     /// Whether these vectors carry the most general sweeps alone, with forces and with twice the digits of the coefficients: few runs
-    /// use them, and every sweep takes its share of the build.
+    /// use them, and every sweep takes its share of the build. What asks for it first is compiled for the one answer alone.
     const GENERAL_ALONE: bool = false;
     /// `[f64; COUNT]`.
     type Array: Copy + AsRef<[f64]> + AsMut<[f64]>;
@@ -81,15 +81,7 @@ pub trait Lanes:
     /// Mixes lanes: `Σ_i columns[i] · self[i]`, a matrix (by columns) times the vector of the lanes.
     #[inline(always)]
     fn mix(self, columns: &[Self]) -> Self {
-        let array = self.to_array();
-        let lanes = array.as_ref();
-        let mut sum = columns[0] * Self::splat(lanes[0]);
-        let mut index = 1;
-        while index < Self::COUNT {
-            sum = columns[index].mul_add(Self::splat(lanes[index]), sum);
-            index += 1;
-        }
-        sum
+        mix_in_place(self, columns)
     }
 
     /// Sum of all lanes, the upper half folded onto the lower again and again: zeros above the lanes in use do not
@@ -121,6 +113,20 @@ pub trait Lanes:
         }
         f64::from_bits(bits)
     }
+}
+
+/// [`Lanes::mix`], lane by lane.
+#[inline(always)]
+fn mix_in_place<V: Lanes>(value: V, columns: &[V]) -> V {
+    let array = value.to_array();
+    let lanes = array.as_ref();
+    let mut sum = columns[0] * V::splat(lanes[0]);
+    let mut index = 1;
+    while index < V::COUNT {
+        sum = columns[index].mul_add(V::splat(lanes[index]), sum);
+        index += 1;
+    }
+    sum
 }
 
 /// Runs an expression compiled for the vector type: everything in it is inlined there.
@@ -215,7 +221,7 @@ mod portable;
 pub use portable::Portable;
 
 #[cfg(target_arch = "x86_64")]
-pub(crate) use x86::{Avx128, Avx256, Avx512, Single};
+pub(crate) use x86::{Avx128, Avx256, Avx512, Single, Sse2};
 
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code)]
@@ -246,18 +252,71 @@ mod tests {
         }
     }
 
-    fn holds<V: Lanes>() {
-        V::run(keeps_nan::<V>);
+    fn vector<V: Lanes>(seed: usize) -> V {
+        V::from_slice(&(0..V::COUNT).map(|lane| ((seed * 31 + lane * 17) as f64).sin()).collect::<Vec<f64>>())
+    }
+
+    /// Calls a function for every vector type of this processor.
+    macro_rules! in_every_vector {
+        ($check:ident) => {
+            $check::<Portable<4>>();
+            $check::<Portable<8>>();
+            $check::<Portable<16>>();
+            #[cfg(target_arch = "x86_64")]
+            {
+                $check::<Sse2>();
+                $check::<Pair<Sse2, 4>>();
+                if Isa::detect() != Isa::Portable {
+                    $check::<Avx128>();
+                    $check::<Avx256>();
+                    $check::<Pair<Avx256, 8>>();
+                    $check::<Pair<Pair<Avx256, 8>, 16>>();
+                }
+                if Isa::detect() == Isa::Avx512 {
+                    $check::<Avx512>();
+                    $check::<Pair<Avx512, 16>>();
+                }
+            }
+        };
+    }
+
+    #[test]
+    fn no_nan_is_lost() {
+        fn in_lanes<V: Lanes>() {
+            V::run(keeps_nan::<V>);
+        }
+        in_every_vector!(in_lanes);
+        #[cfg(target_arch = "x86_64")]
+        if Isa::detect() != Isa::Portable {
+            Avx256::run(keeps_nan::<Single>);
+        }
+    }
+
+    #[test]
+    fn what_rounding_cuts_off_a_product_is_known_exactly() {
+        fn holds<V: Lanes>() {
+            let (own, other): (V, V) = (vector(7), vector(8));
+            let (product, lost) = V::run(|| {
+                let product = own * other;
+                (product.to_array(), own.lost(other, product).to_array())
+            });
+            for lane in 0..V::COUNT {
+                let [own, other] = [own, other].map(|value| value.to_array().as_ref()[lane]);
+                assert_eq!(product.as_ref()[lane], own * other, "lane {lane}");
+                assert_eq!(lost.as_ref()[lane], own.mul_add(other, -(own * other)), "lane {lane}");
+            }
+            assert!(lost.as_ref().iter().any(|&lost| lost != 0.0), "some of it is lost");
+        }
+        in_every_vector!(holds);
+    }
+
+    fn mixes_and_turns<V: Lanes>() {
         V::run(|| {
-            let vector = |seed: usize| {
-                let values: Vec<f64> = (0..V::COUNT).map(|lane| ((seed * 31 + lane * 17) as f64).sin()).collect();
-                V::from_slice(&values)
-            };
             let columns: Vec<V> = (0..V::COUNT).map(|column| vector(100 + column)).collect();
-            let arrays = [vector(1), vector(2), vector(3)].map(V::to_array);
+            let arrays = [vector::<V>(1), vector(2), vector(3)].map(V::to_array);
             let together = mix_from_memory(&arrays, &columns);
             for (index, together) in together.into_iter().enumerate() {
-                let apart = vector(index + 1).mix(&columns);
+                let apart = vector::<V>(index + 1).mix(&columns);
                 assert_eq!(together.to_array().as_ref(), apart.to_array().as_ref(), "vector {index}");
             }
             for part in 0..=100 {
@@ -273,21 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn vectors_mixed_from_memory_have_the_bits_of_each_mixed_alone_small_turns_need_few_terms_and_no_nan_is_lost() {
-        holds::<Portable<4>>();
-        holds::<Portable<8>>();
-        #[cfg(target_arch = "x86_64")]
-        {
-            if Isa::detect() != Isa::Portable {
-                holds::<Avx128>();
-                holds::<Avx256>();
-                holds::<Pair<Avx256, 8>>();
-                Avx256::run(keeps_nan::<Single>);
-            }
-            if Isa::detect() == Isa::Avx512 {
-                holds::<Avx512>();
-                holds::<Pair<Avx512, 16>>();
-            }
-        }
+    fn vectors_mixed_from_memory_have_the_bits_of_each_mixed_alone_and_small_turns_need_few_terms() {
+        in_every_vector!(mixes_and_turns);
     }
 }

@@ -1,13 +1,13 @@
 //! Two vectors as one with twice the lanes, for schemes with more stages than a register has lanes.
 
-use super::{Add, Avx256, Avx512, Lanes, Mul, Neg, Single, Sub};
+use super::{Add, Avx256, Avx512, Lanes, Mul, Neg, Single, Sse2, Sub};
 
 /// Twice the lanes of `V`.
 #[derive(Clone, Copy)]
 pub struct Pair<V, const N: usize>(V, V);
 
 macro_rules! pair {
-    ($half:ty, $half_count:literal, $count:literal, { $($precision:tt)* }) => {
+    ($half:ty, $half_count:literal, $count:literal, $general_alone:literal, { $($precision:tt)* }) => {
         impl Pair<$half, $count> {
             #[inline(always)]
             fn lane_add(self, other: Self) -> Self {
@@ -26,7 +26,7 @@ macro_rules! pair {
         impl Lanes for Pair<$half, $count> {
             const COUNT: usize = $count;
             const READS_BACK: bool = <$half>::READS_BACK;
-            const GENERAL_ALONE: bool = $count == 16;
+            const GENERAL_ALONE: bool = $general_alone;
             type Array = [f64; $count];
             $($precision)*
             #[inline(always)]
@@ -58,6 +58,10 @@ macro_rules! pair {
                 Pair(self.0.neg_mul_add(b.0, c.0), self.1.neg_mul_add(b.1, c.1))
             }
             #[inline(always)]
+            fn lost(self, b: Self, product: Self) -> Self {
+                Pair(self.0.lost(b.0, product.0), self.1.lost(b.1, product.1))
+            }
+            #[inline(always)]
             fn reciprocal(self) -> Self {
                 Pair(self.0.reciprocal(), self.1.reciprocal())
             }
@@ -77,7 +81,10 @@ macro_rules! pair {
     };
 }
 
-pair!(Avx256, 4, 8, {
+pair!(Sse2, 2, 4, true, {
+    double_alone!();
+});
+pair!(Avx256, 4, 8, false, {
     type Single = Single;
     const HAS_SINGLE: bool = true;
     #[inline(always)]
@@ -90,7 +97,7 @@ pair!(Avx256, 4, 8, {
         Pair(low, high)
     }
 });
-pair!(Avx512, 8, 16, {
+pair!(Avx512, 8, 16, true, {
     double_alone!();
 });
-pair!(Pair<Avx256, 8>, 8, 16, { double_alone!(); });
+pair!(Pair<Avx256, 8>, 8, 16, true, { double_alone!(); });

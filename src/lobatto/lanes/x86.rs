@@ -2,9 +2,10 @@
 //!
 //! Two proofs carry every block in it:
 //!
-//! - **P1** — the intrinsics of a vector type need a processor feature. The types cannot be named outside this crate, and in it only
-//!   [`crate::lobatto::dispatch`] begins with one, after [`Isa::detect`](super::Isa::detect) has found `avx2` and `fma` (and `avx512f` and
-//!   `avx512vl` for [`Avx512`]), and tests that ask the same; `pair` and `single` make others of those they are given.
+//! - **P1** — the intrinsics of a vector type need a processor feature. Those of [`Sse2`] are promised by every x86-64 processor. The other
+//!   types cannot be named outside this crate, and in it only [`crate::lobatto::dispatch`] begins with one, after
+//!   [`Isa::detect`](super::Isa::detect) has found `avx2` and `fma` (and `avx512f` and `avx512vl` for [`Avx512`]), and tests that ask the
+//!   same; `pair` and `single` make others of those they are given.
 //! - **P2** — loads and stores go through arrays of exactly the vector's length, by value or reference, so that
 //!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
 
@@ -13,7 +14,7 @@ use std::arch::x86_64::*;
 
 macro_rules! vector {
     ($(#[$doc:meta])* $name:ident, $raw:ty, $count:literal, $reads_back:literal, $features:literal,
-     $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fnmadd:ident,
+     $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:expr, $fnmadd:expr,
      $max_abs:expr, { $($precision:tt)* }) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
@@ -109,6 +110,26 @@ macro_rules! vector {
     };
 }
 
+vector!(
+    /// Two lanes in a 128-bit register without AVX2, where a product is rounded before it is added to.
+    Sse2, __m128d, 2, false, "sse2",
+    _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd,
+    |a, b, c| _mm_add_pd(_mm_mul_pd(a, b), c), |a, b, c| _mm_sub_pd(c, _mm_mul_pd(a, b)),
+    |a, b| {
+        let size = _mm_andnot_pd(_mm_set1_pd(-0.0), a);
+        let larger = _mm_or_pd(_mm_cmpunord_pd(size, size), _mm_cmplt_pd(b, size));
+        _mm_or_pd(_mm_and_pd(larger, size), _mm_andnot_pd(larger, b))
+    },
+    {
+        double_alone!();
+        #[inline(always)]
+        fn lost(self, b: Self, product: Self) -> Self {
+            // Slow where the processor cannot, but right.
+            let (own, b, product) = (self.to_array(), b.to_array(), product.to_array());
+            Self::from_array([0, 1].map(|lane| own[lane].mul_add(b[lane], -product[lane])))
+        }
+    }
+);
 vector!(
     /// Two lanes in a 128-bit register.
     Avx128, __m128d, 2, false, "avx2,fma",

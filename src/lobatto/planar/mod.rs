@@ -105,12 +105,20 @@ impl<V: Lanes> Equations for PlanarKernel<V> {
         let refines = self.refines();
         let (stages, coefficients) = (&mut self.stages, &self.coefficients);
         let gravity = stages.plan.gravity;
-        let increment = match (stages.is_general(), self.chord.keeps(), refines && settled) {
-            (true, false, _) => in_lanes!(V, stages.increments::<true, true, false>(coefficients, &gravity)),
-            (true, true, _) => in_lanes!(V, stages.increments::<true, true, true>(coefficients, &gravity)),
-            (false, _, true) => in_lanes!(V, stages.increments::<true, false, true>(coefficients, &gravity)),
-            (false, true, false) => in_lanes!(V, stages.increments::<false, false, true>(coefficients, &gravity)),
-            (false, false, false) => in_lanes!(V, stages.increments::<false, false, false>(coefficients, &gravity)),
+        let keeps = self.chord.keeps();
+        // Vectors that carry the general sweeps alone are not compiled with the others: here the condition is known before them.
+        let increment = if V::GENERAL_ALONE || stages.applied.is_some() {
+            if keeps {
+                in_lanes!(V, stages.increments::<true, true, true>(coefficients, &gravity))
+            } else {
+                in_lanes!(V, stages.increments::<true, true, false>(coefficients, &gravity))
+            }
+        } else {
+            match (keeps, refines && settled) {
+                (_, true) => in_lanes!(V, stages.increments::<true, false, true>(coefficients, &gravity)),
+                (true, false) => in_lanes!(V, stages.increments::<false, false, true>(coefficients, &gravity)),
+                (false, false) => in_lanes!(V, stages.increments::<false, false, false>(coefficients, &gravity)),
+            }
         };
         self.chord.see(increment);
         increment
@@ -213,7 +221,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let (stages, velocity, coefficients) = (&mut self.stages, &mut self.velocity, &self.coefficients);
         let gravity = stages.plan.gravity;
-        if stages.is_general() {
+        if V::GENERAL_ALONE || stages.applied.is_some() {
             in_lanes!(V, stages.end_velocities::<true, true>(coefficients, &gravity, velocity));
         } else if self.refined {
             in_lanes!(V, stages.end_velocities::<true, false>(coefficients, &gravity, velocity));
