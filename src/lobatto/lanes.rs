@@ -239,7 +239,7 @@ pub(crate) use pair::Pair;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lobatto::numbers::{Numbers, mix_from_memory};
+    use crate::lobatto::numbers::{InLines, Numbers, mix_from_memory};
     use crate::lobatto::turns::{FEW, half_angle, half_angle_of_few};
 
     fn keeps_nan<N: Numbers>() {
@@ -313,7 +313,7 @@ mod tests {
     fn mixes_and_turns<V: Lanes>() {
         V::run(|| {
             let columns: Vec<V> = (0..V::COUNT).map(|column| vector(100 + column)).collect();
-            let arrays = [vector::<V>(1), vector(2), vector(3)].map(V::to_array);
+            let arrays = InLines([vector::<V>(1), vector(2), vector(3)].map(V::to_array));
             let together = mix_from_memory(&arrays, &columns);
             for (index, together) in together.into_iter().enumerate() {
                 let apart = vector::<V>(index + 1).mix(&columns);

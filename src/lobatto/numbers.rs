@@ -68,14 +68,18 @@ fn one_by_one<V: Numbers, const N: usize>(mut values: [V; N], columns: &[V]) -> 
     values
 }
 
+/// Arrays from the border of a cache line on: what is stored over a border comes back late.
+#[repr(align(64))]
+pub(super) struct InLines<A, const N: usize>(pub [A; N]);
+
 /// [`Numbers::mix`] of several, the lanes of which are read back from memory; to the same bits.
 #[inline(always)]
 pub(super) fn mix_from_memory<V: Numbers, A: AsRef<[V::Real]>, const N: usize>(
-    arrays: &[A; N],
+    arrays: &InLines<A, N>,
     columns: &[V],
 ) -> [V; N] {
     // The compiler would see that they come from registers, and shuffle.
-    let arrays = std::hint::black_box(arrays);
+    let InLines(arrays) = std::hint::black_box(arrays);
     let mut sums = [V::zero(); N];
     let mut value = 0;
     while value < N {
@@ -141,10 +145,10 @@ impl<V: Lanes> Numbers for V {
         if !V::READS_BACK {
             return one_by_one(values, columns);
         }
-        let mut arrays = [V::zero_array(); N];
+        let mut arrays = InLines([V::zero_array(); N]);
         let mut value = 0;
         while value < N {
-            arrays[value] = values[value].to_array();
+            arrays.0[value] = values[value].to_array();
             value += 1;
         }
         mix_from_memory(&arrays, columns)

@@ -3,7 +3,7 @@
 //! Its operations are the same with AVX2 and with AVX-512, to the bit.
 
 use super::{Add, Mul, Neg, Single, Sub};
-use crate::lobatto::numbers::{Numbers, mix_from_memory};
+use crate::lobatto::numbers::{InLines, Numbers, mix_from_memory};
 use crate::lobatto::turns::half_angle_single;
 
 operators!(Single,);
@@ -56,10 +56,10 @@ impl Numbers for Single {
     }
     #[inline(always)]
     fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
-        let mut arrays = [[0.0; 8]; N];
+        let mut arrays = InLines([[0.0; 8]; N]);
         let mut value = 0;
         while value < N {
-            arrays[value] = values[value].to_array();
+            arrays.0[value] = values[value].to_array();
             value += 1;
         }
         mix_from_memory(&arrays, columns)

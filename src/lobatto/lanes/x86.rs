@@ -12,6 +12,17 @@
 use super::{Add, Lanes, Mul, Neg, Sub};
 use std::arch::x86_64::*;
 
+/// Makes the frame of the function that this is inlined into begin at the border of a cache line. The compiler decides on that before it
+/// knows that registers will be kept on the stack: without, it depends on what was called before whether all of those of 512 bits and half
+/// of those of 256 bits reach over such a border.
+#[inline(always)]
+fn align_frame() {
+    #[repr(align(64))]
+    struct Line(#[expect(dead_code, reason = "its place counts")] u8);
+    // Mutable, or it would be a constant somewhere else.
+    std::hint::black_box(&mut Line(0));
+}
+
 macro_rules! vector {
     ($(#[$doc:meta])* $name:ident, $raw:ty, $count:literal, $reads_back:literal, $features:literal,
      $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:expr, $fnmadd:expr,
@@ -91,6 +102,7 @@ macro_rules! vector {
             fn run<R>(work: impl FnOnce() -> R) -> R {
                 #[target_feature(enable = $features)]
                 fn with_features<R>(work: impl FnOnce() -> R) -> R {
+                    align_frame();
                     work()
                 }
                 // SAFETY: P1.
