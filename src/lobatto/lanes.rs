@@ -81,7 +81,15 @@ pub trait Lanes:
     /// Mixes lanes: `Σ_i columns[i] · self[i]`, a matrix (by columns) times the vector of the lanes.
     #[inline(always)]
     fn mix(self, columns: &[Self]) -> Self {
-        mix_in_place(self, columns)
+        let array = self.to_array();
+        let lanes = array.as_ref();
+        let mut sum = columns[0] * Self::splat(lanes[0]);
+        let mut index = 1;
+        while index < Self::COUNT {
+            sum = columns[index].mul_add(Self::splat(lanes[index]), sum);
+            index += 1;
+        }
+        sum
     }
 
     /// Sum of all lanes, the upper half folded onto the lower again and again: zeros above the lanes in use do not
@@ -113,20 +121,6 @@ pub trait Lanes:
         }
         f64::from_bits(bits)
     }
-}
-
-/// [`Lanes::mix`], lane by lane.
-#[inline(always)]
-fn mix_in_place<V: Lanes>(value: V, columns: &[V]) -> V {
-    let array = value.to_array();
-    let lanes = array.as_ref();
-    let mut sum = columns[0] * V::splat(lanes[0]);
-    let mut index = 1;
-    while index < V::COUNT {
-        sum = columns[index].mul_add(V::splat(lanes[index]), sum);
-        index += 1;
-    }
-    sum
 }
 
 /// Runs an expression compiled for the vector type: everything in it is inlined there.

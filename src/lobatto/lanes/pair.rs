@@ -7,7 +7,7 @@ use super::{Add, Avx256, Avx512, Lanes, Mul, Neg, Single, Sse2, Sub};
 pub struct Pair<V, const N: usize>(V, V);
 
 macro_rules! pair {
-    ($half:ty, $half_count:literal, $count:literal, $general_alone:literal, { $($precision:tt)* }) => {
+    ($half:ty, $half_count:literal, $count:literal, { $($own:tt)* }) => {
         impl Pair<$half, $count> {
             #[inline(always)]
             fn lane_add(self, other: Self) -> Self {
@@ -26,9 +26,8 @@ macro_rules! pair {
         impl Lanes for Pair<$half, $count> {
             const COUNT: usize = $count;
             const READS_BACK: bool = <$half>::READS_BACK;
-            const GENERAL_ALONE: bool = $general_alone;
             type Array = [f64; $count];
-            $($precision)*
+            $($own)*
             #[inline(always)]
             fn splat(value: f64) -> Self {
                 Pair(<$half>::splat(value), <$half>::splat(value))
@@ -81,10 +80,11 @@ macro_rules! pair {
     };
 }
 
-pair!(Sse2, 2, 4, true, {
+pair!(Sse2, 2, 4, {
+    const GENERAL_ALONE: bool = true;
     double_alone!();
 });
-pair!(Avx256, 4, 8, false, {
+pair!(Avx256, 4, 8, {
     type Single = Single;
     const HAS_SINGLE: bool = true;
     #[inline(always)]
@@ -97,7 +97,11 @@ pair!(Avx256, 4, 8, false, {
         Pair(low, high)
     }
 });
-pair!(Avx512, 8, 16, true, {
+pair!(Avx512, 8, 16, {
+    const GENERAL_ALONE: bool = true;
     double_alone!();
 });
-pair!(Pair<Avx256, 8>, 8, 16, true, { double_alone!(); });
+pair!(Pair<Avx256, 8>, 8, 16, {
+    const GENERAL_ALONE: bool = true;
+    double_alone!();
+});

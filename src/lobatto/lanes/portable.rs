@@ -3,7 +3,7 @@
 //! On x86-64 that is two lanes, for processors that hardly anybody has. Up to four stages have vectors of their own there ([`super::Sse2`]);
 //! sixteen lanes written out in place are a megabyte of instructions a sweep, so that an operation of them is a call.
 
-use super::{Add, Lanes, Mul, Neg, Sub, mix_in_place};
+use super::{Add, Lanes, Mul, Neg, Sub};
 
 /// `N` lanes in an array.
 #[derive(Clone, Copy)]
@@ -46,12 +46,6 @@ impl<const N: usize> Portable<N> {
 
 operators!(Portable<N>, const N: usize);
 
-/// [`Lanes::mix`] as a call.
-#[inline(never)]
-fn mix_called<V: Lanes>(lanes: &V, columns: &[V]) -> V {
-    mix_in_place(*lanes, columns)
-}
-
 impl<const N: usize> Lanes for Portable<N>
 where
     [f64; N]: AsRef<[f64]> + AsMut<[f64]>,
@@ -91,15 +85,11 @@ where
     }
     #[inline(always)]
     fn reciprocal(self) -> Self {
-        self.zip(self, |value, _| 1.0 / value)
+        Portable(self.0.map(|value| 1.0 / value))
     }
     #[inline(always)]
     fn max_abs(self, bound: Self) -> Self {
         self.zip(bound, |a, b| if a.abs() > b || a.is_nan() { a.abs() } else { b })
-    }
-    #[inline(always)]
-    fn mix(self, columns: &[Self]) -> Self {
-        if Self::CALLED { mix_called(&self, columns) } else { mix_in_place(self, columns) }
     }
     #[inline(always)]
     fn run<R>(work: impl FnOnce() -> R) -> R {
