@@ -8,9 +8,8 @@
 //!     d/dt (d·d − L²)/2L = d · ḋ / L                          [m/s]
 //! ```
 
-use crate::kinematics::{BodyAcceleration, WORLD};
+use crate::kinematics::BodyAcceleration;
 use crate::model::{Attachment, LoopJoint, LoopKind, Mechanism, Mimic};
-use crate::small::{product, times};
 use crate::state::{BodyState, State};
 use nalgebra::{Matrix3, Vector3};
 
@@ -49,14 +48,8 @@ struct End {
 
 impl End {
     fn new(end: &Attachment, bodies: &[BodyState]) -> Self {
-        let body = end.body.map_or(&WORLD, |body| &bodies[body]);
-        let arm = times(&body.rotation, &end.frame.translation.vector);
-        End {
-            point: body.position + arm,
-            rate: body.velocity + body.angular_velocity.cross(&arm),
-            axes: product(&body.rotation, end.frame.rotation.matrix()),
-            spin: body.angular_velocity,
-        }
+        let (point, rate) = end.point(bodies);
+        End { point, rate, axes: end.axes(bodies), spin: end.on(bodies).angular_velocity }
     }
 
     fn axis(&self, axis: usize) -> Vector3<f64> {

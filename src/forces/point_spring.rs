@@ -18,9 +18,6 @@
 //! (translational spring-damper-actuators).
 
 use super::PointSpring;
-use crate::kinematics::WORLD;
-use crate::model::Attachment;
-use crate::small::times;
 use crate::state::BodyState;
 use nalgebra::{Matrix3, Vector3};
 
@@ -52,23 +49,16 @@ impl Line {
     }
 }
 
-/// A point of a body in the world: place (m) and velocity [m/s].
-pub fn attached_point(attachment: &Attachment, bodies: &[BodyState]) -> (Vector3<f64>, Vector3<f64>) {
-    let body = attachment.body.map_or(WORLD, |body| bodies[body]);
-    let arm = times(&body.rotation, &attachment.frame.translation.vector);
-    (body.position + arm, body.velocity + body.angular_velocity.cross(&arm))
-}
-
 impl PointSpring {
     /// The line between its ends.
     pub fn line(&self, bodies: &[BodyState]) -> Line {
-        let ((from, from_rate), (to, to_rate)) = (attached_point(&self.a, bodies), attached_point(&self.b, bodies));
+        let ((from, from_rate), (to, to_rate)) = (self.a.point(bodies), self.b.point(bodies));
         Line::new(to - from, &(to_rate - from_rate))
     }
 
     /// Whether its ends coincide to some roundings of their places though it pushes them apart, with no direction to do so.
     pub fn is_undirected(&self, bodies: &[BodyState]) -> bool {
-        let places = [&self.a, &self.b].map(|end| attached_point(end, bodies).0.norm());
+        let places = [&self.a, &self.b].map(|end| end.point(bodies).0.norm());
         let nothing = COINCIDENCE * (self.rest_length + places[0] + places[1]);
         self.stiffness * self.rest_length > 0.0 && self.line(bodies).length <= nothing
     }
@@ -110,7 +100,7 @@ impl PointSpring {
 mod tests {
     use super::*;
     use crate::forces::differences::central_vector;
-    use crate::model::Pose;
+    use crate::model::{Attachment, Pose};
 
     fn spring() -> PointSpring {
         let end = Attachment { body: None, frame: Pose::identity() };

@@ -4,7 +4,6 @@
 //! Springs and those loads that have a potential give energy back; dampers dissipate; what a load without a potential
 //! does is work put into the mechanism. So `T + V_gravity + V_spring + V_load + dissipated − work` is constant.
 
-use super::point_spring::attached_point;
 use crate::model::{Coordinate, FreeRotation, Mechanism};
 use crate::state::BodyState;
 use nalgebra::Vector3;
@@ -65,7 +64,7 @@ pub fn body_wrenches(mechanism: &Mechanism, bodies: &[BodyState], wrenches: &mut
         let force = spring.force(&spring.line(bodies));
         for (end, force) in [(&spring.a, -force), (&spring.b, force)] {
             if let Some(body) = end.body {
-                let arm = attached_point(end, bodies).0 - bodies[body].position;
+                let arm = end.point(bodies).0 - bodies[body].position;
                 wrenches[body].0 += force;
                 wrenches[body].1 += arm.cross(&force);
             }

@@ -1,7 +1,7 @@
 //! What the forces on a mechanism are made of, sorted for the sweeps, and what they need of the start of a step.
 
 use crate::forces::PointSpring;
-use crate::forces::point_spring::{Line, attached_point};
+use crate::forces::point_spring::Line;
 use crate::forces::total::scalar_coordinate;
 use crate::model::Mechanism;
 use crate::small::times;
@@ -102,7 +102,7 @@ impl AppliedStart {
         };
         for (start, spring) in self.lines.iter_mut().zip(&forces.point_springs) {
             let ends = [&spring.a, &spring.b];
-            let [(from, from_rate), (to, to_rate)] = ends.map(|end| attached_point(end, bodies));
+            let [(from, from_rate), (to, to_rate)] = ends.map(|end| end.point(bodies));
             let line = Line::new(to - from, &(to_rate - from_rate));
             *start = LineStart {
                 arms: ends.map(|end| end.body.map_or([0.0; 3], |body| arm(body, &end.frame.translation.vector).into())),

@@ -15,7 +15,7 @@
 use super::literal::{BODY_COORDINATES, body_states};
 use super::tableau::Tableau;
 use crate::forces::PointSpring;
-use crate::forces::point_spring::{Line, attached_point};
+use crate::forces::point_spring::Line;
 use crate::forces::total::scalar_coordinate;
 use crate::kinematics::WORLD;
 use crate::model::{Attachment, FreeRotation, Mechanism};
@@ -230,7 +230,7 @@ impl Stages<'_> {
             let pull = lines[stage].direction * spring.tension(lines[stage].length, rates[stage]);
             let mut push = |end: &Attachment, push: Vector3<f64>| {
                 if let Some(body) = end.body {
-                    let arm = attached_point(end, bodies).0 - bodies[body].position;
+                    let arm = end.point(bodies).0 - bodies[body].position;
                     add_wrench(force, Some(body), bodies, push, arm.cross(&push));
                 }
             };

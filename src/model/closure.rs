@@ -16,7 +16,7 @@
 
 use super::joint::Pose;
 use crate::kinematics::WORLD;
-use crate::small::{product, times};
+use crate::small::{cross, product, times};
 use crate::state::BodyState;
 use nalgebra::{Matrix3, Vector3};
 
@@ -32,9 +32,24 @@ pub struct Attachment {
 impl Attachment {
     /// Origin (m) and axes (as columns) of the frame in the world.
     pub fn place(&self, bodies: &[BodyState]) -> (Vector3<f64>, Matrix3<f64>) {
-        let body = self.body.map_or(&WORLD, |body| &bodies[body]);
-        let origin = body.position + times(&body.rotation, &self.frame.translation.vector);
-        (origin, product(&body.rotation, self.frame.rotation.matrix()))
+        (self.point(bodies).0, self.axes(bodies))
+    }
+
+    /// Place (m) and velocity [m/s] of the origin in the world.
+    pub fn point(&self, bodies: &[BodyState]) -> (Vector3<f64>, Vector3<f64>) {
+        let body = self.on(bodies);
+        let arm = times(&body.rotation, &self.frame.translation.vector);
+        (body.position + arm, body.velocity + cross(&body.angular_velocity, &arm))
+    }
+
+    /// Axes (as columns) in the world.
+    pub fn axes(&self, bodies: &[BodyState]) -> Matrix3<f64> {
+        product(&self.on(bodies).rotation, self.frame.rotation.matrix())
+    }
+
+    /// What it is fixed in.
+    pub fn on<'b>(&self, bodies: &'b [BodyState]) -> &'b BodyState {
+        self.body.map_or(&WORLD, |body| &bodies[body])
     }
 }
 
