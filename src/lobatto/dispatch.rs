@@ -102,13 +102,12 @@ fn in_vectors(kernel: &impl Make, tableau: &Tableau, isa: Isa) -> Box<dyn Step> 
                 _ => kernel.make::<Pair<Pair<Avx256, 8>, 16>>(),
             };
         }
+        // Few processors of this kind lack AVX2, and every type takes a share of the build: two do for all stages.
+        _ if lanes <= 4 => return kernel.make::<Pair<Sse2, 4>>(),
         _ => {}
     }
     let _ = isa;
     match lanes {
-        // Few processors of this kind lack AVX2, and every type takes a share of the build.
-        #[cfg(target_arch = "x86_64")]
-        ..=4 => kernel.make::<Pair<Sse2, 4>>(),
         #[cfg(not(target_arch = "x86_64"))]
         ..=2 => kernel.make::<Portable<2>>(),
         #[cfg(not(target_arch = "x86_64"))]

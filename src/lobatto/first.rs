@@ -111,6 +111,7 @@ impl<V: Lanes> FirstIterations<V> {
         if V::HAS_SINGLE && self.next { self.iterate_single(stages, chord, gravity) } else { None }
     }
 
+    /// [`Self::iterate`] of vectors with single precision, when it is time for it.
     #[inline(always)]
     fn iterate_single(&mut self, stages: &mut Stages<V>, chord: &mut Chord, gravity: &[f64; 3]) -> Option<f64> {
         let single = self.stages.as_deref_mut()?;

@@ -131,7 +131,7 @@ impl<V: Lanes> Equations for Kernel<V> {
             in_lanes!(V, stages.sweep_applied(false));
         }
         let keeps = self.chord.keeps();
-        // Vectors that carry the general sweeps alone are not compiled with the others: here the condition is known before them.
+        // Vectors that carry the general sweeps alone are not compiled with the others.
         if V::GENERAL_ALONE || stages.applied.is_some() {
             if keeps {
                 in_lanes!(V, stages.sweep_forced_wrenches(gravity));

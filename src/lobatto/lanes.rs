@@ -17,7 +17,7 @@ pub trait Lanes:
     /// multiplications, in a register they have to be shuffled first.
     const READS_BACK: bool = false;
     /// Whether these vectors carry the most general sweeps alone, with forces and with twice the digits of the coefficients: few runs
-    /// use them, and every sweep takes its share of the build. What asks for it first is compiled for the one answer alone.
+    /// use them, and every sweep takes its share of the build. A condition that begins with it is known before anything in it is compiled.
     const GENERAL_ALONE: bool = false;
     /// `[f64; COUNT]`.
     type Array: Copy + AsRef<[f64]> + AsMut<[f64]>;

@@ -260,7 +260,8 @@ impl<V: Lanes> Stages<V> {
         Stages { applied: Applied::new(mechanism, tableau), ..Stages::unforced(mechanism, tableau, kept) }
     }
 
-    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]).
+    /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]). Where sweeps are chosen
+    /// the same is written out: behind a call the compiler would know too late.
     #[inline(always)]
     pub fn is_general(&self) -> bool {
         V::GENERAL_ALONE || self.applied.is_some()

@@ -106,7 +106,7 @@ impl<V: Lanes> Equations for PlanarKernel<V> {
         let (stages, coefficients) = (&mut self.stages, &self.coefficients);
         let gravity = stages.plan.gravity;
         let keeps = self.chord.keeps();
-        // Vectors that carry the general sweeps alone are not compiled with the others: here the condition is known before them.
+        // Vectors that carry the general sweeps alone are not compiled with the others.
         let increment = if V::GENERAL_ALONE || stages.applied.is_some() {
             if keeps {
                 in_lanes!(V, stages.increments::<true, true, true>(coefficients, &gravity))
