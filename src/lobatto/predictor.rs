@@ -23,9 +23,9 @@ use super::stage::{Coefficients, MAX_LANES};
 use super::tableau::Tableau;
 
 mod balls;
+mod extrapolation;
 
-/// At most so many degrees of freedom vote on the order.
-const VOTERS: usize = 48;
+use extrapolation::Extrapolation;
 
 /// What a guess is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,26 +50,12 @@ pub struct Unknowns<'s, V> {
     pub coefficients: &'s Coefficients<V>,
 }
 
-/// The past that guesses are made from.
+/// What guesses are made from.
 pub struct Predictor<V> {
     /// The first of the three degrees of freedom of every ball joint.
     balls: Vec<usize>,
-    /// Old displacements from the new start, newest first: stages s−1 … 1; `nodes.len()` numbers a degree of freedom.
-    past: Vec<f64>,
-    /// `c_n − 1` of the old stages, newest first.
-    nodes: Vec<f64>,
-    /// Divided differences of the last guess; as many as `past`.
-    differences: Vec<f64>,
-    /// `x² Π (x − x_k)` of the last guess.
-    basis: [V; MAX_LANES],
-    /// `1 / (x_n − x_k)` of the last guess; kept because clearing it would take longer than filling what is used.
-    inverse: [[f64; MAX_LANES]; MAX_LANES],
-    /// Length of the step the past comes from, zero for none.
-    old_step: f64,
-    /// The order in use.
-    order: usize,
-    /// The order the last guess was made with.
-    used: usize,
+    /// The step before.
+    extrapolation: Extrapolation<V>,
     /// `c_j` and `Π_{k≠j} 1/(c_j − c_k)` of the stages 2 … s.
     inner: Vec<(f64, f64)>,
 }
@@ -77,32 +63,19 @@ pub struct Predictor<V> {
 impl<V: Lanes> Predictor<V> {
     /// Memory for a number of degrees of freedom, those of ball joints being the three from each of `balls`.
     pub fn new(freedoms: usize, balls: Vec<usize>, tableau: &Tableau) -> Self {
-        let nodes: Vec<f64> = tableau.nodes[..tableau.stages - 1].iter().rev().map(|node| node - 1.0).collect();
         let weights = scales(&tableau.nodes).into_iter().map(|scale| 1.0 / scale);
         let inner = tableau.nodes.iter().copied().zip(weights).skip(1);
-        Predictor {
-            balls,
-            past: vec![0.0; freedoms * nodes.len()],
-            differences: vec![0.0; freedoms * nodes.len()],
-            basis: [V::zero(); MAX_LANES],
-            inverse: [[0.0; MAX_LANES]; MAX_LANES],
-            old_step: 0.0,
-            order: first_order(&nodes),
-            used: 0,
-            inner: inner.collect(),
-            nodes,
-        }
+        Predictor { balls, extrapolation: Extrapolation::new(freedoms, tableau), inner: inner.collect() }
     }
 
     /// Forgets the past: the next step starts from something else.
     pub fn forget(&mut self) {
-        self.old_step = 0.0;
-        self.order = first_order(&self.nodes);
+        self.extrapolation.forget();
     }
 
-    /// Whether a guess of order above zero can be made.
+    /// Whether there is a step before this one to guess from.
     pub fn has_past(&self) -> bool {
-        self.old_step > 0.0
+        self.extrapolation.has_past()
     }
 
     /// Writes the guess into the displacements, in which the last attempt has left its own.
@@ -110,9 +83,9 @@ impl<V: Lanes> Predictor<V> {
     pub fn guess(&mut self, unknowns: Unknowns<V>, guess: Guess) {
         match guess {
             Guess::Longer(attempted) => self.shorten(unknowns, attempted),
-            Guess::Past if self.has_past() => self.extrapolate(unknowns),
+            Guess::Past if self.has_past() => self.extrapolation.guess(unknowns),
             Guess::Past | Guess::Plain => {
-                self.used = 0;
+                self.extrapolation.leave();
                 let Unknowns { displacement: displacements, rates, step, coefficients } = unknowns;
                 for (displacement, &rate) in displacements.iter_mut().zip(rates) {
                     *displacement = coefficients.nodes * V::splat(step * rate);
@@ -124,7 +97,7 @@ impl<V: Lanes> Predictor<V> {
     /// The beginning of a longer attempt.
     #[inline(always)]
     fn shorten(&mut self, unknowns: Unknowns<V>, attempted: f64) {
-        self.used = 0;
+        self.extrapolation.leave();
         let Unknowns { displacement: displacements, step, coefficients, .. } = unknowns;
         let x = coefficients.nodes * V::splat(step / attempted);
         let count = self.inner.len();
@@ -145,101 +118,14 @@ impl<V: Lanes> Predictor<V> {
         }
     }
 
-    /// The polynomial through the past.
-    #[inline(always)]
-    fn extrapolate(&mut self, unknowns: Unknowns<V>) {
-        let count = self.nodes.len();
-        let Unknowns { displacement: displacements, rates, step, coefficients } = unknowns;
-        let nodes = coefficients.nodes;
-        self.used = self.order;
-        // One more than is used, so that the vote sees the next higher order.
-        let terms = (self.order + 1).min(count);
-        let ratio = self.old_step / step;
-        let mut x = [0.0; MAX_LANES];
-        let mut inverse_square = [0.0; MAX_LANES];
-        for n in 0..terms {
-            x[n] = self.nodes[n] * ratio;
-            inverse_square[n] = 1.0 / (x[n] * x[n]);
-            for k in 0..n {
-                self.inverse[n][k] = 1.0 / (x[n] - x[k]);
-            }
-        }
-        self.basis[0] = nodes * nodes;
-        for n in 1..terms {
-            self.basis[n] = self.basis[n - 1] * (nodes - V::splat(x[n - 1]));
-        }
-        for (freedom, (displacement, &rate)) in displacements.iter_mut().zip(rates).enumerate() {
-            let past = &self.past[freedom * count..(freedom + 1) * count];
-            let differences = &mut self.differences[freedom * count..(freedom + 1) * count];
-            let advance = step * rate;
-            for n in 0..terms {
-                let mut value = (past[n] - x[n] * advance) * inverse_square[n];
-                for k in 0..n {
-                    value = (value - differences[k]) * self.inverse[n][k];
-                }
-                differences[n] = value;
-            }
-            let mut guess = nodes * V::splat(advance);
-            for n in 0..self.order.min(terms) {
-                guess = self.basis[n].mul_add(V::splat(differences[n]), guess);
-            }
-            *displacement = guess;
-        }
-    }
-
-    /// Learns from the converged step: picks the order that would have guessed best, keeps the displacements.
+    /// Learns from the converged step.
     #[inline(always)]
     pub fn learn(&mut self, unknowns: Unknowns<V>) {
-        if self.used > 0 {
-            self.vote(&unknowns);
-        }
-        let count = self.nodes.len();
-        let last = unknowns.coefficients.active - 1;
-        for (displacement, past) in unknowns.displacement.iter().zip(self.past.chunks_exact_mut(count)) {
-            let lanes = displacement.to_array();
-            let lanes = lanes.as_ref();
-            for (n, entry) in past.iter_mut().enumerate() {
-                *entry = if n < last { lanes[last - 1 - n] - lanes[last] } else { -lanes[last] };
-            }
-        }
+        self.extrapolation.learn(&unknowns);
         for ball in 0..self.balls.len() {
             self.learn_ball(&unknowns, self.balls[ball]);
         }
-        self.old_step = unknowns.step;
     }
-
-    #[inline(always)]
-    fn vote(&mut self, unknowns: &Unknowns<V>) {
-        let count = self.nodes.len();
-        let terms = (self.used + 1).min(count);
-        let mut worst = [V::zero(); MAX_LANES];
-        let freedoms = unknowns.displacement.len();
-        let stride = freedoms.div_ceil(VOTERS).max(1);
-        let mut freedom = 0;
-        while freedom < freedoms {
-            let differences = &self.differences[freedom * count..(freedom + 1) * count];
-            let advance = V::splat(unknowns.step * unknowns.rates[freedom]);
-            let mut missing = advance.neg_mul_add(unknowns.coefficients.nodes, unknowns.displacement[freedom]);
-            for n in 0..terms {
-                missing = self.basis[n].neg_mul_add(V::splat(differences[n]), missing);
-                worst[n] = missing.max_abs(worst[n]);
-            }
-            freedom += stride;
-        }
-        let mut best = (f64::INFINITY, self.used);
-        for n in self.used.saturating_sub(2)..terms {
-            let error = worst[n].largest();
-            if error < best.0 {
-                best = (error, n + 1);
-            }
-        }
-        self.order = best.1;
-    }
-}
-
-/// The order of the first guess from a past with these nodes.
-fn first_order(nodes: &[f64]) -> usize {
-    nodes.len().min(2)
 }
 
 #[cfg(test)]
@@ -325,7 +211,8 @@ mod tests {
             for n in 0..8 {
                 let expected = (back * UnitQuaternion::from_scaled_axis(turn(tableau.nodes[7 - n]))).scaled_axis();
                 for axis in 0..3 {
-                    let off = (predictor.past[axis * 8 + n] - expected[axis]).abs();
+                    let lane = if n == 7 { 7 } else { 6 - n };
+                    let off = (predictor.extrapolation.past[axis].to_array()[lane] - expected[axis]).abs();
                     // Rounding, and what sixteen terms of the series leave out.
                     assert!(off < bound, "pace {pace}, stage {n}, axis {axis}: {off:e}");
                 }

@@ -14,7 +14,6 @@ impl<V: Lanes> Predictor<V> {
     /// The past of a ball joint: rotation vectors from the new start, `log(exp(−θ_s) exp(θ_n))`.
     #[inline(always)]
     pub(super) fn learn_ball(&mut self, unknowns: &Unknowns<V>, freedom: usize) {
-        let count = self.nodes.len();
         let active = unknowns.coefficients.active;
         let displacement = &unknowns.displacement[freedom..freedom + 3];
         let turn = Vector([displacement[0], displacement[1], displacement[2]]);
@@ -24,13 +23,11 @@ impl<V: Lanes> Predictor<V> {
         let back = Vector::splat(&[-at_end(x, active), -at_end(y, active), -at_end(z, active)]);
         let (w, u) = compose(V::splat(at_end(w, active)), back, w, u);
         let vector = u.times(twice_angle_over_sine(w));
+        // Stage 1, in the last lane in use, where the end of the step is nowhere from itself.
+        let (moved, first) = (unknowns.coefficients.moved, V::splat(1.0) - unknowns.coefficients.moved);
         for (axis, entry) in vector.0.into_iter().enumerate() {
-            let past = &mut self.past[(freedom + axis) * count..(freedom + axis + 1) * count];
-            let lanes = entry.to_array();
-            for (n, past) in past[..count - 1].iter_mut().enumerate() {
-                *past = lanes.as_ref()[active - 2 - n];
-            }
-            past[count - 1] = -at_end(turn.0[axis], active);
+            let at_first = -at_end(turn.0[axis], active);
+            self.extrapolation.past[freedom + axis] = first.mul_add(V::splat(at_first), entry * moved);
         }
     }
 }
