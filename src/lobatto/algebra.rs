@@ -1,6 +1,6 @@
 //! Three-vectors and 3×3 matrices whose entries are lanes: one number for each stage.
 
-use super::numbers::Numbers;
+use super::numbers::Arithmetic;
 
 /// A vector in space, one for each lane.
 #[derive(Clone, Copy)]
@@ -14,7 +14,7 @@ pub struct Symmetric<V>(pub [V; 6]);
 #[derive(Clone, Copy)]
 pub struct Matrix<V>(pub [[V; 3]; 3]);
 
-impl<V: Numbers> Vector<V> {
+impl<V: Arithmetic> Vector<V> {
     /// The zero vector.
     #[inline(always)]
     pub fn zero() -> Self {
@@ -92,7 +92,7 @@ impl<V: Numbers> Vector<V> {
     }
 }
 
-impl<V: Numbers> Symmetric<V> {
+impl<V: Arithmetic> Symmetric<V> {
     /// The zero matrix.
     #[inline(always)]
     pub fn zero() -> Self {
@@ -131,7 +131,7 @@ impl<V: Numbers> Symmetric<V> {
     }
 }
 
-impl<V: Numbers> Matrix<V> {
+impl<V: Arithmetic> Matrix<V> {
     /// The zero matrix.
     #[inline(always)]
     pub fn zero() -> Self {

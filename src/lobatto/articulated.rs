@@ -14,7 +14,7 @@
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7; here lane by lane.
 
 use super::algebra::{Matrix, Symmetric, Vector};
-use super::numbers::Numbers;
+use super::numbers::Arithmetic;
 
 /// An articulated inertia and bias wrench about the anchor of a body, in world axes:
 /// `[force; torque] = [mass coupling; couplingᵀ inertia] [acceleration; angular acceleration] + [force; torque]`.
@@ -56,7 +56,7 @@ pub struct Eliminated<V> {
     pub inverse: V,
 }
 
-impl<V: Numbers> Eliminated<V> {
+impl<V: Arithmetic> Eliminated<V> {
     /// Nothing.
     pub fn zero() -> Self {
         let (axis, zero) = (Vector::zero(), V::zero());
@@ -64,7 +64,7 @@ impl<V: Numbers> Eliminated<V> {
     }
 }
 
-impl<V: Numbers> Articulated<V> {
+impl<V: Arithmetic> Articulated<V> {
     /// Nothing.
     #[inline(always)]
     pub fn zero() -> Self {
@@ -75,6 +75,13 @@ impl<V: Numbers> Articulated<V> {
             force: Vector::zero(),
             torque: Vector::zero(),
         }
+    }
+
+    /// A body that never turns: mass and force, and nothing else.
+    #[inline(always)]
+    pub fn sliding(mass: V, force: Vector<V>) -> Self {
+        let zero = V::zero();
+        Articulated { mass: Symmetric([mass, zero, zero, mass, zero, mass]), force, ..Articulated::zero() }
     }
 
     /// The sum of two inertias and wrenches about the same point.
@@ -211,7 +218,7 @@ impl<V: Numbers> Articulated<V> {
 
 /// `d`; what calls with a `None` in its code pays nothing for it.
 #[inline(always)]
-fn resisting<V: Numbers>(inertia: V, push: Option<Push<V>>) -> V {
+fn resisting<V: Arithmetic>(inertia: V, push: Option<Push<V>>) -> V {
     match push {
         None => inertia,
         Some(push) => inertia + push.inertia,
@@ -220,7 +227,7 @@ fn resisting<V: Numbers>(inertia: V, push: Option<Push<V>>) -> V {
 
 /// `(τ − sᵀ p) / d`.
 #[inline(always)]
-fn unbalanced<V: Numbers>(carried: V, push: Option<Push<V>>, inverse: V) -> V {
+fn unbalanced<V: Arithmetic>(carried: V, push: Option<Push<V>>, inverse: V) -> V {
     match push {
         None => -(carried * inverse),
         Some(push) => (push.effort - carried) * inverse,
@@ -229,7 +236,7 @@ fn unbalanced<V: Numbers>(carried: V, push: Option<Push<V>>, inverse: V) -> V {
 
 /// `start − a × b`.
 #[inline(always)]
-fn cross_from<V: Numbers>(a: Vector<V>, b: Vector<V>, start: Vector<V>) -> Vector<V> {
+fn cross_from<V: Arithmetic>(a: Vector<V>, b: Vector<V>, start: Vector<V>) -> Vector<V> {
     let ([ax, ay, az], [bx, by, bz]) = (a.0, b.0);
     Vector([
         az.mul_add(by, ay.neg_mul_add(bz, start.0[0])),

@@ -14,12 +14,13 @@
 //! Source: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (1995), section 5.4.
 
 use super::algebra::Vector;
-use super::articulated::Eliminated;
-use super::numbers::Numbers;
-use super::residual::{Sweep, body_residual, force_residual};
+use super::articulated::{Eliminated, Push};
+use super::numbers::{Arithmetic, Numbers};
+use super::residual::{body_residual, force_residual};
+use super::rows::{Rows, Sweep};
 use super::stage::Stages;
-use super::start::{BodyPlan, Children};
-use super::sweeps::{tangent, tilted};
+use super::start::{BodyPlan, Children, Plan, Start};
+use super::sweeps::{Factors, slide_axis, tilted_by};
 use crate::model::FreeRotation;
 
 /// When to keep the factors.
@@ -87,7 +88,7 @@ struct Wrench<V> {
     torque: Vector<V>,
 }
 
-impl<V: Numbers> Wrench<V> {
+impl<V: Arithmetic> Wrench<V> {
     /// Takes out what a joint takes along an axis of which the wrench is `load` (minus the push).
     #[inline(always)]
     fn relieve(&mut self, axis: Vector<V>, load: V, joint: &mut Eliminated<V>) {
@@ -106,7 +107,8 @@ impl<V: Numbers> Stages<V> {
         let columns = self.coefficients.residual;
         let rest = self.coefficients.residual_rest;
         let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
-        self.gather::<REFINED, false>(&sweep);
+        let (factors, rows) = self.rows::<REFINED, false>(&sweep);
+        factors.gather(rows.plan, rows.start, &rows);
     }
 
     /// [`Stages::sweep_wrenches`] of a mechanism with forces, after [`Stages::sweep_applied`].
@@ -115,34 +117,29 @@ impl<V: Numbers> Stages<V> {
         let columns = self.coefficients.residual;
         let rest = self.coefficients.residual_rest;
         let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
-        self.gather::<true, true>(&sweep);
+        let (factors, rows) = self.rows::<true, true>(&sweep);
+        factors.gather(rows.plan, rows.start, &rows);
     }
+}
 
+impl<V: Arithmetic> Factors<V> {
     #[inline(always)]
-    fn gather<const REFINED: bool, const FORCED: bool>(&mut self, sweep: &Sweep<V>) {
-        let applied = if FORCED { self.applied.take() } else { None };
-        let scale = sweep.forces;
-        let effort = |freedom: usize| match &applied {
-            Some(applied) if FORCED => Some(applied.efforts[freedom] * scale),
-            _ => None,
-        };
+    fn gather<R: Rows<V>>(&mut self, plans: &Plan, start: &Start<V::Real>, rows: &R) {
         let nothing = Wrench { force: Vector::zero(), torque: Vector::zero() };
         let mut carried = nothing;
-        for index in (0..self.plan.bodies.len()).rev() {
-            let plan = &self.plan.bodies[index];
-            let known = &self.start.bodies[index];
-            let pose = self.poses[index];
+        for index in (0..plans.bodies.len()).rev() {
+            let plan = &plans.bodies[index];
+            let known = &start.bodies[index];
+            let pose = rows.pose(index);
             let (mut total, turn) = if plan.slides {
-                let force = force_residual::<V, false, REFINED>(sweep, known, pose.anchor);
-                (Wrench { force, ..nothing }, None)
+                (Wrench { force: force_residual(rows, index, known, pose.anchor), ..nothing }, None)
             } else {
-                let own = body_residual::<V, false, REFINED>(sweep, plan, known, &pose);
+                let own = body_residual(rows, index, plan, known);
                 (Wrench { force: own.force, torque: own.torque }, Some(own.turn))
             };
-            if FORCED && let Some(applied) = &applied {
-                let (force, torque) = applied.wrenches[index];
-                total.force = force.times_minus(scale, total.force);
-                total.torque = torque.times_minus(scale, total.torque);
+            if let Some((force, torque)) = rows.wrench(index) {
+                total.force = force.times_minus(rows.forces(), total.force);
+                total.torque = torque.times_minus(rows.forces(), total.torque);
             }
             match plan.children {
                 Children::None => {}
@@ -160,48 +157,44 @@ impl<V: Numbers> Stages<V> {
                 match plan.rotation {
                     FreeRotation::None => {}
                     FreeRotation::AboutZ => {
-                        let axis = Vector::splat(&self.start.axes[rotations]);
+                        let axis = Vector::splat(&start.axes[rotations]);
                         let axis = turn.apply_plus(axis, axis);
-                        let load = less(axis.dot(total.torque), effort(rotations));
+                        let load = less_push(axis.dot(total.torque), rows.push(rotations));
                         total.relieve(axis, load, &mut self.eliminated[rotations]);
                     }
                     FreeRotation::Ball => {
-                        let vector = self.rotation_vector(rotations).times(sweep.moved);
-                        let coefficients = tangent(vector.dot(vector));
+                        let tilt = rows.tilt(rotations);
                         for freedom in (rotations..rotations + 3).rev() {
-                            let axis = Vector::splat(&self.start.axes[freedom]);
-                            let tilt = tilted(vector, axis, coefficients);
-                            let axis = turn.apply_plus(tilt, tilt);
-                            let load = less(axis.dot(total.torque), effort(freedom));
+                            let axis = Vector::splat(&start.axes[freedom]);
+                            let axis = tilted_by(tilt, axis);
+                            let axis = turn.apply_plus(axis, axis);
+                            let load = less_push(axis.dot(total.torque), rows.push(freedom));
                             total.relieve(axis, load, &mut self.eliminated[freedom]);
                         }
                     }
                 }
             }
             for freedom in (plan.first_axis..rotations).rev() {
-                let axis = self.slide_axis(plan, freedom, sweep.moved);
-                let load = less(axis.dot(total.force), effort(freedom));
+                let axis = slide_axis(rows, plan, &start.axes[freedom]);
+                let load = less_push(axis.dot(total.force), rows.push(freedom));
                 total.relieve(axis, load, &mut self.eliminated[freedom]);
             }
             if let Some(parent) = plan.parent {
                 if !plan.parent_slides {
-                    let moved = pose.anchor.minus(self.poses[parent].anchor);
-                    let arm = moved.times_plus(sweep.moved, Vector::splat(&known.arm));
+                    let moved = pose.anchor.minus(rows.pose(parent).anchor);
+                    let arm = moved.times_plus(rows.moved(), Vector::splat(&known.arm));
                     self.arms[index] = arm;
                     total.torque = arm.cross_plus(total.force, total.torque);
                 }
-                self.hand_over(index, &mut carried, total);
+                self.hand_over(plan, &mut carried, total);
             }
-        }
-        if FORCED {
-            self.applied = applied;
         }
     }
 
     /// Hands what a body leaves to its parent.
     #[inline(always)]
-    fn hand_over(&mut self, body: usize, carried: &mut Wrench<V>, left: Wrench<V>) {
-        let BodyPlan { parent_collects, first_collected, .. } = self.plan.bodies[body];
+    fn hand_over(&mut self, plan: &BodyPlan, carried: &mut Wrench<V>, left: Wrench<V>) {
+        let BodyPlan { parent_collects, first_collected, .. } = *plan;
         match parent_collects {
             Children::Slot(slot) => {
                 let slot = &mut self.slots[slot];
@@ -216,11 +209,11 @@ impl<V: Numbers> Stages<V> {
     }
 }
 
-/// The load of an axis, less the effort of forces in the joint, if there are any.
+/// The load of an axis, less what forces in the joint do, if there are any. Written out, because closures over vectors are not inlined.
 #[inline(always)]
-pub(super) fn less<V: Numbers>(load: V, effort: Option<V>) -> V {
-    match effort {
+fn less_push<V: Arithmetic>(load: V, push: Option<Push<V>>) -> V {
+    match push {
         None => load,
-        Some(effort) => load - effort,
+        Some(push) => load - push.effort,
     }
 }

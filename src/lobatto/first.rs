@@ -156,7 +156,7 @@ impl<V: Lanes> FirstIterations<V> {
             && let Some(single) = &self.stages
         {
             in_lanes!(V, {
-                for (own, single) in stages.eliminated.iter_mut().zip(&single.eliminated) {
+                for (own, single) in stages.factors.eliminated.iter_mut().zip(&single.factors.eliminated) {
                     widen_factors(own, single);
                 }
             });
@@ -208,6 +208,7 @@ fn widen_factors<V: Lanes>(own: &mut Eliminated<V>, single: &Eliminated<V::Singl
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::super::lanes::{Avx256, Isa, Pair, Portable, Single};
+    use super::super::numbers::Arithmetic;
     use super::*;
     use crate::model::{Joint, JointKind, Pose};
     use crate::state::State;
@@ -266,9 +267,9 @@ mod tests {
         use JointKind::{Floating, Planar, Prismatic, Revolute, Spherical};
         for kind in [Revolute, Prismatic, Planar, Spherical, Floating] {
             let mechanism = chain(kind);
-            let double = Avx256::run(|| increments::<Pair<Avx256, 8>>(&mechanism, Numbers::lane));
+            let double = Avx256::run(|| increments::<Pair<Avx256, 8>>(&mechanism, Arithmetic::lane));
             let single =
-                Avx256::run(|| increments::<Single>(&mechanism, |own, lane| f64::from(Numbers::lane(own, lane))));
+                Avx256::run(|| increments::<Single>(&mechanism, |own, lane| f64::from(Arithmetic::lane(own, lane))));
             for (which, (double, single)) in ["full", "kept"].into_iter().zip(double.iter().zip(&single)) {
                 let apart = double.iter().zip(single).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 let largest = double.iter().copied().map(f64::abs).fold(0.0, f64::max);

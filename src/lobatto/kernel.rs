@@ -10,7 +10,7 @@
 //!              δ_i = Σ_k Â_ik α_k,  H(q_k) α_k = −ρ_k     sweeps.rs
 //!              θ ← Anderson(θ, δ)                         anderson.rs
 //!     until |δ| is small enough
-//!     velocity from H(q̄) v̄ = Sᵀ p̄                        sweeps.rs        (2.5.11h)
+//!     velocity from H(q̄) v̄ = Sᵀ p̄                        ending.rs        (2.5.11h)
 //! ```
 //!
 //! With closed loops, and where this does not converge (stiff springs, hard dampers), the iteration is the exact Newton
@@ -20,6 +20,7 @@ use super::anderson::Anderson;
 use super::chord::Chord;
 use super::closing::Closing;
 use super::coupled::{One, Space};
+use super::ending::Ending;
 use super::extended::Extended;
 use super::first::{FirstIterations, widened};
 use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_at_first, exact_rule};
@@ -60,6 +61,7 @@ pub struct Kernel<V: Lanes> {
     /// Whether this step is iterated so far that the rounding of the coefficients counts.
     refined: bool,
     gravity: [f64; 3],
+    ending: Ending<<V as Lanes>::One>,
     velocity: Vec<f64>,
     displaced: Vec<f64>,
     /// The end of the finished step.
@@ -72,6 +74,7 @@ impl<V: Lanes> Kernel<V> {
     /// The workspace for a mechanism and a scheme; `kept` are the rules that leave nothing out.
     pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kept: &[Rule]) -> Self {
         let stages = Stages::new(mechanism, tableau, kept);
+        let ending = Ending::new(&stages.plan, mechanism.velocity_count, tableau);
         Kernel {
             modes: Modes::new(mechanism, &stages.plan),
             anderson: Anderson::new(mechanism.velocity_count),
@@ -87,6 +90,7 @@ impl<V: Lanes> Kernel<V> {
             tableau,
             refined: false,
             gravity: mechanism.gravity.into(),
+            ending,
             velocity: vec![0.0; mechanism.velocity_count],
             displaced: vec![0.0; mechanism.velocity_count],
             end: Start::with_units(mechanism),
@@ -273,19 +277,18 @@ impl<V: Lanes> Step for Kernel<V> {
     }
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
-        let (stages, gravity, velocity) = (&mut self.stages, &self.gravity, &mut self.velocity);
+        let Kernel { stages, ending, gravity, velocity, .. } = self;
         in_lanes!(V, stages.sweep_poses());
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(true));
         }
         if V::GENERAL_ALONE || stages.applied.is_some() {
-            in_lanes!(V, stages.sweep_momentum::<true, true>(gravity));
+            in_lanes!(V, ending.velocities::<V, true, true>(stages, gravity, velocity));
         } else if self.refined {
-            in_lanes!(V, stages.sweep_momentum::<true, false>(gravity));
+            in_lanes!(V, ending.velocities::<V, true, false>(stages, gravity, velocity));
         } else {
-            in_lanes!(V, stages.sweep_momentum::<false, false>(gravity));
+            in_lanes!(V, ending.velocities::<V, false, false>(stages, gravity, velocity));
         }
-        in_lanes!(V, stages.sweep_velocities(velocity));
         for (end, &displacement) in self.displaced.iter_mut().zip(&self.stages.displacement) {
             *end = at_end(displacement, self.stages.coefficients.active);
         }

@@ -25,6 +25,8 @@ pub trait Lanes:
     type Single: super::numbers::Numbers;
     /// Whether they are.
     const HAS_SINGLE: bool;
+    /// One lane alone.
+    type One: super::numbers::Arithmetic<Real = f64>;
     /// To single precision.
     fn narrow(self) -> Self::Single;
     /// From single precision.

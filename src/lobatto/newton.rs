@@ -2,7 +2,8 @@
 
 use super::coupled::{Coupled, Geometry, Space, joined};
 use super::lanes::{Lanes, in_lanes};
-use super::residual::{Sweep, body_residual};
+use super::residual::body_residual;
+use super::rows::{Rows, Sweep};
 use super::stage::{Stages, moved_rows};
 use crate::model::{Coordinate, Mechanism};
 
@@ -46,13 +47,12 @@ impl<V: Lanes> Newton<V> {
         let rest = stages.coefficients.residual_rest;
         let sweep = Sweep::of_residual(&stages.coefficients, &columns, &rest, stages.step, gravity);
         let square = V::splat(stages.step * stages.step);
-        for (index, plan) in stages.plan.bodies.iter().enumerate() {
-            let known = &stages.start.bodies[index];
-            let own = body_residual::<V, false, true>(&sweep, plan, known, &stages.poses[index]);
-            let anchor = space.anchor(&stages.start, index, 1);
+        let (_, rows) = stages.rows::<true, true>(&sweep);
+        for (index, plan) in rows.plan.bodies.iter().enumerate() {
+            let own = body_residual(&rows, index, plan, &rows.start.bodies[index]);
+            let anchor = space.anchor(rows.start, index, 1);
             let (mut force, mut torque) = (own.force, own.torque);
-            if let Some(applied) = &stages.applied {
-                let wrench = applied.wrenches[index];
+            if let Some(wrench) = rows.wrench(index) {
                 force = wrench.0.times_minus(square, force);
                 torque = wrench.1.times_minus(square, torque);
             }

@@ -8,24 +8,22 @@ use super::turns::{half_angle, half_angle_of_few};
 use std::ops::{Add, Mul, Neg, Sub};
 
 mod double;
+mod one;
 
 pub use double::Double;
+pub use one::One;
 
-/// One number for each stage, and the arithmetic of a step.
-pub trait Numbers:
+/// The arithmetic of a step: of one number for each stage, or of one alone.
+pub trait Arithmetic:
     Copy + Send + 'static + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     /// What is known of the start of a step, with as many digits.
     type Real: Copy + Default + Send + 'static;
-    /// What is known of the start of a step, from a double.
-    fn real(value: f64) -> Self::Real;
     /// The same double for all stages.
     fn splat(value: f64) -> Self;
     /// The same number for all stages.
     fn whole(value: Self::Real) -> Self;
-    /// Doubles for the stages, zero above their end, and what rounding has cut off them, for those who keep it.
-    fn from_parts(high: &[f64], low: &[f64]) -> Self;
-    /// The number of one lane.
+    /// The number of one lane; of one alone whatever lane it is.
     fn lane(self, lane: usize) -> Self::Real;
     /// `self · b + c`.
     fn mul_add(self, b: Self, c: Self) -> Self;
@@ -35,12 +33,35 @@ pub trait Numbers:
     fn lost(self, b: Self, product: Self) -> Self;
     /// `1 / self`.
     fn reciprocal(self) -> Self;
+
+    /// All zero.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+}
+
+/// One number for each stage.
+pub trait Numbers: Arithmetic {
+    /// One stage alone; or several, where they are to be had no cheaper.
+    type One: Arithmetic<Real = Self::Real>;
+    /// What is known of the start of a step, from a double.
+    fn real(value: f64) -> Self::Real;
+    /// Doubles for the stages, zero above their end, and what rounding has cut off them, for those who keep it.
+    fn from_parts(high: &[f64], low: &[f64]) -> Self;
     /// Mixes stages: `Σ_i columns[i] · self[i]`, a matrix (by columns) times the vector of the stages.
     fn mix(self, columns: &[Self]) -> Self;
     /// [`Numbers::mix`] of several.
     #[inline(always)]
     fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
         one_by_one(values, columns)
+    }
+    /// Sums over the stages of several, `Σ_i weights[i] · value of stage i`, to the bits of [`Numbers::mix`] with these for all stages.
+    fn weigh_all<const N: usize>(values: [Self; N], weights: &[Self::One]) -> [Self::One; N];
+    /// One lane alone.
+    #[inline(always)]
+    fn alone(self, lane: usize) -> Self::One {
+        Self::One::whole(self.lane(lane))
     }
     /// The larger of `|self|` and `bound`, which is not negative, stage by stage, to sixteen digits; a NaN in either gives NaN.
     fn max_abs(self, bound: Self) -> Self;
@@ -49,12 +70,6 @@ pub trait Numbers:
     /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](super::stage::MAX_TURN), or `φ ≤` [`FEW`](super::turns::FEW) where
     /// few terms are asked for.
     fn half_angle(square: Self, few: bool) -> (Self, Self);
-
-    /// All zero.
-    #[inline(always)]
-    fn zero() -> Self {
-        Self::splat(0.0)
-    }
 }
 
 /// [`Numbers::mix`] of one after the other.
@@ -99,12 +114,35 @@ pub(super) fn mix_from_memory<V: Numbers, A: AsRef<[V::Real]>, const N: usize>(
     sums
 }
 
-impl<V: Lanes> Numbers for V {
-    type Real = f64;
-    #[inline(always)]
-    fn real(value: f64) -> f64 {
-        value
+/// [`Numbers::weigh_all`] of lanes in memory.
+#[inline(always)]
+fn weigh_from_memory<V: Lanes, const N: usize>(
+    arrays: &InLines<V::Array, N>,
+    weights: &[<V as Lanes>::One],
+) -> [<V as Lanes>::One; N] {
+    // As in `mix_from_memory`.
+    let InLines(arrays) = std::hint::black_box(arrays);
+    let mut sums = [<V as Lanes>::One::zero(); N];
+    let mut value = 0;
+    while value < N {
+        sums[value] = weights[0] * <V as Lanes>::One::whole(arrays[value].as_ref()[0]);
+        value += 1;
     }
+    let mut lane = 1;
+    while lane < V::COUNT {
+        let weight = weights[lane];
+        let mut value = 0;
+        while value < N {
+            sums[value] = weight.mul_add(<V as Lanes>::One::whole(arrays[value].as_ref()[lane]), sums[value]);
+            value += 1;
+        }
+        lane += 1;
+    }
+    sums
+}
+
+impl<V: Lanes> Arithmetic for V {
+    type Real = f64;
     #[inline(always)]
     fn splat(value: f64) -> Self {
         <V as Lanes>::splat(value)
@@ -112,9 +150,6 @@ impl<V: Lanes> Numbers for V {
     #[inline(always)]
     fn whole(value: f64) -> Self {
         <V as Lanes>::splat(value)
-    }
-    fn from_parts(high: &[f64], _: &[f64]) -> Self {
-        V::from_slice(high)
     }
     #[inline(always)]
     fn lane(self, lane: usize) -> f64 {
@@ -136,6 +171,17 @@ impl<V: Lanes> Numbers for V {
     fn reciprocal(self) -> Self {
         <V as Lanes>::reciprocal(self)
     }
+}
+
+impl<V: Lanes> Numbers for V {
+    type One = <V as Lanes>::One;
+    #[inline(always)]
+    fn real(value: f64) -> f64 {
+        value
+    }
+    fn from_parts(high: &[f64], _: &[f64]) -> Self {
+        V::from_slice(high)
+    }
     #[inline(always)]
     fn mix(self, columns: &[Self]) -> Self {
         <V as Lanes>::mix(self, columns)
@@ -152,6 +198,16 @@ impl<V: Lanes> Numbers for V {
             value += 1;
         }
         mix_from_memory(&arrays, columns)
+    }
+    #[inline(always)]
+    fn weigh_all<const N: usize>(values: [Self; N], weights: &[Self::One]) -> [Self::One; N] {
+        let mut arrays = InLines([V::zero_array(); N]);
+        let mut value = 0;
+        while value < N {
+            arrays.0[value] = values[value].to_array();
+            value += 1;
+        }
+        weigh_from_memory::<V, N>(&arrays, weights)
     }
     #[inline(always)]
     fn max_abs(self, bound: Self) -> Self {

@@ -19,10 +19,11 @@
 mod carried;
 
 use super::anderson::Anderson;
+use super::ending::Ending;
 use super::extended::Extended;
 use super::kernel::Kernel;
 use super::lanes::{Lanes, in_lanes};
-use super::numbers::{Double, Numbers};
+use super::numbers::{Arithmetic, Double, Numbers};
 use super::predictor::Guess;
 use super::reversible::Pace;
 use super::stage::Stages;
@@ -54,6 +55,7 @@ pub struct Precise<V: Lanes> {
     increment: Vec<V>,
     anderson: Anderson<V>,
     gravity: [f64; 3],
+    ending: Ending<Double<V>>,
     /// Displacements at the end of the step.
     displaced: Vec<Extended>,
     /// The end of the finished step.
@@ -66,9 +68,11 @@ impl<V: Lanes> Precise<V> {
     /// The workspace for a tree under gravity and a scheme; `kept` are the rules that leave nothing out.
     pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kept: &[Rule]) -> Self {
         let freedoms = mechanism.velocity_count;
+        let fine = Stages::unforced(mechanism, tableau, kept);
         Precise {
             coarse: Kernel::new(mechanism, tableau, kept),
-            fine: Stages::unforced(mechanism, tableau, kept),
+            ending: Ending::new(&fine.plan, freedoms, tableau),
+            fine,
             correction: vec![V::zero(); freedoms],
             increment: vec![V::zero(); freedoms],
             anderson: Anderson::new(freedoms),
@@ -152,9 +156,8 @@ impl<V: Lanes> Step for Precise<V> {
     }
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
-        let Precise { fine, gravity, end, displaced, .. } = self;
-        in_lanes!(V, fine.sweep_momentum::<false, false>(gravity));
-        in_lanes!(V, fine.sweep_velocities(&mut end.rates));
+        let Precise { fine, ending, gravity, end, displaced, .. } = self;
+        in_lanes!(V, ending.velocities::<Double<V>, false, false>(fine, gravity, &mut end.rates));
         in_lanes!(V, carried::carry::<V>(fine, end));
         let last = fine.coefficients.active - 1;
         for (own, displacement) in displaced.iter_mut().zip(&fine.displacement) {

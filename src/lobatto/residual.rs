@@ -21,157 +21,43 @@
 
 use super::algebra::{Matrix, Symmetric, Vector};
 use super::articulated::Articulated;
-use super::numbers::Numbers;
-use super::stage::{Coefficients, MAX_LANES, StagePose};
+use super::numbers::Arithmetic;
+use super::rows::Rows;
 use super::start::{BodyPlan, BodyStart};
 
-/// What is common to all bodies of a sweep.
-pub struct Sweep<'s, V> {
-    /// Mixing matrix of the sweep, by columns.
-    pub columns: &'s [V; MAX_LANES],
-    /// What rounding has cut off `columns`.
-    pub rest: &'s [V; MAX_LANES],
-    /// `h c_i`.
-    pub times: V,
-    /// What rounding has cut off `times`.
-    pub times_rest: V,
-    /// One where a row has its stage's geometry.
-    pub moved: V,
-    /// What gravity adds to the mixed displacement of a centre of mass.
-    pub gravity: Vector<V>,
-    /// What multiplies applied forces: h², or the impulse's `h b_s`.
-    pub forces: V,
+/// A rotation by what its matrix `N` is linear in: the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u` of its quaternion.
+#[derive(Clone, Copy)]
+pub struct Turned<V> {
+    /// `2 u uᵀ`.
+    pub products: [V; 6],
+    /// `2 w u`.
+    pub vector: [V; 3],
 }
 
-impl<'s, V: Numbers> Sweep<'s, V> {
-    /// What the residual has in common over all bodies of a step, with copies of its columns.
+impl<V: Arithmetic> Turned<V> {
+    /// Of the vector and the products, one after the other.
     #[inline(always)]
-    pub fn of_residual(
-        coefficients: &Coefficients<V>,
-        columns: &'s [V; MAX_LANES],
-        rest: &'s [V; MAX_LANES],
-        step: f64,
-        gravity: &[f64; 3],
-    ) -> Self {
-        let square = V::splat(-step) * V::splat(step);
-        Sweep {
-            columns,
-            rest,
-            times: coefficients.nodes * V::splat(step),
-            times_rest: coefficients.times_rest(step),
-            moved: coefficients.moved,
-            gravity: Vector(gravity.map(V::splat)).times(square),
-            forces: -square,
-        }
+    pub fn joined([x, y, z, products @ ..]: [V; 9]) -> Self {
+        Turned { products, vector: [x, y, z] }
+    }
+
+    /// `N = 2 (w û + u uᵀ − |u|²)`.
+    #[inline(always)]
+    pub fn matrix(self) -> Matrix<V> {
+        increment_matrix(self.products, self.vector)
     }
 }
 
-impl<V: Numbers> Sweep<'_, V> {
-    /// How far a displacement is ahead of a steady motion at the `rate` of the start: `displaced − h c_i rate`.
-    #[inline(always)]
-    pub fn ahead<const REFINED: bool>(&self, rate: V, displaced: V) -> V {
-        let ahead = rate.neg_mul_add(self.times, displaced);
-        if REFINED { rate.neg_mul_add(self.times_rest, ahead) } else { ahead }
-    }
-
-    /// Several values mixed by the matrix of the sweep.
-    #[inline(always)]
-    pub fn mixed<const REFINED: bool, const N: usize>(&self, values: [V; N]) -> [V; N] {
-        let mut mixed = V::mix_all(values, self.columns);
-        if REFINED {
-            let rest = V::mix_all(values, self.rest);
-            let mut index = 0;
-            while index < N {
-                mixed[index] = mixed[index] + rest[index];
-                index += 1;
-            }
-        }
-        mixed
-    }
-}
-
-impl<V: Numbers> Coefficients<V> {
-    /// What the residual has in common over all bodies of a step.
-    #[inline(always)]
-    pub fn residual_sweep(&self, step: f64, gravity: &[f64; 3]) -> Sweep<'_, V> {
-        Sweep::of_residual(self, &self.residual, &self.residual_rest, step, gravity)
-    }
-
-    /// The momentum weights over the length of a step, by columns, and what rounding has cut off them.
-    #[inline(always)]
-    pub fn momentum_columns(&self, step: f64) -> ([V; MAX_LANES], [V; MAX_LANES]) {
-        let (mut columns, mut rest) = (self.momentum, self.momentum_rest);
-        // Neither 1/h nor the product with it may be rounded.
-        let whole = V::splat(step);
-        let inverse = whole.reciprocal();
-        let inverse_rest = -(inverse.lost(whole, V::splat(1.0)) * inverse);
-        for (column, rest) in columns.iter_mut().zip(&mut rest) {
-            let rounded = *column * inverse;
-            let lost = column.mul_add(inverse_rest, column.lost(inverse, rounded));
-            *rest = rest.mul_add(inverse, lost);
-            *column = rounded;
-        }
-        (columns, rest)
-    }
-
-    /// What the momenta at the end of a step have in common, with these columns.
-    #[inline(always)]
-    pub fn momentum_sweep<'s>(
-        &self,
-        columns: &'s [V; MAX_LANES],
-        rest: &'s [V; MAX_LANES],
-        step: f64,
-        gravity: &[f64; 3],
-    ) -> Sweep<'s, V> {
-        let factor = V::splat(step) * self.last_weight;
-        Sweep {
-            columns,
-            rest,
-            times: self.nodes * V::splat(step),
-            times_rest: self.times_rest(step),
-            moved: V::splat(1.0),
-            gravity: Vector(gravity.map(V::splat)).times(factor),
-            forces: factor,
-        }
-    }
-
-    /// What rounding has cut off `h c_i`.
-    #[inline(always)]
-    fn times_rest(&self, step: f64) -> V {
-        let step = V::splat(step);
-        let rounded = self.nodes * step;
-        self.nodes_rest.mul_add(step, self.nodes.lost(step, rounded))
-    }
-}
-
-/// Mass and force part of the residual of a body that never turns.
+/// `f` of a centre of mass that has been `displaced` since the start.
 #[inline(always)]
-pub fn sliding_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
-    sweep: &Sweep<V>,
-    known: &BodyStart<V::Real>,
-    pose: &StagePose<V>,
-) -> (Symmetric<V>, Vector<V>) {
-    let force = force_residual::<V, MOMENTUM, REFINED>(sweep, known, pose.anchor);
-    let (mass, zero) = (V::whole(known.mass), V::zero());
-    let force = if MOMENTUM { force.times(V::splat(-1.0)) } else { force };
-    (Symmetric([mass, zero, zero, mass, zero, mass]), force)
-}
-
-/// `f` of a centre of mass `displaced` since the start.
-#[inline(always)]
-pub fn force_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
-    sweep: &Sweep<V>,
+pub fn force_residual<V: Arithmetic, R: Rows<V>>(
+    rows: &R,
+    body: usize,
     known: &BodyStart<V::Real>,
     displaced: Vector<V>,
 ) -> Vector<V> {
-    let start_velocity = Vector::<V>::splat(&known.velocity);
-    let ([u, v, w], [x, y, z]) = (start_velocity.0, displaced.0);
-    let ahead = [sweep.ahead::<REFINED>(u, x), sweep.ahead::<REFINED>(v, y), sweep.ahead::<REFINED>(w, z)];
-    let mut path = Vector(sweep.mixed::<REFINED, 3>(ahead));
-    if MOMENTUM {
-        path = path.plus(start_velocity);
-    }
-    path.plus(sweep.gravity).times(V::whole(known.mass))
+    let force = rows.path(body, known, displaced).plus(rows.gravity()).times(V::whole(known.mass));
+    if R::MOMENTA { force.times(V::splat(-1.0)) } else { force }
 }
 
 /// The residual of one body about its anchor, and what its inertia is made of; all with the geometry of the rows.
@@ -191,37 +77,33 @@ pub struct BodyResidual<V> {
 
 /// The residual of one body; where nobody asks for its inertia the compiler leaves that out.
 #[inline(always)]
-pub fn body_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
-    sweep: &Sweep<V>,
+pub fn body_residual<V: Arithmetic, R: Rows<V>>(
+    rows: &R,
+    body: usize,
     plan: &BodyPlan,
     known: &BodyStart<V::Real>,
-    pose: &StagePose<V>,
 ) -> BodyResidual<V> {
-    let [x, y, z] = pose.u.0;
-    let (x2, y2, z2) = (x + x, y + y, z + z);
-    // N = sym + hat(antisymmetric part): the products of the quaternion, which is what gets mixed.
-    let products = [x2 * x, x2 * y, x2 * z, y2 * y, y2 * z, z2 * z];
-    let turned = Vector([pose.w * x2, pose.w * y2, pose.w * z2]);
-    let turn = increment_matrix(products, turned.0);
-
+    let pose = rows.pose(body);
+    let turned = pose.turned();
+    let turn = turned.matrix();
     let com = Vector::splat(&known.com);
     let swing = turn.apply(com);
-    let force = force_residual::<V, MOMENTUM, REFINED>(sweep, known, swing.plus(pose.anchor));
+    let force = force_residual(rows, body, known, swing.plus(pose.anchor));
     // From here on: the geometry of the rows.
-    let turn = if MOMENTUM { turn } else { turn.times(sweep.moved) };
-    let com = swing.times_plus(sweep.moved, com);
+    let turn = if R::MOMENTA { turn } else { turn.times(rows.moved()) };
+    let com = swing.times_plus(rows.moved(), com);
     let (own, torque) = if plan.point {
         (Symmetric::zero(), Vector::zero())
     } else {
-        rotational_residual::<V, MOMENTUM, REFINED>(sweep, plan.spherical, known, products, turned, &turn)
+        let mixed = rows.turning(body, known, turned).matrix();
+        rotational_residual(plan.spherical, known, &turn, &mixed)
     };
+    let torque = if R::MOMENTA { torque.times(V::splat(-1.0)) } else { torque };
     let torque = com.cross_plus(force, torque);
-    let (force, torque) =
-        if MOMENTUM { (force.times(V::splat(-1.0)), torque.times(V::splat(-1.0))) } else { (force, torque) };
     BodyResidual { force, torque, turn, com, own, mass: V::whole(known.mass) }
 }
 
-impl<V: Numbers> BodyResidual<V> {
+impl<V: Arithmetic> BodyResidual<V> {
     /// With the inertia about the anchor: `J + m (|c|² − c cᵀ)`, and the coupling `−m ĉ`.
     #[inline(always)]
     pub fn with_inertia(&self) -> Articulated<V> {
@@ -248,26 +130,14 @@ impl<V: Numbers> BodyResidual<V> {
     }
 }
 
-/// `J` and `e` about the centre of mass, from the `products` and `turned` of [`increment_matrix`] and N at the rows' stages.
+/// `J` and `e` about the centre of mass, from N at the rows' stages and the mixed turn W.
 #[inline(always)]
-fn rotational_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
-    sweep: &Sweep<V>,
+fn rotational_residual<V: Arithmetic>(
     spherical: bool,
     known: &BodyStart<V::Real>,
-    products: [V; 6],
-    turned: Vector<V>,
     turn: &Matrix<V>,
+    mixed: &Matrix<V>,
 ) -> (Symmetric<V>, Vector<V>) {
-    let start_spin = Vector::<V>::splat(&known.spin);
-    let ([u, v, w], [x, y, z]) = (start_spin.0, turned.0);
-    let [x, y, z] = [sweep.ahead::<REFINED>(u, x), sweep.ahead::<REFINED>(v, y), sweep.ahead::<REFINED>(w, z)];
-    let [xx, xy, xz, yy, yz, zz] = products;
-    let [x, y, z, mixed @ ..] = sweep.mixed::<REFINED, 9>([x, y, z, xx, xy, xz, yy, yz, zz]);
-    let mut spin = Vector([x, y, z]);
-    if MOMENTUM {
-        spin = spin.plus(start_spin);
-    }
-    let mixed = increment_matrix(mixed, spin.0);
     let (turn_rows, mixed_rows) = (turn.rows(), mixed.rows());
     if spherical {
         // Σ = σ 1, so that C = σ (1 + N)ᵀ and Σ_k = Σ: the columns of C are σ times the rows of 1 + N.
@@ -303,6 +173,6 @@ fn rotational_residual<V: Numbers, const MOMENTUM: bool, const REFINED: bool>(
 
 /// `N = 2 (w û + u uᵀ − |u|²)` from the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u`; linear in both.
 #[inline(always)]
-pub fn increment_matrix<V: Numbers>([xx, xy, xz, yy, yz, zz]: [V; 6], [wx, wy, wz]: [V; 3]) -> Matrix<V> {
+pub fn increment_matrix<V: Arithmetic>([xx, xy, xz, yy, yz, zz]: [V; 6], [wx, wy, wz]: [V; 3]) -> Matrix<V> {
     Matrix([[-(yy + zz), xy - wz, xz + wy], [xy + wz, -(xx + zz), yz - wx], [xz - wy, yz + wx, -(xx + yy)]])
 }

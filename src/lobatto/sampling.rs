@@ -8,7 +8,7 @@
 use super::algebra::Vector;
 use super::coupled::One;
 use super::dense::DenseWeights;
-use super::numbers::Numbers;
+use super::numbers::Arithmetic;
 use super::step::Step;
 use super::sweeps::tilt;
 use crate::model::{FreeRotation, Mechanism};

@@ -13,12 +13,12 @@
 
 use super::algebra::{Matrix, Vector};
 use super::applied::Applied;
-use super::articulated::{Articulated, Eliminated};
 use super::lanes::Lanes;
-use super::numbers::Numbers;
+use super::numbers::{Arithmetic, Numbers};
 use super::predictor::Unknowns;
-use super::residual::increment_matrix;
+use super::residual::Turned;
 use super::start::{Plan, Start};
+use super::sweeps::Factors;
 use super::tableau::Tableau;
 use super::turns::{FEW, compose, rotate_increment};
 use crate::model::{FreeRotation, Mechanism, Rule};
@@ -40,16 +40,20 @@ pub struct StagePose<V> {
     pub anchor: Vector<V>,
 }
 
-impl<V: Numbers> StagePose<V> {
+impl<V: Arithmetic> StagePose<V> {
     /// `N = R R₀ᵀ − 1 = 2 (w û + u uᵀ − |u|²)`, without cancellation.
     #[inline(always)]
     pub fn increment(&self) -> Matrix<V> {
+        self.turned().matrix()
+    }
+
+    /// What N is linear in.
+    #[inline(always)]
+    pub fn turned(&self) -> Turned<V> {
         let [x, y, z] = self.u.0;
         let (x2, y2, z2) = (x + x, y + y, z + z);
-        let (xx, xy, xz) = (x2 * x, x2 * y, x2 * z);
-        let (yy, yz, zz) = (y2 * y, y2 * z, z2 * z);
-        let (wx, wy, wz) = (self.w * x2, self.w * y2, self.w * z2);
-        increment_matrix([xx, xy, xz, yy, yz, zz], [wx, wy, wz])
+        let products = [x2 * x, x2 * y, x2 * z, y2 * y, y2 * z, z2 * z];
+        Turned { products, vector: [self.w * x2, self.w * y2, self.w * z2] }
     }
 }
 
@@ -143,14 +147,8 @@ pub struct Stages<V: Numbers> {
     pub increment: Vec<V>,
     /// One entry a body.
     pub poses: Vec<StagePose<V>>,
-    /// Arm from the parent's anchor at the rows' stages; one entry a body.
-    pub arms: Vec<Vector<V>>,
-    /// One entry a degree of freedom.
-    pub eliminated: Vec<Eliminated<V>>,
-    /// Where the children of branching bodies meet.
-    pub slots: Vec<Articulated<V>>,
-    /// Twist of the branching bodies on the way back.
-    pub twists: Vec<(Vector<V>, Vector<V>)>,
+    /// What the Newton step leaves.
+    pub factors: Factors<V>,
     /// Forces besides gravity, if the mechanism has any.
     pub applied: Option<Box<Applied<V>>>,
     /// Length of the step (s).
@@ -173,10 +171,7 @@ impl<V: Numbers> Stages<V> {
             displacement: vec![V::zero(); freedoms],
             increment: vec![V::zero(); freedoms],
             poses: vec![StagePose { w: V::splat(1.0), u: Vector::zero(), anchor: Vector::zero() }; bodies],
-            arms: vec![Vector::zero(); bodies],
-            eliminated: vec![Eliminated::zero(); freedoms],
-            slots: vec![Articulated::zero(); plan.slots],
-            twists: vec![(Vector::zero(), Vector::zero()); plan.slots],
+            factors: Factors::new(&plan, freedoms),
             applied: None,
             start: Start::with_units(mechanism),
             plan,
@@ -244,13 +239,10 @@ impl<V: Numbers> Stages<V> {
         }
     }
 
-    /// The rotation vector of a ball joint since the start, in world axes.
+    /// [`rotation_vector`] of this step.
     #[inline(always)]
     pub fn rotation_vector(&self, freedom: usize) -> Vector<V> {
-        let axes = &self.start.axes[freedom..freedom + 3];
-        let first = Vector::splat(&axes[0]).times(self.displacement[freedom]);
-        let second = Vector::splat(&axes[1]).times_plus(self.displacement[freedom + 1], first);
-        Vector::splat(&axes[2]).times_plus(self.displacement[freedom + 2], second)
+        rotation_vector(&self.start, &self.displacement, freedom)
     }
 }
 
@@ -282,6 +274,15 @@ impl<V: Lanes> Stages<V> {
     pub fn largest_increment(&self) -> f64 {
         largest(&self.increment)
     }
+}
+
+/// The rotation vector of a ball joint since the start, in world axes, from the first of its degrees of freedom.
+#[inline(always)]
+pub fn rotation_vector<V: Arithmetic>(start: &Start<V::Real>, displacement: &[V], freedom: usize) -> Vector<V> {
+    let axes = &start.axes[freedom..freedom + 3];
+    let first = Vector::splat(&axes[0]).times(displacement[freedom]);
+    let second = Vector::splat(&axes[1]).times_plus(displacement[freedom + 1], first);
+    Vector::splat(&axes[2]).times_plus(displacement[freedom + 2], second)
 }
 
 /// The largest of any freedom's values at any stage, without their signs.

@@ -15,17 +15,30 @@
 //!
 //! Forces in joints enter the row of their freedom, all others the wrench of their body ([`super::applied`]).
 //!
-//! The projection of the momentum at the end of the step (2.5.11h) is the same recursion at the last stage with the
-//! momenta in place of the residuals: `H(q̄) v̄ = Sᵀ p̄` gives the new joint velocities.
+//! The projection of the momentum at the end of the step (2.5.11h) is the same recursion at the last stage alone, with the momenta in place
+//! of the residuals ([`super::ending`]). What is eliminated is therefore asked of [`Rows`].
 
 use super::algebra::Vector;
-use super::articulated::{Articulated, Push};
-use super::numbers::Numbers;
-use super::residual::{Sweep, body_residual, sliding_residual};
+use super::articulated::{Articulated, Eliminated};
+use super::numbers::{Arithmetic, Numbers};
+use super::residual::{body_residual, force_residual};
+use super::rows::{Rows, StageRows, Sweep};
 use super::stage::Stages;
-use super::start::{BodyPlan, Children};
+use super::start::{BodyPlan, Children, Plan, Start};
 use super::turns::{horner, rotate_increment};
 use crate::model::FreeRotation;
+
+/// What the sweep from the leaves leaves for the one back, and where branches meet.
+pub struct Factors<V> {
+    /// One entry a degree of freedom.
+    pub eliminated: Vec<Eliminated<V>>,
+    /// Arm from the parent's anchor at the rows' stages; one entry a body.
+    pub arms: Vec<Vector<V>>,
+    /// Where the children of branching bodies meet.
+    pub slots: Vec<Articulated<V>>,
+    /// Twist of the branching bodies on the way back.
+    twists: Vec<(Vector<V>, Vector<V>)>,
+}
 
 impl<V: Numbers> Stages<V> {
     /// Residual and articulated factorisation of all rows, leaf to root, after [`Stages::sweep_poses`].
@@ -34,7 +47,8 @@ impl<V: Numbers> Stages<V> {
         let columns = self.coefficients.residual;
         let rest = self.coefficients.residual_rest;
         let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
-        self.backward::<false, false, false>(&sweep);
+        let (factors, rows) = self.rows::<false, false>(&sweep);
+        factors.eliminate(rows.plan, rows.start, &rows);
     }
 
     /// [`Stages::sweep_residual`] of a mechanism with forces, after [`Stages::sweep_applied`]; always refined, which costs less
@@ -44,142 +58,25 @@ impl<V: Numbers> Stages<V> {
         let columns = self.coefficients.residual;
         let rest = self.coefficients.residual_rest;
         let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
-        self.backward::<false, true, true>(&sweep);
+        let (factors, rows) = self.rows::<true, true>(&sweep);
+        factors.eliminate(rows.plan, rows.start, &rows);
     }
 
-    /// Momenta and articulated factorisation at the end of the step (in the last active lane), leaf to root, after
-    /// [`Stages::sweep_poses`]; with forces (`FORCED`) after [`Stages::sweep_applied`].
+    /// The rows of all stages, and where their factors go.
     #[inline(always)]
-    pub fn sweep_momentum<const REFINED: bool, const FORCED: bool>(&mut self, gravity: &[f64; 3]) {
-        let (columns, rest) = self.coefficients.momentum_columns(self.step);
-        let sweep = self.coefficients.momentum_sweep(&columns, &rest, self.step, gravity);
-        self.backward::<true, REFINED, FORCED>(&sweep);
-    }
-
-    #[inline(always)]
-    fn backward<const MOMENTUM: bool, const REFINED: bool, const FORCED: bool>(&mut self, sweep: &Sweep<V>) {
-        let applied = if FORCED { self.applied.take() } else { None };
-        let scale = sweep.forces;
-        let step = self.step;
-        let push = |freedom: usize| {
-            if !FORCED {
-                return None;
-            }
-            applied.as_ref().map(|applied| Push {
-                effort: applied.efforts[freedom] * scale,
-                inertia: V::splat(if MOMENTUM { 0.0 } else { step * applied.resistance[freedom] }),
-            })
-        };
-        let mut carried = Articulated::zero();
-        for index in (0..self.plan.bodies.len()).rev() {
-            let plan = &self.plan.bodies[index];
-            let known = &self.start.bodies[index];
-            let pose = self.poses[index];
-            if plan.slides {
-                let (mass, force) = sliding_residual::<V, MOMENTUM, REFINED>(sweep, known, &pose);
-                let mut own = Articulated { mass, force, ..Articulated::zero() };
-                if FORCED && let Some(applied) = &applied {
-                    own.force = applied.wrenches[index].0.times_minus(scale, own.force);
-                }
-                let mut total = match plan.children {
-                    Children::None => own,
-                    Children::Next => own.plus_mass(&carried),
-                    Children::Slot(slot) => own.plus_mass(&self.slots[slot]),
-                };
-                for freedom in (plan.first_axis..plan.first_axis + plan.translations).rev() {
-                    let axis = Vector::splat(&self.start.axes[freedom]);
-                    self.eliminated[freedom] = total.eliminate_slide(axis, push(freedom));
-                }
-                if plan.parent.is_some() {
-                    collect(plan, &mut self.slots, &mut carried, &total);
-                }
-                continue;
-            }
-            let residual = body_residual::<V, MOMENTUM, REFINED>(sweep, plan, known, &pose);
-            let turn = residual.turn;
-            let mut own = residual.with_inertia();
-            if FORCED && let Some(applied) = &applied {
-                let (force, torque) = applied.wrenches[index];
-                own.force = force.times_minus(scale, own.force);
-                own.torque = torque.times_minus(scale, own.torque);
-            }
-            let mut total = with_children(plan, own, &self.slots, &carried);
-
-            // Rotations first: they are the outermost axes of the joint.
-            let rotations = plan.first_axis + plan.translations;
-            match plan.rotation {
-                FreeRotation::None => {}
-                FreeRotation::AboutZ => {
-                    let axis = Vector::splat(&self.start.axes[rotations]);
-                    let axis = turn.apply_plus(axis, axis);
-                    // Nobody asks for what is left of a root: its one axis needs no more than the solution.
-                    self.eliminated[rotations] = if plan.parent.is_none() && plan.translations == 0 {
-                        total.solve_rotation(axis, push(rotations))
-                    } else {
-                        total.eliminate_rotation(axis, push(rotations))
-                    };
-                }
-                FreeRotation::Ball => {
-                    let vector = self.rotation_vector(rotations).times(sweep.moved);
-                    let coefficients = tangent(vector.dot(vector));
-                    for freedom in (rotations..rotations + 3).rev() {
-                        let axis = Vector::splat(&self.start.axes[freedom]);
-                        let tilt = if MOMENTUM { axis } else { tilted(vector, axis, coefficients) };
-                        let axis = turn.apply_plus(tilt, tilt);
-                        self.eliminated[freedom] = if plan.alone {
-                            total.eliminate_spin(axis, push(freedom))
-                        } else {
-                            total.eliminate_rotation(axis, push(freedom))
-                        };
-                    }
-                }
-            }
-            if plan.translations > 0 {
-                for freedom in (plan.first_axis..rotations).rev() {
-                    let turned = self.slide_axis(plan, freedom, sweep.moved);
-                    self.eliminated[freedom] = if plan.alone {
-                        total.solve_translation(turned, push(freedom))
-                    } else {
-                        total.eliminate_translation(turned, push(freedom))
-                    };
-                }
-            }
-
-            if let Some(parent) = plan.parent {
-                let moved = pose.anchor.minus(self.poses[parent].anchor);
-                let arm = moved.times_plus(sweep.moved, Vector::splat(&known.arm));
-                self.arms[index] = arm;
-                let slots = &mut self.slots;
-                // A parent that never turns asks for forces alone.
-                if plan.parent_slides {
-                    collect(plan, slots, &mut carried, &total);
-                } else {
-                    collect(plan, slots, &mut carried, &total.shifted(arm));
-                }
-            }
-        }
-        if FORCED {
-            self.applied = applied;
-        }
-    }
-
-    /// A free translation axis of a body at the rows' stages: it turns with the parent.
-    #[inline(always)]
-    pub(super) fn slide_axis(&self, plan: &BodyPlan, freedom: usize, moved: V) -> Vector<V> {
-        let axis = Vector::splat(&self.start.axes[freedom]);
-        match plan.parent.filter(|_| !plan.parent_slides) {
-            Some(parent) => {
-                let parent = self.poses[parent];
-                rotate_increment(parent.w, parent.u, axis).times_plus(moved, axis)
-            }
-            None => axis,
-        }
+    pub(super) fn rows<'s, const REFINED: bool, const FORCED: bool>(
+        &'s mut self,
+        sweep: &'s Sweep<'s, V>,
+    ) -> (&'s mut Factors<V>, StageRows<'s, V, REFINED, FORCED>) {
+        let Stages { factors, plan, start, poses, displacement, applied, step, .. } = self;
+        (factors, StageRows { sweep, plan, start, poses, displacement, applied: applied.as_deref(), step: *step })
     }
 
     /// Root to leaf: `α` of every degree of freedom, mixed into the increments; the largest increment in each lane.
     #[inline(always)]
     pub fn sweep_increments(&mut self) -> V {
-        self.forward(|stages, freedom, alpha| stages.increment[freedom] = alpha);
+        let Stages { factors, plan, increment, .. } = self;
+        factors.solve(plan, |freedom, alpha| increment[freedom] = alpha);
         let columns = &self.coefficients.solve;
         let mut largest = V::zero();
         let (fours, rest) = self.increment.as_chunks_mut::<4>();
@@ -194,20 +91,115 @@ impl<V: Numbers> Stages<V> {
         }
         largest
     }
+}
 
-    /// Root to leaf after [`Stages::sweep_momentum`]: the new velocities, from the last active lane.
-    #[inline(always)]
-    pub fn sweep_velocities(&mut self, velocity: &mut [V::Real]) {
-        let last = self.coefficients.active - 1;
-        self.forward(|_, freedom, rate| velocity[freedom] = rate.lane(last));
+impl<V: Arithmetic> Factors<V> {
+    /// Room for those of a tree.
+    pub fn new(plan: &Plan, freedoms: usize) -> Self {
+        Factors {
+            eliminated: vec![Eliminated::zero(); freedoms],
+            arms: vec![Vector::zero(); plan.bodies.len()],
+            slots: vec![Articulated::zero(); plan.slots],
+            twists: vec![(Vector::zero(), Vector::zero()); plan.slots],
+        }
     }
 
+    /// Leaf to root.
     #[inline(always)]
-    fn forward(&mut self, mut take: impl FnMut(&mut Self, usize, V)) {
+    pub fn eliminate<R: Rows<V>>(&mut self, plans: &Plan, start: &Start<V::Real>, rows: &R) {
+        let mut carried = Articulated::zero();
+        for index in (0..plans.bodies.len()).rev() {
+            let plan = &plans.bodies[index];
+            let known = &start.bodies[index];
+            let pose = rows.pose(index);
+            if plan.slides {
+                let force = force_residual(rows, index, known, pose.anchor);
+                let mut own = Articulated::sliding(V::whole(known.mass), force);
+                if let Some((force, _)) = rows.wrench(index) {
+                    own.force = force.times_minus(rows.forces(), own.force);
+                }
+                let mut total = match plan.children {
+                    Children::None => own,
+                    Children::Next => own.plus_mass(&carried),
+                    Children::Slot(slot) => own.plus_mass(&self.slots[slot]),
+                };
+                for freedom in (plan.first_axis..plan.first_axis + plan.translations).rev() {
+                    let axis = Vector::splat(&start.axes[freedom]);
+                    self.eliminated[freedom] = total.eliminate_slide(axis, rows.push(freedom));
+                }
+                if plan.parent.is_some() {
+                    collect(plan, &mut self.slots, &mut carried, &total);
+                }
+                continue;
+            }
+            let residual = body_residual(rows, index, plan, known);
+            let turn = residual.turn;
+            let mut own = residual.with_inertia();
+            if let Some((force, torque)) = rows.wrench(index) {
+                own.force = force.times_minus(rows.forces(), own.force);
+                own.torque = torque.times_minus(rows.forces(), own.torque);
+            }
+            let mut total = with_children(plan, own, &self.slots, &carried);
+
+            // Rotations first: they are the outermost axes of the joint.
+            let rotations = plan.first_axis + plan.translations;
+            match plan.rotation {
+                FreeRotation::None => {}
+                FreeRotation::AboutZ => {
+                    let axis = Vector::splat(&start.axes[rotations]);
+                    let axis = turn.apply_plus(axis, axis);
+                    // Nobody asks for what is left of a root: its one axis needs no more than the solution.
+                    self.eliminated[rotations] = if plan.parent.is_none() && plan.translations == 0 {
+                        total.solve_rotation(axis, rows.push(rotations))
+                    } else {
+                        total.eliminate_rotation(axis, rows.push(rotations))
+                    };
+                }
+                FreeRotation::Ball => {
+                    let tilt = rows.tilt(rotations);
+                    for freedom in (rotations..rotations + 3).rev() {
+                        let axis = Vector::splat(&start.axes[freedom]);
+                        let axis = tilted_by(tilt, axis);
+                        let axis = turn.apply_plus(axis, axis);
+                        self.eliminated[freedom] = if plan.alone {
+                            total.eliminate_spin(axis, rows.push(freedom))
+                        } else {
+                            total.eliminate_rotation(axis, rows.push(freedom))
+                        };
+                    }
+                }
+            }
+            if plan.translations > 0 {
+                for freedom in (plan.first_axis..rotations).rev() {
+                    let turned = slide_axis(rows, plan, &start.axes[freedom]);
+                    self.eliminated[freedom] = if plan.alone {
+                        total.solve_translation(turned, rows.push(freedom))
+                    } else {
+                        total.eliminate_translation(turned, rows.push(freedom))
+                    };
+                }
+            }
+
+            if let Some(parent) = plan.parent {
+                let moved = pose.anchor.minus(rows.pose(parent).anchor);
+                let arm = moved.times_plus(rows.moved(), Vector::splat(&known.arm));
+                self.arms[index] = arm;
+                let slots = &mut self.slots;
+                // A parent that never turns asks for forces alone.
+                if plan.parent_slides {
+                    collect(plan, slots, &mut carried, &total);
+                } else {
+                    collect(plan, slots, &mut carried, &total.shifted(arm));
+                }
+            }
+        }
+    }
+
+    /// Root to leaf: hands over `α` of every degree of freedom.
+    #[inline(always)]
+    pub fn solve(&mut self, plans: &Plan, mut take: impl FnMut(usize, V)) {
         let mut twist = (Vector::zero(), Vector::zero());
-        for index in 0..self.plan.bodies.len() {
-            let plan = &self.plan.bodies[index];
-            let (freedoms, children) = (plan.freedoms(), plan.children);
+        for (index, plan) in plans.bodies.iter().enumerate() {
             let turning = plan.first_axis + plan.translations;
             match plan.parent_collects {
                 Children::None => twist = (Vector::zero(), Vector::zero()),
@@ -217,7 +209,7 @@ impl<V: Numbers> Stages<V> {
                     twist.0 = twist.1.cross_plus(self.arms[index], twist.0);
                 }
             }
-            for freedom in freedoms {
+            for freedom in plan.freedoms() {
                 let joint = self.eliminated[freedom];
                 // Two chains of three, because each body waits for its parent's.
                 let alpha = joint.force_ratio.dot_from(twist.0, joint.bias) - joint.torque_ratio.dot(twist.1);
@@ -226,18 +218,31 @@ impl<V: Numbers> Stages<V> {
                 } else {
                     twist.1 = joint.axis.times_plus(alpha, twist.1);
                 }
-                take(self, freedom, alpha);
+                take(freedom, alpha);
             }
-            if let Children::Slot(slot) = children {
+            if let Children::Slot(slot) = plan.children {
                 self.twists[slot] = twist;
             }
         }
     }
 }
 
+/// A free translation axis of a body at the rows' stages: it turns with the parent.
+#[inline(always)]
+pub(super) fn slide_axis<V: Arithmetic, R: Rows<V>>(rows: &R, plan: &BodyPlan, axis: &[V::Real; 3]) -> Vector<V> {
+    let axis = Vector::splat(axis);
+    match plan.parent.filter(|_| !plan.parent_slides) {
+        Some(parent) => {
+            let parent = rows.pose(parent);
+            rotate_increment(parent.w, parent.u, axis).times_plus(rows.moved(), axis)
+        }
+        None => axis,
+    }
+}
+
 /// What is a body's own, and what its children have left.
 #[inline(always)]
-pub(super) fn with_children<V: Numbers>(
+pub(super) fn with_children<V: Arithmetic>(
     plan: &BodyPlan,
     own: Articulated<V>,
     slots: &[Articulated<V>],
@@ -252,7 +257,7 @@ pub(super) fn with_children<V: Numbers>(
 
 /// Hands what a body leaves to its parent.
 #[inline(always)]
-pub(super) fn collect<V: Numbers>(
+pub(super) fn collect<V: Arithmetic>(
     plan: &BodyPlan,
     slots: &mut [Articulated<V>],
     carried: &mut Articulated<V>,
@@ -265,23 +270,53 @@ pub(super) fn collect<V: Numbers>(
     }
 }
 
+/// How a rotation vector tilts the free axes of a ball joint: with the coefficients of the tangent of the exponential map.
+#[derive(Clone, Copy)]
+pub struct Tilt<V> {
+    vector: Vector<V>,
+    coefficients: (V, V),
+}
+
+impl<V: Arithmetic> Tilt<V> {
+    /// That of a rotation vector.
+    #[inline(always)]
+    pub fn of(vector: Vector<V>) -> Self {
+        Tilt { vector, coefficients: tangent(vector.dot(vector)) }
+    }
+
+    /// [`tilted`] for this vector.
+    #[inline(always)]
+    pub fn of_axis(&self, axis: Vector<V>) -> Vector<V> {
+        tilted(self.vector, axis, self.coefficients)
+    }
+}
+
+/// An axis of a ball joint, tilted if it is. Written out, because closures over vectors are not inlined.
+#[inline(always)]
+pub(super) fn tilted_by<V: Arithmetic>(tilt: Option<Tilt<V>>, axis: Vector<V>) -> Vector<V> {
+    match tilt {
+        Some(tilt) => tilt.of_axis(axis),
+        None => axis,
+    }
+}
+
 /// A free axis of a ball joint turned by a rotation vector, in the axes of the start: `(1 − k₁ θ̂ + k₂ θ̂²) axis`.
 #[inline(always)]
-pub fn tilted<V: Numbers>(vector: Vector<V>, axis: Vector<V>, (first, second): (V, V)) -> Vector<V> {
+pub fn tilted<V: Arithmetic>(vector: Vector<V>, axis: Vector<V>, (first, second): (V, V)) -> Vector<V> {
     let once = vector.cross(axis);
     vector.cross(once).times_plus(second, once.times_minus(first, axis))
 }
 
 /// [`tilted`] for one axis alone.
 #[inline(always)]
-pub fn tilt<V: Numbers>(vector: Vector<V>, axis: Vector<V>) -> Vector<V> {
+pub fn tilt<V: Arithmetic>(vector: Vector<V>, axis: Vector<V>) -> Vector<V> {
     tilted(vector, axis, tangent(vector.dot(vector)))
 }
 
 /// `(1 − cos φ)/φ²` and `(φ − sin φ)/φ³` from `φ²`: the coefficients of the tangent of the exponential map. They span the projection, steer
 /// the Newton step, and give ball joints with forces their spin; at 3.1 rad the first term left out is below 2e-17.
 #[inline(always)]
-pub fn tangent<V: Numbers>(square: V) -> (V, V) {
+pub fn tangent<V: Arithmetic>(square: V) -> (V, V) {
     const FIRST: [f64; 13] = tangent_series(2);
     const SECOND: [f64; 13] = tangent_series(3);
     (horner(&FIRST, square), horner(&SECOND, square))

@@ -8,11 +8,11 @@
 
 use super::algebra::Vector;
 use super::lanes::Lanes;
-use super::numbers::Numbers;
+use super::numbers::Arithmetic;
 
 /// `N v = (D − 1) v` of a rotation given as a unit quaternion, without cancellation.
 #[inline(always)]
-pub fn rotate_increment<V: Numbers>(w: V, u: Vector<V>, v: Vector<V>) -> Vector<V> {
+pub fn rotate_increment<V: Arithmetic>(w: V, u: Vector<V>, v: Vector<V>) -> Vector<V> {
     let twice = u.times(V::splat(2.0));
     let across = twice.cross(v);
     u.cross_plus(across, across.times(w))
@@ -20,7 +20,7 @@ pub fn rotate_increment<V: Numbers>(w: V, u: Vector<V>, v: Vector<V>) -> Vector<
 
 /// The product of two quaternions.
 #[inline(always)]
-pub(super) fn compose<V: Numbers>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (V, Vector<V>) {
+pub(super) fn compose<V: Arithmetic>(w: V, u: Vector<V>, w2: V, u2: Vector<V>) -> (V, Vector<V>) {
     let real = u.dot_from(u2, w * w2);
     (real, u.cross_plus(u2, u2.times_plus(w, u.times(w2))))
 }
@@ -48,7 +48,7 @@ pub(super) fn half_angle_of_few<V: Lanes>(square: V) -> (V, V) {
 
 /// [`half_angle`] to seven digits.
 #[inline(always)]
-pub(super) fn half_angle_single<V: Numbers>(square: V, few: bool) -> (V, V) {
+pub(super) fn half_angle_single<V: Arithmetic>(square: V, few: bool) -> (V, V) {
     if few {
         (horner(&COSINE[..5], square), horner(&SINE[..4], square))
     } else {
@@ -69,7 +69,7 @@ const fn series(odd: usize, first: f64) -> [f64; 11] {
 
 /// A polynomial with ascending coefficients.
 #[inline(always)]
-pub fn horner<V: Numbers>(coefficients: &[f64], x: V) -> V {
+pub fn horner<V: Arithmetic>(coefficients: &[f64], x: V) -> V {
     let mut value = V::splat(coefficients[coefficients.len() - 1]);
     let mut index = coefficients.len() - 1;
     while index > 0 {

@@ -27,6 +27,7 @@ macro_rules! pair {
             const COUNT: usize = $count;
             const READS_BACK: bool = <$half>::READS_BACK;
             type Array = [f64; $count];
+            type One = <$half as Lanes>::One;
             $($own)*
             #[inline(always)]
             fn splat(value: f64) -> Self {

@@ -4,6 +4,7 @@
 //! sixteen lanes written out in place are a megabyte of instructions a sweep, so that an operation of them is a call.
 
 use super::{Add, Lanes, Mul, Neg, Sub};
+use crate::lobatto::numbers::One;
 
 /// `N` lanes in an array.
 #[derive(Clone, Copy)]
@@ -53,6 +54,7 @@ where
     const COUNT: usize = N;
     const GENERAL_ALONE: bool = Self::CALLED;
     type Array = [f64; N];
+    type One = One<false>;
     double_alone!();
     #[inline(always)]
     fn splat(value: f64) -> Self {

@@ -3,17 +3,13 @@
 //! Its operations are the same with AVX2 and with AVX-512, to the bit.
 
 use super::{Add, Mul, Neg, Single, Sub};
-use crate::lobatto::numbers::{InLines, Numbers, mix_from_memory};
+use crate::lobatto::numbers::{Arithmetic, InLines, Numbers, mix_from_memory};
 use crate::lobatto::turns::half_angle_single;
 
 operators!(Single,);
 
-impl Numbers for Single {
+impl Arithmetic for Single {
     type Real = f32;
-    #[inline(always)]
-    fn real(value: f64) -> f32 {
-        value as f32
-    }
     #[inline(always)]
     fn splat(value: f64) -> Self {
         Single::all(value as f32)
@@ -21,13 +17,6 @@ impl Numbers for Single {
     #[inline(always)]
     fn whole(value: f32) -> Self {
         Single::all(value)
-    }
-    fn from_parts(high: &[f64], _: &[f64]) -> Self {
-        let mut array = [0.0; 8];
-        for (own, &value) in array.iter_mut().zip(high) {
-            *own = value as f32;
-        }
-        Single::from_array(array)
     }
     #[inline(always)]
     fn lane(self, lane: usize) -> f32 {
@@ -49,6 +38,21 @@ impl Numbers for Single {
     fn reciprocal(self) -> Self {
         Single::all(1.0).over(self)
     }
+}
+
+impl Numbers for Single {
+    type One = Self;
+    #[inline(always)]
+    fn real(value: f64) -> f32 {
+        value as f32
+    }
+    fn from_parts(high: &[f64], _: &[f64]) -> Self {
+        let mut array = [0.0; 8];
+        for (own, &value) in array.iter_mut().zip(high) {
+            *own = value as f32;
+        }
+        Single::from_array(array)
+    }
     #[inline(always)]
     fn mix(self, columns: &[Self]) -> Self {
         let [mixed] = Self::mix_all([self], columns);
@@ -63,6 +67,10 @@ impl Numbers for Single {
             value += 1;
         }
         mix_from_memory(&arrays, columns)
+    }
+    #[inline(always)]
+    fn weigh_all<const N: usize>(values: [Self; N], weights: &[Self]) -> [Self; N] {
+        Self::mix_all(values, weights)
     }
     #[inline(always)]
     fn max_abs(self, bound: Self) -> Self {

@@ -10,6 +10,7 @@
 //!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
 
 use super::{Add, Lanes, Mul, Neg, Sub};
+use crate::lobatto::numbers::One;
 use std::arch::x86_64::*;
 
 /// Makes the frame of the function that this is inlined into begin at the border of a cache line. The compiler decides on that before it
@@ -134,6 +135,7 @@ vector!(
     },
     {
         double_alone!();
+        type One = One<false>;
         #[inline(always)]
         fn lost(self, b: Self, product: Self) -> Self {
             // Slow where the processor cannot, but right.
@@ -151,7 +153,10 @@ vector!(
         let larger = _mm_cmpgt_epi64(_mm_castpd_si128(size), _mm_castpd_si128(b));
         _mm_blendv_pd(b, size, _mm_castsi128_pd(larger))
     },
-    { double_alone!(); }
+    {
+        double_alone!();
+        type One = One<true>;
+    }
 );
 vector!(
     /// Four lanes in a 256-bit register.
@@ -163,7 +168,10 @@ vector!(
         let larger = _mm256_cmpgt_epi64(_mm256_castpd_si256(size), _mm256_castpd_si256(b));
         _mm256_blendv_pd(b, size, _mm256_castsi256_pd(larger))
     },
-    { double_alone!(); }
+    {
+        double_alone!();
+        type One = One<true>;
+    }
 );
 vector!(
     /// Eight lanes in a 512-bit register.
@@ -173,6 +181,7 @@ vector!(
     |a, b| _mm512_castsi512_pd(_mm512_max_epi64(_mm512_castpd_si512(_mm512_abs_pd(a)), _mm512_castpd_si512(b))),
     {
         type Single = Single;
+        type One = One<true>;
         const HAS_SINGLE: bool = true;
         #[inline(always)]
         fn narrow(self) -> Single {

@@ -9,7 +9,7 @@
 //! The error of a sum is some 2⁻¹⁰⁵ ≈ 2e-32 of the larger operand, not of the sum: what cancels has lost those digits before, as in any
 //! sum of doubles. Source: T. J. Dekker, Numerische Mathematik 18 (1971); Y. Hida, X. Li and D. Bailey, ARITH-15 (2001), section 3.
 
-use super::Numbers;
+use super::{Arithmetic, Numbers};
 use crate::lobatto::extended::Extended;
 use crate::lobatto::lanes::Lanes;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -102,11 +102,8 @@ impl<V: Lanes> Mul for Double<V> {
     }
 }
 
-impl<V: Lanes> Numbers for Double<V> {
+impl<V: Lanes> Arithmetic for Double<V> {
     type Real = Extended;
-    fn real(value: f64) -> Extended {
-        Extended::from(value)
-    }
     #[inline(always)]
     fn splat(value: f64) -> Self {
         Self::widened(V::splat(value))
@@ -114,9 +111,6 @@ impl<V: Lanes> Numbers for Double<V> {
     #[inline(always)]
     fn whole(value: Extended) -> Self {
         Double { high: V::splat(value.rounded()), low: V::splat(value.remainder()) }
-    }
-    fn from_parts(high: &[f64], low: &[f64]) -> Self {
-        Double { high: V::from_slice(high), low: V::from_slice(low) }
     }
     #[inline(always)]
     fn lane(self, lane: usize) -> Extended {
@@ -144,6 +138,16 @@ impl<V: Lanes> Numbers for Double<V> {
             Self::normalised(first, first * error)
         })
     }
+}
+
+impl<V: Lanes> Numbers for Double<V> {
+    type One = Self;
+    fn real(value: f64) -> Extended {
+        Extended::from(value)
+    }
+    fn from_parts(high: &[f64], low: &[f64]) -> Self {
+        Double { high: V::from_slice(high), low: V::from_slice(low) }
+    }
     #[inline(always)]
     fn mix(self, columns: &[Self]) -> Self {
         apart!(V, {
@@ -158,6 +162,10 @@ impl<V: Lanes> Numbers for Double<V> {
             }
             mixed
         })
+    }
+    #[inline(always)]
+    fn weigh_all<const N: usize>(values: [Self; N], weights: &[Self]) -> [Self; N] {
+        Self::mix_all(values, weights)
     }
     #[inline(always)]
     fn max_abs(self, bound: Self) -> Self {

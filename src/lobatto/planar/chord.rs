@@ -4,9 +4,8 @@ use super::algebra::Vector2;
 use super::articulated::Eliminated2;
 use super::stage::PlanarStages;
 use super::sweeps::{own_residual, row_turn};
-use crate::lobatto::chord::less;
 use crate::lobatto::lanes::Lanes;
-use crate::lobatto::residual::Sweep;
+use crate::lobatto::rows::Sweep;
 use crate::lobatto::start::Children;
 use crate::model::FreeRotation;
 
@@ -97,5 +96,14 @@ impl<V: Lanes> PlanarStages<V> {
             Some(applied) if FORCED => Some(applied.efforts[freedom] * V::splat(sign) * sweep.forces),
             _ => None,
         }
+    }
+}
+
+/// The load of an axis, less the effort of forces in the joint, if there are any.
+#[inline(always)]
+fn less<V: Lanes>(load: V, effort: Option<V>) -> V {
+    match effort {
+        None => load,
+        Some(effort) => load - effort,
     }
 }

@@ -26,7 +26,7 @@ use super::stage::{PlanarStages, Turned};
 use super::start::PlanarBody;
 use crate::lobatto::articulated::Push;
 use crate::lobatto::lanes::Lanes;
-use crate::lobatto::residual::Sweep;
+use crate::lobatto::rows::Sweep;
 use crate::lobatto::start::Children;
 use crate::lobatto::turns::{FEW, half_angle, half_angle_of_few};
 use crate::model::FreeRotation;
@@ -252,6 +252,6 @@ fn mix_ahead<V: Lanes, const MOMENTUM: bool, const REFINED: bool>(
     velocity: f64,
 ) -> V {
     let velocity = V::splat(velocity);
-    let [mixed] = sweep.mixed::<REFINED, 1>([sweep.ahead::<REFINED>(velocity, displacement)]);
+    let [mixed] = sweep.mixed::<REFINED, 1>([sweep.steady.ahead::<REFINED>(velocity, displacement)]);
     if MOMENTUM { mixed + velocity } else { mixed }
 }

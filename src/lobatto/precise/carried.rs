@@ -13,7 +13,7 @@
 use crate::lobatto::algebra::Vector;
 use crate::lobatto::extended::Extended;
 use crate::lobatto::lanes::Lanes;
-use crate::lobatto::numbers::{Double, Numbers};
+use crate::lobatto::numbers::{Arithmetic, Double, Numbers};
 use crate::lobatto::stage::{StagePose, Stages};
 use crate::lobatto::start::{BodyPlan, BodyStart, Plan, Start};
 use crate::lobatto::turns::rotate_increment;

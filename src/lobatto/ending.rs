@@ -1,0 +1,164 @@
+//! The end of a step: its momenta and the joint velocities that carry them (2.5.11h), at the last stage alone.
+//!
+//! The projection `H(q̄) v̄ = Sᵀ p̄` is the Newton step's recursion ([`super::sweeps`]) with the momenta of the bodies in place of the
+//! residuals. It has one row, so that it is worked out in one lane; what it takes from all stages are weighted sums of how far a body is
+//! ahead of the steady motion of the start (symbols as in [`super::residual`]):
+//!
+//! ```text
+//!     p̄ = p₀ + h Σ_k b_k F_k = M ( v + h⁻¹ Σ_i w_i (Q_i − q₀ − h c_i v) ) + h b_s F_s,       w_i = Σ_k b_k B_ki
+//! ```
+
+use super::algebra::Vector;
+use super::articulated::Push;
+use super::numbers::{Arithmetic, Numbers};
+use super::residual::Turned;
+use super::rows::{Rows, Steady, over_step};
+use super::stage::{MAX_LANES, StagePose, Stages};
+use super::start::{BodyStart, Plan};
+use super::sweeps::{Factors, Tilt};
+use super::tableau::Tableau;
+
+/// The workspace of the end of a step.
+pub struct Ending<E> {
+    factors: Factors<E>,
+    /// The momentum weights, and what rounding has cut off them.
+    weights: [E; MAX_LANES],
+    weights_rest: [E; MAX_LANES],
+    /// The last weight, b_s.
+    last_weight: E,
+}
+
+impl<E: Arithmetic> Ending<E> {
+    /// Room for the end of the steps of a scheme.
+    pub fn new(plan: &Plan, freedoms: usize, tableau: &Tableau) -> Self {
+        let (mut weights, mut weights_rest) = ([E::zero(); MAX_LANES], [E::zero(); MAX_LANES]);
+        for (stage, (&weight, &rest)) in
+            tableau.momentum_weights.iter().zip(&tableau.remainders.momentum_weights).enumerate()
+        {
+            weights[stage] = E::splat(weight) + E::splat(rest);
+            weights_rest[stage] = E::splat(rest);
+        }
+        // b_s = 1/(s(s − 1))
+        let last_weight = E::splat((tableau.stages * (tableau.stages - 1)) as f64).reciprocal();
+        Ending { factors: Factors::new(plan, freedoms), weights, weights_rest, last_weight }
+    }
+
+    /// The velocities at the end of a solved step, of which the poses of all stages are known; `REFINED` with twice the digits of the
+    /// coefficients, with forces (`FORCED`) after [`Stages::sweep_applied`] at the end.
+    #[inline(always)]
+    pub fn velocities<V: Numbers<One = E, Real = E::Real>, const REFINED: bool, const FORCED: bool>(
+        &mut self,
+        stages: &Stages<V>,
+        gravity: &[f64; 3],
+        velocity: &mut [V::Real],
+    ) {
+        let (mut weights, mut weights_rest) = (self.weights, self.weights_rest);
+        over_step(&mut weights, &mut weights_rest, stages.step);
+        let impulse = E::splat(stages.step) * self.last_weight;
+        let rows = EndRows::<V, REFINED, FORCED> {
+            stages,
+            steady: stages.coefficients.steady(stages.step),
+            weights: &weights,
+            weights_rest: &weights_rest,
+            impulse,
+            gravity: Vector(gravity.map(E::splat)).times(impulse),
+        };
+        self.factors.eliminate(&stages.plan, &stages.start, &rows);
+        self.factors.solve(&stages.plan, |freedom, rate| velocity[freedom] = rate.lane(0));
+    }
+}
+
+/// The one row of the end.
+struct EndRows<'s, V: Numbers, const REFINED: bool, const FORCED: bool> {
+    stages: &'s Stages<V>,
+    steady: Steady<V>,
+    /// `w_i / h`, and what rounding has cut off it.
+    weights: &'s [V::One; MAX_LANES],
+    weights_rest: &'s [V::One; MAX_LANES],
+    /// What multiplies forces: `h b_s` (s).
+    impulse: V::One,
+    /// The same times gravity.
+    gravity: Vector<V::One>,
+}
+
+impl<V: Numbers, const REFINED: bool, const FORCED: bool> EndRows<'_, V, REFINED, FORCED> {
+    #[inline(always)]
+    fn last(&self) -> usize {
+        self.stages.coefficients.active - 1
+    }
+
+    #[inline(always)]
+    fn alone(&self, Vector([x, y, z]): Vector<V>) -> Vector<V::One> {
+        let last = self.last();
+        Vector([x.alone(last), y.alone(last), z.alone(last)])
+    }
+
+    #[inline(always)]
+    fn weighed<const N: usize>(&self, values: [V; N]) -> [V::One; N] {
+        let mut sums = V::weigh_all(values, self.weights);
+        if REFINED {
+            let rest = V::weigh_all(values, self.weights_rest);
+            let mut index = 0;
+            while index < N {
+                sums[index] = sums[index] + rest[index];
+                index += 1;
+            }
+        }
+        sums
+    }
+}
+
+impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRows<'_, V, REFINED, FORCED> {
+    const MOMENTA: bool = true;
+    #[inline(always)]
+    fn pose(&self, body: usize) -> StagePose<V::One> {
+        let StagePose { w, u, anchor } = self.stages.poses[body];
+        StagePose { w: w.alone(self.last()), u: self.alone(u), anchor: self.alone(anchor) }
+    }
+    #[inline(always)]
+    fn moved(&self) -> V::One {
+        V::One::splat(1.0)
+    }
+    #[inline(always)]
+    fn tilt(&self, _: usize) -> Option<Tilt<V::One>> {
+        None
+    }
+    #[inline(always)]
+    fn gravity(&self) -> Vector<V::One> {
+        self.gravity
+    }
+    #[inline(always)]
+    fn path(&self, body: usize, known: &BodyStart<V::Real>, _: Vector<V::One>) -> Vector<V::One> {
+        let pose = &self.stages.poses[body];
+        let displaced = if self.stages.plan.bodies[body].slides {
+            pose.anchor
+        } else {
+            pose.turned().matrix().apply(Vector::splat(&known.com)).plus(pose.anchor)
+        };
+        let ahead = self.steady.path::<REFINED>(known, displaced);
+        Vector(self.weighed(ahead)).plus(Vector::splat(&known.velocity))
+    }
+    #[inline(always)]
+    fn turning(&self, body: usize, known: &BodyStart<V::Real>, _: Turned<V::One>) -> Turned<V::One> {
+        let ahead = self.steady.turning::<REFINED>(known, self.stages.poses[body].turned());
+        let Turned { products, vector } = Turned::joined(self.weighed(ahead));
+        let Vector(vector) = Vector(vector).plus(Vector::splat(&known.spin));
+        Turned { products, vector }
+    }
+    #[inline(always)]
+    fn forces(&self) -> V::One {
+        self.impulse
+    }
+    #[inline(always)]
+    fn wrench(&self, body: usize) -> Option<(Vector<V::One>, Vector<V::One>)> {
+        let applied = if FORCED { self.stages.applied.as_ref()? } else { return None };
+        let (force, torque) = applied.wrenches[body];
+        Some((self.alone(force), self.alone(torque)))
+    }
+    #[inline(always)]
+    fn push(&self, freedom: usize) -> Option<Push<V::One>> {
+        let applied = if FORCED { self.stages.applied.as_ref()? } else { return None };
+        // What dampers brake is among the efforts.
+        Some(Push { effort: applied.efforts[freedom].alone(self.last()) * self.impulse, inertia: V::One::zero() })
+    }
+}

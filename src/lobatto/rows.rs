@@ -1,0 +1,248 @@
+//! The rows of a sweep: where the residual of a body takes its motion from, and what a mixture of stages is.
+//!
+//! The residual ([`super::residual`]) and the sweep over the tree ([`super::sweeps`]) are written once, for the rows of all stages, one in
+//! each lane ([`StageRows`]), and for the momenta at the end of the step, in one lane alone ([`super::ending`]).
+
+use super::algebra::Vector;
+use super::applied::Applied;
+use super::articulated::Push;
+use super::numbers::{Arithmetic, Numbers};
+use super::residual::Turned;
+use super::stage::{Coefficients, MAX_LANES, StagePose, rotation_vector};
+use super::start::{BodyStart, Plan, Start};
+use super::sweeps::Tilt;
+
+/// What a sweep over the tree eliminates: the residuals of the rows of all stages ([`StageRows`]), or the momenta at the end of the step
+/// ([`super::ending`]).
+pub trait Rows<V: Arithmetic> {
+    /// Whether it is momenta.
+    const MOMENTA: bool;
+    /// Rotation and anchor displacement of a body.
+    fn pose(&self, body: usize) -> StagePose<V>;
+    /// One where a row has its stage's geometry.
+    fn moved(&self) -> V;
+    /// How the free axes of a ball joint, of which this is the first, are tilted against those of the body; `None` where they are not.
+    fn tilt(&self, freedom: usize) -> Option<Tilt<V>>;
+    /// What gravity adds to the mixed path.
+    fn gravity(&self) -> Vector<V>;
+    /// The mixed path of a centre of mass that has been `displaced`.
+    fn path(&self, body: usize, known: &BodyStart<V::Real>, displaced: Vector<V>) -> Vector<V>;
+    /// The mixed turn of a body that has turned so far.
+    fn turning(&self, body: usize, known: &BodyStart<V::Real>, turned: Turned<V>) -> Turned<V>;
+    /// What multiplies applied forces.
+    fn forces(&self) -> V;
+    /// Force and torque that forces besides gravity put on a body; `None` where there are none at all.
+    fn wrench(&self, body: usize) -> Option<(Vector<V>, Vector<V>)>;
+    /// What they do along a degree of freedom, in the units of the residuals.
+    fn push(&self, freedom: usize) -> Option<Push<V>>;
+}
+
+/// The steady motion that displacements are compared with.
+#[derive(Clone, Copy)]
+pub struct Steady<V> {
+    /// `h c_i`.
+    times: V,
+    /// What rounding has cut off `times`.
+    rest: V,
+}
+
+impl<V: Arithmetic> Steady<V> {
+    /// How far a displacement is ahead of a steady motion at the `rate` of the start: `displaced − h c_i rate`.
+    #[inline(always)]
+    pub fn ahead<const REFINED: bool>(&self, rate: V, displaced: V) -> V {
+        let ahead = rate.neg_mul_add(self.times, displaced);
+        if REFINED { rate.neg_mul_add(self.rest, ahead) } else { ahead }
+    }
+
+    /// [`Steady::ahead`] of the path of a centre of mass.
+    #[inline(always)]
+    pub fn path<const REFINED: bool>(&self, known: &BodyStart<V::Real>, displaced: Vector<V>) -> [V; 3] {
+        let (Vector([u, v, w]), Vector([x, y, z])) = (Vector::<V>::splat(&known.velocity), displaced);
+        [self.ahead::<REFINED>(u, x), self.ahead::<REFINED>(v, y), self.ahead::<REFINED>(w, z)]
+    }
+
+    /// [`Steady::ahead`] of the turn of a body: its vector, then its products.
+    #[inline(always)]
+    pub fn turning<const REFINED: bool>(&self, known: &BodyStart<V::Real>, turned: Turned<V>) -> [V; 9] {
+        let Vector([u, v, w]) = Vector::<V>::splat(&known.spin);
+        let Turned { products: [xx, xy, xz, yy, yz, zz], vector: [x, y, z] } = turned;
+        let [x, y, z] = [self.ahead::<REFINED>(u, x), self.ahead::<REFINED>(v, y), self.ahead::<REFINED>(w, z)];
+        [x, y, z, xx, xy, xz, yy, yz, zz]
+    }
+}
+
+/// What is common to all bodies of a sweep.
+pub struct Sweep<'s, V> {
+    /// Mixing matrix of the sweep, by columns.
+    pub columns: &'s [V; MAX_LANES],
+    /// What rounding has cut off `columns`.
+    pub rest: &'s [V; MAX_LANES],
+    /// The steady motion.
+    pub steady: Steady<V>,
+    /// One where a row has its stage's geometry.
+    pub moved: V,
+    /// What gravity adds to the mixed displacement of a centre of mass.
+    pub gravity: Vector<V>,
+    /// What multiplies applied forces: h², or the impulse's `h b_s`.
+    pub forces: V,
+}
+
+impl<'s, V: Numbers> Sweep<'s, V> {
+    /// What the residual has in common over all bodies of a step, with copies of its columns.
+    #[inline(always)]
+    pub fn of_residual(
+        coefficients: &Coefficients<V>,
+        columns: &'s [V; MAX_LANES],
+        rest: &'s [V; MAX_LANES],
+        step: f64,
+        gravity: &[f64; 3],
+    ) -> Self {
+        let square = V::splat(-step) * V::splat(step);
+        Sweep {
+            columns,
+            rest,
+            steady: coefficients.steady(step),
+            moved: coefficients.moved,
+            gravity: Vector(gravity.map(V::splat)).times(square),
+            forces: -square,
+        }
+    }
+}
+
+impl<V: Numbers> Sweep<'_, V> {
+    /// Several values mixed by the matrix of the sweep.
+    #[inline(always)]
+    pub fn mixed<const REFINED: bool, const N: usize>(&self, values: [V; N]) -> [V; N] {
+        let mut mixed = V::mix_all(values, self.columns);
+        if REFINED {
+            let rest = V::mix_all(values, self.rest);
+            let mut index = 0;
+            while index < N {
+                mixed[index] = mixed[index] + rest[index];
+                index += 1;
+            }
+        }
+        mixed
+    }
+}
+
+impl<V: Numbers> Coefficients<V> {
+    /// What the residual has in common over all bodies of a step.
+    #[inline(always)]
+    pub fn residual_sweep(&self, step: f64, gravity: &[f64; 3]) -> Sweep<'_, V> {
+        Sweep::of_residual(self, &self.residual, &self.residual_rest, step, gravity)
+    }
+
+    /// The momentum weights over the length of a step, by columns, and what rounding has cut off them.
+    #[inline(always)]
+    pub fn momentum_columns(&self, step: f64) -> ([V; MAX_LANES], [V; MAX_LANES]) {
+        let (mut columns, mut rest) = (self.momentum, self.momentum_rest);
+        over_step(&mut columns, &mut rest, step);
+        (columns, rest)
+    }
+
+    /// What the momenta at the end of a step have in common, with these columns.
+    #[inline(always)]
+    pub fn momentum_sweep<'s>(
+        &self,
+        columns: &'s [V; MAX_LANES],
+        rest: &'s [V; MAX_LANES],
+        step: f64,
+        gravity: &[f64; 3],
+    ) -> Sweep<'s, V> {
+        let factor = V::splat(step) * self.last_weight;
+        Sweep {
+            columns,
+            rest,
+            steady: self.steady(step),
+            moved: V::splat(1.0),
+            gravity: Vector(gravity.map(V::splat)).times(factor),
+            forces: factor,
+        }
+    }
+
+    /// The steady motion over a step.
+    #[inline(always)]
+    pub fn steady(&self, step: f64) -> Steady<V> {
+        let step = V::splat(step);
+        let times = self.nodes * step;
+        Steady { times, rest: self.nodes_rest.mul_add(step, self.nodes.lost(step, times)) }
+    }
+}
+
+/// Divides weights, and what rounding has cut off them, by the length of a step.
+#[inline(always)]
+pub fn over_step<V: Arithmetic>(weights: &mut [V; MAX_LANES], rest: &mut [V; MAX_LANES], step: f64) {
+    // Neither 1/h nor the product with it may be rounded.
+    let whole = V::splat(step);
+    let inverse = whole.reciprocal();
+    let inverse_rest = -(inverse.lost(whole, V::splat(1.0)) * inverse);
+    for (weight, rest) in weights.iter_mut().zip(rest) {
+        let rounded = *weight * inverse;
+        let lost = weight.mul_add(inverse_rest, weight.lost(inverse, rounded));
+        *rest = rest.mul_add(inverse, lost);
+        *weight = rounded;
+    }
+}
+
+/// The rows of all stages, with (`FORCED`) or without forces besides gravity, `REFINED` with twice the digits of the coefficients.
+pub struct StageRows<'s, V: Numbers, const REFINED: bool, const FORCED: bool> {
+    /// What is common to all bodies.
+    pub sweep: &'s Sweep<'s, V>,
+    /// The tree.
+    pub plan: &'s Plan,
+    /// One entry a body.
+    pub poses: &'s [StagePose<V>],
+    /// One entry a degree of freedom.
+    pub displacement: &'s [V],
+    /// The start of the step.
+    pub start: &'s Start<V::Real>,
+    /// The forces, if there are any.
+    pub applied: Option<&'s Applied<V>>,
+    /// Length of the step (s).
+    pub step: f64,
+}
+
+impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V> for StageRows<'_, V, REFINED, FORCED> {
+    const MOMENTA: bool = false;
+    #[inline(always)]
+    fn pose(&self, body: usize) -> StagePose<V> {
+        self.poses[body]
+    }
+    #[inline(always)]
+    fn moved(&self) -> V {
+        self.sweep.moved
+    }
+    #[inline(always)]
+    fn tilt(&self, freedom: usize) -> Option<Tilt<V>> {
+        Some(Tilt::of(rotation_vector(self.start, self.displacement, freedom).times(self.sweep.moved)))
+    }
+    #[inline(always)]
+    fn gravity(&self) -> Vector<V> {
+        self.sweep.gravity
+    }
+    #[inline(always)]
+    fn path(&self, _: usize, known: &BodyStart<V::Real>, displaced: Vector<V>) -> Vector<V> {
+        Vector(self.sweep.mixed::<REFINED, 3>(self.sweep.steady.path::<REFINED>(known, displaced)))
+    }
+    #[inline(always)]
+    fn turning(&self, _: usize, known: &BodyStart<V::Real>, turned: Turned<V>) -> Turned<V> {
+        let ahead = self.sweep.steady.turning::<REFINED>(known, turned);
+        Turned::joined(self.sweep.mixed::<REFINED, 9>(ahead))
+    }
+    #[inline(always)]
+    fn forces(&self) -> V {
+        self.sweep.forces
+    }
+    #[inline(always)]
+    fn wrench(&self, body: usize) -> Option<(Vector<V>, Vector<V>)> {
+        let applied = if FORCED { self.applied? } else { return None };
+        Some(applied.wrenches[body])
+    }
+    #[inline(always)]
+    fn push(&self, freedom: usize) -> Option<Push<V>> {
+        let applied = if FORCED { self.applied? } else { return None };
+        let inertia = V::splat(self.step * applied.resistance[freedom]);
+        Some(Push { effort: applied.efforts[freedom] * self.sweep.forces, inertia })
+    }
+}
