@@ -27,6 +27,7 @@ pub const WORLD: BodyState = BodyState {
 };
 
 /// Translation rates (in the joint frame on the parent) and rotation rates (in that on the child).
+#[inline(always)]
 pub fn joint_rates(joint: &Joint, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
     let axes = joint.kind.translation_axes();
     let mut translation = Vector3::zeros();
@@ -53,7 +54,7 @@ pub struct Placed {
 }
 
 /// Places a body on its parent for the positions of its joint, what their roundings left out (or nothing), and the velocities.
-#[inline]
+#[inline(always)]
 pub fn place(joint: &Joint, parent: &BodyState, position: &[f64], rest: &[f64], velocity: &[f64]) -> Placed {
     let (translation, turn) = joint.displacement(position, rest);
     let (frame_on_parent, frame_on_child) = (joint.on_parent.rotation.matrix(), joint.on_child.rotation.matrix());

@@ -294,7 +294,7 @@ impl<V: Lanes> Step for Kernel<V> {
         }
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(&self.velocity);
-        self.end.set(mechanism, state);
+        self.end.set_with::<V>(mechanism, state);
         if let Some(closing) = &mut self.closing {
             closing.velocities(mechanism, &self.end, &mut state.velocity);
             self.end.set(mechanism, state);

@@ -15,6 +15,7 @@
 //! all roundings are as good as random.
 
 use super::applied_plan::AppliedStart;
+use super::lanes::Lanes;
 use crate::closures::mimic_gap;
 use crate::forces::total::stored;
 use crate::invariants::Energy;
@@ -256,6 +257,19 @@ impl Start {
 
     /// Takes the state at the start of a step. Does not allocate.
     pub fn set(&mut self, mechanism: &Mechanism, state: &State) {
+        self.take_state(mechanism, state);
+    }
+
+    /// The same with the instructions of a vector type, to the same bits.
+    pub fn set_with<V: Lanes>(&mut self, mechanism: &Mechanism, state: &State) {
+        V::apart(
+            #[inline(always)]
+            || self.take_state(mechanism, state),
+        );
+    }
+
+    #[inline(always)]
+    fn take_state(&mut self, mechanism: &Mechanism, state: &State) {
         self.rates.copy_from_slice(&state.velocity);
         let mut energy = Energy::default();
         let per_unit = if self.own_unit { units_per_kilogram(&state.velocity) } else { 1.0 };

@@ -153,6 +153,7 @@ impl Joint {
     /// Translation `t` (m) and rotation `Rj` of the joint for its own positions (`position_count` numbers) and, where they are known,
     /// what their roundings left out (as many numbers, or none): the angle of a joint that has turned a thousand times is known to
     /// 1e-12 rad without that.
+    #[inline(always)]
     pub fn displacement(&self, position: &[f64], rest: &[f64]) -> (Vector3<f64>, Matrix3<f64>) {
         let axes = self.kind.translation_axes();
         let mut translation = Vector3::zeros();
