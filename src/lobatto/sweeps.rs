@@ -25,7 +25,7 @@ use super::residual::{body_residual, force_residual};
 use super::rows::{Rows, StageRows, Sweep};
 use super::stage::Stages;
 use super::start::{BodyPlan, Children, Plan, Start};
-use super::turns::{horner, rotate_increment};
+use super::turns::{polynomial, rotate_increment};
 use crate::model::FreeRotation;
 
 /// What the sweep from the leaves leaves for the one back, and where branches meet.
@@ -210,7 +210,17 @@ impl<V: Arithmetic> Factors<V> {
                 }
             }
             for freedom in plan.freedoms() {
-                let joint = self.eliminated[freedom];
+                let joint = &self.eliminated[freedom];
+                if plan.alone {
+                    // Translations wait for nothing, and nothing waits for them.
+                    let alpha =
+                        if freedom < turning { joint.bias } else { joint.torque_ratio.dot_from(twist.1, joint.bias) };
+                    if freedom >= turning {
+                        twist.1 = joint.axis.times_plus(alpha, twist.1);
+                    }
+                    take(freedom, alpha);
+                    continue;
+                }
                 // Two chains of three, because each body waits for its parent's.
                 let alpha = joint.force_ratio.dot_from(twist.0, joint.bias) - joint.torque_ratio.dot(twist.1);
                 if freedom < turning {
@@ -319,7 +329,7 @@ pub fn tilt<V: Arithmetic>(vector: Vector<V>, axis: Vector<V>) -> Vector<V> {
 pub fn tangent<V: Arithmetic>(square: V) -> (V, V) {
     const FIRST: [f64; 13] = tangent_series(2);
     const SECOND: [f64; 13] = tangent_series(3);
-    (horner(&FIRST, square), horner(&SECOND, square))
+    (polynomial(&FIRST, square), polynomial(&SECOND, square))
 }
 
 /// `(−1)ⁿ / (2n + first)!`.

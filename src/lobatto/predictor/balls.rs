@@ -8,7 +8,7 @@ use super::{Predictor, Unknowns};
 use crate::lobatto::algebra::Vector;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::step::at_end;
-use crate::lobatto::turns::{compose, half_angle, horner};
+use crate::lobatto::turns::{compose, half_angle, polynomial};
 
 impl<V: Lanes> Predictor<V> {
     /// The past of a ball joint: rotation vectors from the new start, `log(exp(−θ_s) exp(θ_n))`.
@@ -51,5 +51,5 @@ fn twice_angle_over_sine<V: Lanes>(w: V) -> V {
         terms
     };
     let half = V::splat(0.5);
-    horner(&TERMS, w.neg_mul_add(half, half))
+    polynomial(&TERMS, w.neg_mul_add(half, half))
 }
