@@ -17,7 +17,7 @@ use super::algebra::Vector;
 use super::articulated::{Eliminated, Push};
 use super::numbers::{Arithmetic, Numbers};
 use super::residual::{body_residual, force_residual};
-use super::rows::{Rows, Sweep};
+use super::rows::Rows;
 use super::stage::Stages;
 use super::start::{BodyPlan, Children, Plan, Start};
 use super::sweeps::{Factors, slide_axis, tilted_by};
@@ -104,20 +104,14 @@ impl<V: Numbers> Stages<V> {
     /// `REFINED` with twice the digits of the coefficients, for the last iterations of a step that is iterated to rounding.
     #[inline(always)]
     pub fn sweep_wrenches<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
-        let columns = self.coefficients.residual;
-        let rest = self.coefficients.residual_rest;
-        let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
-        let (factors, rows) = self.rows::<REFINED, false>(&sweep);
+        let (factors, rows) = self.rows::<REFINED, false>(gravity);
         factors.gather(rows.plan, rows.start, &rows);
     }
 
     /// [`Stages::sweep_wrenches`] of a mechanism with forces, after [`Stages::sweep_applied`].
     #[inline(always)]
     pub fn sweep_forced_wrenches(&mut self, gravity: &[f64; 3]) {
-        let columns = self.coefficients.residual;
-        let rest = self.coefficients.residual_rest;
-        let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
-        let (factors, rows) = self.rows::<true, true>(&sweep);
+        let (factors, rows) = self.rows::<true, true>(gravity);
         factors.gather(rows.plan, rows.start, &rows);
     }
 }

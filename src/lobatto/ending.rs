@@ -64,7 +64,11 @@ impl<E: Arithmetic> Ending<E> {
             gravity: Vector(gravity.map(E::splat)).times(impulse),
         };
         self.factors.eliminate(&stages.plan, &stages.start, &rows);
-        self.factors.solve(&stages.plan, |freedom, rate| velocity[freedom] = rate.lane(0));
+        self.factors.solve(
+            &stages.plan,
+            #[inline(always)]
+            |freedom, rate| velocity[freedom] = rate.lane(0),
+        );
     }
 }
 

@@ -3,7 +3,7 @@
 use super::coupled::{Coupled, Geometry, Space, joined};
 use super::lanes::{Lanes, in_lanes};
 use super::residual::body_residual;
-use super::rows::{Rows, Sweep};
+use super::rows::Rows;
 use super::stage::{Stages, moved_rows};
 use crate::model::{Coordinate, Mechanism};
 
@@ -43,11 +43,8 @@ impl<V: Lanes> Newton<V> {
     #[inline(always)]
     pub fn residual(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3]) {
         let Newton { coupled, space, .. } = self;
-        let columns = stages.coefficients.residual;
-        let rest = stages.coefficients.residual_rest;
-        let sweep = Sweep::of_residual(&stages.coefficients, &columns, &rest, stages.step, gravity);
         let square = V::splat(stages.step * stages.step);
-        let (_, rows) = stages.rows::<true, true>(&sweep);
+        let (_, rows) = stages.rows::<true, true>(gravity);
         for (index, plan) in rows.plan.bodies.iter().enumerate() {
             let own = body_residual(&rows, index, plan, &rows.start.bodies[index]);
             let anchor = space.anchor(rows.start, index, 1);

@@ -87,28 +87,6 @@ pub struct Sweep<'s, V> {
     pub forces: V,
 }
 
-impl<'s, V: Numbers> Sweep<'s, V> {
-    /// What the residual has in common over all bodies of a step, with copies of its columns.
-    #[inline(always)]
-    pub fn of_residual(
-        coefficients: &Coefficients<V>,
-        columns: &'s [V; MAX_LANES],
-        rest: &'s [V; MAX_LANES],
-        step: f64,
-        gravity: &[f64; 3],
-    ) -> Self {
-        let square = V::splat(-step) * V::splat(step);
-        Sweep {
-            columns,
-            rest,
-            steady: coefficients.steady(step),
-            moved: coefficients.moved,
-            gravity: Vector(gravity.map(V::splat)).times(square),
-            forces: -square,
-        }
-    }
-}
-
 impl<V: Numbers> Sweep<'_, V> {
     /// Several values mixed by the matrix of the sweep.
     #[inline(always)]
@@ -130,7 +108,15 @@ impl<V: Numbers> Coefficients<V> {
     /// What the residual has in common over all bodies of a step.
     #[inline(always)]
     pub fn residual_sweep(&self, step: f64, gravity: &[f64; 3]) -> Sweep<'_, V> {
-        Sweep::of_residual(self, &self.residual, &self.residual_rest, step, gravity)
+        let square = V::splat(-step) * V::splat(step);
+        Sweep {
+            columns: &self.residual,
+            rest: &self.residual_rest,
+            steady: self.steady(step),
+            moved: self.moved,
+            gravity: Vector(gravity.map(V::splat)).times(square),
+            forces: -square,
+        }
     }
 
     /// The momentum weights over the length of a step, by columns, and what rounding has cut off them.
@@ -188,7 +174,7 @@ pub fn over_step<V: Arithmetic>(weights: &mut [V; MAX_LANES], rest: &mut [V; MAX
 /// The rows of all stages, with (`FORCED`) or without forces besides gravity, `REFINED` with twice the digits of the coefficients.
 pub struct StageRows<'s, V: Numbers, const REFINED: bool, const FORCED: bool> {
     /// What is common to all bodies.
-    pub sweep: &'s Sweep<'s, V>,
+    pub sweep: Sweep<'s, V>,
     /// The tree.
     pub plan: &'s Plan,
     /// One entry a body.

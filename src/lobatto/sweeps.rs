@@ -22,7 +22,7 @@ use super::algebra::Vector;
 use super::articulated::{Articulated, Eliminated};
 use super::numbers::{Arithmetic, Numbers};
 use super::residual::{body_residual, force_residual};
-use super::rows::{Rows, StageRows, Sweep};
+use super::rows::{Rows, StageRows};
 use super::stage::Stages;
 use super::start::{BodyPlan, Children, Plan, Start};
 use super::turns::{polynomial, rotate_increment};
@@ -44,10 +44,7 @@ impl<V: Numbers> Stages<V> {
     /// Residual and articulated factorisation of all rows, leaf to root, after [`Stages::sweep_poses`].
     #[inline(always)]
     pub fn sweep_residual(&mut self, gravity: &[f64; 3]) {
-        let columns = self.coefficients.residual;
-        let rest = self.coefficients.residual_rest;
-        let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
-        let (factors, rows) = self.rows::<false, false>(&sweep);
+        let (factors, rows) = self.rows::<false, false>(gravity);
         factors.eliminate(rows.plan, rows.start, &rows);
     }
 
@@ -55,28 +52,30 @@ impl<V: Numbers> Stages<V> {
     /// than one more copy of the sweep.
     #[inline(always)]
     pub fn sweep_forced_residual(&mut self, gravity: &[f64; 3]) {
-        let columns = self.coefficients.residual;
-        let rest = self.coefficients.residual_rest;
-        let sweep = Sweep::of_residual(&self.coefficients, &columns, &rest, self.step, gravity);
-        let (factors, rows) = self.rows::<true, true>(&sweep);
+        let (factors, rows) = self.rows::<true, true>(gravity);
         factors.eliminate(rows.plan, rows.start, &rows);
     }
 
     /// The rows of all stages, and where their factors go.
     #[inline(always)]
-    pub(super) fn rows<'s, const REFINED: bool, const FORCED: bool>(
-        &'s mut self,
-        sweep: &'s Sweep<'s, V>,
-    ) -> (&'s mut Factors<V>, StageRows<'s, V, REFINED, FORCED>) {
-        let Stages { factors, plan, start, poses, displacement, applied, step, .. } = self;
-        (factors, StageRows { sweep, plan, start, poses, displacement, applied: applied.as_deref(), step: *step })
+    pub(super) fn rows<const REFINED: bool, const FORCED: bool>(
+        &mut self,
+        gravity: &[f64; 3],
+    ) -> (&mut Factors<V>, StageRows<'_, V, REFINED, FORCED>) {
+        let Stages { factors, coefficients, plan, start, poses, displacement, applied, step, .. } = self;
+        let (sweep, step) = (coefficients.residual_sweep(*step, gravity), *step);
+        (factors, StageRows { sweep, plan, start, poses, displacement, applied: applied.as_deref(), step })
     }
 
     /// Root to leaf: `α` of every degree of freedom, mixed into the increments; the largest increment in each lane.
     #[inline(always)]
     pub fn sweep_increments(&mut self) -> V {
         let Stages { factors, plan, increment, .. } = self;
-        factors.solve(plan, |freedom, alpha| increment[freedom] = alpha);
+        factors.solve(
+            plan,
+            #[inline(always)]
+            |freedom, alpha| increment[freedom] = alpha,
+        );
         let columns = &self.coefficients.solve;
         let mut largest = V::zero();
         let (fours, rest) = self.increment.as_chunks_mut::<4>();
