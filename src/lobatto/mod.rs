@@ -1,8 +1,9 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`start`], [`stage`] and [`turns`] (poses
-//! of all stages), [`residual`], [`applied_plan`], [`applied_motion`] and [`applied`] (forces), [`articulated`], [`sweeps`], [`chord`] and [`first`] (the stage
-//! equations and their solve), [`planar`] (the same in a plane), [`precise`] (the same to 32 digits), [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
+//! of all stages), [`rows`], [`residual`], [`applied_plan`], [`applied_motion`] and [`applied`] (forces), [`articulated`], [`sweeps`], [`chord`] and [`first`]
+//! (the stage equations and their solve), [`ending`] (the velocities at the end), [`planar`] (the same in a plane), [`precise`] (the same to 32 digits),
+//! [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
 //! (step length), [`stage_choice`] (how many stages), [`stability`], [`watch`], [`modes`], [`fastest`], [`dynamics`] and [`linearised`] (what they need
 //! to know), [`stepper`] and [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
 //! [`elimination`], [`front`], [`projection`], [`closing`] and [`assembly`]; [`instants`] are samples of a motion, in lanes;

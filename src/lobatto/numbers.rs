@@ -1,7 +1,8 @@
 //! What the equations of a step are written in: one number for each stage, of sixteen digits or of thirty-two.
 //!
 //! [`Lanes`] are doubles; [`Double`] are pairs of them. The poses, residuals and sweeps are written once, over [`Numbers`], so that a
-//! step can be solved to sixteen digits fast and then to thirty-two ([`super::precise`]) by the same lines.
+//! step can be solved to sixteen digits fast and then to thirty-two ([`super::precise`]) by the same lines. What does not mix stages asks for
+//! [`Arithmetic`] alone, and can be worked out for [`One`] of them ([`super::ending`]).
 
 use super::lanes::Lanes;
 use super::turns::{half_angle, half_angle_of_few};

@@ -1,15 +1,8 @@
 //! The first guess of a step: the last step's joint displacements, extrapolated.
 //!
-//! In units of the new step, with the new start at 0, the old stages lie at `x_n = (c_n − 1) h_old/h` and had the
-//! displacements `y_n` from the new start. The guess for the stages `x = c_2 … c_s` is the polynomial that has the
-//! value 0 and the velocity `h v` at 0 and meets the κ newest old stages, in Newton's form
-//!
-//! ```text
-//!     p(x) = x h v + x² Σ_{n<κ} d_n Π_{k<n} (x − x_k),     d_n: divided differences of (y_n − x_n h v) / x_n²
-//! ```
-//!
-//! Newton's form holds all orders at once: after the step has converged, the order that would have guessed best is read
-//! off and used next time. κ = 0 is the guess `q₀ + h c v₀`, which needs no past.
+//! With the new start at 0, the guess is the polynomial that has the value 0 and the velocity `v` there and meets the κ newest of the old
+//! stages ([`extrapolation`]). After the step has converged, the order κ that would have guessed best is read off and used next time. κ = 0
+//! is the guess `q₀ + h c v₀`, which needs no past.
 //!
 //! After an attempt `h_a > h` at the same step, which was too long, its own stages `θ_j` are the better guess, however far it was iterated:
 //!

@@ -8,8 +8,8 @@
 //!     d_m    = Σ_{n≤m} w_mn (y_n − t_n h_old v),    w_mn   = t_n⁻² Π_{k≤m, k≠n} 1/(t_n − t_k)
 //! ```
 //!
-//! and the `w_mn` are constants of the scheme, so that a guess is one mix of lanes for each degree of freedom. The next order is one term
-//! more, by which the vote tells what it would have guessed.
+//! (divided differences `d_m`), and the `w_mn` are constants of the scheme, so that a guess is one mix of lanes for each degree of freedom.
+//! Newton's form holds all orders at once: an order less or more is a term less or more, by which the vote tells what it would have guessed.
 
 use super::Unknowns;
 use crate::lobatto::lanes::Lanes;
