@@ -12,7 +12,7 @@ use super::algebra::Vector;
 use super::articulated::Push;
 use super::numbers::{Arithmetic, Numbers};
 use super::residual::Turned;
-use super::rows::{Rows, Steady, over_step};
+use super::rows::{Rows, Steady, over_step, sums};
 use super::stage::{MAX_LANES, StagePose, Stages};
 use super::start::{BodyStart, Plan};
 use super::sweeps::{Factors, Tilt};
@@ -99,16 +99,8 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> EndRows<'_, V, REFINED
 
     #[inline(always)]
     fn weighed<const N: usize>(&self, values: [V; N]) -> [V::One; N] {
-        let mut sums = V::weigh_all(values, self.weights);
-        if REFINED {
-            let rest = V::weigh_all(values, self.weights_rest);
-            let mut index = 0;
-            while index < N {
-                sums[index] = sums[index] + rest[index];
-                index += 1;
-            }
-        }
-        sums
+        let weighed = V::weigh_all(values, self.weights);
+        if REFINED { sums(weighed, V::weigh_all(values, self.weights_rest)) } else { weighed }
     }
 }
 

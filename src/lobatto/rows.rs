@@ -25,11 +25,11 @@ pub trait Rows<V: Arithmetic> {
     fn tilt(&self, freedom: usize) -> Option<Tilt<V>>;
     /// What gravity adds to the mixed path.
     fn gravity(&self) -> Vector<V>;
-    /// The mixed path of a centre of mass that has been `displaced`.
+    /// The mixed path of a centre of mass that has been `displaced` in these rows (m); for momenta its velocity [m/s], which needs all stages.
     fn path(&self, body: usize, known: &BodyStart<V::Real>, displaced: Vector<V>) -> Vector<V>;
-    /// The mixed turn of a body that has turned so far.
+    /// The mixed turn of a body that has turned so far in these rows; for momenta its rate [1/s].
     fn turning(&self, body: usize, known: &BodyStart<V::Real>, turned: Turned<V>) -> Turned<V>;
-    /// What multiplies applied forces.
+    /// What multiplies applied forces: a time squared (s²), for momenta a time (s).
     fn forces(&self) -> V;
     /// Force and torque that forces besides gravity put on a body; `None` where there are none at all.
     fn wrench(&self, body: usize) -> Option<(Vector<V>, Vector<V>)>;
@@ -91,16 +91,8 @@ impl<V: Numbers> Sweep<'_, V> {
     /// Several values mixed by the matrix of the sweep.
     #[inline(always)]
     pub fn mixed<const REFINED: bool, const N: usize>(&self, values: [V; N]) -> [V; N] {
-        let mut mixed = V::mix_all(values, self.columns);
-        if REFINED {
-            let rest = V::mix_all(values, self.rest);
-            let mut index = 0;
-            while index < N {
-                mixed[index] = mixed[index] + rest[index];
-                index += 1;
-            }
-        }
-        mixed
+        let mixed = V::mix_all(values, self.columns);
+        if REFINED { sums(mixed, V::mix_all(values, self.rest)) } else { mixed }
     }
 }
 
@@ -154,6 +146,17 @@ impl<V: Numbers> Coefficients<V> {
         let times = self.nodes * step;
         Steady { times, rest: self.nodes_rest.mul_add(step, self.nodes.lost(step, times)) }
     }
+}
+
+/// Sums, one by one.
+#[inline(always)]
+pub(super) fn sums<V: Arithmetic, const N: usize>(mut values: [V; N], others: [V; N]) -> [V; N] {
+    let mut index = 0;
+    while index < N {
+        values[index] = values[index] + others[index];
+        index += 1;
+    }
+    values
 }
 
 /// Divides weights, and what rounding has cut off them, by the length of a step.
