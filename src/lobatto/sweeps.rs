@@ -24,7 +24,7 @@ use super::numbers::{Arithmetic, Numbers};
 use super::residual::{body_residual, force_residual};
 use super::rows::{Rows, StageRows};
 use super::stage::Stages;
-use super::start::{BodyPlan, Children, Plan, Start};
+use super::start::{BodyPlan, BodyStart, Children, Plan, Start};
 use super::turns::{polynomial, rotate_increment};
 use crate::model::FreeRotation;
 
@@ -34,7 +34,7 @@ pub struct Factors<V> {
     pub eliminated: Vec<Eliminated<V>>,
     /// Arm from the parent's anchor at the rows' stages; one entry a body.
     pub arms: Vec<Vector<V>>,
-    /// Where the children of branching bodies meet.
+    /// Where the children of branching bodies meet, then where an only child is, and last what bodies without any have: nothing.
     pub slots: Vec<Articulated<V>>,
     /// Twist of the branching bodies on the way back.
     twists: Vec<(Vector<V>, Vector<V>)>,
@@ -98,36 +98,36 @@ impl<V: Arithmetic> Factors<V> {
         Factors {
             eliminated: vec![Eliminated::zero(); freedoms],
             arms: vec![Vector::zero(); plan.bodies.len()],
-            slots: vec![Articulated::zero(); plan.slots],
+            slots: vec![Articulated::zero(); plan.slots + 2],
             twists: vec![(Vector::zero(), Vector::zero()); plan.slots],
         }
     }
 
-    /// Leaf to root.
+    /// Leaf to root. What branches of the code had in common would be kept on the stack, 27 registers of it: so what children leave is
+    /// added from wherever it is, and the joint that is most common goes straight through.
     #[inline(always)]
     pub fn eliminate<R: Rows<V>>(&mut self, plans: &Plan, start: &Start<V::Real>, rows: &R) {
-        let mut carried = Articulated::zero();
         for index in (0..plans.bodies.len()).rev() {
             let plan = &plans.bodies[index];
             let known = &start.bodies[index];
-            let pose = rows.pose(index);
+            let below = match plan.children {
+                Children::None => plans.slots + 1,
+                Children::Next => plans.slots,
+                Children::Slot(slot) => slot,
+            };
             if plan.slides {
-                let force = force_residual(rows, index, known, pose.anchor);
+                let force = force_residual(rows, index, known, rows.pose(index).anchor);
                 let mut own = Articulated::sliding(V::whole(known.mass), force);
                 if let Some((force, _)) = rows.wrench(index) {
                     own.force = force.times_minus(rows.forces(), own.force);
                 }
-                let mut total = match plan.children {
-                    Children::None => own,
-                    Children::Next => own.plus_mass(&carried),
-                    Children::Slot(slot) => own.plus_mass(&self.slots[slot]),
-                };
+                let mut total = own.plus_mass(&self.slots[below]);
                 for freedom in (plan.first_axis..plan.first_axis + plan.translations).rev() {
                     let axis = Vector::splat(&start.axes[freedom]);
                     self.eliminated[freedom] = total.eliminate_slide(axis, rows.push(freedom));
                 }
                 if plan.parent.is_some() {
-                    collect(plan, &mut self.slots, &mut carried, &total);
+                    self.collect(plans, plan, &total);
                 }
                 continue;
             }
@@ -138,59 +138,79 @@ impl<V: Arithmetic> Factors<V> {
                 own.force = force.times_minus(rows.forces(), own.force);
                 own.torque = torque.times_minus(rows.forces(), own.torque);
             }
-            let mut total = with_children(plan, own, &self.slots, &carried);
+            let mut total = own.plus(&self.slots[below]);
 
             // Rotations first: they are the outermost axes of the joint.
             let rotations = plan.first_axis + plan.translations;
-            match plan.rotation {
-                FreeRotation::None => {}
-                FreeRotation::AboutZ => {
-                    let axis = Vector::splat(&start.axes[rotations]);
-                    let axis = turn.apply_plus(axis, axis);
-                    // Nobody asks for what is left of a root: its one axis needs no more than the solution.
-                    self.eliminated[rotations] = if plan.parent.is_none() && plan.translations == 0 {
-                        total.solve_rotation(axis, rows.push(rotations))
+            if plan.rotation == FreeRotation::AboutZ {
+                let axis = Vector::splat(&start.axes[rotations]);
+                let axis = turn.apply_plus(axis, axis);
+                if plan.translations == 0 {
+                    if plan.parent.is_none() {
+                        // Nobody asks for what is left of a root: its one axis needs no more than the solution.
+                        self.eliminated[rotations] = total.solve_rotation(axis, rows.push(rotations));
                     } else {
-                        total.eliminate_rotation(axis, rows.push(rotations))
-                    };
-                }
-                FreeRotation::Ball => {
-                    let tilt = rows.tilt(rotations);
-                    for freedom in (rotations..rotations + 3).rev() {
-                        let axis = Vector::splat(&start.axes[freedom]);
-                        let axis = tilted_by(tilt, axis);
-                        let axis = turn.apply_plus(axis, axis);
-                        self.eliminated[freedom] = if plan.alone {
-                            total.eliminate_spin(axis, rows.push(freedom))
-                        } else {
-                            total.eliminate_rotation(axis, rows.push(freedom))
-                        };
+                        self.eliminated[rotations] = total.eliminate_rotation(axis, rows.push(rotations));
+                        self.hand_up(plans, index, known, rows, &total);
                     }
+                    continue;
                 }
-            }
-            if plan.translations > 0 {
-                for freedom in (plan.first_axis..rotations).rev() {
-                    let turned = slide_axis(rows, plan, &start.axes[freedom]);
+                self.eliminated[rotations] = total.eliminate_rotation(axis, rows.push(rotations));
+            } else if plan.rotation == FreeRotation::Ball {
+                let tilt = rows.tilt(rotations);
+                for freedom in (rotations..rotations + 3).rev() {
+                    let axis = Vector::splat(&start.axes[freedom]);
+                    let axis = tilted_by(tilt, axis);
+                    let axis = turn.apply_plus(axis, axis);
                     self.eliminated[freedom] = if plan.alone {
-                        total.solve_translation(turned, rows.push(freedom))
+                        total.eliminate_spin(axis, rows.push(freedom))
                     } else {
-                        total.eliminate_translation(turned, rows.push(freedom))
+                        total.eliminate_rotation(axis, rows.push(freedom))
                     };
                 }
             }
-
-            if let Some(parent) = plan.parent {
-                let moved = pose.anchor.minus(rows.pose(parent).anchor);
-                let arm = moved.times_plus(rows.moved(), Vector::splat(&known.arm));
-                self.arms[index] = arm;
-                let slots = &mut self.slots;
-                // A parent that never turns asks for forces alone.
-                if plan.parent_slides {
-                    collect(plan, slots, &mut carried, &total);
+            for freedom in (plan.first_axis..rotations).rev() {
+                let turned = slide_axis(rows, plan, &start.axes[freedom]);
+                self.eliminated[freedom] = if plan.alone {
+                    total.solve_translation(turned, rows.push(freedom))
                 } else {
-                    collect(plan, slots, &mut carried, &total.shifted(arm));
-                }
+                    total.eliminate_translation(turned, rows.push(freedom))
+                };
             }
+            self.hand_up(plans, index, known, rows, &total);
+        }
+    }
+
+    /// Moves what a body leaves to its parent's anchor, and hands it over, if it has a parent.
+    #[inline(always)]
+    fn hand_up<R: Rows<V>>(
+        &mut self,
+        plans: &Plan,
+        body: usize,
+        known: &BodyStart<V::Real>,
+        rows: &R,
+        left: &Articulated<V>,
+    ) {
+        let plan = &plans.bodies[body];
+        let Some(parent) = plan.parent else { return };
+        let moved = rows.pose(body).anchor.minus(rows.pose(parent).anchor);
+        let arm = moved.times_plus(rows.moved(), Vector::splat(&known.arm));
+        self.arms[body] = arm;
+        // A parent that never turns asks for forces alone.
+        if plan.parent_slides {
+            self.collect(plans, plan, left);
+        } else {
+            self.collect(plans, plan, &left.shifted(arm));
+        }
+    }
+
+    /// Hands what a body leaves to its parent.
+    #[inline(always)]
+    fn collect(&mut self, plans: &Plan, plan: &BodyPlan, left: &Articulated<V>) {
+        match plan.parent_collects {
+            Children::Slot(slot) if !plan.first_collected => self.slots[slot] = self.slots[slot].plus(left),
+            Children::Slot(slot) => self.slots[slot] = *left,
+            _ => self.slots[plans.slots] = *left,
         }
     }
 
