@@ -19,7 +19,7 @@ use super::numbers::{Arithmetic, Numbers};
 use super::residual::{body_residual, force_residual};
 use super::rows::Rows;
 use super::stage::Stages;
-use super::start::{BodyPlan, Children, Plan, Start};
+use super::start::{BodyStart, Children, Plan, Start};
 use super::sweeps::{Factors, slide_axis, tilted_by};
 use crate::model::FreeRotation;
 
@@ -117,89 +117,87 @@ impl<V: Numbers> Stages<V> {
 }
 
 impl<V: Arithmetic> Factors<V> {
+    /// Leaf to root, in the order of [`Factors::eliminate`].
     #[inline(always)]
     fn gather<R: Rows<V>>(&mut self, plans: &Plan, start: &Start<V::Real>, rows: &R) {
-        let nothing = Wrench { force: Vector::zero(), torque: Vector::zero() };
-        let mut carried = nothing;
         for index in (0..plans.bodies.len()).rev() {
             let plan = &plans.bodies[index];
             let known = &start.bodies[index];
-            let pose = rows.pose(index);
-            let (mut total, turn) = if plan.slides {
-                (Wrench { force: force_residual(rows, index, known, pose.anchor), ..nothing }, None)
+            let rotations = plan.first_axis + plan.translations;
+            let mut total = if plan.slides {
+                let force = force_residual(rows, index, known, rows.pose(index).anchor);
+                self.with_rest(plans, index, rows, Wrench { force, torque: Vector::zero() })
             } else {
                 let own = body_residual(rows, index, plan, known);
-                (Wrench { force: own.force, torque: own.torque }, Some(own.turn))
+                let mut total = self.with_rest(plans, index, rows, Wrench { force: own.force, torque: own.torque });
+                if plan.rotation == FreeRotation::AboutZ {
+                    let axis = Vector::splat(&start.axes[rotations]);
+                    let axis = own.turn.apply_plus(axis, axis);
+                    let load = less_push(axis.dot(total.torque), rows.push(rotations));
+                    total.relieve(axis, load, &mut self.eliminated[rotations]);
+                    if plan.translations == 0 {
+                        self.pass_up(plans, index, known, rows, total);
+                        continue;
+                    }
+                } else if plan.rotation == FreeRotation::Ball {
+                    let tilt = rows.tilt(rotations);
+                    for freedom in (rotations..rotations + 3).rev() {
+                        let axis = Vector::splat(&start.axes[freedom]);
+                        let axis = tilted_by(tilt, axis);
+                        let axis = own.turn.apply_plus(axis, axis);
+                        let load = less_push(axis.dot(total.torque), rows.push(freedom));
+                        total.relieve(axis, load, &mut self.eliminated[freedom]);
+                    }
+                }
+                total
             };
-            if let Some((force, torque)) = rows.wrench(index) {
-                total.force = force.times_minus(rows.forces(), total.force);
-                total.torque = torque.times_minus(rows.forces(), total.torque);
-            }
-            match plan.children {
-                Children::None => {}
-                Children::Next => {
-                    total.force = total.force.plus(carried.force);
-                    total.torque = total.torque.plus(carried.torque);
-                }
-                Children::Slot(slot) => {
-                    total.force = total.force.plus(self.slots[slot].force);
-                    total.torque = total.torque.plus(self.slots[slot].torque);
-                }
-            }
-            let rotations = plan.first_axis + plan.translations;
-            if let Some(turn) = turn {
-                match plan.rotation {
-                    FreeRotation::None => {}
-                    FreeRotation::AboutZ => {
-                        let axis = Vector::splat(&start.axes[rotations]);
-                        let axis = turn.apply_plus(axis, axis);
-                        let load = less_push(axis.dot(total.torque), rows.push(rotations));
-                        total.relieve(axis, load, &mut self.eliminated[rotations]);
-                    }
-                    FreeRotation::Ball => {
-                        let tilt = rows.tilt(rotations);
-                        for freedom in (rotations..rotations + 3).rev() {
-                            let axis = Vector::splat(&start.axes[freedom]);
-                            let axis = tilted_by(tilt, axis);
-                            let axis = turn.apply_plus(axis, axis);
-                            let load = less_push(axis.dot(total.torque), rows.push(freedom));
-                            total.relieve(axis, load, &mut self.eliminated[freedom]);
-                        }
-                    }
-                }
-            }
             for freedom in (plan.first_axis..rotations).rev() {
                 let axis = slide_axis(rows, plan, &start.axes[freedom]);
                 let load = less_push(axis.dot(total.force), rows.push(freedom));
                 total.relieve(axis, load, &mut self.eliminated[freedom]);
             }
-            if let Some(parent) = plan.parent {
-                if !plan.parent_slides {
-                    let moved = pose.anchor.minus(rows.pose(parent).anchor);
-                    let arm = moved.times_plus(rows.moved(), Vector::splat(&known.arm));
-                    self.arms[index] = arm;
-                    total.torque = arm.cross_plus(total.force, total.torque);
-                }
-                self.hand_over(plan, &mut carried, total);
-            }
+            self.pass_up(plans, index, known, rows, total);
         }
     }
 
-    /// Hands what a body leaves to its parent.
+    /// With what forces besides gravity do and what the children have left.
     #[inline(always)]
-    fn hand_over(&mut self, plan: &BodyPlan, carried: &mut Wrench<V>, left: Wrench<V>) {
-        let BodyPlan { parent_collects, first_collected, .. } = *plan;
-        match parent_collects {
-            Children::Slot(slot) => {
-                let slot = &mut self.slots[slot];
-                (slot.force, slot.torque) = if first_collected {
-                    (left.force, left.torque)
-                } else {
-                    (slot.force.plus(left.force), slot.torque.plus(left.torque))
-                };
-            }
-            _ => *carried = left,
+    fn with_rest<R: Rows<V>>(&self, plans: &Plan, body: usize, rows: &R, mut own: Wrench<V>) -> Wrench<V> {
+        if let Some((force, torque)) = rows.wrench(body) {
+            own.force = force.times_minus(rows.forces(), own.force);
+            own.torque = torque.times_minus(rows.forces(), own.torque);
         }
+        let below = &self.slots[plans.below(body)];
+        Wrench { force: own.force.plus(below.force), torque: own.torque.plus(below.torque) }
+    }
+
+    /// Moves what a body leaves to its parent's anchor, and hands it over, if it has a parent.
+    #[inline(always)]
+    fn pass_up<R: Rows<V>>(
+        &mut self,
+        plans: &Plan,
+        body: usize,
+        known: &BodyStart<V::Real>,
+        rows: &R,
+        mut left: Wrench<V>,
+    ) {
+        let plan = &plans.bodies[body];
+        let Some(parent) = plan.parent else { return };
+        if !plan.parent_slides {
+            let moved = rows.pose(body).anchor.minus(rows.pose(parent).anchor);
+            let arm = moved.times_plus(rows.moved(), Vector::splat(&known.arm));
+            self.arms[body] = arm;
+            left.torque = arm.cross_plus(left.force, left.torque);
+        }
+        let slot = match plan.parent_collects {
+            Children::Slot(slot) => slot,
+            _ => plans.slots,
+        };
+        let slot = &mut self.slots[slot];
+        if matches!(plan.parent_collects, Children::Slot(_)) && !plan.first_collected {
+            left = Wrench { force: slot.force.plus(left.force), torque: slot.torque.plus(left.torque) };
+        }
+        (slot.force, slot.torque) = (left.force, left.torque);
     }
 }
 

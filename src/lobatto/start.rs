@@ -189,6 +189,16 @@ impl Plan {
         plan
     }
 
+    /// Where what the children of a body have left is: in a slot of their own, after these where an only child is, or last, where nothing is.
+    #[inline(always)]
+    pub fn below(&self, body: usize) -> usize {
+        match self.bodies[body].children {
+            Children::Slot(slot) => slot,
+            Children::Next => self.slots,
+            Children::None => self.slots + 1,
+        }
+    }
+
     /// The first of the three rotations of every ball joint.
     pub fn balls(&self) -> Vec<usize> {
         let balls = self.bodies.iter().filter(|body| body.rotation == FreeRotation::Ball);

@@ -110,11 +110,7 @@ impl<V: Arithmetic> Factors<V> {
         for index in (0..plans.bodies.len()).rev() {
             let plan = &plans.bodies[index];
             let known = &start.bodies[index];
-            let below = match plan.children {
-                Children::None => plans.slots + 1,
-                Children::Next => plans.slots,
-                Children::Slot(slot) => slot,
-            };
+            let below = plans.below(index);
             if plan.slides {
                 let force = force_residual(rows, index, known, rows.pose(index).anchor);
                 let mut own = Articulated::sliding(V::whole(known.mass), force);
