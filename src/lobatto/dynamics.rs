@@ -25,7 +25,7 @@ use super::algebra::{Matrix, Symmetric, Vector};
 use super::articulated::{Articulated, Eliminated, Push};
 use super::lanes::{Lanes, Portable};
 use super::start::{BodyPlan, BodyStart, Plan, Start};
-use super::sweeps::{collect, with_children};
+use super::sweeps::collect;
 use crate::forces::total::BodyWrench;
 use nalgebra::{Matrix3, Vector3};
 
@@ -67,7 +67,7 @@ type Pair = (Vector3<f64>, Vector3<f64>);
 pub struct Dynamics {
     bodies: Vec<Body>,
     rows: Vec<Row>,
-    /// Where the children of branching bodies meet.
+    /// What children have left, in the slots of [`Plan::below`].
     slots: Vec<Articulated<Scalar>>,
     /// Twists of the last forward sweep; wrenches on the way to it.
     pairs: Vec<Pair>,
@@ -87,7 +87,7 @@ impl Dynamics {
         Dynamics {
             bodies: vec![Body::default(); count],
             rows: vec![Row::default(); freedoms],
-            slots: vec![Articulated::zero(); plan.slots],
+            slots: vec![Articulated::zero(); plan.slots + 2],
             pairs: vec![Pair::default(); count],
             changes: vec![Pair::default(); count],
             accelerations: vec![0.0; freedoms],
@@ -125,11 +125,10 @@ impl Dynamics {
             body.angular = parent.angular + spin.cross(&turn);
             body.linear = parent.linear + parent.angular.cross(&arm) + spin.cross(&(spin.cross(&arm) + 2.0 * slide));
         }
-        let mut carried = Articulated::zero();
         for (index, (own, known)) in plan.bodies.iter().zip(&start.bodies).enumerate().rev() {
             let (force, torque, _) = body_wrench(known, &self.bodies[index], &gravity);
             let alone = body_inertia(known, force - self.wrenches[index].0, torque - self.wrenches[index].1);
-            let mut total = with_children(own, alone, &self.slots, &carried);
+            let mut total = alone.plus(&self.slots[plan.below(index)]);
             for freedom in own.freedoms().rev() {
                 let axis = Vector::splat(&start.axes[freedom]);
                 let push = Some(Push { effort: lane(self.efforts[freedom]), inertia: lane(0.0) });
@@ -147,7 +146,7 @@ impl Dynamics {
                 };
             }
             if own.parent.is_some() {
-                collect(own, &mut self.slots, &mut carried, &total.shifted(Vector::splat(&known.arm)));
+                collect(plan, own, &mut self.slots, &total.shifted(Vector::splat(&known.arm)));
             }
         }
         let mut accelerations = std::mem::take(&mut self.accelerations);

@@ -123,7 +123,7 @@ impl<V: Arithmetic> Factors<V> {
                     self.eliminated[freedom] = total.eliminate_slide(axis, rows.push(freedom));
                 }
                 if plan.parent.is_some() {
-                    self.collect(plans, plan, &total);
+                    collect(plans, plan, &mut self.slots, &total);
                 }
                 continue;
             }
@@ -194,19 +194,9 @@ impl<V: Arithmetic> Factors<V> {
         self.arms[body] = arm;
         // A parent that never turns asks for forces alone.
         if plan.parent_slides {
-            self.collect(plans, plan, left);
+            collect(plans, plan, &mut self.slots, left);
         } else {
-            self.collect(plans, plan, &left.shifted(arm));
-        }
-    }
-
-    /// Hands what a body leaves to its parent.
-    #[inline(always)]
-    fn collect(&mut self, plans: &Plan, plan: &BodyPlan, left: &Articulated<V>) {
-        match plan.parent_collects {
-            Children::Slot(slot) if !plan.first_collected => self.slots[slot] = self.slots[slot].plus(left),
-            Children::Slot(slot) => self.slots[slot] = *left,
-            _ => self.slots[plans.slots] = *left,
+            collect(plans, plan, &mut self.slots, &left.shifted(arm));
         }
     }
 
@@ -265,33 +255,18 @@ pub(super) fn slide_axis<V: Arithmetic, R: Rows<V>>(rows: &R, plan: &BodyPlan, a
     }
 }
 
-/// What is a body's own, and what its children have left.
-#[inline(always)]
-pub(super) fn with_children<V: Arithmetic>(
-    plan: &BodyPlan,
-    own: Articulated<V>,
-    slots: &[Articulated<V>],
-    carried: &Articulated<V>,
-) -> Articulated<V> {
-    match plan.children {
-        Children::None => own,
-        Children::Next => own.plus(carried),
-        Children::Slot(slot) => own.plus(&slots[slot]),
-    }
-}
-
-/// Hands what a body leaves to its parent.
+/// Hands what a body leaves to its parent, into the slots in which [`Plan::below`] finds it.
 #[inline(always)]
 pub(super) fn collect<V: Arithmetic>(
+    plans: &Plan,
     plan: &BodyPlan,
     slots: &mut [Articulated<V>],
-    carried: &mut Articulated<V>,
     left: &Articulated<V>,
 ) {
     match plan.parent_collects {
         Children::Slot(slot) if !plan.first_collected => slots[slot] = slots[slot].plus(left),
         Children::Slot(slot) => slots[slot] = *left,
-        _ => *carried = *left,
+        _ => slots[plans.slots] = *left,
     }
 }
 
