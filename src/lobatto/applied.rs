@@ -36,10 +36,10 @@ use super::algebra::{Matrix, Vector};
 use super::applied_motion::{Motion, Place};
 use super::applied_plan::AppliedPlan;
 use super::lanes::Lanes;
-use super::residual::increment_matrix;
+use super::residual::Turned;
 use super::stage::{MAX_LANES, StagePose, Stages, row_stage};
-use super::sweeps::{tangent, tilted};
 use super::tableau::Tableau;
+use super::turns::Tilt;
 use super::turns::rotate_increment;
 use crate::forces::point_spring::NO_LENGTH;
 use crate::forces::total::Exchange;
@@ -163,8 +163,7 @@ impl<V: Lanes> Applied<V> {
         let mut work = V::zero();
         for ball in &self.plan.balls {
             let vector = stages.rotation_vector(ball.first).times(place.moved);
-            let coefficients = tangent(vector.dot(vector));
-            let turned = |axis: Vector<V>| tilted(vector, axis, coefficients);
+            let tilt = Tilt::of(vector);
             let axes: [Vector<V>; 3] = std::array::from_fn(|axis| Vector::splat(&start.axes[ball.first + axis]));
             let mut turning = Vector::zero();
             for (axis, direction) in axes.iter().enumerate() {
@@ -172,7 +171,7 @@ impl<V: Lanes> Applied<V> {
                 turning = direction
                     .times_plus(motion.rate(place, stages.displacement[freedom], start.rates[freedom]), turning);
             }
-            let spin = turned(turning);
+            let spin = tilt.of_axis(turning);
             let mut torque = Vector::zero();
             for (axis, direction) in axes.iter().enumerate() {
                 let rate = direction.dot(spin);
@@ -183,7 +182,7 @@ impl<V: Lanes> Applied<V> {
                 work = driving.mul_add(rate, work);
             }
             for (axis, direction) in axes.iter().enumerate() {
-                let along = if end { *direction } else { turned(*direction) };
+                let along = if end { *direction } else { tilt.of_axis(*direction) };
                 self.efforts[ball.first + axis] = along.dot(torque);
             }
         }
@@ -259,14 +258,11 @@ fn angular_velocity<V: Lanes>(
     inverse: V,
     place: &Place<V>,
 ) -> Vector<V> {
-    let [x, y, z] = pose.u.0;
-    let (x2, y2, z2) = (x + x, y + y, z + z);
-    let products = [x2 * x, x2 * y, x2 * z, y2 * y, y2 * z, z2 * z];
-    let turned = Vector([x2 * pose.w, y2 * pose.w, z2 * pose.w]);
-    let turn = increment_matrix(products, turned.0).times(place.moved);
+    let turned = pose.turned();
+    let turn = turned.matrix().times(place.moved);
     let mix = |value: V| value.mix(&place.velocity) * inverse;
-    let ahead = start.times_minus(times, turned);
-    let rates = Matrix(increment_matrix(products.map(mix), ahead.0.map(mix)).0);
+    let ahead = start.times_minus(times, Vector(turned.vector));
+    let rates = Turned { products: turned.products.map(mix), vector: ahead.0.map(mix) }.matrix();
     let rates = {
         // ω̂₀ joins the skew part.
         let ([[a, b, c], [d, e, f], [g, h, i]], [p, q, r]) = (rates.0, start.0);

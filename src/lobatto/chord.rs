@@ -19,8 +19,9 @@ use super::numbers::{Arithmetic, Numbers};
 use super::residual::{body_residual, force_residual};
 use super::rows::Rows;
 use super::stage::Stages;
-use super::start::{BodyStart, Children, Plan, Start};
-use super::sweeps::{Factors, slide_axis, tilted_by};
+use super::start::{BodyStart, Plan, Start};
+use super::sweeps::{Factors, slide_axis};
+use super::turns::tilted_by;
 use crate::model::FreeRotation;
 
 /// When to keep the factors.
@@ -182,19 +183,13 @@ impl<V: Arithmetic> Factors<V> {
         mut left: Wrench<V>,
     ) {
         let plan = &plans.bodies[body];
-        let Some(parent) = plan.parent else { return };
-        if !plan.parent_slides {
-            let moved = rows.pose(body).anchor.minus(rows.pose(parent).anchor);
-            let arm = moved.times_plus(rows.moved(), Vector::splat(&known.arm));
-            self.arms[body] = arm;
+        if let Some(parent) = plan.turning_parent() {
+            let arm = self.reach(parent, body, known, rows);
             left.torque = arm.cross_plus(left.force, left.torque);
         }
-        let slot = match plan.parent_collects {
-            Children::Slot(slot) => slot,
-            _ => plans.slots,
-        };
-        let slot = &mut self.slots[slot];
-        if matches!(plan.parent_collects, Children::Slot(_)) && !plan.first_collected {
+        let Some(parent) = plan.parent else { return };
+        let slot = &mut self.slots[plans.below(parent)];
+        if !plan.first_collected {
             left = Wrench { force: slot.force.plus(left.force), torque: slot.torque.plus(left.torque) };
         }
         (slot.force, slot.torque) = (left.force, left.torque);
@@ -203,7 +198,7 @@ impl<V: Arithmetic> Factors<V> {
 
 /// The load of an axis, less what forces in the joint do, if there are any. Written out, because closures over vectors are not inlined.
 #[inline(always)]
-fn less_push<V: Arithmetic>(load: V, push: Option<Push<V>>) -> V {
+pub(super) fn less_push<V: Arithmetic>(load: V, push: Option<Push<V>>) -> V {
     match push {
         None => load,
         Some(push) => load - push.effort,

@@ -2,45 +2,30 @@
 //!
 //! The projection `H(q̄) v̄ = Sᵀ p̄` is the Newton step's recursion ([`super::sweeps`]) with the momenta of the bodies in place of the
 //! residuals. It has one row, so that it is worked out in one lane; what it takes from all stages are weighted sums of how far a body is
-//! ahead of the steady motion of the start (symbols as in [`super::residual`]):
-//!
-//! ```text
-//!     p̄ = p₀ + h Σ_k b_k F_k = M ( v + h⁻¹ Σ_i w_i (Q_i − q₀ − h c_i v) ) + h b_s F_s,       w_i = Σ_k b_k B_ki
-//! ```
+//! ahead of the steady motion of the start ([`super::momenta`]; symbols as in [`super::residual`]).
 
 use super::algebra::Vector;
 use super::articulated::Push;
+use super::momenta::{Momenta, MomentumWeights};
 use super::numbers::{Arithmetic, Numbers};
 use super::residual::Turned;
-use super::rows::{Rows, Steady, over_step, sums};
-use super::stage::{MAX_LANES, StagePose, Stages};
+use super::rows::{Rows, Steady, sums};
+use super::stage::{StagePose, Stages};
 use super::start::{BodyStart, Plan};
-use super::sweeps::{Factors, Tilt};
+use super::sweeps::Factors;
 use super::tableau::Tableau;
+use super::turns::Tilt;
 
 /// The workspace of the end of a step.
 pub struct Ending<E> {
     factors: Factors<E>,
-    /// The momentum weights, and what rounding has cut off them.
-    weights: [E; MAX_LANES],
-    weights_rest: [E; MAX_LANES],
-    /// The last weight, b_s.
-    last_weight: E,
+    weights: MomentumWeights<E>,
 }
 
 impl<E: Arithmetic> Ending<E> {
     /// Room for the end of the steps of a scheme.
     pub fn new(plan: &Plan, freedoms: usize, tableau: &Tableau) -> Self {
-        let (mut weights, mut weights_rest) = ([E::zero(); MAX_LANES], [E::zero(); MAX_LANES]);
-        for (stage, (&weight, &rest)) in
-            tableau.momentum_weights.iter().zip(&tableau.remainders.momentum_weights).enumerate()
-        {
-            weights[stage] = E::splat(weight) + E::splat(rest);
-            weights_rest[stage] = E::splat(rest);
-        }
-        // b_s = 1/(s(s − 1))
-        let last_weight = E::splat((tableau.stages * (tableau.stages - 1)) as f64).reciprocal();
-        Ending { factors: Factors::new(plan, freedoms), weights, weights_rest, last_weight }
+        Ending { factors: Factors::new(plan, freedoms), weights: MomentumWeights::new(tableau) }
     }
 
     /// The velocities at the end of a solved step, of which the poses of all stages are known; `REFINED` with twice the digits of the
@@ -52,16 +37,10 @@ impl<E: Arithmetic> Ending<E> {
         gravity: &[f64; 3],
         velocity: &mut [V::Real],
     ) {
-        let (mut weights, mut weights_rest) = (self.weights, self.weights_rest);
-        over_step(&mut weights, &mut weights_rest, stages.step);
-        let impulse = E::splat(stages.step) * self.last_weight;
         let rows = EndRows::<V, REFINED, FORCED> {
             stages,
             steady: stages.coefficients.steady(stages.step),
-            weights: &weights,
-            weights_rest: &weights_rest,
-            impulse,
-            gravity: Vector(gravity.map(E::splat)).times(impulse),
+            momenta: self.weights.over(stages.step, gravity),
         };
         self.factors.eliminate(&stages.plan, &stages.start, &rows);
         self.factors.solve(
@@ -76,13 +55,7 @@ impl<E: Arithmetic> Ending<E> {
 struct EndRows<'s, V: Numbers, const REFINED: bool, const FORCED: bool> {
     stages: &'s Stages<V>,
     steady: Steady<V>,
-    /// `w_i / h`, and what rounding has cut off it.
-    weights: &'s [V::One; MAX_LANES],
-    weights_rest: &'s [V::One; MAX_LANES],
-    /// What multiplies forces: `h b_s` (s).
-    impulse: V::One,
-    /// The same times gravity.
-    gravity: Vector<V::One>,
+    momenta: Momenta<V::One>,
 }
 
 impl<V: Numbers, const REFINED: bool, const FORCED: bool> EndRows<'_, V, REFINED, FORCED> {
@@ -99,8 +72,8 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> EndRows<'_, V, REFINED
 
     #[inline(always)]
     fn weighed<const N: usize>(&self, values: [V; N]) -> [V::One; N] {
-        let weighed = V::weigh_all(values, self.weights);
-        if REFINED { sums(weighed, V::weigh_all(values, self.weights_rest)) } else { weighed }
+        let weighed = V::weigh_all(values, &self.momenta.weights);
+        if REFINED { sums(weighed, V::weigh_all(values, &self.momenta.rest)) } else { weighed }
     }
 }
 
@@ -121,7 +94,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
     }
     #[inline(always)]
     fn gravity(&self) -> Vector<V::One> {
-        self.gravity
+        self.momenta.gravity
     }
     #[inline(always)]
     fn path(&self, body: usize, known: &BodyStart<V::Real>, _: Vector<V::One>) -> Vector<V::One> {
@@ -143,7 +116,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
     }
     #[inline(always)]
     fn forces(&self) -> V::One {
-        self.impulse
+        self.momenta.impulse
     }
     #[inline(always)]
     fn wrench(&self, body: usize) -> Option<(Vector<V::One>, Vector<V::One>)> {
@@ -155,6 +128,9 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
     fn push(&self, freedom: usize) -> Option<Push<V::One>> {
         let applied = if FORCED { self.stages.applied.as_ref()? } else { return None };
         // What dampers brake is among the efforts.
-        Some(Push { effort: applied.efforts[freedom].alone(self.last()) * self.impulse, inertia: V::One::zero() })
+        Some(Push {
+            effort: applied.efforts[freedom].alone(self.last()) * self.momenta.impulse,
+            inertia: V::One::zero(),
+        })
     }
 }

@@ -297,7 +297,7 @@ impl<V: Lanes> Step for Kernel<V> {
         self.end.set_with::<V>(mechanism, state);
         if let Some(closing) = &mut self.closing {
             closing.velocities(mechanism, &self.end, &mut state.velocity);
-            self.end.set(mechanism, state);
+            self.end.set_with::<V>(mechanism, state);
         }
         self.end.energy
     }

@@ -232,6 +232,35 @@ mod pair;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use pair::Pair;
 
+/// Calls a function for every vector type of this processor.
+#[cfg(test)]
+macro_rules! in_every_vector {
+    ($check:ident) => {
+        use $crate::lobatto::lanes::*;
+        $check::<Portable<4>>();
+        $check::<Portable<8>>();
+        $check::<Portable<16>>();
+        #[cfg(target_arch = "x86_64")]
+        {
+            $check::<Sse2>();
+            $check::<Pair<Sse2, 4>>();
+            if Isa::detect() != Isa::Portable {
+                $check::<Avx128>();
+                $check::<Avx256>();
+                $check::<Pair<Avx256, 8>>();
+                $check::<Pair<Pair<Avx256, 8>, 16>>();
+            }
+            if Isa::detect() == Isa::Avx512 {
+                $check::<Avx512>();
+                $check::<Pair<Avx512, 16>>();
+            }
+        }
+    };
+}
+
+#[cfg(test)]
+pub(super) use in_every_vector;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -250,30 +279,6 @@ mod tests {
 
     fn vector<V: Lanes>(seed: usize) -> V {
         V::from_slice(&(0..V::COUNT).map(|lane| ((seed * 31 + lane * 17) as f64).sin()).collect::<Vec<f64>>())
-    }
-
-    /// Calls a function for every vector type of this processor.
-    macro_rules! in_every_vector {
-        ($check:ident) => {
-            $check::<Portable<4>>();
-            $check::<Portable<8>>();
-            $check::<Portable<16>>();
-            #[cfg(target_arch = "x86_64")]
-            {
-                $check::<Sse2>();
-                $check::<Pair<Sse2, 4>>();
-                if Isa::detect() != Isa::Portable {
-                    $check::<Avx128>();
-                    $check::<Avx256>();
-                    $check::<Pair<Avx256, 8>>();
-                    $check::<Pair<Pair<Avx256, 8>, 16>>();
-                }
-                if Isa::detect() == Isa::Avx512 {
-                    $check::<Avx512>();
-                    $check::<Pair<Avx512, 16>>();
-                }
-            }
-        };
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`start`], [`stage`] and [`turns`] (poses
 //! of all stages), [`rows`], [`residual`], [`applied_plan`], [`applied_motion`] and [`applied`] (forces), [`articulated`], [`sweeps`], [`chord`] and [`first`]
-//! (the stage equations and their solve), [`ending`] (the velocities at the end), [`planar`] (the same in a plane), [`precise`] (the same to 32 digits),
+//! (the stage equations and their solve), [`momenta`] and [`ending`] (the velocities at the end), [`planar`] (the same in a plane), [`precise`] (the same to 32 digits),
 //! [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
 //! (step length), [`stage_choice`] (how many stages), [`stability`], [`watch`], [`modes`], [`fastest`], [`dynamics`] and [`linearised`] (what they need
 //! to know), [`stepper`] and [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
@@ -43,6 +43,7 @@ mod literal_constraints;
 mod literal_forces;
 mod literal_newton;
 pub mod modes;
+mod momenta;
 pub mod newton;
 pub mod numbers;
 pub mod planar;

@@ -2,17 +2,17 @@
 //!
 //! [`Lanes`] are doubles; [`Double`] are pairs of them. The poses, residuals and sweeps are written once, over [`Numbers`], so that a
 //! step can be solved to sixteen digits fast and then to thirty-two ([`super::precise`]) by the same lines. What does not mix stages asks for
-//! [`Arithmetic`] alone, and can be worked out for [`One`] of them ([`super::ending`]).
+//! [`Arithmetic`] alone, and can be worked out for [one](Numbers::One) of them ([`super::ending`]).
 
 use super::lanes::Lanes;
 use super::turns::{half_angle, half_angle_of_few};
 use std::ops::{Add, Mul, Neg, Sub};
 
 mod double;
-mod one;
+mod fused;
 
 pub use double::Double;
-pub use one::One;
+pub use fused::Fused;
 
 /// The arithmetic of a step: of one number for each stage, or of one alone.
 pub trait Arithmetic:
@@ -88,9 +88,9 @@ fn one_by_one<V: Numbers, const N: usize>(mut values: [V; N], columns: &[V]) -> 
 #[repr(align(64))]
 pub(super) struct InLines<A, const N: usize>(pub [A; N]);
 
-/// [`Numbers::mix`] of several, the lanes of which are read back from memory; to the same bits.
+/// [`Numbers::mix`] of several, the lanes of which are read back from memory, to the same bits; or of one lane of the columns alone.
 #[inline(always)]
-pub(super) fn mix_from_memory<V: Numbers, A: AsRef<[V::Real]>, const N: usize>(
+pub(super) fn mix_from_memory<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize>(
     arrays: &InLines<A, N>,
     columns: &[V],
 ) -> [V; N] {
@@ -115,31 +115,16 @@ pub(super) fn mix_from_memory<V: Numbers, A: AsRef<[V::Real]>, const N: usize>(
     sums
 }
 
-/// [`Numbers::weigh_all`] of lanes in memory.
+/// Several values where lanes are read back from.
 #[inline(always)]
-fn weigh_from_memory<V: Lanes, const N: usize>(
-    arrays: &InLines<V::Array, N>,
-    weights: &[<V as Lanes>::One],
-) -> [<V as Lanes>::One; N] {
-    // As in `mix_from_memory`.
-    let InLines(arrays) = std::hint::black_box(arrays);
-    let mut sums = [<V as Lanes>::One::zero(); N];
+fn stored<V: Lanes, const N: usize>(values: [V; N]) -> InLines<V::Array, N> {
+    let mut arrays = InLines([V::zero_array(); N]);
     let mut value = 0;
     while value < N {
-        sums[value] = weights[0] * <V as Lanes>::One::whole(arrays[value].as_ref()[0]);
+        arrays.0[value] = values[value].to_array();
         value += 1;
     }
-    let mut lane = 1;
-    while lane < V::COUNT {
-        let weight = weights[lane];
-        let mut value = 0;
-        while value < N {
-            sums[value] = weight.mul_add(<V as Lanes>::One::whole(arrays[value].as_ref()[lane]), sums[value]);
-            value += 1;
-        }
-        lane += 1;
-    }
-    sums
+    arrays
 }
 
 impl<V: Lanes> Arithmetic for V {
@@ -189,26 +174,11 @@ impl<V: Lanes> Numbers for V {
     }
     #[inline(always)]
     fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
-        if !V::READS_BACK {
-            return one_by_one(values, columns);
-        }
-        let mut arrays = InLines([V::zero_array(); N]);
-        let mut value = 0;
-        while value < N {
-            arrays.0[value] = values[value].to_array();
-            value += 1;
-        }
-        mix_from_memory(&arrays, columns)
+        if V::READS_BACK { mix_from_memory(&stored(values), columns) } else { one_by_one(values, columns) }
     }
     #[inline(always)]
     fn weigh_all<const N: usize>(values: [Self; N], weights: &[Self::One]) -> [Self::One; N] {
-        let mut arrays = InLines([V::zero_array(); N]);
-        let mut value = 0;
-        while value < N {
-            arrays.0[value] = values[value].to_array();
-            value += 1;
-        }
-        weigh_from_memory::<V, N>(&arrays, weights)
+        mix_from_memory(&stored(values), weights)
     }
     #[inline(always)]
     fn max_abs(self, bound: Self) -> Self {

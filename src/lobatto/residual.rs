@@ -44,7 +44,8 @@ impl<V: Arithmetic> Turned<V> {
     /// `N = 2 (w û + u uᵀ − |u|²)`.
     #[inline(always)]
     pub fn matrix(self) -> Matrix<V> {
-        increment_matrix(self.products, self.vector)
+        let Turned { products: [xx, xy, xz, yy, yz, zz], vector: [wx, wy, wz] } = self;
+        Matrix([[-(yy + zz), xy - wz, xz + wy], [xy + wz, -(xx + zz), yz - wx], [xz - wy, yz + wx, -(xx + yy)]])
     }
 }
 
@@ -169,10 +170,4 @@ fn rotational_residual<V: Arithmetic>(
         mixed_rows[0].dot_from(c_columns[1], mixed_rows[1].dot(c_columns[0])),
     ]);
     (own, torque)
-}
-
-/// `N = 2 (w û + u uᵀ − |u|²)` from the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u`; linear in both.
-#[inline(always)]
-pub fn increment_matrix<V: Arithmetic>([xx, xy, xz, yy, yz, zz]: [V; 6], [wx, wy, wz]: [V; 3]) -> Matrix<V> {
-    Matrix([[-(yy + zz), xy - wz, xz + wy], [xy + wz, -(xx + zz), yz - wx], [xz - wy, yz + wx, -(xx + yy)]])
 }

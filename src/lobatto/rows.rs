@@ -10,7 +10,7 @@ use super::numbers::{Arithmetic, Numbers};
 use super::residual::Turned;
 use super::stage::{Coefficients, MAX_LANES, StagePose, rotation_vector};
 use super::start::{BodyStart, Plan, Start};
-use super::sweeps::Tilt;
+use super::turns::Tilt;
 
 /// What a sweep over the tree eliminates: the residuals of the rows of all stages ([`StageRows`]), or the momenta at the end of the step
 /// ([`super::ending`]).
@@ -111,34 +111,6 @@ impl<V: Numbers> Coefficients<V> {
         }
     }
 
-    /// The momentum weights over the length of a step, by columns, and what rounding has cut off them.
-    #[inline(always)]
-    pub fn momentum_columns(&self, step: f64) -> ([V; MAX_LANES], [V; MAX_LANES]) {
-        let (mut columns, mut rest) = (self.momentum, self.momentum_rest);
-        over_step(&mut columns, &mut rest, step);
-        (columns, rest)
-    }
-
-    /// What the momenta at the end of a step have in common, with these columns.
-    #[inline(always)]
-    pub fn momentum_sweep<'s>(
-        &self,
-        columns: &'s [V; MAX_LANES],
-        rest: &'s [V; MAX_LANES],
-        step: f64,
-        gravity: &[f64; 3],
-    ) -> Sweep<'s, V> {
-        let factor = V::splat(step) * self.last_weight;
-        Sweep {
-            columns,
-            rest,
-            steady: self.steady(step),
-            moved: V::splat(1.0),
-            gravity: Vector(gravity.map(V::splat)).times(factor),
-            forces: factor,
-        }
-    }
-
     /// The steady motion over a step.
     #[inline(always)]
     pub fn steady(&self, step: f64) -> Steady<V> {
@@ -157,21 +129,6 @@ pub(super) fn sums<V: Arithmetic, const N: usize>(mut values: [V; N], others: [V
         index += 1;
     }
     values
-}
-
-/// Divides weights, and what rounding has cut off them, by the length of a step.
-#[inline(always)]
-pub fn over_step<V: Arithmetic>(weights: &mut [V; MAX_LANES], rest: &mut [V; MAX_LANES], step: f64) {
-    // Neither 1/h nor the product with it may be rounded.
-    let whole = V::splat(step);
-    let inverse = whole.reciprocal();
-    let inverse_rest = -(inverse.lost(whole, V::splat(1.0)) * inverse);
-    for (weight, rest) in weights.iter_mut().zip(rest) {
-        let rounded = *weight * inverse;
-        let lost = weight.mul_add(inverse_rest, weight.lost(inverse, rounded));
-        *rest = rest.mul_add(inverse, lost);
-        *weight = rounded;
-    }
 }
 
 /// The rows of all stages, with (`FORCED`) or without forces besides gravity, `REFINED` with twice the digits of the coefficients.

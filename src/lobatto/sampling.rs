@@ -10,7 +10,7 @@ use super::coupled::One;
 use super::dense::DenseWeights;
 use super::numbers::Arithmetic;
 use super::step::Step;
-use super::sweeps::tilt;
+use super::turns::Tilt;
 use crate::model::{FreeRotation, Mechanism};
 use crate::state::{State, quaternion_exponential, quaternion_product};
 
@@ -79,7 +79,7 @@ impl LastStep<'_> {
 /// Body-frame angular velocity of `exp(θ)` for the rate of θ: `(1 − k₁ θ̂ + k₂ θ̂²) θ̇`.
 fn tangent(theta: &[f64; 3], rate: &[f64; 3]) -> [f64; 3] {
     let [theta, rate] = [theta, rate].map(Vector::<One>::splat);
-    tilt(theta, rate).0.map(|entry| entry.lane(0))
+    Tilt::of(theta).of_axis(rate).0.map(|entry| entry.lane(0))
 }
 
 /// The rate of θ for a body-frame angular velocity of `exp(θ)`: the inverse of [`tangent`].

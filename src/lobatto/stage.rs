@@ -67,20 +67,14 @@ pub struct Coefficients<V> {
     pub residual: [V; MAX_LANES],
     /// What rounding has cut off B, by columns.
     pub residual_rest: [V; MAX_LANES],
-    /// What rounding has cut off the momentum weights.
-    pub momentum_rest: [V; MAX_LANES],
     /// What rounding has cut off the nodes.
     pub nodes_rest: V,
     /// Â by columns.
     pub solve: [V; MAX_LANES],
-    /// Momentum weights `Σ_k b_k B_ki`, by columns, in every lane.
-    pub momentum: [V; MAX_LANES],
     /// Nodes c_2 … c_s.
     pub nodes: V,
     /// One where a row has its stage's geometry, zero where it has that of the start.
     pub moved: V,
-    /// The last weight, b_s.
-    pub last_weight: V,
 }
 
 /// The stage (0 is the start) that a lane of a residual stands for, of `active` lanes in use.
@@ -101,9 +95,7 @@ impl<V: Numbers> Coefficients<V> {
         let row_of_lane = |lane: usize| row_stage(lane, active);
         let mut residual = [V::zero(); MAX_LANES];
         let mut residual_rest = [V::zero(); MAX_LANES];
-        let mut momentum_rest = [V::zero(); MAX_LANES];
         let mut solve = [V::zero(); MAX_LANES];
-        let mut momentum = [V::zero(); MAX_LANES];
         for column in 0..active {
             let rows: Vec<f64> =
                 (0..active).map(|lane| tableau.b_matrix[row_of_lane(lane) * active + column]).collect();
@@ -111,9 +103,6 @@ impl<V: Numbers> Coefficients<V> {
                 (0..active).map(|lane| tableau.remainders.b_matrix[row_of_lane(lane) * active + column]).collect();
             residual[column] = V::from_parts(&rows, &rest);
             residual_rest[column] = V::from_parts(&rest, &[]);
-            let (weight, rest) = (tableau.momentum_weights[column], tableau.remainders.momentum_weights[column]);
-            momentum[column] = V::splat(weight) + V::splat(rest);
-            momentum_rest[column] = V::splat(rest);
             let rows: Vec<f64> = (0..active).map(|lane| tableau.a_hat[lane * active + row_of_lane(column)]).collect();
             solve[column] = V::from_parts(&rows, &[]);
         }
@@ -121,14 +110,10 @@ impl<V: Numbers> Coefficients<V> {
             active,
             residual,
             residual_rest,
-            momentum_rest,
             nodes_rest: V::from_parts(&tableau.remainders.nodes[1..], &[]),
             solve,
-            momentum,
             nodes: V::from_parts(&tableau.nodes[1..], &tableau.remainders.nodes[1..]),
             moved: moved_rows(active),
-            // b_s = 1/(s(s − 1))
-            last_weight: V::splat((tableau.stages * active) as f64).reciprocal(),
         }
     }
 }

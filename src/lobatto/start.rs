@@ -64,6 +64,12 @@ pub struct BodyPlan {
 }
 
 impl BodyPlan {
+    /// The parent, unless it is known never to turn.
+    #[inline(always)]
+    pub fn turning_parent(&self) -> Option<usize> {
+        self.parent.filter(|_| !self.parent_slides)
+    }
+
     /// The degrees of freedom of the joint.
     pub fn freedoms(&self) -> std::ops::Range<usize> {
         let rotations = match self.rotation {

@@ -25,7 +25,7 @@ use super::residual::{body_residual, force_residual};
 use super::rows::{Rows, StageRows};
 use super::stage::Stages;
 use super::start::{BodyPlan, BodyStart, Children, Plan, Start};
-use super::turns::{polynomial, rotate_increment};
+use super::turns::{rotate_increment, tilted_by};
 use crate::model::FreeRotation;
 
 /// What the sweep from the leaves leaves for the one back, and where branches meet.
@@ -122,9 +122,7 @@ impl<V: Arithmetic> Factors<V> {
                     let axis = Vector::splat(&start.axes[freedom]);
                     self.eliminated[freedom] = total.eliminate_slide(axis, rows.push(freedom));
                 }
-                if plan.parent.is_some() {
-                    collect(plans, plan, &mut self.slots, &total);
-                }
+                collect(plans, plan, &mut self.slots, &total);
                 continue;
             }
             let residual = body_residual(rows, index, plan, known);
@@ -188,16 +186,28 @@ impl<V: Arithmetic> Factors<V> {
         left: &Articulated<V>,
     ) {
         let plan = &plans.bodies[body];
-        let Some(parent) = plan.parent else { return };
+        // A parent that never turns asks for forces alone.
+        if let Some(parent) = plan.turning_parent() {
+            let arm = self.reach(parent, body, known, rows);
+            collect(plans, plan, &mut self.slots, &left.shifted(arm));
+        } else {
+            collect(plans, plan, &mut self.slots, left);
+        }
+    }
+
+    /// The arm of a body from its parent's anchor, which the way back asks for, too.
+    #[inline(always)]
+    pub(super) fn reach<R: Rows<V>>(
+        &mut self,
+        parent: usize,
+        body: usize,
+        known: &BodyStart<V::Real>,
+        rows: &R,
+    ) -> Vector<V> {
         let moved = rows.pose(body).anchor.minus(rows.pose(parent).anchor);
         let arm = moved.times_plus(rows.moved(), Vector::splat(&known.arm));
         self.arms[body] = arm;
-        // A parent that never turns asks for forces alone.
-        if plan.parent_slides {
-            collect(plans, plan, &mut self.slots, left);
-        } else {
-            collect(plans, plan, &mut self.slots, &left.shifted(arm));
-        }
+        arm
     }
 
     /// Root to leaf: hands over `α` of every degree of freedom.
@@ -246,7 +256,7 @@ impl<V: Arithmetic> Factors<V> {
 #[inline(always)]
 pub(super) fn slide_axis<V: Arithmetic, R: Rows<V>>(rows: &R, plan: &BodyPlan, axis: &[V::Real; 3]) -> Vector<V> {
     let axis = Vector::splat(axis);
-    match plan.parent.filter(|_| !plan.parent_slides) {
+    match plan.turning_parent() {
         Some(parent) => {
             let parent = rows.pose(parent);
             rotate_increment(parent.w, parent.u, axis).times_plus(rows.moved(), axis)
@@ -255,7 +265,7 @@ pub(super) fn slide_axis<V: Arithmetic, R: Rows<V>>(rows: &R, plan: &BodyPlan, a
     }
 }
 
-/// Hands what a body leaves to its parent, into the slots in which [`Plan::below`] finds it.
+/// Hands what a body leaves to its parent, if it has one.
 #[inline(always)]
 pub(super) fn collect<V: Arithmetic>(
     plans: &Plan,
@@ -263,72 +273,11 @@ pub(super) fn collect<V: Arithmetic>(
     slots: &mut [Articulated<V>],
     left: &Articulated<V>,
 ) {
-    match plan.parent_collects {
-        Children::Slot(slot) if !plan.first_collected => slots[slot] = slots[slot].plus(left),
-        Children::Slot(slot) => slots[slot] = *left,
-        _ => slots[plans.slots] = *left,
+    let Some(parent) = plan.parent else { return };
+    let slot = &mut slots[plans.below(parent)];
+    if plan.first_collected {
+        *slot = *left;
+    } else {
+        *slot = slot.plus(left);
     }
-}
-
-/// How a rotation vector tilts the free axes of a ball joint: with the coefficients of the tangent of the exponential map.
-#[derive(Clone, Copy)]
-pub struct Tilt<V> {
-    vector: Vector<V>,
-    coefficients: (V, V),
-}
-
-impl<V: Arithmetic> Tilt<V> {
-    /// That of a rotation vector.
-    #[inline(always)]
-    pub fn of(vector: Vector<V>) -> Self {
-        Tilt { vector, coefficients: tangent(vector.dot(vector)) }
-    }
-
-    /// [`tilted`] for this vector.
-    #[inline(always)]
-    pub fn of_axis(&self, axis: Vector<V>) -> Vector<V> {
-        tilted(self.vector, axis, self.coefficients)
-    }
-}
-
-/// An axis of a ball joint, tilted if it is. Written out, because closures over vectors are not inlined.
-#[inline(always)]
-pub(super) fn tilted_by<V: Arithmetic>(tilt: Option<Tilt<V>>, axis: Vector<V>) -> Vector<V> {
-    match tilt {
-        Some(tilt) => tilt.of_axis(axis),
-        None => axis,
-    }
-}
-
-/// A free axis of a ball joint turned by a rotation vector, in the axes of the start: `(1 − k₁ θ̂ + k₂ θ̂²) axis`.
-#[inline(always)]
-pub fn tilted<V: Arithmetic>(vector: Vector<V>, axis: Vector<V>, (first, second): (V, V)) -> Vector<V> {
-    let once = vector.cross(axis);
-    vector.cross(once).times_plus(second, once.times_minus(first, axis))
-}
-
-/// [`tilted`] for one axis alone.
-#[inline(always)]
-pub fn tilt<V: Arithmetic>(vector: Vector<V>, axis: Vector<V>) -> Vector<V> {
-    tilted(vector, axis, tangent(vector.dot(vector)))
-}
-
-/// `(1 − cos φ)/φ²` and `(φ − sin φ)/φ³` from `φ²`: the coefficients of the tangent of the exponential map. They span the projection, steer
-/// the Newton step, and give ball joints with forces their spin; at 3.1 rad the first term left out is below 2e-17.
-#[inline(always)]
-pub fn tangent<V: Arithmetic>(square: V) -> (V, V) {
-    const FIRST: [f64; 13] = tangent_series(2);
-    const SECOND: [f64; 13] = tangent_series(3);
-    (polynomial(&FIRST, square), polynomial(&SECOND, square))
-}
-
-/// `(−1)ⁿ / (2n + first)!`.
-const fn tangent_series(first: usize) -> [f64; 13] {
-    let mut terms = [if first == 2 { 0.5 } else { 1.0 / 6.0 }; 13];
-    let mut n = 1;
-    while n < terms.len() {
-        terms[n] = -terms[n - 1] / (((2 * n + first) * (2 * n + first - 1)) as f64);
-        n += 1;
-    }
-    terms
 }

@@ -17,7 +17,7 @@ use crate::lobatto::front::{Fronts, Screws};
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::stage::Stages;
 use crate::lobatto::start::{Plan, Start};
-use crate::lobatto::sweeps::tilt;
+use crate::lobatto::turns::Tilt;
 use crate::model::{Attachment, FreeRotation, Mechanism};
 use crate::state::State;
 use std::ops::Range;
@@ -111,7 +111,7 @@ impl<V: Lanes> Space<V> {
             if side == 1 {
                 vector = vector.times(self.mask);
             }
-            axis = tilt(vector, axis);
+            axis = Tilt::of(vector).of_axis(axis);
         }
         let along = self.moved[body][side].turn.apply_plus(axis, axis);
         joined(self.anchor(start, body, side).cross(along), along)

@@ -4,7 +4,6 @@
 //! sixteen lanes written out in place are a megabyte of instructions a sweep, so that an operation of them is a call.
 
 use super::{Add, Lanes, Mul, Neg, Sub};
-use crate::lobatto::numbers::One;
 
 /// `N` lanes in an array.
 #[derive(Clone, Copy)]
@@ -54,7 +53,7 @@ where
     const COUNT: usize = N;
     const GENERAL_ALONE: bool = Self::CALLED;
     type Array = [f64; N];
-    type One = One<false>;
+    type One = Portable<1>;
     double_alone!();
     #[inline(always)]
     fn splat(value: f64) -> Self {

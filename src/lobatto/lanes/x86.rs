@@ -9,8 +9,8 @@
 //! - **P2** — loads and stores go through arrays of exactly the vector's length, by value or reference, so that
 //!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
 
-use super::{Add, Lanes, Mul, Neg, Sub};
-use crate::lobatto::numbers::One;
+use super::{Add, Lanes, Mul, Neg, Portable, Sub};
+use crate::lobatto::numbers::Fused;
 use std::arch::x86_64::*;
 
 /// Makes the frame of the function that this is inlined into begin at the border of a cache line. The compiler decides on that before it
@@ -135,7 +135,7 @@ vector!(
     },
     {
         double_alone!();
-        type One = One<false>;
+        type One = Portable<1>;
         #[inline(always)]
         fn lost(self, b: Self, product: Self) -> Self {
             // Slow where the processor cannot, but right.
@@ -155,7 +155,7 @@ vector!(
     },
     {
         double_alone!();
-        type One = One<true>;
+        type One = Fused;
     }
 );
 vector!(
@@ -170,7 +170,7 @@ vector!(
     },
     {
         double_alone!();
-        type One = One<true>;
+        type One = Fused;
     }
 );
 vector!(
@@ -181,7 +181,7 @@ vector!(
     |a, b| _mm512_castsi512_pd(_mm512_max_epi64(_mm512_castpd_si512(_mm512_abs_pd(a)), _mm512_castpd_si512(b))),
     {
         type Single = Single;
-        type One = One<true>;
+        type One = Fused;
         const HAS_SINGLE: bool = true;
         #[inline(always)]
         fn narrow(self) -> Single {

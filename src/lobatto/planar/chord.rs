@@ -4,6 +4,7 @@ use super::algebra::Vector2;
 use super::articulated::Eliminated2;
 use super::stage::PlanarStages;
 use super::sweeps::{own_residual, row_turn};
+use crate::lobatto::chord::less_push;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::rows::Sweep;
 use crate::lobatto::start::Children;
@@ -55,7 +56,7 @@ impl<V: Lanes> PlanarStages<V> {
 
             let rotation = tree.first_axis + tree.translations;
             if tree.rotation != FreeRotation::None {
-                let load = less(total.torque, self.effort::<FORCED>(sweep, rotation, flat.sign));
+                let load = less_push(total.torque, self.push::<false, FORCED>(sweep, rotation, flat.sign));
                 total.relieve(load, &mut self.eliminated[rotation]);
             }
             let parent = match tree.parent {
@@ -69,7 +70,7 @@ impl<V: Lanes> PlanarStages<V> {
                     None => axis,
                 };
                 self.axes[freedom] = axis;
-                let load = less(axis.dot(total.force), self.effort::<FORCED>(sweep, freedom, 1.0));
+                let load = less_push(axis.dot(total.force), self.push::<false, FORCED>(sweep, freedom, 1.0));
                 total.relieve(load, &mut self.eliminated[freedom]);
             }
             if let Some((along, across)) = parent {
@@ -87,23 +88,5 @@ impl<V: Lanes> PlanarStages<V> {
                 }
             }
         }
-    }
-
-    /// The effort of forces in a joint, in the sense of the plane and the units of the residual.
-    #[inline(always)]
-    fn effort<const FORCED: bool>(&self, sweep: &Sweep<V>, freedom: usize, sign: f64) -> Option<V> {
-        match &self.applied {
-            Some(applied) if FORCED => Some(applied.efforts[freedom] * V::splat(sign) * sweep.forces),
-            _ => None,
-        }
-    }
-}
-
-/// The load of an axis, less the effort of forces in the joint, if there are any.
-#[inline(always)]
-fn less<V: Lanes>(load: V, effort: Option<V>) -> V {
-    match effort {
-        None => load,
-        Some(effort) => load - effort,
     }
 }

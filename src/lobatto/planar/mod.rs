@@ -24,6 +24,7 @@ use super::coupled::One;
 use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_at_first, exact_rule};
 use super::lanes::{Lanes, in_lanes};
 use super::modes::Modes;
+use super::momenta::MomentumWeights;
 use super::predictor::{Guess, Predictor};
 use super::projection::Projection;
 use super::reversible::Pace;
@@ -45,6 +46,7 @@ use start::{PlanarPlan, PlanarStart};
 pub struct PlanarKernel<V: Lanes> {
     stages: PlanarStages<V>,
     coefficients: Coefficients<V>,
+    weights: MomentumWeights<V>,
     anderson: Anderson<V>,
     chord: Chord,
     predictor: Predictor<V>,
@@ -76,6 +78,7 @@ impl<V: Lanes> PlanarKernel<V> {
         let freedoms = mechanism.velocity_count;
         PlanarKernel {
             coefficients: Coefficients::new(tableau),
+            weights: MomentumWeights::new(tableau),
             anderson: Anderson::new(freedoms),
             chord: Chord::NEW,
             predictor: Predictor::new(freedoms, Vec::new(), tableau),
@@ -219,14 +222,14 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     }
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
-        let (stages, velocity, coefficients) = (&mut self.stages, &mut self.velocity, &self.coefficients);
+        let PlanarKernel { stages, velocity, coefficients, weights, .. } = self;
         let gravity = stages.plan.gravity;
         if V::GENERAL_ALONE || stages.applied.is_some() {
-            in_lanes!(V, stages.end_velocities::<true, true>(coefficients, &gravity, velocity));
+            in_lanes!(V, stages.end_velocities::<true, true>(coefficients, weights, &gravity, velocity));
         } else if self.refined {
-            in_lanes!(V, stages.end_velocities::<true, false>(coefficients, &gravity, velocity));
+            in_lanes!(V, stages.end_velocities::<true, false>(coefficients, weights, &gravity, velocity));
         } else {
-            in_lanes!(V, stages.end_velocities::<false, false>(coefficients, &gravity, velocity));
+            in_lanes!(V, stages.end_velocities::<false, false>(coefficients, weights, &gravity, velocity));
         }
         for (end, &displacement) in self.displaced.iter_mut().zip(&stages.displacement) {
             *end = at_end(displacement, coefficients.active);

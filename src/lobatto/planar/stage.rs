@@ -5,6 +5,7 @@ use super::articulated::{Articulated2, Eliminated2};
 use super::start::{PlanarPlan, PlanarStart};
 use crate::lobatto::applied::Applied;
 use crate::lobatto::lanes::Lanes;
+use crate::lobatto::momenta::MomentumWeights;
 use crate::lobatto::predictor::Unknowns;
 use crate::lobatto::stage::{Coefficients, largest};
 use crate::lobatto::step::largest_coefficient;
@@ -157,11 +158,12 @@ impl<V: Lanes> PlanarStages<V> {
     pub fn end_velocities<const REFINED: bool, const FORCED: bool>(
         &mut self,
         coefficients: &Coefficients<V>,
+        weights: &MomentumWeights<V>,
         gravity: &[f64; 3],
         velocity: &mut [f64],
     ) {
-        let (columns, rest) = coefficients.momentum_columns(self.step);
-        let sweep = coefficients.momentum_sweep(&columns, &rest, self.step, gravity);
+        let momenta = weights.over(self.step, gravity);
+        let sweep = momenta.sweep(coefficients, self.step);
         self.sweep_paths::<true, REFINED>(&sweep);
         if FORCED {
             self.sweep_applied(coefficients, true);

@@ -203,7 +203,7 @@ impl<V: Lanes> PlanarStages<V> {
 
     /// What a force does along a degree of freedom, in the sense of the plane.
     #[inline(always)]
-    fn push<const MOMENTUM: bool, const FORCED: bool>(
+    pub(super) fn push<const MOMENTUM: bool, const FORCED: bool>(
         &self,
         sweep: &Sweep<V>,
         freedom: usize,

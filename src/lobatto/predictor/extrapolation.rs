@@ -12,6 +12,7 @@
 //! Newton's form holds all orders at once: an order less or more is a term less or more, by which the vote tells what it would have guessed.
 
 use super::Unknowns;
+use crate::lobatto::dense::scales;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::numbers::Numbers;
 use crate::lobatto::stage::MAX_LANES;
@@ -28,6 +29,15 @@ struct Columns<V> {
     past: [V; MAX_LANES],
     /// What `h_old v` counts.
     rate: V,
+}
+
+impl<V: Lanes> Columns<V> {
+    /// The polynomial for a past and `h_old v`.
+    #[inline(always)]
+    fn of(&self, past: V, advance: f64) -> V {
+        let [mixed] = Numbers::mix_all([past], &self.past);
+        self.rate.mul_add(V::splat(advance), mixed)
+    }
 }
 
 /// The past, and the guesses that it allows.
@@ -62,8 +72,7 @@ impl<V: Lanes> Extrapolation<V> {
         for m in 0..count {
             let mut row = vec![0.0; count];
             let mut rate_share = 0.0;
-            for n in 0..=m {
-                let others: f64 = (0..=m).filter(|&k| k != n).map(|k| nodes[n] - nodes[k]).product();
+            for (n, others) in scales(&nodes[..=m]).into_iter().enumerate() {
                 let share = 1.0 / (nodes[n] * nodes[n] * others);
                 row[lane_of(n, count)] = share;
                 rate_share += share * nodes[n];
@@ -124,17 +133,8 @@ impl<V: Lanes> Extrapolation<V> {
                 self.basis[m + 1] = basis * (t - V::splat(self.nodes[m]));
             }
         }
-        let (fours, rest) = displacement.as_chunks_mut::<4>();
-        let (past_fours, past_rest) = self.past.as_chunks::<4>();
-        let (rate_fours, rate_rest) = rates.as_chunks::<4>();
-        for ((four, past), rates) in fours.iter_mut().zip(past_fours).zip(rate_fours) {
-            let mixed = Numbers::mix_all(*past, &columns.past);
-            for index in 0..4 {
-                four[index] = columns.rate.mul_add(V::splat(self.old_step * rates[index]), mixed[index]);
-            }
-        }
-        for ((displacement, past), &rate) in rest.iter_mut().zip(past_rest).zip(rate_rest) {
-            *displacement = columns.rate.mul_add(V::splat(self.old_step * rate), past.mix(&columns.past));
+        for ((displacement, &past), &rate) in displacement.iter_mut().zip(&self.past).zip(rates) {
+            *displacement = columns.of(past, self.old_step * rate);
         }
     }
 
@@ -162,8 +162,7 @@ impl<V: Lanes> Extrapolation<V> {
         while freedom < freedoms {
             let past = self.past[freedom];
             let advance = self.old_step * unknowns.rates[freedom];
-            let guess = self.before.rate.mul_add(V::splat(advance), past.mix(&self.before.past));
-            let mut missing = unknowns.displacement[freedom] - guess;
+            let mut missing = unknowns.displacement[freedom] - self.before.of(past, advance);
             worst[0] = missing.max_abs(worst[0]);
             for m in used - 1..(used + 1).min(count) {
                 let difference = (past * self.shares[m]).sum() - self.rate_shares[m] * advance;

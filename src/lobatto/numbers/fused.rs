@@ -1,54 +1,55 @@
-//! One lane alone, with the arithmetic of the vectors that it comes from, to the bit.
+//! One lane alone of vectors that do not round a product before they add to it, with their arithmetic, to the bit; of others that is a vector
+//! of one lane.
 
 use super::Arithmetic;
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// A number of sixteen digits for one stage; `FUSED` where a product is not rounded before it is added to.
+/// A number of sixteen digits for one stage.
 #[derive(Clone, Copy)]
-pub struct One<const FUSED: bool>(f64);
+pub struct Fused(f64);
 
-impl<const FUSED: bool> Add for One<FUSED> {
+impl Add for Fused {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        One(self.0 + other.0)
+        Fused(self.0 + other.0)
     }
 }
 
-impl<const FUSED: bool> Sub for One<FUSED> {
+impl Sub for Fused {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        One(self.0 - other.0)
+        Fused(self.0 - other.0)
     }
 }
 
-impl<const FUSED: bool> Mul for One<FUSED> {
+impl Mul for Fused {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        One(self.0 * other.0)
+        Fused(self.0 * other.0)
     }
 }
 
-impl<const FUSED: bool> Neg for One<FUSED> {
+impl Neg for Fused {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
         // As lanes do it.
-        One(0.0 - self.0)
+        Fused(0.0 - self.0)
     }
 }
 
-impl<const FUSED: bool> Arithmetic for One<FUSED> {
+impl Arithmetic for Fused {
     type Real = f64;
     #[inline(always)]
     fn splat(value: f64) -> Self {
-        One(value)
+        Fused(value)
     }
     #[inline(always)]
     fn whole(value: f64) -> Self {
-        One(value)
+        Fused(value)
     }
     #[inline(always)]
     fn lane(self, _: usize) -> f64 {
@@ -56,26 +57,25 @@ impl<const FUSED: bool> Arithmetic for One<FUSED> {
     }
     #[inline(always)]
     fn mul_add(self, b: Self, c: Self) -> Self {
-        One(if FUSED { self.0.mul_add(b.0, c.0) } else { self.0 * b.0 + c.0 })
+        Fused(self.0.mul_add(b.0, c.0))
     }
     #[inline(always)]
     fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        One(if FUSED { (-self.0).mul_add(b.0, c.0) } else { c.0 - self.0 * b.0 })
+        Fused((-self.0).mul_add(b.0, c.0))
     }
     #[inline(always)]
     fn lost(self, b: Self, product: Self) -> Self {
-        // Exact, whatever the processor has.
-        One(self.0.mul_add(b.0, -product.0))
+        self.mul_add(b, -product)
     }
     #[inline(always)]
     fn reciprocal(self) -> Self {
-        One(1.0 / self.0)
+        Fused(1.0 / self.0)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::lobatto::lanes::{Lanes, Portable};
+    use crate::lobatto::lanes::{Lanes, in_every_vector};
     use crate::lobatto::numbers::{Arithmetic, Numbers};
 
     /// The seven operations of three numbers.
@@ -101,19 +101,6 @@ mod tests {
 
     #[test]
     fn one_lane_alone_has_the_bits_that_it_has_among_the_others_in_every_vector_the_processor_has() {
-        one_lane_is_as_among_the_others::<Portable<4>>();
-        one_lane_is_as_among_the_others::<Portable<16>>();
-        #[cfg(target_arch = "x86_64")]
-        {
-            use crate::lobatto::lanes::{Avx128, Avx256, Avx512, Isa, Pair, Sse2};
-            one_lane_is_as_among_the_others::<Pair<Sse2, 4>>();
-            if Isa::detect() != Isa::Portable {
-                one_lane_is_as_among_the_others::<Avx128>();
-                one_lane_is_as_among_the_others::<Pair<Avx256, 8>>();
-            }
-            if Isa::detect() == Isa::Avx512 {
-                one_lane_is_as_among_the_others::<Pair<Avx512, 16>>();
-            }
-        }
+        in_every_vector!(one_lane_is_as_among_the_others);
     }
 }
