@@ -16,10 +16,11 @@
 use super::algebra::Vector;
 use super::articulated::{Eliminated, Push};
 use super::numbers::{Arithmetic, Numbers};
+use super::plan::Plan;
 use super::residual::{body_residual, force_residual};
 use super::rows::Rows;
 use super::stage::Stages;
-use super::start::{BodyStart, Plan, Start};
+use super::start::{BodyStart, Start};
 use super::sweeps::{Factors, slide_axis};
 use super::turns::tilted_by;
 use crate::model::FreeRotation;

@@ -24,7 +24,8 @@
 use super::algebra::{Matrix, Symmetric, Vector};
 use super::articulated::{Articulated, Eliminated, Push};
 use super::lanes::{Lanes, Portable};
-use super::start::{BodyPlan, BodyStart, Plan, Start};
+use super::plan::{BodyPlan, Plan};
+use super::start::{BodyStart, Start};
 use super::sweeps::collect;
 use crate::forces::total::BodyWrench;
 use nalgebra::{Matrix3, Vector3};

@@ -12,7 +12,8 @@
 //! closures [`super::linearised`] does the same.
 
 use super::dynamics::Dynamics;
-use super::start::{Plan, Start};
+use super::plan::Plan;
+use super::start::Start;
 
 /// Makes it a direction that has a part in every mode: its numbers have no symmetry of a mechanism.
 pub(super) fn first_direction(direction: &mut [f64]) {

@@ -28,8 +28,9 @@
 
 use super::dynamics::Dynamics;
 use super::fastest::first_direction;
+use super::plan::Plan;
 use super::projection::Projection;
-use super::start::{Plan, Start};
+use super::start::Start;
 use super::watch::{Mode, Transient};
 use crate::closures::gap_accelerations;
 use crate::forces::total::{BodyWrench, body_wrenches, joint_efforts};

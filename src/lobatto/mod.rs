@@ -1,6 +1,6 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
-//! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`start`], [`stage`] and [`turns`] (poses
+//! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`plan`], [`start`], [`stage`] and [`turns`] (poses
 //! of all stages), [`rows`], [`residual`], [`applied_plan`], [`applied_motion`] and [`applied`] (forces), [`articulated`], [`sweeps`], [`chord`] and [`first`]
 //! (the stage equations and their solve), [`momenta`] and [`ending`] (the velocities at the end), [`planar`] (the same in a plane), [`precise`] (the same to 32 digits),
 //! [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
@@ -46,6 +46,7 @@ pub mod modes;
 mod momenta;
 pub mod newton;
 pub mod numbers;
+pub mod plan;
 pub mod planar;
 pub mod precise;
 pub mod predictor;

@@ -6,8 +6,9 @@
 use super::dynamics::Dynamics;
 use super::fastest::Fastest;
 use super::linearised::Linearised;
+use super::plan::Plan;
 use super::reversible::Pace;
-use super::start::{Plan, Start};
+use super::start::Start;
 use super::watch::{Mode, Transient};
 use crate::model::Mechanism;
 use crate::state::State;

@@ -9,7 +9,7 @@
 
 use super::coupled::{Coupled, Geometry, One, PROXIMAL, Space};
 use super::lanes::Lanes;
-use super::start::Plan;
+use super::plan::Plan;
 use crate::model::{FreeRotation, Mechanism};
 use crate::state::State;
 use nalgebra::Vector3;
@@ -200,7 +200,7 @@ impl<G: Geometry<One>> Projection<G> {
 
     /// Keeps a correction within half a radian, where the equations still mean something.
     fn shorten(&mut self) {
-        let turns = |plan: &super::start::BodyPlan| {
+        let turns = |plan: &super::plan::BodyPlan| {
             let first = plan.first_axis + plan.translations;
             match plan.rotation {
                 FreeRotation::None => first..first,

@@ -22,8 +22,9 @@
 use super::algebra::{Matrix, Symmetric, Vector};
 use super::articulated::Articulated;
 use super::numbers::Arithmetic;
+use super::plan::BodyPlan;
 use super::rows::Rows;
-use super::start::{BodyPlan, BodyStart};
+use super::start::BodyStart;
 
 /// A rotation by what its matrix `N` is linear in: the products `2 u uᵀ` (xx, xy, xz, yy, yz, zz) and `2 w u` of its quaternion.
 #[derive(Clone, Copy)]

@@ -17,8 +17,9 @@
 //! lead to negative steps.
 
 use super::dynamics::Dynamics;
+use super::plan::Plan;
 use super::predictor::Guess;
-use super::start::{Plan, Start};
+use super::start::Start;
 use super::step::{Attempt, StopRule};
 use super::stepper::{HALVINGS, Stepper, Stride};
 use crate::integrator::{StepError, StepOutcome};

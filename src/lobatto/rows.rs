@@ -7,9 +7,10 @@ use super::algebra::Vector;
 use super::applied::Applied;
 use super::articulated::Push;
 use super::numbers::{Arithmetic, Numbers};
+use super::plan::Plan;
 use super::residual::Turned;
 use super::stage::{Coefficients, MAX_LANES, StagePose, rotation_vector};
-use super::start::{BodyStart, Plan, Start};
+use super::start::{BodyStart, Start};
 use super::turns::Tilt;
 
 /// What a sweep over the tree eliminates: the residuals of the rows of all stages ([`StageRows`]), or the momenta at the end of the step

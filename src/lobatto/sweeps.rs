@@ -21,10 +21,11 @@
 use super::algebra::Vector;
 use super::articulated::{Articulated, Eliminated};
 use super::numbers::{Arithmetic, Numbers};
+use super::plan::{BodyPlan, Children, Plan};
 use super::residual::{body_residual, force_residual};
 use super::rows::{Rows, StageRows};
 use super::stage::Stages;
-use super::start::{BodyPlan, BodyStart, Children, Plan, Start};
+use super::start::{BodyStart, Start};
 use super::turns::{rotate_increment, tilted_by};
 use crate::model::FreeRotation;
 

@@ -4,6 +4,7 @@
 //!     w = cos φ/2 = Σ_n (−φ²/4)ⁿ / (2n)!           u = θ sin(φ/2)/φ,   sin(φ/2)/φ = ½ Σ_n (−φ²/4)ⁿ / (2n + 1)!        φ = |θ|  (rad)
 //!     (w, u) ∘ (w₂, u₂) = (w w₂ − u·u₂, w u₂ + w₂ u + u × u₂)
 //!     N v = R v − v = 2 (w u × v + u × (u × v))
+//!     1 − k₁ θ̂ + k₂ θ̂²,   k₁ = (1 − cos φ)/φ²,   k₂ = (φ − sin φ)/φ³       the tangent of the exponential map
 //! ```
 
 use super::algebra::Vector;

@@ -12,7 +12,7 @@
 use super::{Coupled, One};
 use crate::lobatto::elimination::{Column, Operation};
 use crate::lobatto::lanes::Lanes;
-use crate::lobatto::start::Plan;
+use crate::lobatto::plan::Plan;
 
 impl Coupled<One> {
     /// Solves the system that was factored last with the present gaps, for bodies that resist with nothing. Does not allocate.

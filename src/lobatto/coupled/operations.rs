@@ -4,8 +4,8 @@ use super::{Coupled, Mixing, PROXIMAL, Resistance, first_lane};
 use crate::lobatto::elimination::{Column, Operation, TWIST, Unknown};
 use crate::lobatto::front::{Fronts, Screws};
 use crate::lobatto::lanes::{Lanes, in_lanes};
+use crate::lobatto::plan::Plan;
 use crate::lobatto::stage::MAX_LANES;
-use crate::lobatto::start::Plan;
 
 impl<V: Lanes> Coupled<V> {
     /// Empties a front for a twist.

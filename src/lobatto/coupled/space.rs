@@ -15,8 +15,9 @@ use crate::lobatto::closure::{EndStart, Equation, EquationValue, Moved, equation
 use crate::lobatto::elimination::TWIST;
 use crate::lobatto::front::{Fronts, Screws};
 use crate::lobatto::lanes::Lanes;
+use crate::lobatto::plan::Plan;
 use crate::lobatto::stage::Stages;
-use crate::lobatto::start::{Plan, Start};
+use crate::lobatto::start::Start;
 use crate::lobatto::turns::Tilt;
 use crate::model::{Attachment, FreeRotation, Mechanism};
 use crate::state::State;

@@ -8,7 +8,8 @@
 //! ```
 
 use super::{Dynamics, joint_motion, spin_inertia};
-use crate::lobatto::start::{Plan, Start};
+use crate::lobatto::plan::Plan;
+use crate::lobatto::start::Start;
 use nalgebra::Vector3;
 
 impl Dynamics {

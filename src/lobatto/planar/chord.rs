@@ -6,8 +6,8 @@ use super::stage::PlanarStages;
 use super::sweeps::{own_residual, row_turn};
 use crate::lobatto::chord::less_push;
 use crate::lobatto::lanes::Lanes;
+use crate::lobatto::plan::Children;
 use crate::lobatto::rows::Sweep;
-use crate::lobatto::start::Children;
 use crate::model::FreeRotation;
 
 /// What a body hands to its parent: a wrench about the parent's anchor.

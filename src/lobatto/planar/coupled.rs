@@ -18,7 +18,7 @@ use crate::lobatto::coupled::{Geometry, Mixing, Screw};
 use crate::lobatto::elimination::TWIST;
 use crate::lobatto::front::{Fronts, Screws};
 use crate::lobatto::lanes::Lanes;
-use crate::lobatto::start::Plan;
+use crate::lobatto::plan::Plan;
 use crate::model::{Mechanism, Plane};
 use crate::state::State;
 use std::ops::Range;

@@ -16,7 +16,8 @@
 use super::applied_plan::{ForcesPlan, ForcesStart};
 use crate::invariants::Energy;
 use crate::kinematics::body_states;
-use crate::lobatto::start::{Plan, mimic_gaps, units_per_kilogram};
+use crate::lobatto::plan::Plan;
+use crate::lobatto::start::{mimic_gaps, units_per_kilogram};
 use crate::model::{FreeRotation, Mechanism, Plane, sine_cosine};
 use crate::state::State;
 use nalgebra::Vector3;

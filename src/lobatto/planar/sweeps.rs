@@ -26,8 +26,8 @@ use super::stage::{PlanarStages, Turned};
 use super::start::PlanarBody;
 use crate::lobatto::articulated::Push;
 use crate::lobatto::lanes::Lanes;
+use crate::lobatto::plan::Children;
 use crate::lobatto::rows::Sweep;
-use crate::lobatto::start::Children;
 use crate::lobatto::turns::{FEW, half_angle, half_angle_of_few};
 use crate::model::FreeRotation;
 

@@ -14,8 +14,9 @@ use crate::lobatto::algebra::Vector;
 use crate::lobatto::extended::Extended;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::numbers::{Arithmetic, Double, Numbers};
+use crate::lobatto::plan::{BodyPlan, Plan};
 use crate::lobatto::stage::{StagePose, Stages};
-use crate::lobatto::start::{BodyPlan, BodyStart, Plan, Start};
+use crate::lobatto::start::{BodyStart, Start};
 use crate::lobatto::turns::rotate_increment;
 use crate::model::FreeRotation;
 

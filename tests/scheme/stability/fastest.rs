@@ -8,7 +8,7 @@ use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
 use catena::lobatto::dynamics::Dynamics;
 use catena::lobatto::fastest::Fastest;
-use catena::lobatto::start::Plan;
+use catena::lobatto::plan::Plan;
 use catena::model::{Mechanism, ModelOptions};
 use catena::reduced::ReducedOde;
 use catena::scene::{PackagePath, read_urdf};

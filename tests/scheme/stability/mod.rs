@@ -6,7 +6,8 @@ mod modes;
 
 use crate::models::{self, Model};
 use catena::forces::{JointDamper, JointSpring};
-use catena::lobatto::start::{Plan, Start};
+use catena::lobatto::plan::Plan;
+use catena::lobatto::start::Start;
 use catena::model::{Coordinate, Joint, JointKind, Mechanism, Pose};
 use catena::state::State;
 use nalgebra::Vector3;
