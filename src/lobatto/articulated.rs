@@ -124,11 +124,11 @@ impl<V: Arithmetic> Articulated<V> {
         self.eliminate(axis, force, torque, inverse, bias)
     }
 
-    /// The solution for a rotation about `axis` of a body that hangs on the world.
+    /// The solution for a rotation about `axis` of a body that the world holds, with inertia and bias torque of its own about that axis.
     #[inline(always)]
-    pub fn solve_rotation(&self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {
-        let inverse = resisting(axis.dot(self.inertia.apply(axis)), push).reciprocal();
-        let bias = unbalanced(axis.dot(self.torque), push, inverse);
+    pub fn solve_pivot(&self, axis: Vector<V>, inertia: V, torque: V, push: Option<Push<V>>) -> Eliminated<V> {
+        let inverse = resisting(axis.dot_plus(self.inertia.apply(axis), inertia), push).reciprocal();
+        let bias = unbalanced(axis.dot_plus(self.torque, torque), push, inverse);
         Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias, inverse }
     }
 

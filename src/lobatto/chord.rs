@@ -16,6 +16,7 @@
 use super::algebra::Vector;
 use super::articulated::{Eliminated, Push};
 use super::numbers::{Arithmetic, Numbers};
+use super::pivot::pivot_torque;
 use super::plan::Plan;
 use super::residual::{body_residual, force_residual};
 use super::rows::Rows;
@@ -126,6 +127,16 @@ impl<V: Arithmetic> Factors<V> {
             let plan = &plans.bodies[index];
             let known = &start.bodies[index];
             let rotations = plan.first_axis + plan.translations;
+            if let Some(pivot) = plan.pivot {
+                let axis = Vector::splat(&start.axes[rotations]);
+                let torque =
+                    pivot_torque(rows, index, &start.pivots[pivot], &start.axes[rotations], start.rates[rotations]);
+                let load = axis.dot_plus(self.slots[plans.below(index)].torque, torque);
+                let joint = &mut self.eliminated[rotations];
+                joint.axis = axis;
+                joint.bias = -(less_push(load, rows.push(rotations)) * joint.inverse);
+                continue;
+            }
             let mut total = if plan.slides {
                 let force = force_residual(rows, index, known, rows.pose(index).anchor);
                 self.with_rest(plans, index, rows, Wrench { force, torque: Vector::zero() })

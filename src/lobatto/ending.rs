@@ -8,6 +8,7 @@ use super::algebra::Vector;
 use super::articulated::Push;
 use super::momenta::{Momenta, MomentumWeights};
 use super::numbers::{Arithmetic, Numbers};
+use super::pivot::turned_about;
 use super::plan::Plan;
 use super::residual::Turned;
 use super::rows::{Rows, Steady, sums};
@@ -71,6 +72,17 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> EndRows<'_, V, REFINED
         Vector([x.alone(last), y.alone(last), z.alone(last)])
     }
 
+    /// Displacement of the centre of mass of a body at all stages (m).
+    #[inline(always)]
+    fn displaced(&self, body: usize, known: &BodyStart<V::Real>) -> Vector<V> {
+        let pose = &self.stages.poses[body];
+        if self.stages.plan.bodies[body].slides {
+            pose.anchor
+        } else {
+            pose.turned().matrix().apply(Vector::splat(&known.com)).plus(pose.anchor)
+        }
+    }
+
     #[inline(always)]
     fn weighed<const N: usize>(&self, values: [V; N]) -> [V::One; N] {
         let weighed = V::weigh_all(values, &self.momenta.weights);
@@ -99,21 +111,30 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
     }
     #[inline(always)]
     fn path(&self, body: usize, known: &BodyStart<V::Real>, _: Vector<V::One>) -> Vector<V::One> {
-        let pose = &self.stages.poses[body];
-        let displaced = if self.stages.plan.bodies[body].slides {
-            pose.anchor
-        } else {
-            pose.turned().matrix().apply(Vector::splat(&known.com)).plus(pose.anchor)
-        };
-        let ahead = self.steady.path::<REFINED>(known, displaced);
+        let ahead = self.steady.path::<REFINED>(known, self.displaced(body, known));
         Vector(self.weighed(ahead)).plus(Vector::splat(&known.velocity))
     }
     #[inline(always)]
-    fn turning(&self, body: usize, known: &BodyStart<V::Real>, _: Turned<V::One>) -> Turned<V::One> {
-        let ahead = self.steady.turning::<REFINED>(known, self.stages.poses[body].turned());
-        let Turned { products, vector } = Turned::joined(self.weighed(ahead));
+    fn motion(
+        &self,
+        body: usize,
+        known: &BodyStart<V::Real>,
+        _: Vector<V::One>,
+        _: Turned<V::One>,
+    ) -> (Vector<V::One>, Turned<V::One>) {
+        let turned = self.stages.poses[body].turned();
+        let ahead = self.steady.motion::<REFINED>(known, self.displaced(body, known), turned);
+        let [x, y, z, turned @ ..] = self.weighed(ahead);
+        let Turned { products, vector } = Turned::joined(turned);
         let Vector(vector) = Vector(vector).plus(Vector::splat(&known.spin));
-        Turned { products, vector }
+        (Vector([x, y, z]).plus(Vector::splat(&known.velocity)), Turned { products, vector })
+    }
+    #[inline(always)]
+    fn swing(&self, body: usize, axis: &[V::Real; 3], rate: V::Real, _: [V::One; 2]) -> [V::One; 2] {
+        let [sine, versine] = turned_about(&self.stages.poses[body], axis);
+        let ahead = self.steady.ahead::<REFINED>(V::whole(rate), sine);
+        let [sines, versines] = self.weighed([ahead, versine]);
+        [sines + V::One::whole(rate), versines]
     }
     #[inline(always)]
     fn forces(&self) -> V::One {

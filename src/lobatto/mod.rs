@@ -46,6 +46,7 @@ pub mod modes;
 mod momenta;
 pub mod newton;
 pub mod numbers;
+pub mod pivot;
 pub mod plan;
 pub mod planar;
 pub mod precise;

@@ -1,6 +1,7 @@
 //! The plan of the sweeps over a tree: where every body hangs, which axes are free, where what its children leave is gathered, and what is
 //! known to vanish.
 
+use super::pivot::is_pivoted;
 use crate::model::{FreeRotation, JointKind, Mechanism, Rule, point_bodies, sliding_bodies, spherical_bodies};
 
 /// What receives the articulated inertia of a body's children, and how.
@@ -33,6 +34,8 @@ pub struct BodyPlan {
     pub rotation: FreeRotation,
     /// Whether the body floats alone about its centre of mass: its translation and rotation do not couple.
     pub alone: bool,
+    /// Which of the bodies on hinges that the world holds this is, if it is one.
+    pub pivot: Option<usize>,
     /// Whether the body is known never to turn, and whether its parent is; the world never does.
     pub slides: bool,
     pub parent_slides: bool,
@@ -109,6 +112,7 @@ impl Plan {
                     && children[index] == Children::None
                     && body.joint.kind == JointKind::Floating
                     && body.joint.on_child.translation.vector == nalgebra::Vector3::zeros(),
+                pivot: None,
                 slides: false,
                 parent_slides: body.parent.is_none(),
                 point: false,
@@ -116,6 +120,8 @@ impl Plan {
             })
             .collect();
         plans.reverse();
+        let pivoted = plans.iter_mut().zip(&mechanism.bodies).filter(|(_, body)| is_pivoted(body));
+        pivoted.enumerate().for_each(|(pivot, (own, _))| own.pivot = Some(pivot));
         Plan { bodies: plans, slots }
     }
 

@@ -133,7 +133,8 @@ impl<V: Lanes> Precise<V> {
 impl<V: Lanes> Step for Precise<V> {
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.coarse.begin(mechanism, state);
-        in_lanes!(V, carried::widen::<V>(&self.fine.plan, &self.coarse.stages.start, &mut self.fine.start));
+        let Stages { plan, start, .. } = &mut self.fine;
+        in_lanes!(V, carried::widen::<V>(plan, &self.coarse.stages.start, &self.gravity, start));
     }
 
     fn energy(&self) -> Energy {
@@ -158,7 +159,7 @@ impl<V: Lanes> Step for Precise<V> {
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let Precise { fine, ending, gravity, end, displaced, .. } = self;
         in_lanes!(V, ending.velocities::<Double<V>, false, false>(fine, gravity, &mut end.rates));
-        in_lanes!(V, carried::carry::<V>(fine, end));
+        in_lanes!(V, carried::carry::<V>(fine, gravity, end));
         let last = fine.coefficients.active - 1;
         for (own, displacement) in displaced.iter_mut().zip(&fine.displacement) {
             *own = displacement.lane(last);

@@ -58,7 +58,13 @@ pub fn force_residual<V: Arithmetic, R: Rows<V>>(
     known: &BodyStart<V::Real>,
     displaced: Vector<V>,
 ) -> Vector<V> {
-    let force = rows.path(body, known, displaced).plus(rows.gravity()).times(V::whole(known.mass));
+    force_along(rows, known, rows.path(body, known, displaced))
+}
+
+/// `f` of a centre of mass with this mixed path.
+#[inline(always)]
+fn force_along<V: Arithmetic, R: Rows<V>>(rows: &R, known: &BodyStart<V::Real>, path: Vector<V>) -> Vector<V> {
+    let force = path.plus(rows.gravity()).times(V::whole(known.mass));
     if R::MOMENTA { force.times(V::splat(-1.0)) } else { force }
 }
 
@@ -90,15 +96,15 @@ pub fn body_residual<V: Arithmetic, R: Rows<V>>(
     let turn = turned.matrix();
     let com = Vector::splat(&known.com);
     let swing = turn.apply(com);
-    let force = force_residual(rows, body, known, swing.plus(pose.anchor));
+    let displaced = swing.plus(pose.anchor);
     // From here on: the geometry of the rows.
     let turn = if R::MOMENTA { turn } else { turn.times(rows.moved()) };
     let com = swing.times_plus(rows.moved(), com);
-    let (own, torque) = if plan.point {
-        (Symmetric::zero(), Vector::zero())
+    let (force, (own, torque)) = if plan.point {
+        (force_residual(rows, body, known, displaced), (Symmetric::zero(), Vector::zero()))
     } else {
-        let mixed = rows.turning(body, known, turned).matrix();
-        rotational_residual(plan.spherical, known, &turn, &mixed)
+        let (path, mixed) = rows.motion(body, known, displaced, turned);
+        (force_along(rows, known, path), rotational_residual(plan.spherical, known, &turn, &mixed.matrix()))
     };
     let torque = if R::MOMENTA { torque.times(V::splat(-1.0)) } else { torque };
     let torque = com.cross_plus(force, torque);

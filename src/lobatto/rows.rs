@@ -28,8 +28,17 @@ pub trait Rows<V: Arithmetic> {
     fn gravity(&self) -> Vector<V>;
     /// The mixed path of a centre of mass that has been `displaced` in these rows (m); for momenta its velocity [m/s], which needs all stages.
     fn path(&self, body: usize, known: &BodyStart<V::Real>, displaced: Vector<V>) -> Vector<V>;
-    /// The mixed turn of a body that has turned so far in these rows; for momenta its rate [1/s].
-    fn turning(&self, body: usize, known: &BodyStart<V::Real>, turned: Turned<V>) -> Turned<V>;
+    /// [`Rows::path`], and the mixed turn of a body that has turned so far in these rows; for momenta its rate [1/s].
+    fn motion(
+        &self,
+        body: usize,
+        known: &BodyStart<V::Real>,
+        displaced: Vector<V>,
+        turned: Turned<V>,
+    ) -> (Vector<V>, Turned<V>);
+    /// The mixed sine and versine of a body that turned at this rate about this axis and has `turned` so far in these rows
+    /// ([`super::pivot`]); for momenta their rates [1/s].
+    fn swing(&self, body: usize, axis: &[V::Real; 3], rate: V::Real, turned: [V; 2]) -> [V; 2];
     /// What multiplies applied forces: a time squared (s²), for momenta a time (s).
     fn forces(&self) -> V;
     /// Force and torque that forces besides gravity put on a body; `None` where there are none at all.
@@ -62,13 +71,19 @@ impl<V: Arithmetic> Steady<V> {
         [self.ahead::<REFINED>(u, x), self.ahead::<REFINED>(v, y), self.ahead::<REFINED>(w, z)]
     }
 
-    /// [`Steady::ahead`] of the turn of a body: its vector, then its products.
+    /// [`Steady::path`], then the same of the turn of a body: its vector and its products.
     #[inline(always)]
-    pub fn turning<const REFINED: bool>(&self, known: &BodyStart<V::Real>, turned: Turned<V>) -> [V; 9] {
+    pub fn motion<const REFINED: bool>(
+        &self,
+        known: &BodyStart<V::Real>,
+        displaced: Vector<V>,
+        turned: Turned<V>,
+    ) -> [V; 12] {
+        let [a, b, c] = self.path::<REFINED>(known, displaced);
         let Vector([u, v, w]) = Vector::<V>::splat(&known.spin);
         let Turned { products: [xx, xy, xz, yy, yz, zz], vector: [x, y, z] } = turned;
         let [x, y, z] = [self.ahead::<REFINED>(u, x), self.ahead::<REFINED>(v, y), self.ahead::<REFINED>(w, z)];
-        [x, y, z, xx, xy, xz, yy, yz, zz]
+        [a, b, c, x, y, z, xx, xy, xz, yy, yz, zz]
     }
 }
 
@@ -173,9 +188,22 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V> for StageRows<
         Vector(self.sweep.mixed::<REFINED, 3>(self.sweep.steady.path::<REFINED>(known, displaced)))
     }
     #[inline(always)]
-    fn turning(&self, _: usize, known: &BodyStart<V::Real>, turned: Turned<V>) -> Turned<V> {
-        let ahead = self.sweep.steady.turning::<REFINED>(known, turned);
-        Turned::joined(self.sweep.mixed::<REFINED, 9>(ahead))
+    fn motion(
+        &self,
+        _: usize,
+        known: &BodyStart<V::Real>,
+        displaced: Vector<V>,
+        turned: Turned<V>,
+    ) -> (Vector<V>, Turned<V>) {
+        // All at once: what is mixed waits for memory.
+        let ahead = self.sweep.steady.motion::<REFINED>(known, displaced, turned);
+        let [x, y, z, turned @ ..] = self.sweep.mixed::<REFINED, 12>(ahead);
+        (Vector([x, y, z]), Turned::joined(turned))
+    }
+    #[inline(always)]
+    fn swing(&self, _: usize, _: &[V::Real; 3], rate: V::Real, [sine, versine]: [V; 2]) -> [V; 2] {
+        let ahead = self.sweep.steady.ahead::<REFINED>(V::whole(rate), sine);
+        self.sweep.mixed::<REFINED, 2>([ahead, versine])
     }
     #[inline(always)]
     fn forces(&self) -> V {

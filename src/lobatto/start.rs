@@ -15,7 +15,8 @@
 //! all roundings are as good as random.
 
 use super::applied_plan::AppliedStart;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Portable};
+use super::pivot::{Pivot, is_pivoted};
 use crate::closures::mimic_gap;
 use crate::forces::total::stored;
 use crate::invariants::Energy;
@@ -45,6 +46,8 @@ pub struct BodyStart<R = f64> {
 pub struct Start<R = f64> {
     /// One entry a body.
     pub bodies: Vec<BodyStart<R>>,
+    /// One entry a body on a hinge that the world holds.
+    pub pivots: Vec<Pivot<R>>,
     /// World direction of each degree of freedom.
     pub axes: Vec<[R; 3]>,
     /// Velocity of each degree of freedom.
@@ -65,6 +68,7 @@ impl<R: Copy + Default> Start<R> {
     pub fn new(mechanism: &Mechanism) -> Self {
         Start {
             bodies: vec![BodyStart::default(); mechanism.bodies.len()],
+            pivots: vec![Pivot::default(); mechanism.bodies.iter().filter(|body| is_pivoted(body)).count()],
             axes: vec![[R::default(); 3]; mechanism.velocity_count],
             rates: vec![R::default(); mechanism.velocity_count],
             mimic_gaps: vec![0.0; mechanism.mimics.len()],
@@ -88,6 +92,9 @@ impl<R: Copy + Default> Start<R> {
         }
         for (own, axis) in self.axes.iter_mut().zip(&start.axes) {
             *own = axis.map(digits);
+        }
+        for (own, known) in self.pivots.iter_mut().zip(&start.pivots) {
+            *own = known.map(digits);
         }
         for (own, known) in self.bodies.iter_mut().zip(&start.bodies) {
             *own = BodyStart {
@@ -137,6 +144,7 @@ impl Start {
         self.rates.copy_from_slice(&state.velocity);
         let mut energy = Energy::default();
         let per_unit = if self.own_unit { units_per_kilogram(&state.velocity) } else { 1.0 };
+        let mut pivot = 0;
         for (index, body) in mechanism.bodies.iter().enumerate() {
             let joint = &body.joint;
             let parent = body.parent.map_or(WORLD, |parent| self.states[parent]);
@@ -191,6 +199,11 @@ impl Start {
             for &axis in rotations {
                 self.axes[slot] = times(&own.rotation, &column(joint.on_child.rotation.matrix(), axis)).into();
                 slot += 1;
+            }
+            if is_pivoted(body) {
+                let (known, axis) = (&self.bodies[index], &self.axes[joint.velocity_index]);
+                self.pivots[pivot] = Pivot::new::<Portable<1>>(known, axis, &mechanism.gravity.into());
+                pivot += 1;
             }
         }
         mimic_gaps(mechanism, state, &mut self.mimic_gaps);

@@ -21,6 +21,7 @@
 use super::algebra::Vector;
 use super::articulated::{Articulated, Eliminated};
 use super::numbers::{Arithmetic, Numbers};
+use super::pivot::pivot_torque;
 use super::plan::{BodyPlan, Children, Plan};
 use super::residual::{body_residual, force_residual};
 use super::rows::{Rows, StageRows};
@@ -112,6 +113,14 @@ impl<V: Arithmetic> Factors<V> {
             let plan = &plans.bodies[index];
             let known = &start.bodies[index];
             let below = plans.below(index);
+            if let Some(pivot) = plan.pivot {
+                // Nobody asks for what is left of it: its one axis needs no more than the solution.
+                let (own, freedom) = (&start.pivots[pivot], plan.first_axis);
+                let torque = pivot_torque(rows, index, own, &start.axes[freedom], start.rates[freedom]);
+                let (axis, inertia) = (Vector::splat(&start.axes[freedom]), V::whole(own.inertia));
+                self.eliminated[freedom] = self.slots[below].solve_pivot(axis, inertia, torque, rows.push(freedom));
+                continue;
+            }
             if plan.slides {
                 let force = force_residual(rows, index, known, rows.pose(index).anchor);
                 let mut own = Articulated::sliding(V::whole(known.mass), force);
@@ -141,13 +150,8 @@ impl<V: Arithmetic> Factors<V> {
                 let axis = Vector::splat(&start.axes[rotations]);
                 let axis = turn.apply_plus(axis, axis);
                 if plan.translations == 0 {
-                    if plan.parent.is_none() {
-                        // Nobody asks for what is left of a root: its one axis needs no more than the solution.
-                        self.eliminated[rotations] = total.solve_rotation(axis, rows.push(rotations));
-                    } else {
-                        self.eliminated[rotations] = total.eliminate_rotation(axis, rows.push(rotations));
-                        self.hand_up(plans, index, known, rows, &total);
-                    }
+                    self.eliminated[rotations] = total.eliminate_rotation(axis, rows.push(rotations));
+                    self.hand_up(plans, index, known, rows, &total);
                     continue;
                 }
                 self.eliminated[rotations] = total.eliminate_rotation(axis, rows.push(rotations));

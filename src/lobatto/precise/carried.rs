@@ -14,6 +14,7 @@ use crate::lobatto::algebra::Vector;
 use crate::lobatto::extended::Extended;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::numbers::{Arithmetic, Double, Numbers};
+use crate::lobatto::pivot::Pivot;
 use crate::lobatto::plan::{BodyPlan, Plan};
 use crate::lobatto::stage::{StagePose, Stages};
 use crate::lobatto::start::{BodyStart, Start};
@@ -31,11 +32,12 @@ fn of_lane<V: Lanes>(vector: Vector<Double<V>>, lane: usize) -> Long {
 
 /// Takes a start of sixteen digits, and makes of it one that is good to 32.
 #[inline(always)]
-pub(super) fn widen<V: Lanes>(plan: &Plan, start: &Start, wide: &mut Start<Extended>) {
+pub(super) fn widen<V: Lanes>(plan: &Plan, start: &Start, gravity: &[f64; 3], wide: &mut Start<Extended>) {
     wide.take(start, Double::<V>::real);
     for (index, own) in plan.bodies.iter().enumerate() {
         straighten::<V>(own, &mut wide.axes);
         set_velocity::<V>(own, index, wide);
+        set_pivot::<V>(own, index, gravity, wide);
     }
 }
 
@@ -65,7 +67,7 @@ fn unit<V: Lanes>(axis: Vector<Double<V>>) -> Vector<Double<V>> {
 
 /// The start after the step that `stages` have solved, of which `end` has the rates.
 #[inline(always)]
-pub(super) fn carry<V: Lanes>(stages: &Stages<Double<V>>, end: &mut Start<Extended>) {
+pub(super) fn carry<V: Lanes>(stages: &Stages<Double<V>>, gravity: &[f64; 3], end: &mut Start<Extended>) {
     let (start, last) = (&stages.start, stages.coefficients.active - 1);
     let still = StagePose { w: Double::splat(1.0), u: Vector::zero(), anchor: Vector::zero() };
     for (index, (own, known)) in stages.plan.bodies.iter().zip(&start.bodies).enumerate() {
@@ -89,6 +91,7 @@ pub(super) fn carry<V: Lanes>(stages: &Stages<Double<V>>, end: &mut Start<Extend
             ..BodyStart::default()
         };
         set_velocity::<V>(own, index, end);
+        set_pivot::<V>(own, index, gravity, end);
     }
 }
 
@@ -107,6 +110,15 @@ fn turned_moments<V: Lanes>(pose: &StagePose<Double<V>>, sigma: &[Extended; 6], 
     };
     let [[xx, _, _], [xy, yy, _], [xz, yz, zz]] = [column(0), column(1), column(2)];
     [xx, xy, xz, yy, yz, zz]
+}
+
+/// What the equation of a body on a hinge that the world holds needs, if it is one, of which all else is known.
+#[inline(always)]
+fn set_pivot<V: Lanes>(own: &BodyPlan, index: usize, gravity: &[f64; 3], start: &mut Start<Extended>) {
+    if let Some(pivot) = own.pivot {
+        let (known, axis) = (&start.bodies[index], &start.axes[own.first_axis]);
+        start.pivots[pivot] = Pivot::new::<Double<V>>(known, axis, gravity);
+    }
 }
 
 /// The velocities of a body, of which all else is known, as are those of its parent.
