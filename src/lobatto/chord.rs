@@ -19,6 +19,7 @@ use super::numbers::{Arithmetic, Numbers};
 use super::pivot::pivot_torque;
 use super::plan::Plan;
 use super::residual::{body_residual, force_residual};
+use super::row_geometry::LookAhead;
 use super::rows::Rows;
 use super::stage::Stages;
 use super::start::{BodyStart, Start};
@@ -107,23 +108,31 @@ impl<V: Numbers> Stages<V> {
     /// `REFINED` with twice the digits of the coefficients, for the last iterations of a step that is iterated to rounding.
     #[inline(always)]
     pub fn sweep_wrenches<const REFINED: bool>(&mut self, gravity: &[f64; 3]) {
-        let (factors, rows) = self.rows::<REFINED, false>(gravity);
-        factors.gather(rows.plan, rows.start, &rows);
+        let (factors, rows, early) = self.rows::<REFINED, false>(gravity);
+        factors.gather(rows.plan, rows.start, &rows, early);
     }
 
     /// [`Stages::sweep_wrenches`] of a mechanism with forces, after [`Stages::sweep_applied`].
     #[inline(always)]
     pub fn sweep_forced_wrenches(&mut self, gravity: &[f64; 3]) {
-        let (factors, rows) = self.rows::<true, true>(gravity);
-        factors.gather(rows.plan, rows.start, &rows);
+        let (factors, rows, early) = self.rows::<true, true>(gravity);
+        factors.gather(rows.plan, rows.start, &rows, early);
     }
 }
 
 impl<V: Arithmetic> Factors<V> {
     /// Leaf to root, in the order of [`Factors::eliminate`].
     #[inline(always)]
-    fn gather<R: Rows<V>>(&mut self, plans: &Plan, start: &Start<V::Real>, rows: &R) {
+    fn gather<R: Rows<V>>(
+        &mut self,
+        plans: &Plan,
+        start: &Start<V::Real>,
+        rows: &R,
+        early: &mut LookAhead<V, R::Ahead>,
+    ) {
+        early.prepare(plans, start, rows, plans.bodies.len());
         for index in (0..plans.bodies.len()).rev() {
+            early.prepare(plans, start, rows, index);
             let plan = &plans.bodies[index];
             let known = &start.bodies[index];
             let rotations = plan.first_axis + plan.translations;
@@ -141,7 +150,7 @@ impl<V: Arithmetic> Factors<V> {
                 let force = force_residual(rows, index, known, rows.pose(index).anchor);
                 self.with_rest(plans, index, rows, Wrench { force, torque: Vector::zero() })
             } else {
-                let own = body_residual(rows, index, plan, known);
+                let own = body_residual(rows, index, plan, known, early);
                 let mut total = self.with_rest(plans, index, rows, Wrench { force: own.force, torque: own.torque });
                 if plan.rotation == FreeRotation::AboutZ {
                     let axis = Vector::splat(&start.axes[rotations]);

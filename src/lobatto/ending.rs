@@ -11,6 +11,7 @@ use super::numbers::{Arithmetic, Numbers};
 use super::pivot::turned_about;
 use super::plan::Plan;
 use super::residual::Turned;
+use super::row_geometry::LookAhead;
 use super::rows::{Rows, Steady, sums};
 use super::stage::{StagePose, Stages};
 use super::start::BodyStart;
@@ -44,7 +45,7 @@ impl<E: Arithmetic> Ending<E> {
             steady: stages.coefficients.steady(stages.step),
             momenta: self.weights.over(stages.step, gravity),
         };
-        self.factors.eliminate(&stages.plan, &stages.start, &rows);
+        self.factors.eliminate(&stages.plan, &stages.start, &rows, &mut LookAhead::new(()));
         self.factors.solve(
             &stages.plan,
             #[inline(always)]
@@ -92,6 +93,9 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> EndRows<'_, V, REFINED
 
 impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRows<'_, V, REFINED, FORCED> {
     const MOMENTA: bool = true;
+    const EARLY: bool = false;
+    /// Nothing: one lane alone takes the poses of all stages.
+    type Ahead = ();
     #[inline(always)]
     fn pose(&self, body: usize) -> StagePose<V::One> {
         let StagePose { w, u, anchor } = self.stages.poses[body];
@@ -115,13 +119,9 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
         Vector(self.weighed(ahead)).plus(Vector::splat(&known.velocity))
     }
     #[inline(always)]
-    fn motion(
-        &self,
-        body: usize,
-        known: &BodyStart<V::Real>,
-        _: Vector<V::One>,
-        _: Turned<V::One>,
-    ) -> (Vector<V::One>, Turned<V::One>) {
+    fn ahead(&self, _: &BodyStart<V::Real>, _: Vector<V::One>, _: Turned<V::One>) {}
+    #[inline(always)]
+    fn motion(&self, body: usize, known: &BodyStart<V::Real>, (): &()) -> (Vector<V::One>, Turned<V::One>) {
         let turned = self.stages.poses[body].turned();
         let ahead = self.steady.motion::<REFINED>(known, self.displaced(body, known), turned);
         let [x, y, z, turned @ ..] = self.weighed(ahead);

@@ -13,14 +13,13 @@ pub trait Lanes:
 {
     /// Number of lanes.
     const COUNT: usize;
-    /// Whether lanes are best read back from memory where every lane meets a number of its own: there they are operands of
-    /// multiplications, in a register they have to be shuffled first.
-    const READS_BACK: bool = false;
     /// Whether these vectors carry the most general sweeps alone, with forces and with twice the digits of the coefficients: few runs
     /// use them, and every sweep takes its share of the build. A condition that begins with it is known before anything in it is compiled.
     const GENERAL_ALONE: bool = false;
+    /// How they are mixed.
+    type Mixing: super::numbers::Mixing<Self>;
     /// `[f64; COUNT]`.
-    type Array: Copy + AsRef<[f64]> + AsMut<[f64]>;
+    type Array: Copy + Send + AsRef<[f64]> + AsMut<[f64]>;
     /// The same lanes in single precision, where those are cheaper.
     type Single: super::numbers::Numbers;
     /// Whether they are.

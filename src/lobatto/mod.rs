@@ -54,6 +54,7 @@ pub mod predictor;
 pub mod projection;
 pub mod residual;
 pub mod reversible;
+pub mod row_geometry;
 pub mod rows;
 mod sampling;
 pub mod stability;

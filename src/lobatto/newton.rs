@@ -2,7 +2,8 @@
 
 use super::coupled::{Coupled, Geometry, Space, joined};
 use super::lanes::{Lanes, in_lanes};
-use super::residual::body_residual;
+use super::residual::residual_of;
+use super::row_geometry::RowGeometry;
 use super::rows::Rows;
 use super::stage::{Stages, moved_rows};
 use crate::model::{Coordinate, Mechanism};
@@ -44,9 +45,10 @@ impl<V: Lanes> Newton<V> {
     pub fn residual(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3]) {
         let Newton { coupled, space, .. } = self;
         let square = V::splat(stages.step * stages.step);
-        let (_, rows) = stages.rows::<true, true>(gravity);
+        let (_, rows, _) = stages.rows::<true, true>(gravity);
         for (index, plan) in rows.plan.bodies.iter().enumerate() {
-            let own = body_residual(&rows, index, plan, &rows.start.bodies[index]);
+            let known = &rows.start.bodies[index];
+            let own = residual_of(&rows, index, plan, known, &RowGeometry::new(&rows, index, known));
             let anchor = space.anchor(rows.start, index, 1);
             let (mut force, mut torque) = (own.force, own.torque);
             if let Some(wrench) = rows.wrench(index) {

@@ -10,9 +10,12 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 mod double;
 mod fused;
+mod mixing;
 
 pub use double::Double;
 pub use fused::Fused;
+pub(super) use mixing::{InLines, Mixing, ReadBack, Shuffled, mix_from_memory, mix_stored_before};
+use mixing::{one_by_one, stored};
 
 /// The arithmetic of a step: of one number for each stage, or of one alone.
 pub trait Arithmetic:
@@ -57,6 +60,14 @@ pub trait Numbers: Arithmetic {
     fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
         one_by_one(values, columns)
     }
+    /// Whether what is mixed is better stored long before.
+    const STORES_EARLY: bool;
+    /// The stages one after the other, in memory.
+    type Stored: Copy + Send;
+    /// Several in memory.
+    fn store_all<const N: usize>(values: [Self; N]) -> InLines<Self::Stored, N>;
+    /// [`Numbers::mix`] of several that are in memory, to the same bits.
+    fn mix_stored<const N: usize>(values: &InLines<Self::Stored, N>, columns: &[Self]) -> [Self; N];
     /// Sums over the stages of several, `Σ_i weights[i] · value of stage i`, to the bits of [`Numbers::mix`] with these for all stages.
     fn weigh_all<const N: usize>(values: [Self; N], weights: &[Self::One]) -> [Self::One; N];
     /// One lane alone.
@@ -71,60 +82,6 @@ pub trait Numbers: Arithmetic {
     /// `cos(φ/2)` and `sin(φ/2)/φ` from `φ²`, for `φ ≤` [`MAX_TURN`](super::stage::MAX_TURN), or `φ ≤` [`FEW`](super::turns::FEW) where
     /// few terms are asked for.
     fn half_angle(square: Self, few: bool) -> (Self, Self);
-}
-
-/// [`Numbers::mix`] of one after the other.
-#[inline(always)]
-fn one_by_one<V: Numbers, const N: usize>(mut values: [V; N], columns: &[V]) -> [V; N] {
-    let mut index = 0;
-    while index < N {
-        values[index] = values[index].mix(columns);
-        index += 1;
-    }
-    values
-}
-
-/// Arrays from the border of a cache line on: what is stored over a border comes back late.
-#[repr(align(64))]
-pub(super) struct InLines<A, const N: usize>(pub [A; N]);
-
-/// [`Numbers::mix`] of several, the lanes of which are read back from memory, to the same bits; or of one lane of the columns alone.
-#[inline(always)]
-pub(super) fn mix_from_memory<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize>(
-    arrays: &InLines<A, N>,
-    columns: &[V],
-) -> [V; N] {
-    // The compiler would see that they come from registers, and shuffle.
-    let InLines(arrays) = std::hint::black_box(arrays);
-    let mut sums = [V::zero(); N];
-    let mut value = 0;
-    while value < N {
-        sums[value] = columns[0] * V::whole(arrays[value].as_ref()[0]);
-        value += 1;
-    }
-    let mut lane = 1;
-    while lane < arrays[0].as_ref().len() {
-        let column = columns[lane];
-        let mut value = 0;
-        while value < N {
-            sums[value] = column.mul_add(V::whole(arrays[value].as_ref()[lane]), sums[value]);
-            value += 1;
-        }
-        lane += 1;
-    }
-    sums
-}
-
-/// Several values where lanes are read back from.
-#[inline(always)]
-fn stored<V: Lanes, const N: usize>(values: [V; N]) -> InLines<V::Array, N> {
-    let mut arrays = InLines([V::zero_array(); N]);
-    let mut value = 0;
-    while value < N {
-        arrays.0[value] = values[value].to_array();
-        value += 1;
-    }
-    arrays
 }
 
 impl<V: Lanes> Arithmetic for V {
@@ -174,7 +131,17 @@ impl<V: Lanes> Numbers for V {
     }
     #[inline(always)]
     fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
-        if V::READS_BACK { mix_from_memory(&stored(values), columns) } else { one_by_one(values, columns) }
+        V::Mixing::mix_all(values, columns)
+    }
+    const STORES_EARLY: bool = <V::Mixing as Mixing<V>>::EARLY;
+    type Stored = <V::Mixing as Mixing<V>>::Stored;
+    #[inline(always)]
+    fn store_all<const N: usize>(values: [Self; N]) -> InLines<Self::Stored, N> {
+        V::Mixing::store_all(values)
+    }
+    #[inline(always)]
+    fn mix_stored<const N: usize>(values: &InLines<Self::Stored, N>, columns: &[Self]) -> [Self; N] {
+        V::Mixing::mix_stored(values, columns)
     }
     #[inline(always)]
     fn weigh_all<const N: usize>(values: [Self; N], weights: &[Self::One]) -> [Self::One; N] {

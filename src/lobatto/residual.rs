@@ -23,6 +23,7 @@ use super::algebra::{Matrix, Symmetric, Vector};
 use super::articulated::Articulated;
 use super::numbers::Arithmetic;
 use super::plan::BodyPlan;
+use super::row_geometry::{LookAhead, RowGeometry};
 use super::rows::Rows;
 use super::start::BodyStart;
 
@@ -90,20 +91,36 @@ pub fn body_residual<V: Arithmetic, R: Rows<V>>(
     body: usize,
     plan: &BodyPlan,
     known: &BodyStart<V::Real>,
+    early: &LookAhead<V, R::Ahead>,
 ) -> BodyResidual<V> {
-    let pose = rows.pose(body);
-    let turned = pose.turned();
-    let turn = turned.matrix();
-    let com = Vector::splat(&known.com);
-    let swing = turn.apply(com);
-    let displaced = swing.plus(pose.anchor);
-    // From here on: the geometry of the rows.
+    let now;
+    let geometry = if R::EARLY {
+        early.at(body)
+    } else {
+        now = RowGeometry::new(rows, body, known);
+        &now
+    };
+    residual_of(rows, body, plan, known, geometry)
+}
+
+/// The same of a body that has moved so.
+#[inline(always)]
+pub fn residual_of<V: Arithmetic, R: Rows<V>>(
+    rows: &R,
+    body: usize,
+    plan: &BodyPlan,
+    known: &BodyStart<V::Real>,
+    geometry: &RowGeometry<V, R::Ahead>,
+) -> BodyResidual<V> {
+    let &RowGeometry { ref ahead, com } = geometry;
+    let turn = rows.pose(body).increment();
     let turn = if R::MOMENTA { turn } else { turn.times(rows.moved()) };
-    let com = swing.times_plus(rows.moved(), com);
     let (force, (own, torque)) = if plan.point {
+        let pose = rows.pose(body);
+        let displaced = pose.increment().apply(Vector::splat(&known.com)).plus(pose.anchor);
         (force_residual(rows, body, known, displaced), (Symmetric::zero(), Vector::zero()))
     } else {
-        let (path, mixed) = rows.motion(body, known, displaced, turned);
+        let (path, mixed) = rows.motion(body, known, ahead);
         (force_along(rows, known, path), rotational_residual(plan.spherical, known, &turn, &mixed.matrix()))
     };
     let torque = if R::MOMENTA { torque.times(V::splat(-1.0)) } else { torque };

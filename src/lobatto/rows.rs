@@ -6,7 +6,7 @@
 use super::algebra::Vector;
 use super::applied::Applied;
 use super::articulated::Push;
-use super::numbers::{Arithmetic, Numbers};
+use super::numbers::{Arithmetic, InLines, Numbers};
 use super::plan::Plan;
 use super::residual::Turned;
 use super::stage::{Coefficients, MAX_LANES, StagePose, rotation_vector};
@@ -28,14 +28,14 @@ pub trait Rows<V: Arithmetic> {
     fn gravity(&self) -> Vector<V>;
     /// The mixed path of a centre of mass that has been `displaced` in these rows (m); for momenta its velocity [m/s], which needs all stages.
     fn path(&self, body: usize, known: &BodyStart<V::Real>, displaced: Vector<V>) -> Vector<V>;
-    /// [`Rows::path`], and the mixed turn of a body that has turned so far in these rows; for momenta its rate [1/s].
-    fn motion(
-        &self,
-        body: usize,
-        known: &BodyStart<V::Real>,
-        displaced: Vector<V>,
-        turned: Turned<V>,
-    ) -> (Vector<V>, Turned<V>);
+    /// Whether it is worked out a body early what is to be mixed ([`super::row_geometry`]).
+    const EARLY: bool;
+    /// What is to be mixed of a body.
+    type Ahead: Copy;
+    /// That of a body that has moved so far in these rows.
+    fn ahead(&self, known: &BodyStart<V::Real>, displaced: Vector<V>, turned: Turned<V>) -> Self::Ahead;
+    /// [`Rows::path`], and the mixed turn of a body; for momenta its rate [1/s].
+    fn motion(&self, body: usize, known: &BodyStart<V::Real>, ahead: &Self::Ahead) -> (Vector<V>, Turned<V>);
     /// The mixed sine and versine of a body that turned at this rate about this axis and has `turned` so far in these rows
     /// ([`super::pivot`]); for momenta their rates [1/s].
     fn swing(&self, body: usize, axis: &[V::Real; 3], rate: V::Real, turned: [V; 2]) -> [V; 2];
@@ -147,6 +147,9 @@ pub(super) fn sums<V: Arithmetic, const N: usize>(mut values: [V; N], others: [V
     values
 }
 
+/// Twelve numbers of a body, in memory.
+pub type Stored<V> = InLines<<V as Numbers>::Stored, 12>;
+
 /// The rows of all stages, with (`FORCED`) or without forces besides gravity, `REFINED` with twice the digits of the coefficients.
 pub struct StageRows<'s, V: Numbers, const REFINED: bool, const FORCED: bool> {
     /// What is common to all bodies.
@@ -167,6 +170,8 @@ pub struct StageRows<'s, V: Numbers, const REFINED: bool, const FORCED: bool> {
 
 impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V> for StageRows<'_, V, REFINED, FORCED> {
     const MOMENTA: bool = false;
+    const EARLY: bool = V::STORES_EARLY;
+    type Ahead = Stored<V>;
     #[inline(always)]
     fn pose(&self, body: usize) -> StagePose<V> {
         self.poses[body]
@@ -188,16 +193,14 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V> for StageRows<
         Vector(self.sweep.mixed::<REFINED, 3>(self.sweep.steady.path::<REFINED>(known, displaced)))
     }
     #[inline(always)]
-    fn motion(
-        &self,
-        _: usize,
-        known: &BodyStart<V::Real>,
-        displaced: Vector<V>,
-        turned: Turned<V>,
-    ) -> (Vector<V>, Turned<V>) {
-        // All at once: what is mixed waits for memory.
-        let ahead = self.sweep.steady.motion::<REFINED>(known, displaced, turned);
-        let [x, y, z, turned @ ..] = self.sweep.mixed::<REFINED, 12>(ahead);
+    fn ahead(&self, known: &BodyStart<V::Real>, displaced: Vector<V>, turned: Turned<V>) -> Self::Ahead {
+        V::store_all(self.sweep.steady.motion::<REFINED>(known, displaced, turned))
+    }
+    #[inline(always)]
+    fn motion(&self, _: usize, _: &BodyStart<V::Real>, ahead: &Self::Ahead) -> (Vector<V>, Turned<V>) {
+        let mixed = V::mix_stored(ahead, self.sweep.columns);
+        let mixed = if REFINED { sums(mixed, V::mix_stored(ahead, self.sweep.rest)) } else { mixed };
+        let [x, y, z, turned @ ..] = mixed;
         (Vector([x, y, z]), Turned::joined(turned))
     }
     #[inline(always)]

@@ -18,6 +18,8 @@ use super::numbers::{Arithmetic, Numbers};
 use super::plan::Plan;
 use super::predictor::Unknowns;
 use super::residual::Turned;
+use super::row_geometry::LookAhead;
+use super::rows::Stored;
 use super::start::Start;
 use super::sweeps::Factors;
 use super::tableau::Tableau;
@@ -135,6 +137,8 @@ pub struct Stages<V: Numbers> {
     pub poses: Vec<StagePose<V>>,
     /// What the Newton step leaves.
     pub factors: Factors<V>,
+    /// What a sweep knows of the next body.
+    pub early: LookAhead<V, Stored<V>>,
     /// Forces besides gravity, if the mechanism has any.
     pub applied: Option<Box<Applied<V>>>,
     /// Length of the step (s).
@@ -158,6 +162,7 @@ impl<V: Numbers> Stages<V> {
             increment: vec![V::zero(); freedoms],
             poses: vec![StagePose { w: V::splat(1.0), u: Vector::zero(), anchor: Vector::zero() }; bodies],
             factors: Factors::new(&plan, freedoms),
+            early: LookAhead::new(V::store_all([V::zero(); 12])),
             applied: None,
             start: Start::with_units(mechanism),
             plan,

@@ -24,7 +24,8 @@ use super::numbers::{Arithmetic, Numbers};
 use super::pivot::pivot_torque;
 use super::plan::{BodyPlan, Children, Plan};
 use super::residual::{body_residual, force_residual};
-use super::rows::{Rows, StageRows};
+use super::row_geometry::LookAhead;
+use super::rows::{Rows, StageRows, Stored};
 use super::stage::Stages;
 use super::start::{BodyStart, Start};
 use super::turns::{rotate_increment, tilted_by};
@@ -46,16 +47,16 @@ impl<V: Numbers> Stages<V> {
     /// Residual and articulated factorisation of all rows, leaf to root, after [`Stages::sweep_poses`].
     #[inline(always)]
     pub fn sweep_residual(&mut self, gravity: &[f64; 3]) {
-        let (factors, rows) = self.rows::<false, false>(gravity);
-        factors.eliminate(rows.plan, rows.start, &rows);
+        let (factors, rows, early) = self.rows::<false, false>(gravity);
+        factors.eliminate(rows.plan, rows.start, &rows, early);
     }
 
     /// [`Stages::sweep_residual`] of a mechanism with forces, after [`Stages::sweep_applied`]; always refined, which costs less
     /// than one more copy of the sweep.
     #[inline(always)]
     pub fn sweep_forced_residual(&mut self, gravity: &[f64; 3]) {
-        let (factors, rows) = self.rows::<true, true>(gravity);
-        factors.eliminate(rows.plan, rows.start, &rows);
+        let (factors, rows, early) = self.rows::<true, true>(gravity);
+        factors.eliminate(rows.plan, rows.start, &rows, early);
     }
 
     /// The rows of all stages, and where their factors go.
@@ -63,10 +64,10 @@ impl<V: Numbers> Stages<V> {
     pub(super) fn rows<const REFINED: bool, const FORCED: bool>(
         &mut self,
         gravity: &[f64; 3],
-    ) -> (&mut Factors<V>, StageRows<'_, V, REFINED, FORCED>) {
-        let Stages { factors, coefficients, plan, start, poses, displacement, applied, step, .. } = self;
+    ) -> (&mut Factors<V>, StageRows<'_, V, REFINED, FORCED>, &mut LookAhead<V, Stored<V>>) {
+        let Stages { factors, coefficients, plan, start, poses, displacement, applied, step, early, .. } = self;
         let (sweep, step) = (coefficients.residual_sweep(*step, gravity), *step);
-        (factors, StageRows { sweep, plan, start, poses, displacement, applied: applied.as_deref(), step })
+        (factors, StageRows { sweep, plan, start, poses, displacement, applied: applied.as_deref(), step }, early)
     }
 
     /// Root to leaf: `α` of every degree of freedom, mixed into the increments; the largest increment in each lane.
@@ -108,8 +109,16 @@ impl<V: Arithmetic> Factors<V> {
     /// Leaf to root. What branches of the code had in common would be kept on the stack, 27 registers of it: so what children leave is
     /// added from wherever it is, and the joint that is most common goes straight through.
     #[inline(always)]
-    pub fn eliminate<R: Rows<V>>(&mut self, plans: &Plan, start: &Start<V::Real>, rows: &R) {
+    pub fn eliminate<R: Rows<V>>(
+        &mut self,
+        plans: &Plan,
+        start: &Start<V::Real>,
+        rows: &R,
+        early: &mut LookAhead<V, R::Ahead>,
+    ) {
+        early.prepare(plans, start, rows, plans.bodies.len());
         for index in (0..plans.bodies.len()).rev() {
+            early.prepare(plans, start, rows, index);
             let plan = &plans.bodies[index];
             let known = &start.bodies[index];
             let below = plans.below(index);
@@ -135,7 +144,7 @@ impl<V: Arithmetic> Factors<V> {
                 collect(plans, plan, &mut self.slots, &total);
                 continue;
             }
-            let residual = body_residual(rows, index, plan, known);
+            let residual = body_residual(rows, index, plan, known, early);
             let turn = residual.turn;
             let mut own = residual.with_inertia();
             if let Some((force, torque)) = rows.wrench(index) {

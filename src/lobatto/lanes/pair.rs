@@ -25,7 +25,7 @@ macro_rules! pair {
         operators!(Pair<$half, $count>,);
         impl Lanes for Pair<$half, $count> {
             const COUNT: usize = $count;
-            const READS_BACK: bool = <$half>::READS_BACK;
+            type Mixing = <$half as Lanes>::Mixing;
             type Array = [f64; $count];
             type One = <$half as Lanes>::One;
             $($own)*

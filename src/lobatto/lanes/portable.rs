@@ -52,6 +52,7 @@ where
 {
     const COUNT: usize = N;
     const GENERAL_ALONE: bool = Self::CALLED;
+    type Mixing = crate::lobatto::numbers::Shuffled;
     type Array = [f64; N];
     type One = Portable<1>;
     double_alone!();

@@ -3,7 +3,7 @@
 //! Its operations are the same with AVX2 and with AVX-512, to the bit.
 
 use super::{Add, Mul, Neg, Single, Sub};
-use crate::lobatto::numbers::{Arithmetic, InLines, Numbers, mix_from_memory};
+use crate::lobatto::numbers::{Arithmetic, InLines, Numbers, mix_from_memory, mix_stored_before};
 use crate::lobatto::turns::half_angle_single;
 
 operators!(Single,);
@@ -60,13 +60,23 @@ impl Numbers for Single {
     }
     #[inline(always)]
     fn mix_all<const N: usize>(values: [Self; N], columns: &[Self]) -> [Self; N] {
+        mix_from_memory(&Self::store_all(values), columns)
+    }
+    const STORES_EARLY: bool = true;
+    type Stored = [f32; 8];
+    #[inline(always)]
+    fn store_all<const N: usize>(values: [Self; N]) -> InLines<[f32; 8], N> {
         let mut arrays = InLines([[0.0; 8]; N]);
         let mut value = 0;
         while value < N {
             arrays.0[value] = values[value].to_array();
             value += 1;
         }
-        mix_from_memory(&arrays, columns)
+        arrays
+    }
+    #[inline(always)]
+    fn mix_stored<const N: usize>(values: &InLines<[f32; 8], N>, columns: &[Self]) -> [Self; N] {
+        mix_stored_before(values, columns)
     }
     #[inline(always)]
     fn weigh_all<const N: usize>(values: [Self; N], weights: &[Self]) -> [Self; N] {

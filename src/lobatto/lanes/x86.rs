@@ -10,7 +10,7 @@
 //!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
 
 use super::{Add, Lanes, Mul, Neg, Portable, Sub};
-use crate::lobatto::numbers::Fused;
+use crate::lobatto::numbers::{Fused, ReadBack, Shuffled};
 use std::arch::x86_64::*;
 
 /// Makes the frame of the function that this is inlined into begin at the border of a cache line. The compiler decides on that before it
@@ -25,7 +25,7 @@ fn align_frame() {
 }
 
 macro_rules! vector {
-    ($(#[$doc:meta])* $name:ident, $raw:ty, $count:literal, $reads_back:literal, $features:literal,
+    ($(#[$doc:meta])* $name:ident, $raw:ty, $count:literal, $mixing:ident, $features:literal,
      $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:expr, $fnmadd:expr,
      $max_abs:expr, { $($precision:tt)* }) => {
         $(#[$doc])*
@@ -54,7 +54,7 @@ macro_rules! vector {
 
         impl Lanes for $name {
             const COUNT: usize = $count;
-            const READS_BACK: bool = $reads_back;
+            type Mixing = $mixing;
             type Array = [f64; $count];
             $($precision)*
             #[inline(always)]
@@ -125,7 +125,7 @@ macro_rules! vector {
 
 vector!(
     /// Two lanes in a 128-bit register without AVX2, where a product is rounded before it is added to.
-    Sse2, __m128d, 2, false, "sse2",
+    Sse2, __m128d, 2, Shuffled, "sse2",
     _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd,
     |a, b, c| _mm_add_pd(_mm_mul_pd(a, b), c), |a, b, c| _mm_sub_pd(c, _mm_mul_pd(a, b)),
     |a, b| {
@@ -146,7 +146,7 @@ vector!(
 );
 vector!(
     /// Two lanes in a 128-bit register.
-    Avx128, __m128d, 2, false, "avx2,fma",
+    Avx128, __m128d, 2, Shuffled, "avx2,fma",
     _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_fmadd_pd, _mm_fnmadd_pd,
     |a, b| {
         let size = _mm_andnot_pd(_mm_set1_pd(-0.0), a);
@@ -160,7 +160,7 @@ vector!(
 );
 vector!(
     /// Four lanes in a 256-bit register.
-    Avx256, __m256d, 4, false, "avx2,fma",
+    Avx256, __m256d, 4, Shuffled, "avx2,fma",
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
     _mm256_fmadd_pd, _mm256_fnmadd_pd,
     |a, b| {
@@ -175,7 +175,7 @@ vector!(
 );
 vector!(
     /// Eight lanes in a 512-bit register.
-    Avx512, __m512d, 8, true, "avx512f,avx512vl,avx2,fma",
+    Avx512, __m512d, 8, ReadBack, "avx512f,avx512vl,avx2,fma",
     _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
     _mm512_fmadd_pd, _mm512_fnmadd_pd,
     |a, b| _mm512_castsi512_pd(_mm512_max_epi64(_mm512_castpd_si512(_mm512_abs_pd(a)), _mm512_castpd_si512(b))),

@@ -9,7 +9,7 @@
 //! The error of a sum is some 2⁻¹⁰⁵ ≈ 2e-32 of the larger operand, not of the sum: what cancels has lost those digits before, as in any
 //! sum of doubles. Source: T. J. Dekker, Numerische Mathematik 18 (1971); Y. Hida, X. Li and D. Bailey, ARITH-15 (2001), section 3.
 
-use super::{Arithmetic, Numbers};
+use super::{Arithmetic, InLines, Numbers};
 use crate::lobatto::extended::Extended;
 use crate::lobatto::lanes::Lanes;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -162,6 +162,14 @@ impl<V: Lanes> Numbers for Double<V> {
             }
             mixed
         })
+    }
+    const STORES_EARLY: bool = false;
+    type Stored = Self;
+    fn store_all<const N: usize>(values: [Self; N]) -> InLines<Self, N> {
+        InLines(values)
+    }
+    fn mix_stored<const N: usize>(InLines(values): &InLines<Self, N>, columns: &[Self]) -> [Self; N] {
+        Self::mix_all(*values, columns)
     }
     #[inline(always)]
     fn weigh_all<const N: usize>(values: [Self; N], weights: &[Self]) -> [Self; N] {

@@ -1,0 +1,124 @@
+//! Mixing the stages of vectors, `Σ_i columns[i] · self[i]`: every lane meets a column of its own.
+//!
+//! Out of a register a lane has to be shuffled first. In memory it is an operand of the multiplication ([`ReadBack`]), which costs less where a
+//! register has many lanes; but then the multiplication waits for what was just stored, unless that was long before ([`Numbers::STORES_EARLY`]).
+//! Either way the products are added up in the same order, to the same bits.
+
+use super::{Arithmetic, Lanes, Numbers};
+
+/// Arrays from the border of a cache line on: what is stored over a border comes back late.
+#[repr(align(64))]
+#[derive(Clone, Copy)]
+pub struct InLines<A, const N: usize>(pub [A; N]);
+
+/// How vectors are mixed.
+pub trait Mixing<V: Lanes> {
+    /// What [`Numbers::STORES_EARLY`] says of them.
+    const EARLY: bool;
+    /// What they are in memory.
+    type Stored: Copy + Send;
+    /// [`Numbers::mix_all`].
+    fn mix_all<const N: usize>(values: [V; N], columns: &[V]) -> [V; N];
+    /// [`Numbers::store_all`].
+    fn store_all<const N: usize>(values: [V; N]) -> InLines<Self::Stored, N>;
+    /// [`Numbers::mix_stored`].
+    fn mix_stored<const N: usize>(values: &InLines<Self::Stored, N>, columns: &[V]) -> [V; N];
+}
+
+/// Lanes are read back from memory.
+pub struct ReadBack;
+
+impl<V: Lanes> Mixing<V> for ReadBack {
+    const EARLY: bool = true;
+    type Stored = V::Array;
+    #[inline(always)]
+    fn mix_all<const N: usize>(values: [V; N], columns: &[V]) -> [V; N] {
+        mix_from_memory(&stored(values), columns)
+    }
+    #[inline(always)]
+    fn store_all<const N: usize>(values: [V; N]) -> InLines<V::Array, N> {
+        stored(values)
+    }
+    #[inline(always)]
+    fn mix_stored<const N: usize>(values: &InLines<V::Array, N>, columns: &[V]) -> [V; N] {
+        mix_stored_before(values, columns)
+    }
+}
+
+/// Lanes are shuffled in registers.
+pub struct Shuffled;
+
+impl<V: Lanes> Mixing<V> for Shuffled {
+    const EARLY: bool = false;
+    type Stored = V;
+    #[inline(always)]
+    fn mix_all<const N: usize>(values: [V; N], columns: &[V]) -> [V; N] {
+        one_by_one(values, columns)
+    }
+    #[inline(always)]
+    fn store_all<const N: usize>(values: [V; N]) -> InLines<V, N> {
+        InLines(values)
+    }
+    #[inline(always)]
+    fn mix_stored<const N: usize>(InLines(values): &InLines<V, N>, columns: &[V]) -> [V; N] {
+        one_by_one(*values, columns)
+    }
+}
+
+/// [`Numbers::mix`] of one after the other.
+#[inline(always)]
+pub(super) fn one_by_one<V: Numbers, const N: usize>(mut values: [V; N], columns: &[V]) -> [V; N] {
+    let mut index = 0;
+    while index < N {
+        values[index] = values[index].mix(columns);
+        index += 1;
+    }
+    values
+}
+
+/// [`Numbers::mix`] of several, the lanes of which are read back from memory, to the same bits; or of one lane of the columns alone.
+#[inline(always)]
+pub(in crate::lobatto) fn mix_from_memory<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize>(
+    arrays: &InLines<A, N>,
+    columns: &[V],
+) -> [V; N] {
+    // The compiler would see that they come from registers, and shuffle.
+    mix_stored_before(std::hint::black_box(arrays), columns)
+}
+
+/// [`mix_from_memory`] of what was stored where the compiler does not see it.
+#[inline(always)]
+pub(in crate::lobatto) fn mix_stored_before<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize>(
+    InLines(arrays): &InLines<A, N>,
+    columns: &[V],
+) -> [V; N] {
+    let mut sums = [V::zero(); N];
+    let mut value = 0;
+    while value < N {
+        sums[value] = columns[0] * V::whole(arrays[value].as_ref()[0]);
+        value += 1;
+    }
+    let mut lane = 1;
+    while lane < arrays[0].as_ref().len() {
+        let column = columns[lane];
+        let mut value = 0;
+        while value < N {
+            sums[value] = column.mul_add(V::whole(arrays[value].as_ref()[lane]), sums[value]);
+            value += 1;
+        }
+        lane += 1;
+    }
+    sums
+}
+
+/// Several values where lanes are read back from.
+#[inline(always)]
+pub(super) fn stored<V: Lanes, const N: usize>(values: [V; N]) -> InLines<V::Array, N> {
+    let mut arrays = InLines([V::zero_array(); N]);
+    let mut value = 0;
+    while value < N {
+        arrays.0[value] = values[value].to_array();
+        value += 1;
+    }
+    arrays
+}
