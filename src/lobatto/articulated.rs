@@ -124,11 +124,12 @@ impl<V: Arithmetic> Articulated<V> {
         self.eliminate(axis, force, torque, inverse, bias)
     }
 
-    /// The solution for a rotation about `axis` of a body that the world holds, with inertia and bias torque of its own about that axis.
+    /// The solution for a rotation about `axis` of a body that the world holds, with inertia and bias torque of its own about that axis,
+    /// and without forces in the joint.
     #[inline(always)]
-    pub fn solve_pivot(&self, axis: Vector<V>, inertia: V, torque: V, push: Option<Push<V>>) -> Eliminated<V> {
-        let inverse = resisting(axis.dot_plus(self.inertia.apply(axis), inertia), push).reciprocal();
-        let bias = unbalanced(axis.dot_plus(self.torque, torque), push, inverse);
+    pub fn solve_pivot(&self, axis: Vector<V>, inertia: V, torque: V) -> Eliminated<V> {
+        let inverse = axis.dot_plus(self.inertia.apply(axis), inertia).reciprocal();
+        let bias = unbalanced(axis.dot_plus(self.torque, torque), None, inverse);
         Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias, inverse }
     }
 

@@ -143,7 +143,7 @@ impl<V: Arithmetic> Factors<V> {
                 let load = axis.dot_plus(self.slots[plans.below(index)].torque, torque);
                 let joint = &mut self.eliminated[rotations];
                 joint.axis = axis;
-                joint.bias = -(less_push(load, rows.push(rotations)) * joint.inverse);
+                joint.bias = -(load * joint.inverse);
                 continue;
             }
             let mut total = if plan.slides {

@@ -5,7 +5,7 @@
 //!     repeat:  poses of all stages from θ                 stage.rs         g(Q_i) = 0 to rounding at every iterate
 //!                                                         first.rs         in single precision at first
 //!              forces F_k, if there are any               applied.rs
-//!              residual ρ_k, factors of H(q_k)            residual.rs, articulated.rs
+//!              residual ρ_k, factors of H(q_k)            residual.rs, pivot.rs, articulated.rs
 //!              or ρ_k alone, with factors kept            chord.rs
 //!              δ_i = Σ_k Â_ik α_k,  H(q_k) α_k = −ρ_k     sweeps.rs
 //!              θ ← Anderson(θ, δ)                         anderson.rs

@@ -1,7 +1,7 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
 //! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`plan`], [`start`], [`stage`] and [`turns`] (poses
-//! of all stages), [`rows`], [`residual`], [`applied_plan`], [`applied_motion`] and [`applied`] (forces), [`articulated`], [`sweeps`], [`chord`] and [`first`]
+//! of all stages), [`rows`], [`row_geometry`], [`residual`], [`pivot`], [`applied_plan`], [`applied_motion`] and [`applied`] (forces), [`articulated`], [`sweeps`], [`chord`] and [`first`]
 //! (the stage equations and their solve), [`momenta`] and [`ending`] (the velocities at the end), [`planar`] (the same in a plane), [`precise`] (the same to 32 digits),
 //! [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
 //! (step length), [`stage_choice`] (how many stages), [`stability`], [`watch`], [`modes`], [`fastest`], [`dynamics`] and [`linearised`] (what they need

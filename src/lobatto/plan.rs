@@ -1,8 +1,9 @@
 //! The plan of the sweeps over a tree: where every body hangs, which axes are free, where what its children leave is gathered, and what is
 //! known to vanish.
 
-use super::pivot::is_pivoted;
-use crate::model::{FreeRotation, JointKind, Mechanism, Rule, point_bodies, sliding_bodies, spherical_bodies};
+use crate::model::{
+    FreeRotation, JointKind, Mechanism, Rule, pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies,
+};
 
 /// What receives the articulated inertia of a body's children, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,8 +121,6 @@ impl Plan {
             })
             .collect();
         plans.reverse();
-        let pivoted = plans.iter_mut().zip(&mechanism.bodies).filter(|(_, body)| is_pivoted(body));
-        pivoted.enumerate().for_each(|(pivot, (own, _))| own.pivot = Some(pivot));
         Plan { bodies: plans, slots }
     }
 
@@ -140,6 +139,10 @@ impl Plan {
         }
         if !kept.contains(&Rule::Spheres) {
             plan.bodies.iter_mut().zip(spherical_bodies(mechanism)).for_each(|(own, round)| own.spherical = round);
+        }
+        if !kept.contains(&Rule::Pivots) {
+            let pivoted = plan.bodies.iter_mut().zip(pivoted_bodies(mechanism)).filter(|(_, pivoted)| *pivoted);
+            pivoted.enumerate().for_each(|(pivot, (own, _))| own.pivot = Some(pivot));
         }
         plan
     }

@@ -16,12 +16,12 @@
 
 use super::applied_plan::AppliedStart;
 use super::lanes::{Lanes, Portable};
-use super::pivot::{Pivot, is_pivoted};
+use super::pivot::Pivot;
 use crate::closures::mimic_gap;
 use crate::forces::total::stored;
 use crate::invariants::Energy;
 use crate::kinematics::{Placed, WORLD, place};
-use crate::model::{FreeRotation, Mechanism};
+use crate::model::{FreeRotation, Mechanism, pivoted_bodies};
 use crate::small::{column, times};
 use crate::state::{BodyState, State};
 
@@ -59,6 +59,8 @@ pub struct Start<R = f64> {
     /// Energy of the state.
     pub energy: Energy,
     states: Vec<BodyState>,
+    /// The bodies of `pivots`.
+    pivoted: Vec<usize>,
     /// Whether every step has its own unit of mass.
     own_unit: bool,
 }
@@ -66,9 +68,12 @@ pub struct Start<R = f64> {
 impl<R: Copy + Default> Start<R> {
     /// Room for the start of a step.
     pub fn new(mechanism: &Mechanism) -> Self {
+        let pivoted = pivoted_bodies(mechanism).into_iter().enumerate().filter(|(_, pivoted)| *pivoted);
+        let pivoted: Vec<usize> = pivoted.map(|(body, _)| body).collect();
         Start {
             bodies: vec![BodyStart::default(); mechanism.bodies.len()],
-            pivots: vec![Pivot::default(); mechanism.bodies.iter().filter(|body| is_pivoted(body)).count()],
+            pivots: vec![Pivot::default(); pivoted.len()],
+            pivoted,
             axes: vec![[R::default(); 3]; mechanism.velocity_count],
             rates: vec![R::default(); mechanism.velocity_count],
             mimic_gaps: vec![0.0; mechanism.mimics.len()],
@@ -144,7 +149,6 @@ impl Start {
         self.rates.copy_from_slice(&state.velocity);
         let mut energy = Energy::default();
         let per_unit = if self.own_unit { units_per_kilogram(&state.velocity) } else { 1.0 };
-        let mut pivot = 0;
         for (index, body) in mechanism.bodies.iter().enumerate() {
             let joint = &body.joint;
             let parent = body.parent.map_or(WORLD, |parent| self.states[parent]);
@@ -200,11 +204,10 @@ impl Start {
                 self.axes[slot] = times(&own.rotation, &column(joint.on_child.rotation.matrix(), axis)).into();
                 slot += 1;
             }
-            if is_pivoted(body) {
-                let (known, axis) = (&self.bodies[index], &self.axes[joint.velocity_index]);
-                self.pivots[pivot] = Pivot::new::<Portable<1>>(known, axis, &mechanism.gravity.into());
-                pivot += 1;
-            }
+        }
+        for (pivot, &body) in self.pivots.iter_mut().zip(&self.pivoted) {
+            let axis = &self.axes[mechanism.bodies[body].joint.velocity_index];
+            *pivot = Pivot::new::<Portable<1>>(&self.bodies[body], axis, &mechanism.gravity.into());
         }
         mimic_gaps(mechanism, state, &mut self.mimic_gaps);
         if !mechanism.forces.is_empty() {

@@ -127,7 +127,7 @@ impl<V: Arithmetic> Factors<V> {
                 let (own, freedom) = (&start.pivots[pivot], plan.first_axis);
                 let torque = pivot_torque(rows, index, own, &start.axes[freedom], start.rates[freedom]);
                 let (axis, inertia) = (Vector::splat(&start.axes[freedom]), V::whole(own.inertia));
-                self.eliminated[freedom] = self.slots[below].solve_pivot(axis, inertia, torque, rows.push(freedom));
+                self.eliminated[freedom] = self.slots[below].solve_pivot(axis, inertia, torque);
                 continue;
             }
             if plan.slides {

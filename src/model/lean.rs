@@ -4,13 +4,14 @@
 //!     sliding:   every joint between the body and the world only slides:   R = R₀,   ω = 0,   J never counts
 //!     a point:   J = 0:   no angular momentum about the centre of mass
 //!     a sphere:  J = 2σ 1:   J is the same in every orientation
+//!     a pivot:   a hinge holds the body to the world:   nothing but its turn about the axis a is left, with aᵀ J a
 //! ```
 //!
-//! All hold in every state, whatever the forces. Spheres are made use of only under gravity alone: where the unit of mass is the
-//! same in every step, an inertia that never changes rounds to one side ([`crate::lobatto::start`]).
+//! All hold in every state, whatever the forces. Spheres and pivots are made use of only under gravity alone: where the unit of mass
+//! is the same in every step, an inertia that never changes rounds to one side ([`crate::lobatto::start`]).
 
-use super::joint::FreeRotation;
-use super::mechanism::Mechanism;
+use super::joint::{FreeRotation, JointKind};
+use super::mechanism::{Body, Mechanism};
 use nalgebra::Vector3;
 
 /// For each body whether it never turns.
@@ -36,4 +37,11 @@ pub fn spherical_bodies(mechanism: &Mechanism) -> Vec<bool> {
 /// For each body whether its mass is at a point, or nowhere.
 pub fn point_bodies(mechanism: &Mechanism) -> Vec<bool> {
     mechanism.bodies.iter().map(|body| body.inertia == Vector3::zeros()).collect()
+}
+
+/// For each body whether a hinge holds it to the world, which counts where gravity alone acts on a tree.
+pub fn pivoted_bodies(mechanism: &Mechanism) -> Vec<bool> {
+    let plain = mechanism.is_plain_tree();
+    let held = |body: &Body| body.parent.is_none() && body.joint.kind == JointKind::Revolute;
+    mechanism.bodies.iter().map(|body| plain && held(body)).collect()
 }

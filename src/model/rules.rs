@@ -20,6 +20,8 @@ pub enum Rule {
     Points,
     /// A body with the same inertia about all axes has one moment of inertia.
     Spheres,
+    /// A body on a hinge that the world holds has one equation.
+    Pivots,
 }
 
 /// There is no such rule.
@@ -29,8 +31,8 @@ pub struct UnknownRule(pub String);
 
 impl Rule {
     /// All of them, in the order in which they are tried.
-    pub const ALL: [Rule; 6] =
-        [Rule::Islands, Rule::Sleep, Rule::Planar, Rule::Translation, Rule::Points, Rule::Spheres];
+    pub const ALL: [Rule; 7] =
+        [Rule::Islands, Rule::Sleep, Rule::Planar, Rule::Translation, Rule::Points, Rule::Spheres, Rule::Pivots];
 
     /// The name, for the command line.
     pub fn name(self) -> &'static str {
@@ -41,6 +43,7 @@ impl Rule {
             Rule::Translation => "translation",
             Rule::Points => "points",
             Rule::Spheres => "spheres",
+            Rule::Pivots => "pivots",
         }
     }
 
@@ -53,6 +56,7 @@ impl Rule {
             Rule::Translation => "in space, nothing but slides between body and world",
             Rule::Points => "in space, no inertia about the center of mass",
             Rule::Spheres => "in space, under gravity alone, the same inertia about all axes",
+            Rule::Pivots => "in space, under gravity alone, on a hinge that the world holds",
         }
     }
 
@@ -65,6 +69,7 @@ impl Rule {
             Rule::Translation => "three equations each instead of six",
             Rule::Points => "no angular momentum",
             Rule::Spheres => "one moment of inertia instead of six",
+            Rule::Pivots => "one equation instead of six",
         }
     }
 }

@@ -4,7 +4,9 @@ use crate::models::{self, Model};
 use catena::invariants::{energy, momentum};
 use catena::kinematics::body_states;
 use catena::lobatto::Lobatto;
-use catena::model::{Joint, JointKind, Mechanism, Rule, point_bodies, sliding_bodies, spherical_bodies};
+use catena::model::{
+    Joint, JointKind, Mechanism, Rule, pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies,
+};
 use catena::simulation::{Integrator, StepOutcome};
 use catena::state::{BodyState, State};
 use nalgebra::Vector3;
@@ -196,4 +198,52 @@ fn spheres_count_under_gravity_alone() {
     let mut mechanism = spheres().mechanism;
     mechanism.forces = models::joint_springs(&mechanism);
     assert_eq!(spherical_bodies(&mechanism), [false; 4]);
+}
+
+/// Two links on hinges askew, and a third that hangs on the world beside them.
+fn pivots() -> Model {
+    let link = |index: usize| {
+        let about = Vector3::new(0.3, 1.0, 0.2 * index as f64).normalize();
+        let joint = Joint::new(
+            &format!("hinge{index}"),
+            JointKind::Revolute,
+            models::frame(Vector3::new(0.1, 0.0, -0.3), about),
+            models::frame(Vector3::new(0.05, -0.1, 0.3), about),
+        );
+        let inertia = models::box_inertia(1.0, Vector3::new(0.1, 0.2, 0.6));
+        models::body(&format!("link{index}"), (index == 1).then_some(0), 1.0, inertia, joint)
+    };
+    let mechanism = Mechanism::new("pivots", models::gravity(), (0..3).map(link).collect()).expect("two trees");
+    let mut state = State::zero(&mechanism);
+    state.position.copy_from_slice(&[1.2, -0.7, 2.0]);
+    state.velocity.copy_from_slice(&[1.0, 2.0, -3.0]);
+    Model { mechanism, state }
+}
+
+#[test]
+fn the_one_equation_of_a_pivot_says_what_six_say() {
+    let model = pivots();
+    for stages in [Some(2), Some(3), Some(5), Some(9), None] {
+        let lobatto = || match stages {
+            Some(stages) => Lobatto::fixed(&model.mechanism, stages, 0.01).expect("stages"),
+            None => Lobatto::adaptive(&model.mechanism, 1e-9),
+        };
+        let (lean, steps) = run(&model, lobatto());
+        let (full, full_steps) = run(&model, lobatto().keeping(&model.mechanism, &[Rule::Pivots]));
+        let [lean, full] = [lean, full].map(|state| body_states(&model.mechanism, &state));
+        let apart = models::pose_distance(&lean, &full).max(models::velocity_distance(&lean, &full));
+        // As for spheres: a hundred steps at most, each with roundings of 4e-15.
+        let bound = if stages.is_some_and(|stages| stages < 9) { 1e-12 } else { 6e-12 };
+        assert!(apart < bound, "{stages:?} stages: {apart:.1e}");
+        assert_eq!(steps.len(), full_steps.len(), "{stages:?} stages");
+    }
+}
+
+#[test]
+fn pivots_are_hinges_on_the_world_and_count_under_gravity_alone() {
+    let mut mechanism = pivots().mechanism;
+    assert_eq!(pivoted_bodies(&mechanism), [true, false, true]);
+    assert_eq!(pivoted_bodies(&spheres().mechanism), [false; 4]);
+    mechanism.forces = models::joint_springs(&mechanism);
+    assert_eq!(pivoted_bodies(&mechanism), [false; 3]);
 }
