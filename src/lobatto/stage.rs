@@ -192,17 +192,20 @@ impl<V: Numbers> Stages<V> {
     pub fn sweep_poses(&mut self) {
         let start = &self.start;
         let few = largest(&self.displacement) <= FEW;
+        let still = StagePose { w: V::splat(1.0), u: Vector::zero(), anchor: Vector::zero() };
+        let mut last = still;
         for (index, (plan, known)) in self.plan.bodies.iter().zip(&start.bodies).enumerate() {
             let turns = !plan.parent_slides;
             let mut pose = match plan.parent {
                 Some(parent) => {
-                    let mut pose = self.poses[parent];
+                    // From registers, because each body waits for its parent's.
+                    let mut pose = if parent + 1 == index { last } else { self.poses[parent] };
                     if turns {
                         pose.anchor = rotate_increment(pose.w, pose.u, Vector::splat(&known.arm)).plus(pose.anchor);
                     }
                     pose
                 }
-                None => StagePose { w: V::splat(1.0), u: Vector::zero(), anchor: Vector::zero() },
+                None => still,
             };
             let mut freedom = plan.first_axis;
             for _ in 0..plan.translations {
@@ -227,6 +230,7 @@ impl<V: Numbers> Stages<V> {
                 }
             }
             self.poses[index] = pose;
+            last = pose;
         }
     }
 
