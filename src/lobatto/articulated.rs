@@ -124,12 +124,12 @@ impl<V: Arithmetic> Articulated<V> {
         self.eliminate(axis, force, torque, inverse, bias)
     }
 
-    /// The solution for a rotation about `axis` of a body that the world holds, with inertia and bias torque of its own about that axis,
-    /// and without forces in the joint.
+    /// The solution for a rotation about `axis` of a body that hangs on the world, with inertia and bias torque about that axis besides
+    /// these.
     #[inline(always)]
-    pub fn solve_pivot(&self, axis: Vector<V>, inertia: V, torque: V) -> Eliminated<V> {
-        let inverse = axis.dot_plus(self.inertia.apply(axis), inertia).reciprocal();
-        let bias = unbalanced(axis.dot_plus(self.torque, torque), None, inverse);
+    pub fn solve_rotation(&self, axis: Vector<V>, inertia: V, torque: V, push: Option<Push<V>>) -> Eliminated<V> {
+        let inverse = resisting(axis.dot_plus(self.inertia.apply(axis), inertia), push).reciprocal();
+        let bias = unbalanced(axis.dot_plus(self.torque, torque), push, inverse);
         Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias, inverse }
     }
 

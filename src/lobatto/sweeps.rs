@@ -123,11 +123,10 @@ impl<V: Arithmetic> Factors<V> {
             let known = &start.bodies[index];
             let below = plans.below(index);
             if let Some(pivot) = plan.pivot {
-                // Nobody asks for what is left of it: its one axis needs no more than the solution.
                 let (own, freedom) = (&start.pivots[pivot], plan.first_axis);
                 let torque = pivot_torque(rows, index, own, &start.axes[freedom], start.rates[freedom]);
                 let (axis, inertia) = (Vector::splat(&start.axes[freedom]), V::whole(own.inertia));
-                self.eliminated[freedom] = self.slots[below].solve_pivot(axis, inertia, torque);
+                self.eliminated[freedom] = self.slots[below].solve_rotation(axis, inertia, torque, None);
                 continue;
             }
             if plan.slides {
@@ -159,8 +158,14 @@ impl<V: Arithmetic> Factors<V> {
                 let axis = Vector::splat(&start.axes[rotations]);
                 let axis = turn.apply_plus(axis, axis);
                 if plan.translations == 0 {
-                    self.eliminated[rotations] = total.eliminate_rotation(axis, rows.push(rotations));
-                    self.hand_up(plans, index, known, rows, &total);
+                    if plan.parent.is_none() {
+                        // Nobody asks for what is left of a root: its one axis needs no more than the solution.
+                        let zero = V::zero();
+                        self.eliminated[rotations] = total.solve_rotation(axis, zero, zero, rows.push(rotations));
+                    } else {
+                        self.eliminated[rotations] = total.eliminate_rotation(axis, rows.push(rotations));
+                        self.hand_up(plans, index, known, rows, &total);
+                    }
                     continue;
                 }
                 self.eliminated[rotations] = total.eliminate_rotation(axis, rows.push(rotations));
