@@ -10,7 +10,7 @@ use crate::model::{
 pub enum Children {
     /// No children.
     None,
-    /// One child, which is the next body: its inertia is carried over directly.
+    /// One child, which is the next body.
     Next,
     /// Several children: they meet in a slot of their own.
     Slot(usize),

@@ -113,11 +113,11 @@ pub fn residual_of<V: Arithmetic, R: Rows<V>>(
     geometry: &RowGeometry<V, R::Ahead>,
 ) -> BodyResidual<V> {
     let &RowGeometry { ref ahead, com } = geometry;
-    let turn = rows.pose(body).increment();
-    let turn = if R::MOMENTA { turn } else { turn.times(rows.moved()) };
+    let pose = rows.pose(body);
+    let turned = pose.increment();
+    let turn = if R::MOMENTA { turned } else { turned.times(rows.moved()) };
     let (force, (own, torque)) = if plan.point {
-        let pose = rows.pose(body);
-        let displaced = pose.increment().apply(Vector::splat(&known.com)).plus(pose.anchor);
+        let displaced = turned.apply(Vector::splat(&known.com)).plus(pose.anchor);
         (force_residual(rows, body, known, displaced), (Symmetric::zero(), Vector::zero()))
     } else {
         let (path, mixed) = rows.motion(body, known, ahead);

@@ -110,6 +110,13 @@ impl<V: Numbers> Sweep<'_, V> {
         let mixed = V::mix_all(values, self.columns);
         if REFINED { sums(mixed, V::mix_all(values, self.rest)) } else { mixed }
     }
+
+    /// [`Sweep::mixed`] of values that are in memory.
+    #[inline(always)]
+    pub fn mixed_stored<const REFINED: bool, const N: usize>(&self, values: &InLines<V::Stored, N>) -> [V; N] {
+        let mixed = V::mix_stored(values, self.columns);
+        if REFINED { sums(mixed, V::mix_stored(values, self.rest)) } else { mixed }
+    }
 }
 
 impl<V: Numbers> Coefficients<V> {
@@ -198,9 +205,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V> for StageRows<
     }
     #[inline(always)]
     fn motion(&self, _: usize, _: &BodyStart<V::Real>, ahead: &Self::Ahead) -> (Vector<V>, Turned<V>) {
-        let mixed = V::mix_stored(ahead, self.sweep.columns);
-        let mixed = if REFINED { sums(mixed, V::mix_stored(ahead, self.sweep.rest)) } else { mixed };
-        let [x, y, z, turned @ ..] = mixed;
+        let [x, y, z, turned @ ..] = self.sweep.mixed_stored::<REFINED, 12>(ahead);
         (Vector([x, y, z]), Turned::joined(turned))
     }
     #[inline(always)]

@@ -11,7 +11,8 @@
 //!
 //! What an iteration needs that keeps the factors of the one before is in [`super::chord`].
 //!
-//! Of a body that never turns, three of the six rows are left: its children hand it their mass and force alone.
+//! Of a body that never turns, three of the six rows are left: its children hand it their mass and force alone. Of one that a hinge holds to
+//! the world one is left ([`super::pivot`]).
 //!
 //! Forces in joints enter the row of their freedom, all others the wrench of their body ([`super::applied`]).
 //!
