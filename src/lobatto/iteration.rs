@@ -14,7 +14,7 @@
 //! What is iterated is the kernel's: [`super::kernel`] in space, [`super::planar`] in a plane.
 
 use super::predictor::Guess;
-use super::stage::MAX_TURN;
+use super::stage::{MAX_TURN, Turn};
 use super::step::{Attempt, StopRule};
 use crate::model::Mechanism;
 
@@ -41,8 +41,8 @@ pub(super) trait Equations {
     fn joint_legendre(&self) -> f64;
     /// The degree of freedom with the largest increment.
     fn worst_freedom(&self) -> usize;
-    /// The first degree of freedom whose rotation has left what the stage poses represent, if any is beyond [`MAX_TURN`].
-    fn turned_too_far(&self) -> Option<usize>;
+    /// The joint that has turned furthest; beyond [`MAX_TURN`] it has left what the stage poses represent.
+    fn furthest_turn(&self) -> Turn;
 }
 
 /// Stage equations that the exact Newton method can solve where the simplified one does not converge.
@@ -97,8 +97,8 @@ impl<K: Coupling> Equations for Exact<'_, K> {
         self.0.worst_freedom()
     }
 
-    fn turned_too_far(&self) -> Option<usize> {
-        self.0.turned_too_far()
+    fn furthest_turn(&self) -> Turn {
+        self.0.furthest_turn()
     }
 }
 
@@ -170,6 +170,7 @@ pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule:
 pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt {
     let mut recent = [f64::INFINITY; 5];
     let mut scale = 1.0_f64;
+    let mut turn = Turn::default();
     let refines = equations.refines();
     for iteration in 1..=rule.iterations {
         let previous = recent[(iteration + 3) % 5];
@@ -187,7 +188,12 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
             equations.complete();
             // Fixed steps do not ask how accurate they are.
             let legendre = if rule.legendre.is_finite() { equations.legendre() } else { 0.0 };
-            return Attempt::Converged { iterations: iteration, legendre, exact: equations.is_exact() };
+            return Attempt::Converged {
+                iterations: iteration,
+                legendre,
+                turn: turn.angle,
+                exact: equations.is_exact(),
+            };
         }
         let slack = match iteration {
             _ if rule.legendre == f64::INFINITY => None,
@@ -210,10 +216,11 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
         recent[(iteration + 4) % 5] = increment;
         let largest = equations.advance();
         scale = largest.max(1.0);
-        if largest > ASKED
-            && let Some(freedom) = equations.turned_too_far()
-        {
-            return Attempt::TurnedTooFar { iterations: iteration, freedom };
+        if largest > ASKED {
+            turn = equations.furthest_turn();
+            if turn.angle > MAX_TURN {
+                return Attempt::TurnedTooFar { iterations: iteration, freedom: turn.freedom };
+            }
         }
     }
     let increment = recent[(rule.iterations + 4) % 5];
@@ -260,8 +267,8 @@ mod tests {
             7
         }
 
-        fn turned_too_far(&self) -> Option<usize> {
-            None
+        fn furthest_turn(&self) -> Turn {
+            Turn::default()
         }
     }
 
@@ -269,7 +276,10 @@ mod tests {
     fn roundings_beside_a_singular_position_end_the_exact_method_and_no_other() {
         let solved = |floor, exact| solve(&mut Rounding { floor, exact, iterations: 0 }, &StopRule::ROUNDING);
         assert!(matches!(solved(2e-12, false), Attempt::Converged { iterations: ..=8, .. }));
-        assert_eq!(solved(2e-11, true), Attempt::Converged { iterations: PATIENCE, legendre: 0.0, exact: true });
+        assert_eq!(
+            solved(2e-11, true),
+            Attempt::Converged { iterations: PATIENCE, legendre: 0.0, turn: 0.0, exact: true }
+        );
         assert!(matches!(solved(2e-11, false), Attempt::Failed { iterations: 60, freedom: 7, .. }));
         assert!(matches!(solved(2e-9, true), Attempt::Failed { .. }));
     }

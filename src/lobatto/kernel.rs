@@ -30,7 +30,7 @@ use super::newton::Newton;
 use super::predictor::{Guess, Predictor};
 use super::projection::Projection;
 use super::reversible::Pace;
-use super::stage::{Stages, largest_of_turn, turned_too_far};
+use super::stage::{Stages, Turn, furthest_turn, largest_of_turn};
 use super::start::Start;
 use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, largest_coefficient, weigh, worst_freedom};
 use super::tableau::Tableau;
@@ -201,8 +201,8 @@ impl<V: Lanes> Equations for Kernel<V> {
         worst_freedom(&self.stages.increment)
     }
 
-    fn turned_too_far(&self) -> Option<usize> {
-        in_lanes!(V, turned_too_far(&self.stages))
+    fn furthest_turn(&self) -> Turn {
+        in_lanes!(V, furthest_turn(&self.stages))
     }
 }
 

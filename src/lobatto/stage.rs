@@ -32,6 +32,22 @@ pub const MAX_LANES: usize = 16;
 /// The largest joint rotation within a step the kernel represents (rad).
 pub const MAX_TURN: f64 = 3.1;
 
+/// How far a joint has turned.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Turn {
+    /// The largest angle at any stage (rad).
+    pub angle: f64,
+    /// Its first degree of freedom that turns.
+    pub freedom: usize,
+}
+
+impl Turn {
+    /// The larger of two, the first of equals.
+    pub fn or(self, other: Turn) -> Turn {
+        if other.angle > self.angle { other } else { self }
+    }
+}
+
 /// Rotation and anchor displacement of a body at all stages, since the start of the step, in world axes.
 #[derive(Clone, Copy)]
 pub struct StagePose<V> {
@@ -301,19 +317,21 @@ pub(super) fn largest_of_turn<V: Lanes>(pose: &StagePose<V>, top: V, start: f64)
     (twice * x).sum().abs().max((twice * y).sum().abs()).max((twice * z).sum().abs()).max(cosine.abs())
 }
 
-/// The first degree of freedom whose rotation has left what the series of the stage poses represent.
+/// The joint that has turned furthest since the start.
 #[inline(always)]
-pub(super) fn turned_too_far<V: Lanes>(stages: &Stages<V>) -> Option<usize> {
-    stages.plan.bodies.iter().find_map(|plan| {
-        let first = plan.first_axis + plan.translations;
+pub(super) fn furthest_turn<V: Lanes>(stages: &Stages<V>) -> Turn {
+    let mut furthest = Turn::default();
+    for plan in &stages.plan.bodies {
+        let freedom = plan.first_axis + plan.translations;
         let square = match plan.rotation {
-            FreeRotation::None => return None,
-            FreeRotation::AboutZ => (stages.displacement[first] * stages.displacement[first]).largest(),
+            FreeRotation::None => continue,
+            FreeRotation::AboutZ => (stages.displacement[freedom] * stages.displacement[freedom]).largest(),
             FreeRotation::Ball => {
-                let vector = stages.rotation_vector(first);
+                let vector = stages.rotation_vector(freedom);
                 vector.dot(vector).largest()
             }
         };
-        (square > MAX_TURN * MAX_TURN).then_some(first)
-    })
+        furthest = furthest.or(Turn { angle: square.sqrt(), freedom });
+    }
+    furthest
 }

@@ -52,7 +52,8 @@ pub enum Attempt {
     /// The stage equations are solved; `legendre` is `E`, the largest top Legendre coefficient of any joint displacement
     /// and of any body's rotation matrix over the step; zero if the rule does not limit it.
     /// `exact` if it was the exact Newton method that solved them.
-    Converged { iterations: usize, legendre: f64, exact: bool },
+    /// `turn` is the largest rotation of a joint (rad), or zero if none is near what can be represented.
+    Converged { iterations: usize, legendre: f64, turn: f64, exact: bool },
     /// The iteration was broken off, because the step is too long for the wanted accuracy.
     Inaccurate { iterations: usize, legendre: f64 },
     /// A rotation within the step is too large to be represented.

@@ -7,8 +7,10 @@ use catena::lobatto::Lobatto;
 use catena::lobatto::integrator::MethodError;
 use catena::lobatto::lanes::Isa;
 use catena::lobatto::stage_choice::StageChoice;
-use catena::model::Mechanism;
+use catena::model::{JointKind, Mechanism};
 use catena::simulation::{Integrator, StepError};
+use catena::state::State;
+use nalgebra::Vector3;
 
 #[test]
 fn a_step_that_does_not_converge_is_halved_counted_and_meets_the_grid_again() {
@@ -115,6 +117,29 @@ fn a_step_that_turns_a_ball_joint_further_than_its_series_reach_is_shortened() {
     let mut lobatto = Lobatto::fixed(&model.mechanism, 16, 0.1).unwrap();
     let outcome = lobatto.advance(&model.mechanism, &mut state, 1.0).unwrap();
     assert!(outcome.step < 0.09 && outcome.rejected > 0, "{outcome:?}");
+}
+
+#[test]
+fn a_joint_that_spins_evenly_has_steps_as_long_as_can_be_represented_and_none_is_thrown_away() {
+    // A rotor in a plane and a body in space: their accuracy would allow steps of more than half a turn.
+    for model in [models::one_joint(JointKind::Revolute), models::free_body()] {
+        let name = &model.mechanism.name;
+        let mut bodies = model.mechanism.bodies;
+        bodies.truncate(1);
+        bodies[0].inertia = Vector3::repeat(0.1);
+        let mechanism = Mechanism::new(name.as_str(), Vector3::zeros(), bodies).unwrap();
+        let mut state = State::zero(&mechanism);
+        *state.velocity.last_mut().unwrap() = 10.0;
+        let mut lobatto = Lobatto::adaptive(&mechanism, 1e-2);
+        let (mut steps, mut rejected) = (0, 0);
+        while state.time < 100.0 {
+            let outcome = lobatto.advance(&mechanism, &mut state, 100.0).unwrap();
+            (steps, rejected) = (steps + 1, rejected + outcome.rejected);
+        }
+        // 1000 rad in turns of 3 rad, a few first and last steps, and one attempt at more than that.
+        assert!((323..345).contains(&steps), "{name}: {steps} steps");
+        assert!(rejected <= 1, "{name}: {rejected} of {steps} attempts were thrown away");
+    }
 }
 
 #[test]

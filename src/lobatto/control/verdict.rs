@@ -2,6 +2,7 @@
 
 use super::Control;
 use crate::lobatto::predictor::Guess;
+use crate::lobatto::stage::MAX_TURN;
 use crate::lobatto::step::Attempt;
 
 /// The number of iterations the controller steers for.
@@ -10,6 +11,9 @@ const WANTED_ITERATIONS: f64 = 12.0;
 /// The share of the tolerance by which one step may change the energy, relative to the largest kinetic energy: the
 /// changes of some hundred steps, of either sign, then stay below the tolerance.
 const ENERGY_SHARE: f64 = 0.03;
+
+/// No joint is to turn further in the next step (rad): a little less than [`MAX_TURN`].
+const REPRESENTED: f64 = 0.97 * MAX_TURN;
 
 /// Below this share of the wanted E the error of a step is that of its iteration.
 const NEGLIGIBLE: f64 = 0.1;
@@ -67,7 +71,7 @@ impl Control {
                 self.memory.broken_off += 1;
                 self.shorten(step, legendre)
             }
-            Attempt::Converged { iterations, legendre, .. } => {
+            Attempt::Converged { iterations, legendre, turn, .. } => {
                 // Less is rounding, and its ratio to that of the step before says nothing.
                 let error = legendre.max(1e-16);
                 if error > self.limit() && !self.is_kink(step, error) {
@@ -75,7 +79,7 @@ impl Control {
                 }
                 let by_energy = energies.map_or(Ok(f64::INFINITY), |energies| self.heed(energies, step, error));
                 match by_energy {
-                    Ok(by_energy) => self.go_on(step, error, iterations, by_energy),
+                    Ok(by_energy) => self.go_on(step, error, iterations, by_energy.min(REPRESENTED / turn)),
                     Err(by_energy) => {
                         self.memory.step = step * by_energy.clamp(0.2, 0.9);
                         self.memory.wary = WARY;
@@ -118,15 +122,15 @@ impl Control {
         if refused { Err(by_energy) } else { Ok(by_energy) }
     }
 
-    /// The next step after one that is kept.
-    fn go_on(&mut self, step: f64, error: f64, iterations: usize, by_energy: f64) {
+    /// The next step after one that is kept; `longest` is by how much its energy and its turns allow it to be longer.
+    fn go_on(&mut self, step: f64, error: f64, iterations: usize, longest: f64) {
         let order = (self.stages - 1) as f64;
         let memory = &mut self.memory;
         let previous = memory.previous.unwrap_or(error);
         let by_error = (self.wanted / error).powf(0.7 / order) * (previous / error).powf(0.3 / order);
         let by_iterations = ((WANTED_ITERATIONS + 1.0) / (iterations as f64 + 1.0)).sqrt();
-        let longest = if memory.rejected { 1.0 } else { 2.0 };
-        let factor = by_error.min(by_iterations).min(by_energy).clamp(0.3, longest);
+        let growth = if memory.rejected { 1.0 } else { 2.0 };
+        let factor = by_error.min(by_iterations).min(longest).clamp(0.3, growth);
         memory.rejected = false;
         (memory.halvings, memory.too_long, memory.broken_off) = (0, 0, 0);
         memory.wary = memory.wary.saturating_sub(1);
@@ -180,7 +184,7 @@ mod tests {
         let body = Body { name: "rod".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.1), joint };
         let mechanism = Mechanism::new("pendulum", Vector3::new(0.0, 9.81, 0.0), vec![body]).unwrap();
         let mut control = Control::new(&mechanism, 1e-3, 1e-7, StageChoice::Few, Isa::Portable);
-        let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, exact: false };
+        let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, turn: 0.0, exact: false };
         let mut verdict = |change, kinetic| {
             let energies = Energies { change, kinetic, potential: 1.0 };
             control.judge(&solved, Some(energies), 0.1, Guess::Past)

@@ -28,7 +28,7 @@ use super::momenta::MomentumWeights;
 use super::predictor::{Guess, Predictor};
 use super::projection::Projection;
 use super::reversible::Pace;
-use super::stage::{Coefficients, MAX_TURN};
+use super::stage::{Coefficients, Turn};
 use super::start::Start;
 use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, largest_coefficient, weigh, worst_freedom};
 use super::tableau::Tableau;
@@ -156,9 +156,9 @@ impl<V: Lanes> Equations for PlanarKernel<V> {
         worst_freedom(&self.stages.increment)
     }
 
-    fn turned_too_far(&self) -> Option<usize> {
+    fn furthest_turn(&self) -> Turn {
         let stages = &self.stages;
-        in_lanes!(V, stages.turned_too_far(MAX_TURN))
+        in_lanes!(V, stages.furthest_turn())
     }
 }
 

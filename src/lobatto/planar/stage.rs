@@ -7,7 +7,7 @@ use crate::lobatto::applied::Applied;
 use crate::lobatto::lanes::Lanes;
 use crate::lobatto::momenta::MomentumWeights;
 use crate::lobatto::predictor::Unknowns;
-use crate::lobatto::stage::{Coefficients, largest};
+use crate::lobatto::stage::{Coefficients, Turn, largest};
 use crate::lobatto::step::largest_coefficient;
 use crate::lobatto::tableau::Tableau;
 use crate::model::{FreeRotation, Mechanism, Plane};
@@ -187,13 +187,17 @@ impl<V: Lanes> PlanarStages<V> {
         largest
     }
 
-    /// The first degree of freedom that has turned further than `limit`.
+    /// The joint that has turned furthest since the start.
     #[inline(always)]
-    pub fn turned_too_far(&self, limit: f64) -> Option<usize> {
-        self.plan.tree.bodies.iter().find_map(|tree| {
+    pub fn furthest_turn(&self) -> Turn {
+        let mut furthest = Turn::default();
+        for tree in &self.plan.tree.bodies {
             let freedom = tree.first_axis + tree.translations;
-            let turns = tree.rotation != FreeRotation::None;
-            (turns && self.displacement[freedom].max_abs(V::zero()).largest() > limit).then_some(freedom)
-        })
+            if tree.rotation != FreeRotation::None {
+                let angle = self.displacement[freedom].max_abs(V::zero()).largest();
+                furthest = furthest.or(Turn { angle, freedom });
+            }
+        }
+        furthest
     }
 }
