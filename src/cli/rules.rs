@@ -4,6 +4,7 @@ use super::table::Table;
 use catena::islands::Plan;
 use catena::model::{
     Island, Mechanism, Model, ReductionRule, Rule, pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies,
+    tumbling_bodies,
 };
 use catena::words::counted;
 use serde_json::{Value, json};
@@ -41,6 +42,7 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
             Rule::Points => bodies_in_space(point_bodies),
             Rule::Spheres => bodies_in_space(spherical_bodies),
             Rule::Pivots => bodies_in_space(pivoted_bodies),
+            Rule::Tumblers => bodies_in_space(tumbling_bodies),
         };
         let saved = match rule {
             rule if kept.contains(&rule) => "switched off".to_string(),
@@ -51,7 +53,7 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
                 let bodies = sleeping.map(|(island, _)| island.mechanism.bodies.len()).sum();
                 format!("{}, {}", counted(bodies, "body", "bodies"), rule.saving())
             }
-            Rule::Planar | Rule::Translation | Rule::Points | Rule::Spheres | Rule::Pivots => {
+            Rule::Planar | Rule::Translation | Rule::Points | Rule::Spheres | Rule::Pivots | Rule::Tumblers => {
                 format!("{}, {}", counted(count, "body", "bodies"), rule.saving())
             }
         };

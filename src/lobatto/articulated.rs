@@ -133,26 +133,6 @@ impl<V: Arithmetic> Articulated<V> {
         Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias, inverse }
     }
 
-    /// Eliminates a rotation about `axis` where nothing couples it to translations.
-    #[inline(always)]
-    pub fn eliminate_spin(&mut self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {
-        let torque = self.inertia.apply(axis);
-        let inverse = resisting(axis.dot(torque), push).reciprocal();
-        let bias = unbalanced(axis.dot(self.torque), push, inverse);
-        let torque_ratio = torque.times(inverse);
-        self.inertia = self.inertia.minus_outer(torque, torque_ratio);
-        self.torque = torque.times_plus(bias, self.torque);
-        Eliminated { axis, force_ratio: Vector::zero(), torque_ratio, bias, inverse }
-    }
-
-    /// The solution for a translation along `axis` of a body that floats alone: the axes do not couple either.
-    #[inline(always)]
-    pub fn solve_translation(&self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {
-        let inverse = resisting(axis.dot(self.mass.apply(axis)), push).reciprocal();
-        let bias = unbalanced(axis.dot(self.force), push, inverse);
-        Eliminated { axis, force_ratio: Vector::zero(), torque_ratio: Vector::zero(), bias, inverse }
-    }
-
     /// Eliminates a translation along `axis`.
     #[inline(always)]
     pub fn eliminate_translation(&mut self, axis: Vector<V>, push: Option<Push<V>>) -> Eliminated<V> {

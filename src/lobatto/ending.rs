@@ -31,6 +31,17 @@ impl<E: Arithmetic> Ending<E> {
         Ending { factors: Factors::new(plan, freedoms), weights: MomentumWeights::new(tableau) }
     }
 
+    /// The row of the end of a step.
+    #[inline(always)]
+    pub(super) fn rows<'s, V: Numbers<One = E, Real = E::Real>, const REFINED: bool, const FORCED: bool>(
+        &self,
+        stages: &'s Stages<V>,
+        gravity: &[f64; 3],
+    ) -> EndRows<'s, V, REFINED, FORCED> {
+        let steady = stages.coefficients.steady(stages.step);
+        EndRows { stages, steady, momenta: self.weights.over(stages.step, gravity) }
+    }
+
     /// The velocities at the end of a solved step, of which the poses of all stages are known; `REFINED` with twice the digits of the
     /// coefficients, with forces (`FORCED`) after [`Stages::sweep_applied`] at the end.
     #[inline(always)]
@@ -40,11 +51,7 @@ impl<E: Arithmetic> Ending<E> {
         gravity: &[f64; 3],
         velocity: &mut [V::Real],
     ) {
-        let rows = EndRows::<V, REFINED, FORCED> {
-            stages,
-            steady: stages.coefficients.steady(stages.step),
-            momenta: self.weights.over(stages.step, gravity),
-        };
+        let rows = self.rows::<V, REFINED, FORCED>(stages, gravity);
         self.factors.eliminate(&stages.plan, &stages.start, &rows, &mut LookAhead::new(()));
         self.factors.solve(
             &stages.plan,
@@ -55,8 +62,8 @@ impl<E: Arithmetic> Ending<E> {
 }
 
 /// The one row of the end.
-struct EndRows<'s, V: Numbers, const REFINED: bool, const FORCED: bool> {
-    stages: &'s Stages<V>,
+pub(super) struct EndRows<'s, V: Numbers, const REFINED: bool, const FORCED: bool> {
+    pub(super) stages: &'s Stages<V>,
     steady: Steady<V>,
     momenta: Momenta<V::One>,
 }
@@ -125,9 +132,12 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
         let turned = self.stages.poses[body].turned();
         let ahead = self.steady.motion::<REFINED>(known, self.displaced(body, known), turned);
         let [x, y, z, turned @ ..] = self.weighed(ahead);
-        let Turned { products, vector } = Turned::joined(turned);
-        let Vector(vector) = Vector(vector).plus(Vector::splat(&known.spin));
-        (Vector([x, y, z]).plus(Vector::splat(&known.velocity)), Turned { products, vector })
+        (Vector([x, y, z]).plus(Vector::splat(&known.velocity)), spinning(known, Turned::joined(turned)))
+    }
+    #[inline(always)]
+    fn spin(&self, body: usize, known: &BodyStart<V::Real>, _: Turned<V::One>) -> Turned<V::One> {
+        let ahead = self.steady.spin::<REFINED>(known, self.stages.poses[body].turned());
+        spinning(known, Turned::joined(self.weighed(ahead)))
     }
     #[inline(always)]
     fn swing(&self, body: usize, axis: &[V::Real; 3], rate: V::Real, _: [V::One; 2]) -> [V::One; 2] {
@@ -155,4 +165,11 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
             inertia: V::One::zero(),
         })
     }
+}
+
+/// The rate of a turn from how far it is ahead of a steady one.
+#[inline(always)]
+fn spinning<E: Arithmetic>(known: &BodyStart<E::Real>, ahead: Turned<E>) -> Turned<E> {
+    let Vector(vector) = Vector(ahead.vector).plus(Vector::splat(&known.spin));
+    Turned { vector, ..ahead }
 }

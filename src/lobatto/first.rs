@@ -61,11 +61,12 @@ impl<V: Lanes> FirstIterations<V> {
     }
 
     /// Makes room for them, if steps that are to be iterated as far as `stop` have any: of bodies that only slide the first iteration is
-    /// the last, and of links that hardly resist to be twisted nothing but rounding would be left.
+    /// the last, of a body that floats freely none is much work, and of links that hardly resist to be twisted nothing but rounding would be
+    /// left.
     pub fn prepare(&mut self, mechanism: &Mechanism, plan: &Plan, tableau: &Tableau, stop: f64) {
         let turns = plan.bodies.iter().any(|body| !body.slides);
         let rounded_away = mechanism.bodies.iter().any(|body| least_moment(body) < LIGHTEST);
-        if V::HAS_SINGLE && stop >= FINEST && turns && mechanism.is_plain_tree() && !rounded_away {
+        if V::HAS_SINGLE && stop >= FINEST && turns && !plan.tumbles && mechanism.is_plain_tree() && !rounded_away {
             self.stages = Some(Box::new(Stages::planned(plan.clone(), mechanism, tableau)));
         }
     }

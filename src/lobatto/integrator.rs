@@ -199,7 +199,7 @@ impl Lobatto {
     }
 
     /// The same without some rules by which it would do less: without [`Rule::Planar`] every body has six coordinates, without
-    /// [`Rule::Translation`], [`Rule::Points`], [`Rule::Spheres`] and [`Rule::Pivots`] all of their equations.
+    /// [`Rule::Translation`], [`Rule::Points`], [`Rule::Spheres`], [`Rule::Pivots`] and [`Rule::Tumblers`] all of their equations.
     #[must_use]
     pub fn keeping(mut self, mechanism: &Mechanism, switched_off: &[Rule]) -> Self {
         if !switched_off.is_empty() {

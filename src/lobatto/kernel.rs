@@ -7,6 +7,7 @@
 //!              forces F_k, if there are any               applied.rs
 //!              residual ρ_k, factors of H(q_k)            residual.rs, pivot.rs, articulated.rs
 //!              or ρ_k alone, with factors kept            chord.rs
+//!              or all of it for one body in flight        tumbler.rs
 //!              δ_i = Σ_k Â_ik α_k,  H(q_k) α_k = −ρ_k     sweeps.rs
 //!              θ ← Anderson(θ, δ)                         anderson.rs
 //!     until |δ| is small enough
@@ -74,13 +75,14 @@ impl<V: Lanes> Kernel<V> {
     /// The workspace for a mechanism and a scheme; `kept` are the rules that leave nothing out.
     pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kept: &[Rule]) -> Self {
         let stages = Stages::new(mechanism, tableau, kept);
+        let iterated = mechanism.velocity_count - stages.plan.known();
         let ending = Ending::new(&stages.plan, mechanism.velocity_count, tableau);
         Kernel {
             modes: Modes::new(mechanism, &stages.plan),
-            anderson: Anderson::new(mechanism.velocity_count),
+            anderson: Anderson::new(iterated),
             chord: Chord::NEW,
             first: FirstIterations::new(),
-            predictor: Predictor::new(mechanism.velocity_count, stages.plan.balls(), tableau),
+            predictor: Predictor::new(iterated, stages.plan.balls(), tableau),
             stages,
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
             first_legendre: tableau.top_legendre[0],
@@ -130,6 +132,13 @@ impl<V: Lanes> Equations for Kernel<V> {
             return increment;
         }
         self.first.hand_over(stages);
+        if stages.plan.tumbles {
+            return if refines && settled {
+                in_lanes!(V, stages.tumble::<true>(gravity).largest())
+            } else {
+                in_lanes!(V, stages.tumble::<false>(gravity).largest())
+            };
+        }
         in_lanes!(V, stages.sweep_poses());
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(false));
@@ -161,7 +170,8 @@ impl<V: Lanes> Equations for Kernel<V> {
 
     fn advance(&mut self) -> f64 {
         let (anderson, stages) = (&mut self.anderson, &mut self.stages);
-        in_lanes!(V, anderson.advance(&mut stages.displacement, &stages.increment).largest())
+        let known = stages.plan.known();
+        in_lanes!(V, anderson.advance(&mut stages.displacement[known..], &stages.increment[known..]).largest())
     }
 
     fn complete(&mut self) {
@@ -175,7 +185,7 @@ impl<V: Lanes> Equations for Kernel<V> {
         let (stages, top, start) = (&self.stages, self.top_legendre, self.first_legendre);
         in_lanes!(V, {
             // Loops, because closures over vectors are not inlined here.
-            let mut largest = largest_coefficient(&stages.displacement, top);
+            let mut largest = largest_coefficient(&stages.displacement[stages.plan.known()..], top);
             match self.first.latest() {
                 Some(poses) => {
                     for pose in poses {
@@ -194,7 +204,7 @@ impl<V: Lanes> Equations for Kernel<V> {
 
     fn joint_legendre(&self) -> f64 {
         let (stages, top) = (&self.stages, self.top_legendre);
-        in_lanes!(V, largest_coefficient(&stages.displacement, top))
+        in_lanes!(V, largest_coefficient(&stages.displacement[stages.plan.known()..], top))
     }
 
     fn worst_freedom(&self) -> usize {
@@ -221,6 +231,9 @@ impl<V: Lanes> Guarded for Kernel<V> {
 
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
         let newton = self.newton.get_or_insert_with(|| Box::new(Newton::new(mechanism, self.tableau)));
+        if self.stages.plan.tumbles {
+            in_lanes!(V, self.stages.place_tumbler(&self.gravity));
+        }
         newton.begin(&self.stages);
         self.first.leave();
         iteration::solve(&mut Exact(self), &exact_rule(mechanism, rule))
@@ -278,11 +291,17 @@ impl<V: Lanes> Step for Kernel<V> {
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let Kernel { stages, ending, gravity, velocity, .. } = self;
-        in_lanes!(V, stages.sweep_poses());
+        if stages.plan.tumbles {
+            in_lanes!(V, stages.place_tumbler(gravity));
+        } else {
+            in_lanes!(V, stages.sweep_poses());
+        }
         if stages.applied.is_some() {
             in_lanes!(V, stages.sweep_applied(true));
         }
-        if V::GENERAL_ALONE || stages.applied.is_some() {
+        if stages.plan.tumbles {
+            in_lanes!(V, ending.tumbler_velocities(stages, gravity, velocity));
+        } else if V::GENERAL_ALONE || stages.applied.is_some() {
             in_lanes!(V, ending.velocities::<V, true, true>(stages, gravity, velocity));
         } else if self.refined {
             in_lanes!(V, ending.velocities::<V, true, false>(stages, gravity, velocity));

@@ -65,6 +65,7 @@ pub mod step;
 mod stepper;
 pub mod sweeps;
 pub mod tableau;
+pub mod tumbler;
 pub mod turns;
 pub mod watch;
 

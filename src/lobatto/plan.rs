@@ -1,8 +1,9 @@
 //! The plan of the sweeps over a tree: where every body hangs, which axes are free, where what its children leave is gathered, and what is
 //! known to vanish.
 
+use super::tumbler::TRANSLATIONS;
 use crate::model::{
-    FreeRotation, JointKind, Mechanism, Rule, pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies,
+    FreeRotation, Mechanism, Rule, pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies, tumbles,
 };
 
 /// What receives the articulated inertia of a body's children, and how.
@@ -33,8 +34,6 @@ pub struct BodyPlan {
     pub translations: usize,
     /// Which rotations are free.
     pub rotation: FreeRotation,
-    /// Whether the body floats alone about its centre of mass: its translation and rotation do not couple.
-    pub alone: bool,
     /// Which of the bodies on hinges that the world holds this is, if it is one.
     pub pivot: Option<usize>,
     /// Whether the body is known never to turn, and whether its parent is; the world never does.
@@ -71,6 +70,8 @@ pub struct Plan {
     pub bodies: Vec<BodyPlan>,
     /// Number of slots where children of branching bodies meet.
     pub slots: usize,
+    /// Whether the mechanism is one body that floats freely ([`super::tumbler`]).
+    pub tumbles: bool,
 }
 
 impl Plan {
@@ -109,10 +110,6 @@ impl Plan {
                 first_axis: body.joint.velocity_index,
                 translations: body.joint.kind.translation_axes().len(),
                 rotation: body.joint.kind.rotation(),
-                alone: body.parent.is_none()
-                    && children[index] == Children::None
-                    && body.joint.kind == JointKind::Floating
-                    && body.joint.on_child.translation.vector == nalgebra::Vector3::zeros(),
                 pivot: None,
                 slides: false,
                 parent_slides: body.parent.is_none(),
@@ -121,7 +118,7 @@ impl Plan {
             })
             .collect();
         plans.reverse();
-        Plan { bodies: plans, slots }
+        Plan { bodies: plans, slots, tumbles: false }
     }
 
     /// The same with what vanishes left out, but for the rules that are `kept` from it.
@@ -144,6 +141,7 @@ impl Plan {
             let pivoted = plan.bodies.iter_mut().zip(pivoted_bodies(mechanism)).filter(|(_, pivoted)| *pivoted);
             pivoted.enumerate().for_each(|(pivot, (own, _))| own.pivot = Some(pivot));
         }
+        plan.tumbles = !kept.contains(&Rule::Tumblers) && tumbles(mechanism);
         plan
     }
 
@@ -157,9 +155,15 @@ impl Plan {
         }
     }
 
-    /// The first of the three rotations of every ball joint.
+    /// How many of the degrees of freedom, the first ones, are known without an iteration.
+    #[inline(always)]
+    pub fn known(&self) -> usize {
+        if self.tumbles { TRANSLATIONS.len() } else { 0 }
+    }
+
+    /// The first of the three rotations of every ball joint, counted from the first freedom that is iterated.
     pub fn balls(&self) -> Vec<usize> {
         let balls = self.bodies.iter().filter(|body| body.rotation == FreeRotation::Ball);
-        balls.map(|body| body.first_axis + body.translations).collect()
+        balls.map(|body| body.first_axis + body.translations - self.known()).collect()
     }
 }

@@ -68,6 +68,8 @@ impl<V: Lanes> Precise<V> {
     /// The workspace for a tree under gravity and a scheme; `kept` are the rules that leave nothing out.
     pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kept: &[Rule]) -> Self {
         let freedoms = mechanism.velocity_count;
+        // The inverse of an inertia is not known to 32 digits.
+        let kept = &[kept, &[Rule::Tumblers]].concat();
         let fine = Stages::unforced(mechanism, tableau, kept);
         Precise {
             coarse: Kernel::new(mechanism, tableau, kept),

@@ -128,6 +128,20 @@ pub fn residual_of<V: Arithmetic, R: Rows<V>>(
     BodyResidual { force, torque, turn, com, own, mass: V::whole(known.mass) }
 }
 
+/// `N` of a body with the geometry of the rows, its `J`, and `e` about its centre of mass, where nobody asks for its path; for momenta `π`.
+#[inline(always)]
+pub fn spin_residual<V: Arithmetic, R: Rows<V>>(
+    rows: &R,
+    body: usize,
+    plan: &BodyPlan,
+    known: &BodyStart<V::Real>,
+) -> (Matrix<V>, (Symmetric<V>, Vector<V>)) {
+    let turned = rows.pose(body).turned();
+    let turn = if R::MOMENTA { turned.matrix() } else { turned.matrix().times(rows.moved()) };
+    let mixed = rows.spin(body, known, turned).matrix();
+    (turn, rotational_residual(plan.spherical, known, &turn, &mixed))
+}
+
 impl<V: Arithmetic> BodyResidual<V> {
     /// With the inertia about the anchor: `J + m (|c|² − c cᵀ)`, and the coupling `−m ĉ`.
     #[inline(always)]

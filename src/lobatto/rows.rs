@@ -36,6 +36,8 @@ pub trait Rows<V: Arithmetic> {
     fn ahead(&self, known: &BodyStart<V::Real>, displaced: Vector<V>, turned: Turned<V>) -> Self::Ahead;
     /// [`Rows::path`], and the mixed turn of a body; for momenta its rate [1/s].
     fn motion(&self, body: usize, known: &BodyStart<V::Real>, ahead: &Self::Ahead) -> (Vector<V>, Turned<V>);
+    /// The mixed turn alone of a body that has `turned` so far in these rows; for momenta its rate [1/s].
+    fn spin(&self, body: usize, known: &BodyStart<V::Real>, turned: Turned<V>) -> Turned<V>;
     /// The mixed sine and versine of a body that turned at this rate about this axis and has `turned` so far in these rows
     /// ([`super::pivot`]); for momenta their rates [1/s].
     fn swing(&self, body: usize, axis: &[V::Real; 3], rate: V::Real, turned: [V; 2]) -> [V; 2];
@@ -80,10 +82,17 @@ impl<V: Arithmetic> Steady<V> {
         turned: Turned<V>,
     ) -> [V; 12] {
         let [a, b, c] = self.path::<REFINED>(known, displaced);
+        let [x, y, z, xx, xy, xz, yy, yz, zz] = self.spin::<REFINED>(known, turned);
+        [a, b, c, x, y, z, xx, xy, xz, yy, yz, zz]
+    }
+
+    /// The turn of a body: its vector and its products.
+    #[inline(always)]
+    pub fn spin<const REFINED: bool>(&self, known: &BodyStart<V::Real>, turned: Turned<V>) -> [V; 9] {
         let Vector([u, v, w]) = Vector::<V>::splat(&known.spin);
         let Turned { products: [xx, xy, xz, yy, yz, zz], vector: [x, y, z] } = turned;
         let [x, y, z] = [self.ahead::<REFINED>(u, x), self.ahead::<REFINED>(v, y), self.ahead::<REFINED>(w, z)];
-        [a, b, c, x, y, z, xx, xy, xz, yy, yz, zz]
+        [x, y, z, xx, xy, xz, yy, yz, zz]
     }
 }
 
@@ -175,6 +184,14 @@ pub struct StageRows<'s, V: Numbers, const REFINED: bool, const FORCED: bool> {
     pub step: f64,
 }
 
+impl<V: Numbers, const REFINED: bool, const FORCED: bool> StageRows<'_, V, REFINED, FORCED> {
+    /// The rotation vector of a ball joint, of which this is the first freedom, in these rows (rad).
+    #[inline(always)]
+    pub(super) fn rotation(&self, freedom: usize) -> Vector<V> {
+        rotation_vector(self.start, self.displacement, freedom).times(self.sweep.moved)
+    }
+}
+
 impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V> for StageRows<'_, V, REFINED, FORCED> {
     const MOMENTA: bool = false;
     const EARLY: bool = V::STORES_EARLY;
@@ -189,7 +206,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V> for StageRows<
     }
     #[inline(always)]
     fn tilt(&self, freedom: usize) -> Option<Tilt<V>> {
-        Some(Tilt::of(rotation_vector(self.start, self.displacement, freedom).times(self.sweep.moved)))
+        Some(Tilt::of(self.rotation(freedom)))
     }
     #[inline(always)]
     fn gravity(&self) -> Vector<V> {
@@ -207,6 +224,10 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V> for StageRows<
     fn motion(&self, _: usize, _: &BodyStart<V::Real>, ahead: &Self::Ahead) -> (Vector<V>, Turned<V>) {
         let [x, y, z, turned @ ..] = self.sweep.mixed_stored::<REFINED, 12>(ahead);
         (Vector([x, y, z]), Turned::joined(turned))
+    }
+    #[inline(always)]
+    fn spin(&self, _: usize, known: &BodyStart<V::Real>, turned: Turned<V>) -> Turned<V> {
+        Turned::joined(self.sweep.mixed::<REFINED, 9>(self.sweep.steady.spin::<REFINED>(known, turned)))
     }
     #[inline(always)]
     fn swing(&self, _: usize, _: &[V::Real; 3], rate: V::Real, [sine, versine]: [V; 2]) -> [V; 2] {

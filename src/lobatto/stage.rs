@@ -272,9 +272,10 @@ impl<V: Lanes> Stages<V> {
 
     /// What the predictor is to guess.
     pub fn unknowns(&mut self) -> Unknowns<'_, V> {
+        let known = self.plan.known();
         Unknowns {
-            displacement: &mut self.displacement,
-            rates: &self.start.rates,
+            displacement: &mut self.displacement[known..],
+            rates: &self.start.rates[known..],
             step: self.step,
             coefficients: &self.coefficients,
         }

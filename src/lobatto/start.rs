@@ -21,9 +21,10 @@ use crate::closures::mimic_gap;
 use crate::forces::total::stored;
 use crate::invariants::Energy;
 use crate::kinematics::{Placed, WORLD, place};
-use crate::model::{FreeRotation, Mechanism, pivoted_bodies};
+use crate::model::{FreeRotation, Mechanism, pivoted_bodies, tumbles};
 use crate::small::{column, times};
 use crate::state::{BodyState, State};
+use nalgebra::{Matrix3, Vector3};
 
 /// The start-of-step part of a body.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,6 +49,8 @@ pub struct Start<R = f64> {
     pub bodies: Vec<BodyStart<R>>,
     /// One entry a body on a hinge that the world holds.
     pub pivots: Vec<Pivot<R>>,
+    /// `J⁻¹` about the centre of mass of a body that floats freely: xx, xy, xz, yy, yz, zz [1/(kg m²)].
+    pub inverse: Option<[R; 6]>,
     /// World direction of each degree of freedom.
     pub axes: Vec<[R; 3]>,
     /// Velocity of each degree of freedom.
@@ -74,6 +77,7 @@ impl<R: Copy + Default> Start<R> {
             bodies: vec![BodyStart::default(); mechanism.bodies.len()],
             pivots: vec![Pivot::default(); pivoted.len()],
             pivoted,
+            inverse: tumbles(mechanism).then(|| [R::default(); 6]),
             axes: vec![[R::default(); 3]; mechanism.velocity_count],
             rates: vec![R::default(); mechanism.velocity_count],
             mimic_gaps: vec![0.0; mechanism.mimics.len()],
@@ -98,6 +102,7 @@ impl<R: Copy + Default> Start<R> {
         for (own, axis) in self.axes.iter_mut().zip(&start.axes) {
             *own = axis.map(digits);
         }
+        self.inverse = start.inverse.map(|inverse| inverse.map(digits));
         for (own, known) in self.pivots.iter_mut().zip(&start.pivots) {
             *own = known.map(digits);
         }
@@ -167,13 +172,7 @@ impl Start {
             }
             let moments = body.inertia;
             let second = nalgebra::Vector3::repeat(0.5 * moments.sum()) - moments;
-            let rotation = own.rotation;
-            let entry = |row: usize, column: usize| {
-                rotation[(row, 0)] * second.x * rotation[(column, 0)]
-                    + rotation[(row, 1)] * second.y * rotation[(column, 1)]
-                    + rotation[(row, 2)] * second.z * rotation[(column, 2)]
-            };
-            let sigma = [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)];
+            let sigma = turned_diagonal(&own.rotation, &second);
             // ωᵀ J ω with J = ½ tr J − Σ.
             let spin = own.angular_velocity;
             let spread = (sigma[0] * spin.x + 2.0 * (sigma[1] * spin.y + sigma[2] * spin.z)) * spin.x
@@ -182,6 +181,9 @@ impl Start {
             energy.kinetic += 0.5 * (body.mass * own.velocity.norm_squared())
                 + 0.5 * (0.5 * moments.sum() * spin.norm_squared() - spread);
             energy.potential -= body.mass * mechanism.gravity.dot(&own.position);
+            if let Some(inverse) = &mut self.inverse {
+                *inverse = turned_diagonal(&own.rotation, &(moments * per_unit).map(|moment| 1.0 / moment));
+            }
             self.bodies[index] = BodyStart {
                 mass: body.mass * per_unit,
                 arm: arm.into(),
@@ -217,6 +219,17 @@ impl Start {
         }
         self.energy = energy;
     }
+}
+
+/// `R diag(d) Rᵀ`: xx, xy, xz, yy, yz, zz.
+#[inline(always)]
+fn turned_diagonal(rotation: &Matrix3<f64>, diagonal: &Vector3<f64>) -> [f64; 6] {
+    let entry = |row: usize, column: usize| {
+        rotation[(row, 0)] * diagonal.x * rotation[(column, 0)]
+            + rotation[(row, 1)] * diagonal.y * rotation[(column, 1)]
+            + rotation[(row, 2)] * diagonal.z * rotation[(column, 2)]
+    };
+    [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)]
 }
 
 /// A number from 1 to 2 that is as good as random, but the same for the same rates.

@@ -12,7 +12,7 @@
 //! What an iteration needs that keeps the factors of the one before is in [`super::chord`].
 //!
 //! Of a body that never turns, three of the six rows are left: its children hand it their mass and force alone. Of one that a hinge holds to
-//! the world one is left ([`super::pivot`]).
+//! the world one is left ([`super::pivot`]). One that floats freely needs no recursion at all ([`super::tumbler`]).
 //!
 //! Forces in joints enter the row of their freedom, all others the wrench of their body ([`super::applied`]).
 //!
@@ -176,20 +176,12 @@ impl<V: Arithmetic> Factors<V> {
                     let axis = Vector::splat(&start.axes[freedom]);
                     let axis = tilted_by(tilt, axis);
                     let axis = turn.apply_plus(axis, axis);
-                    self.eliminated[freedom] = if plan.alone {
-                        total.eliminate_spin(axis, rows.push(freedom))
-                    } else {
-                        total.eliminate_rotation(axis, rows.push(freedom))
-                    };
+                    self.eliminated[freedom] = total.eliminate_rotation(axis, rows.push(freedom));
                 }
             }
             for freedom in (plan.first_axis..rotations).rev() {
                 let turned = slide_axis(rows, plan, &start.axes[freedom]);
-                self.eliminated[freedom] = if plan.alone {
-                    total.solve_translation(turned, rows.push(freedom))
-                } else {
-                    total.eliminate_translation(turned, rows.push(freedom))
-                };
+                self.eliminated[freedom] = total.eliminate_translation(turned, rows.push(freedom));
             }
             self.hand_up(plans, index, known, rows, &total);
         }
@@ -246,16 +238,6 @@ impl<V: Arithmetic> Factors<V> {
             }
             for freedom in plan.freedoms() {
                 let joint = &self.eliminated[freedom];
-                if plan.alone {
-                    // Translations wait for nothing, and nothing waits for them.
-                    let alpha =
-                        if freedom < turning { joint.bias } else { joint.torque_ratio.dot_from(twist.1, joint.bias) };
-                    if freedom >= turning {
-                        twist.1 = joint.axis.times_plus(alpha, twist.1);
-                    }
-                    take(freedom, alpha);
-                    continue;
-                }
                 // Two chains of three, because each body waits for its parent's.
                 let alpha = joint.force_ratio.dot_from(twist.0, joint.bias) - joint.torque_ratio.dot(twist.1);
                 if freedom < turning {

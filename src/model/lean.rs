@@ -5,10 +5,11 @@
 //!     a point:   J = 0:   no angular momentum about the centre of mass
 //!     a sphere:  J = 2σ 1:   J is the same in every orientation
 //!     a pivot:   a hinge holds the body to the world:   nothing but its turn about the axis a is left, with aᵀ J a
+//!     a tumbler: it floats, and carries nothing:   its centre of mass follows a parabola, its rotation nothing but itself
 //! ```
 //!
-//! All hold in every state, whatever the forces. Spheres and pivots are made use of only under gravity alone: where the unit of mass
-//! is the same in every step, an inertia that never changes rounds to one side ([`crate::lobatto::start`]).
+//! All but the last hold in every state, whatever the forces. Spheres and pivots, too, are made use of only under gravity alone: where the
+//! unit of mass is the same in every step, an inertia that never changes rounds to one side ([`crate::lobatto::start`]).
 
 use super::joint::{FreeRotation, JointKind};
 use super::mechanism::{Body, Mechanism};
@@ -44,4 +45,15 @@ pub fn pivoted_bodies(mechanism: &Mechanism) -> Vec<bool> {
     let plain = mechanism.is_plain_tree();
     let held = |body: &Body| body.parent.is_none() && body.joint.kind == JointKind::Revolute;
     mechanism.bodies.iter().map(|body| plain && held(body)).collect()
+}
+
+/// Whether a mechanism is a tumbler: one body, with moments about all axes, that floats freely under gravity alone.
+pub fn tumbles(mechanism: &Mechanism) -> bool {
+    let [body] = &mechanism.bodies[..] else { return false };
+    mechanism.is_plain_tree() && body.joint.kind == JointKind::Floating && body.inertia.min() > 0.0
+}
+
+/// For each body whether it is [one that tumbles](tumbles).
+pub fn tumbling_bodies(mechanism: &Mechanism) -> Vec<bool> {
+    vec![tumbles(mechanism); mechanism.bodies.len()]
 }

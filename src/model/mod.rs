@@ -33,7 +33,7 @@ pub use coordinates::{JointCoordinates, position_names, velocity_names};
 pub use coupling_error::{CouplingError, CouplingProblem};
 pub use islands::{Island, Piece, islands};
 pub use joint::{FreeRotation, Joint, JointKind, Pose, sine_cosine, wxyz_from_rotation};
-pub use lean::{pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies};
+pub use lean::{pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies, tumbles, tumbling_bodies};
 pub use mechanism::{Body, Mechanism, MechanismError};
 pub use model_error::ModelError;
 pub use plane::Plane;

@@ -22,6 +22,8 @@ pub enum Rule {
     Spheres,
     /// A body on a hinge that the world holds has one equation.
     Pivots,
+    /// A body that floats freely has no equations but those of its rotation.
+    Tumblers,
 }
 
 /// There is no such rule.
@@ -31,8 +33,16 @@ pub struct UnknownRule(pub String);
 
 impl Rule {
     /// All of them, in the order in which they are tried.
-    pub const ALL: [Rule; 7] =
-        [Rule::Islands, Rule::Sleep, Rule::Planar, Rule::Translation, Rule::Points, Rule::Spheres, Rule::Pivots];
+    pub const ALL: [Rule; 8] = [
+        Rule::Islands,
+        Rule::Sleep,
+        Rule::Planar,
+        Rule::Translation,
+        Rule::Points,
+        Rule::Spheres,
+        Rule::Pivots,
+        Rule::Tumblers,
+    ];
 
     /// The name, for the command line.
     pub fn name(self) -> &'static str {
@@ -44,6 +54,7 @@ impl Rule {
             Rule::Points => "points",
             Rule::Spheres => "spheres",
             Rule::Pivots => "pivots",
+            Rule::Tumblers => "tumblers",
         }
     }
 
@@ -57,6 +68,7 @@ impl Rule {
             Rule::Points => "in space, no inertia about the center of mass",
             Rule::Spheres => "in space, under gravity alone, the same inertia about all axes",
             Rule::Pivots => "in space, under gravity alone, on a hinge that the world holds",
+            Rule::Tumblers => "in space, under gravity alone, a body that floats and carries nothing",
         }
     }
 
@@ -70,6 +82,7 @@ impl Rule {
             Rule::Points => "no angular momentum",
             Rule::Spheres => "one moment of inertia instead of six",
             Rule::Pivots => "one equation instead of six",
+            Rule::Tumblers => "a parabola, and three equations instead of six",
         }
     }
 }
