@@ -63,6 +63,8 @@ pub struct Control {
     stop: f64,
     /// The wanted E.
     wanted: f64,
+    /// The largest E of a step that is kept.
+    limit: f64,
     /// Whether early iterates say whether a step is too long: what stiff springs and hard dampers leave in them says nothing.
     telling: bool,
     /// How often a step that does not converge is halved before the exact Newton method is tried.
@@ -105,11 +107,14 @@ impl Control {
     /// A controller for a mechanism, an iteration stop `ε` and a number of stages; `tolerance` bounds the change of the energy.
     pub fn new(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice, isa: Isa) -> Self {
         let stop = stop.clamp(1e-16, COARSEST_STOP);
+        let wanted = stages.wanted_share(isa) * stop.sqrt();
+        let stage_count = stages.count(isa);
         Control {
             tolerance,
-            stages: stages.count(isa),
+            stages: stage_count,
             stop,
-            wanted: stages.wanted_share(isa) * stop.sqrt(),
+            wanted,
+            limit: 1.3_f64.powi(stage_count as i32 - 1).min(KEPT) * wanted,
             telling: mechanism.forces.is_empty(),
             patience: if mechanism.is_plain_tree() { PATIENCE } else { 0 },
             held: false,
@@ -138,7 +143,7 @@ impl Control {
             increment: self.stop,
             rounding: self.stop.max(1e-11),
             iterations: 40,
-            legendre: self.limit(),
+            legendre: self.limit,
             early: self.telling && self.memory.previous.is_some() && self.memory.broken_off < HASTE,
             rough: self.memory.too_long < HASTE,
             exactly: self.memory.halvings >= self.patience,
@@ -155,11 +160,6 @@ impl Control {
         }
         let increment = (self.stop * length / long).max(1e-16);
         StopRule { increment, rounding: increment.max(1e-11), ..rule }
-    }
-
-    /// The largest E of a step that is kept.
-    fn limit(&self) -> f64 {
-        1.3_f64.powi(self.stages as i32 - 1).min(KEPT) * self.wanted
     }
 
     /// Whether a first step has been chosen.

@@ -74,7 +74,7 @@ impl Control {
             Attempt::Converged { iterations, legendre, turn, .. } => {
                 // Less is rounding, and its ratio to that of the step before says nothing.
                 let error = legendre.max(1e-16);
-                if error > self.limit() && !self.is_kink(step, error) {
+                if error > self.limit && !self.is_kink(step, error) {
                     return self.shorten(step, error);
                 }
                 let by_energy = energies.map_or(Ok(f64::INFINITY), |energies| self.heed(energies, step, error));
@@ -127,7 +127,7 @@ impl Control {
         let order = (self.stages - 1) as f64;
         let memory = &mut self.memory;
         let previous = memory.previous.unwrap_or(error);
-        let by_error = (self.wanted / error).powf(0.7 / order) * (previous / error).powf(0.3 / order);
+        let by_error = ((0.7 * (self.wanted / error).ln() + 0.3 * (previous / error).ln()) / order).exp();
         let by_iterations = ((WANTED_ITERATIONS + 1.0) / (iterations as f64 + 1.0)).sqrt();
         let growth = if memory.rejected { 1.0 } else { 2.0 };
         let factor = by_error.min(by_iterations).min(longest).clamp(0.3, growth);
@@ -151,7 +151,7 @@ impl Control {
         }
         // The first of them may have been too long for more reasons than one.
         self.memory.unresolved = Some((step, error));
-        error >= 0.5 * larger && error <= KINK * self.limit()
+        error >= 0.5 * larger && error <= KINK * self.limit
     }
 
     /// Whether a change of energy is one of rounding alone: a step half as long changes it as much, where truncation would fall to
