@@ -70,6 +70,10 @@ macro_rules! pair {
                 Pair(self.0.max_abs(bound.0), self.1.max_abs(bound.1))
             }
             #[inline(always)]
+            fn sum(self) -> f64 {
+                (self.0 + self.1).sum()
+            }
+            #[inline(always)]
             fn run<R>(work: impl FnOnce() -> R) -> R {
                 <$half>::run(work)
             }

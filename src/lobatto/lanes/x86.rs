@@ -171,6 +171,15 @@ vector!(
     {
         double_alone!();
         type One = Fused;
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            // Written out, because of the fold over an array the compiler makes twice as many shuffles.
+            // SAFETY: P1.
+            unsafe {
+                let two = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
+                _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)))
+            }
+        }
     }
 );
 vector!(
@@ -183,6 +192,11 @@ vector!(
         type Single = Single;
         type One = Fused;
         const HAS_SINGLE: bool = true;
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            // SAFETY: P1.
+            Avx256(unsafe { _mm256_add_pd(_mm512_castpd512_pd256(self.0), _mm512_extractf64x4_pd::<1>(self.0)) }).sum()
+        }
         #[inline(always)]
         fn narrow(self) -> Single {
             // SAFETY: P1.
