@@ -141,7 +141,8 @@ const TOO_LONG_LATE: f64 = 3.0;
 /// After so many iterations the rotations of bodies are looked at, too, and not the joints alone.
 const SHAPED: usize = 4;
 
-/// A rotation vector is at most √3 times as long as its largest component: up to this displacement none is beyond [`MAX_TURN`].
+/// A rotation vector is at most √3 times as long as its largest component: up to this displacement none is beyond [`MAX_TURN`]. A solution is
+/// asked how long it is; an iterate beyond is not, because it is no worse for some digits less.
 const ASKED: f64 = 0.57 * MAX_TURN;
 
 /// Solves the stage equations, with the exact method as the last resort.
@@ -170,7 +171,7 @@ pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule:
 pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt {
     let mut recent = [f64::INFINITY; 5];
     let mut scale = 1.0_f64;
-    let mut turn = Turn::default();
+    let mut largest = 0.0;
     let refines = equations.refines();
     for iteration in 1..=rule.iterations {
         let previous = recent[(iteration + 3) % 5];
@@ -186,6 +187,10 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
                 || slack);
         if converged {
             equations.complete();
+            let turn = if largest > ASKED { equations.furthest_turn() } else { Turn::default() };
+            if turn.angle > MAX_TURN {
+                return Attempt::TurnedTooFar { iterations: iteration, freedom: turn.freedom };
+            }
             // Fixed steps do not ask how accurate they are.
             let legendre = if rule.legendre.is_finite() { equations.legendre() } else { 0.0 };
             return Attempt::Converged {
@@ -214,10 +219,10 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
             return Attempt::Failed { iterations: iteration, freedom: equations.worst_freedom(), increment };
         }
         recent[(iteration + 4) % 5] = increment;
-        let largest = equations.advance();
+        largest = equations.advance();
         scale = largest.max(1.0);
-        if largest > ASKED {
-            turn = equations.furthest_turn();
+        if largest > MAX_TURN {
+            let turn = equations.furthest_turn();
             if turn.angle > MAX_TURN {
                 return Attempt::TurnedTooFar { iterations: iteration, freedom: turn.freedom };
             }
