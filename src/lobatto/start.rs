@@ -171,7 +171,7 @@ impl Start {
                 }
             }
             let moments = body.inertia;
-            let second = nalgebra::Vector3::repeat(0.5 * moments.sum()) - moments;
+            let second = Vector3::repeat(0.5 * moments.sum()) - moments;
             let sigma = turned_diagonal(&own.rotation, &second);
             // ωᵀ J ω with J = ½ tr J − Σ.
             let spin = own.angular_velocity;

@@ -29,6 +29,8 @@ use std::ops::Range;
 /// Its translations, and its rotations.
 pub(super) const TRANSLATIONS: Range<usize> = 0..3;
 const ROTATIONS: Range<usize> = 3..6;
+/// A rotation vector is at most √3 times as long as its largest component: up to this [`FEW`] terms are enough.
+const FEW_EACH: f64 = 0.57 * FEW;
 
 /// `J₀⁻¹ (1 + N)ᵀ e`.
 #[inline(always)]
@@ -54,7 +56,7 @@ impl<V: Numbers> Stages<V> {
     /// The rotations of all stages.
     #[inline(always)]
     fn turn_tumbler(&mut self) {
-        let few = largest(&self.displacement[ROTATIONS]) <= FEW;
+        let few = largest(&self.displacement[ROTATIONS]) <= FEW_EACH;
         let turn = rotation_vector(&self.start, &self.displacement, ROTATIONS.start);
         let (w, sine) = V::half_angle(turn.dot(turn), few);
         self.poses[0] = StagePose { w, u: turn.times(sine), anchor: Vector::zero() };
