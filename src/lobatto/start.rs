@@ -181,9 +181,6 @@ impl Start {
             energy.kinetic += 0.5 * (body.mass * own.velocity.norm_squared())
                 + 0.5 * (0.5 * moments.sum() * spin.norm_squared() - spread);
             energy.potential -= body.mass * mechanism.gravity.dot(&own.position);
-            if let Some(inverse) = &mut self.inverse {
-                *inverse = turned_diagonal(&own.rotation, &(moments * per_unit).map(|moment| 1.0 / moment));
-            }
             self.bodies[index] = BodyStart {
                 mass: body.mass * per_unit,
                 arm: arm.into(),
@@ -206,6 +203,10 @@ impl Start {
                 self.axes[slot] = times(&own.rotation, &column(joint.on_child.rotation.matrix(), axis)).into();
                 slot += 1;
             }
+        }
+        if let Some(inverse) = &mut self.inverse {
+            let moments = mechanism.bodies[0].inertia * per_unit;
+            *inverse = turned_diagonal(&self.states[0].rotation, &moments.map(|moment| 1.0 / moment));
         }
         for (pivot, &body) in self.pivots.iter_mut().zip(&self.pivoted) {
             let axis = &self.axes[mechanism.bodies[body].joint.velocity_index];

@@ -21,7 +21,7 @@ use super::algebra::{Matrix, Symmetric, Vector};
 use super::ending::Ending;
 use super::numbers::{Arithmetic, Numbers};
 use super::residual::spin_residual;
-use super::stage::{StagePose, Stages, largest, rotation_vector};
+use super::stage::{StagePose, Stages, largest};
 use super::start::Start;
 use super::turns::{FEW, rotate_increment, untilted};
 use std::ops::Range;
@@ -57,7 +57,7 @@ impl<V: Numbers> Stages<V> {
     #[inline(always)]
     fn turn_tumbler(&mut self) {
         let few = largest(&self.displacement[ROTATIONS]) <= FEW_EACH;
-        let turn = rotation_vector(&self.start, &self.displacement, ROTATIONS.start);
+        let turn = self.rotation_vector(ROTATIONS.start);
         let (w, sine) = V::half_angle(turn.dot(turn), few);
         self.poses[0] = StagePose { w, u: turn.times(sine), anchor: Vector::zero() };
     }
