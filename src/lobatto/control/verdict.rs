@@ -12,6 +12,9 @@ const WANTED_ITERATIONS: f64 = 12.0;
 /// changes of some hundred steps, of either sign, then stay below the tolerance.
 const ENERGY_SHARE: f64 = 0.03;
 
+/// A step is to be by this factor shorter than one that would change the energy by its share.
+const CAUTION: f64 = 0.9;
+
 /// No joint is to turn further in the next step (rad): a little less than [`MAX_TURN`].
 const REPRESENTED: f64 = 0.97 * MAX_TURN;
 
@@ -79,9 +82,9 @@ impl Control {
                 }
                 let by_energy = energies.map_or(Ok(f64::INFINITY), |energies| self.heed(energies, step, error));
                 match by_energy {
-                    Ok(by_energy) => self.go_on(step, error, iterations, by_energy.min(REPRESENTED / turn)),
+                    Ok(by_energy) => self.go_on(step, error, iterations, by_energy, REPRESENTED / turn),
                     Err(by_energy) => {
-                        self.memory.step = step * by_energy.clamp(0.2, 0.9);
+                        self.memory.step = step * by_energy.exp().clamp(0.2, 0.9);
                         self.memory.wary = WARY;
                         // It may have found another motion, behind a singular position.
                         return Verdict::Retry { guess: Guess::Past };
@@ -100,10 +103,10 @@ impl Control {
         Verdict::Retry { guess: Guess::Longer(step) }
     }
 
-    /// The factor by which the next step may be longer for its energy, or, as an error, by which this one has to be shorter.
+    /// The logarithm of the factor by which the next step may be longer for its energy, or, as an error, by which this one has to be shorter.
     fn heed(&mut self, energies: Energies, step: f64, error: f64) -> Result<f64, f64> {
         if !energies.change.is_finite() {
-            return Err(0.0);
+            return Err(f64::NEG_INFINITY);
         }
         let mut by_energy = f64::INFINITY;
         // Of attempts that are thrown away, too: a motion that begins at rest has no other measure.
@@ -116,21 +119,21 @@ impl Control {
         // At rest nothing is allowed and nothing changes.
         if change > 0.0 && (error > NEGLIGIBLE * self.wanted || self.memory.wary > 0 || change > allowed) {
             let order = (2 * self.stages - 1) as f64;
-            by_energy = 0.9 * (allowed / change).powf(1.0 / order);
+            by_energy = CAUTION.ln() + (allowed / change).ln() / order;
         }
         let refused = change > allowed && !self.is_rounding(step, change + rounding);
         if refused { Err(by_energy) } else { Ok(by_energy) }
     }
 
-    /// The next step after one that is kept; `longest` is by how much its energy and its turns allow it to be longer.
-    fn go_on(&mut self, step: f64, error: f64, iterations: usize, longest: f64) {
+    /// The next step after one that is kept, by how much its energy (the logarithm) and its turns allow it to be longer.
+    fn go_on(&mut self, step: f64, error: f64, iterations: usize, by_energy: f64, by_turns: f64) {
         let order = (self.stages - 1) as f64;
         let memory = &mut self.memory;
         let previous = memory.previous.unwrap_or(error);
-        let by_error = ((0.7 * (self.wanted / error).ln() + 0.3 * (previous / error).ln()) / order).exp();
+        let by_error = (0.7 * (self.wanted / error).ln() + 0.3 * (previous / error).ln()) / order;
         let by_iterations = ((WANTED_ITERATIONS + 1.0) / (iterations as f64 + 1.0)).sqrt();
         let growth = if memory.rejected { 1.0 } else { 2.0 };
-        let factor = by_error.min(by_iterations).min(longest).clamp(0.3, growth);
+        let factor = by_error.min(by_energy).exp().min(by_iterations).min(by_turns).clamp(0.3, growth);
         memory.rejected = false;
         (memory.halvings, memory.too_long, memory.broken_off) = (0, 0, 0);
         memory.wary = memory.wary.saturating_sub(1);
