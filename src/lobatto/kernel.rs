@@ -33,7 +33,9 @@ use super::projection::Projection;
 use super::reversible::Pace;
 use super::stage::{Stages, Turn, furthest_turn, largest_of_turn};
 use super::start::Start;
-use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, largest_coefficient, weigh, worst_freedom};
+use super::step::{
+    Attempt, REFINED_BELOW, Step, StopRule, at_end, larger, largest_coefficient, weigh, worst_freedom, write_ends,
+};
 use super::tableau::Tableau;
 use super::watch::{Mode, Transient};
 use crate::forces::total::Exchange;
@@ -189,12 +191,12 @@ impl<V: Lanes> Equations for Kernel<V> {
             match self.first.latest() {
                 Some(poses) => {
                     for pose in poses {
-                        largest = largest.max(largest_of_turn(&widened::<V>(pose), top, start));
+                        largest = larger(largest, largest_of_turn(&widened::<V>(pose), top, start));
                     }
                 }
                 None => {
                     for pose in &stages.poses {
-                        largest = largest.max(largest_of_turn(pose, top, start));
+                        largest = larger(largest, largest_of_turn(pose, top, start));
                     }
                 }
             }
@@ -308,9 +310,7 @@ impl<V: Lanes> Step for Kernel<V> {
         } else {
             in_lanes!(V, ending.velocities::<V, false, false>(stages, gravity, velocity));
         }
-        for (end, &displacement) in self.displaced.iter_mut().zip(&self.stages.displacement) {
-            *end = at_end(displacement, self.stages.coefficients.active);
-        }
+        write_ends(&stages.displacement, stages.coefficients.active, &mut self.displaced);
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(&self.velocity);
         self.end.set_with::<V>(mechanism, state);

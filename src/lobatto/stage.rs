@@ -21,6 +21,7 @@ use super::residual::Turned;
 use super::row_geometry::LookAhead;
 use super::rows::Stored;
 use super::start::Start;
+use super::step::larger;
 use super::sweeps::Factors;
 use super::tableau::Tableau;
 use super::turns::{FEW, compose, rotate_increment};
@@ -315,7 +316,8 @@ pub(super) fn largest_of_turn<V: Lanes>(pose: &StagePose<V>, top: V, start: f64)
     let [x, y, z] = pose.u.0;
     // w² − |u|² = 2w² − 1 for a unit quaternion, one at the start; the coefficient of a constant is zero.
     let cosine = (twice * pose.w).sum() + 2.0 * start;
-    (twice * x).sum().abs().max((twice * y).sum().abs()).max((twice * z).sum().abs()).max(cosine.abs())
+    let (x, y, z) = ((twice * x).sum().abs(), (twice * y).sum().abs(), (twice * z).sum().abs());
+    larger(larger(larger(cosine.abs(), x), y), z)
 }
 
 /// The joint that has turned furthest since the start.

@@ -130,15 +130,30 @@ pub trait Step: Send {
 pub(super) fn largest_coefficient<V: Lanes>(displacements: &[V], top: V) -> f64 {
     let mut largest = 0.0_f64;
     for displacement in displacements {
-        largest = largest.max((*displacement * top).sum().abs());
+        largest = larger(largest, (*displacement * top).sum().abs());
     }
     largest
+}
+
+/// The larger of a number and another, which may be a NaN and then is not: `f64::max` asks whether the first is one, too.
+#[inline(always)]
+pub(super) fn larger(number: f64, other: f64) -> f64 {
+    if other > number { other } else { number }
 }
 
 /// The degree of freedom with the largest increment; a NaN counts as largest.
 pub(super) fn worst_freedom<V: Lanes>(increments: &[V]) -> usize {
     let size = |freedom: usize| increments[freedom].max_abs(V::zero()).largest();
     (0..increments.len()).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0)
+}
+
+/// Values at the end of the step.
+pub(super) fn write_ends<V: Lanes>(values: &[V], active: usize, ends: &mut [f64]) {
+    in_lanes!(V, {
+        for (end, &value) in ends.iter_mut().zip(values) {
+            *end = at_end(value, active);
+        }
+    });
 }
 
 /// A value at the end of the step: the last of the `active` lanes.

@@ -30,7 +30,9 @@ use super::projection::Projection;
 use super::reversible::Pace;
 use super::stage::{Coefficients, Turn};
 use super::start::Start;
-use super::step::{Attempt, REFINED_BELOW, Step, StopRule, at_end, largest_coefficient, weigh, worst_freedom};
+use super::step::{
+    Attempt, REFINED_BELOW, Step, StopRule, at_end, largest_coefficient, weigh, worst_freedom, write_ends,
+};
 use super::tableau::Tableau;
 use super::watch::{Mode, Transient};
 use crate::forces::total::Exchange;
@@ -231,9 +233,7 @@ impl<V: Lanes> Step for PlanarKernel<V> {
         } else {
             in_lanes!(V, stages.end_velocities::<false, false>(coefficients, weights, &gravity, velocity));
         }
-        for (end, &displacement) in self.displaced.iter_mut().zip(&stages.displacement) {
-            *end = at_end(displacement, coefficients.active);
-        }
+        write_ends(&stages.displacement, coefficients.active, &mut self.displaced);
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(velocity);
         self.end.set(&stages.plan, mechanism, state);
