@@ -22,7 +22,6 @@ use super::chord::Chord;
 use super::closing::Closing;
 use super::coupled::{One, Space};
 use super::ending::Ending;
-use super::extended::Extended;
 use super::first::{FirstIterations, widened};
 use super::iteration::{self, Coupling, Equations, Exact, Guarded, exact_at_first, exact_rule};
 use super::lanes::{Lanes, in_lanes};
@@ -30,20 +29,15 @@ use super::modes::Modes;
 use super::newton::Newton;
 use super::predictor::{Guess, Predictor};
 use super::projection::Projection;
-use super::reversible::Pace;
 use super::stage::{Stages, Turn, furthest_turn, largest_of_turn};
 use super::start::Start;
-use super::step::{
-    Attempt, REFINED_BELOW, Step, StopRule, at_end, larger, largest_coefficient, weigh, worst_freedom, write_ends,
-};
+use super::step::{Attempt, REFINED_BELOW, StopRule, larger, largest_coefficient, worst_freedom};
 use super::tableau::Tableau;
-use super::watch::{Mode, Transient};
-use crate::forces::total::Exchange;
-use crate::invariants::Energy;
 use crate::model::{Mechanism, Rule};
-use crate::state::State;
 
-/// [`Step`] with the lanes of `V`.
+mod stepping;
+
+/// [`Step`](super::step::Step) with the lanes of `V`.
 pub struct Kernel<V: Lanes> {
     pub(super) stages: Stages<V>,
     anderson: Anderson<V>,
@@ -101,26 +95,16 @@ impl<V: Lanes> Kernel<V> {
         }
     }
 
-    /// Takes the end of a step that was solved to 32 digits: moves `state` there; returns its energy.
-    pub(super) fn arrive(
-        &mut self,
-        mechanism: &Mechanism,
-        state: &mut State,
-        displaced: &[Extended],
-        rates: &[Extended],
-    ) -> Energy {
-        let parts: [fn(Extended) -> f64; 2] = [Extended::rounded, Extended::remainder];
-        for part in parts {
-            for (own, &displacement) in self.displaced.iter_mut().zip(displaced) {
-                *own = part(displacement);
-            }
-            state.displace(mechanism, &self.displaced);
+    /// Solves the stage equations of a step of length `step` from the start and a guess.
+    fn solve(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, guess: Guess) -> Attempt {
+        self.stages.step = step;
+        self.refined = rule.increment < REFINED_BELOW;
+        self.first.allow(rule);
+        let attempt = iteration::attempt(self, mechanism, rule, guess);
+        if matches!(attempt, Attempt::Failed { .. }) {
+            self.first.fail();
         }
-        for (own, &rate) in state.velocity.iter_mut().zip(rates) {
-            *own = rate.rounded();
-        }
-        self.end.set(mechanism, state);
-        self.end.energy
+        attempt
     }
 }
 
@@ -257,122 +241,5 @@ impl<V: Lanes> Coupling for Kernel<V> {
     fn add_increments(&mut self) -> f64 {
         let stages = &mut self.stages;
         in_lanes!(V, stages.advance())
-    }
-}
-
-impl<V: Lanes> Step for Kernel<V> {
-    fn expect(&mut self, mechanism: &Mechanism, stop: f64) {
-        self.first.prepare(mechanism, &self.stages.plan, self.tableau, stop);
-    }
-
-    fn begin(&mut self, mechanism: &Mechanism, state: &State) {
-        self.stages.start.set(mechanism, state);
-        self.predictor.forget();
-        self.first.forget();
-        self.exact_for = exact_at_first(mechanism);
-    }
-
-    fn energy(&self) -> Energy {
-        self.stages.start.energy
-    }
-
-    fn has_past(&self) -> bool {
-        self.predictor.has_past()
-    }
-
-    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, guess: Guess) -> Attempt {
-        self.stages.step = step;
-        self.refined = rule.increment < REFINED_BELOW;
-        self.first.allow(rule);
-        let attempt = iteration::attempt(self, mechanism, rule, guess);
-        if matches!(attempt, Attempt::Failed { .. }) {
-            self.first.fail();
-        }
-        attempt
-    }
-
-    fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
-        let Kernel { stages, ending, gravity, velocity, .. } = self;
-        if stages.plan.tumbles {
-            in_lanes!(V, stages.place_tumbler(gravity));
-        } else {
-            in_lanes!(V, stages.sweep_poses());
-        }
-        if stages.applied.is_some() {
-            in_lanes!(V, stages.sweep_applied(true));
-        }
-        if stages.plan.tumbles {
-            in_lanes!(V, ending.tumbler_velocities(stages, gravity, velocity));
-        } else if V::GENERAL_ALONE || stages.applied.is_some() {
-            in_lanes!(V, ending.velocities::<V, true, true>(stages, gravity, velocity));
-        } else if self.refined {
-            in_lanes!(V, ending.velocities::<V, true, false>(stages, gravity, velocity));
-        } else {
-            in_lanes!(V, ending.velocities::<V, false, false>(stages, gravity, velocity));
-        }
-        write_ends(&stages.displacement, stages.coefficients.active, &mut self.displaced);
-        state.displace(mechanism, &self.displaced);
-        state.velocity.copy_from_slice(&self.velocity);
-        self.end.set_with::<V>(mechanism, state);
-        if let Some(closing) = &mut self.closing {
-            closing.velocities(mechanism, &self.end, &mut state.velocity);
-            self.end.set_with::<V>(mechanism, state);
-        }
-        self.end.energy
-    }
-
-    fn exchange(&self) -> Exchange {
-        self.stages.applied.as_ref().map_or(Exchange::default(), |applied| applied.exchange)
-    }
-
-    fn take_kept(&mut self) -> usize {
-        self.chord.take_count()
-    }
-
-    fn redundant(&self) -> Option<usize> {
-        self.closing.as_ref().and_then(Closing::weak)
-    }
-
-    fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {
-        if let Some(closing) = &mut self.closing {
-            closing.project(mechanism, position, velocity);
-        }
-    }
-
-    fn accept(&mut self) {
-        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
-        in_lanes!(V, predictor.learn(stages.unknowns()));
-        std::mem::swap(&mut self.stages.start, &mut self.end);
-    }
-
-    fn weigh_displacements(&self, weights: [&[f64]; 2], sums: &mut [[f64; 2]]) {
-        weigh(&self.stages.displacement, weights, sums);
-    }
-
-    fn last_displacement(&self, freedom: usize) -> f64 {
-        at_end(self.stages.displacement[freedom], self.stages.coefficients.active)
-    }
-
-    fn fastest_mode(&mut self, mechanism: &Mechanism, state: &State, iterations: usize) -> Mode {
-        self.modes.fastest(mechanism, &self.stages.plan, &self.stages.start, state, iterations)
-    }
-
-    fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient> {
-        self.modes.transient(mechanism, state)
-    }
-
-    fn pace(&mut self, mechanism: &Mechanism, _: &State) -> Option<Pace> {
-        self.modes.pace(mechanism, &self.stages.plan, &self.stages.start)
-    }
-
-    fn accelerations(&mut self, step: f64, out: &mut [f64]) {
-        self.stages.step = step;
-        self.guess(Guess::Plain);
-        self.chord.restart();
-        self.first.leave();
-        self.iterate(false);
-        for (out, &increment) in out.iter_mut().zip(&self.stages.increment) {
-            *out = 2.0 * at_end(increment, self.stages.coefficients.active) / (step * step);
-        }
     }
 }
