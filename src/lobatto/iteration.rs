@@ -16,6 +16,7 @@
 use super::predictor::Guess;
 use super::stage::{MAX_TURN, Turn};
 use super::step::{Attempt, StopRule};
+use super::turns::EACH;
 use crate::model::Mechanism;
 
 /// The stage equations of a step, with a guess.
@@ -141,9 +142,9 @@ const TOO_LONG_LATE: f64 = 3.0;
 /// After so many iterations the rotations of bodies are looked at, too, and not the joints alone.
 const SHAPED: usize = 4;
 
-/// A rotation vector is at most √3 times as long as its largest component: up to this displacement none is beyond [`MAX_TURN`]. A solution is
-/// asked how long it is; an iterate beyond is not, because it is no worse for some digits less.
-const ASKED: f64 = 0.57 * MAX_TURN;
+/// Up to this displacement no rotation vector is beyond [`MAX_TURN`]. A solution is asked how long it is; an iterate beyond is not, because it is
+/// no worse for some digits less.
+const ASKED: f64 = EACH * MAX_TURN;
 
 /// Solves the stage equations, with the exact method as the last resort.
 pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule: &StopRule, guess: Guess) -> Attempt {

@@ -23,14 +23,14 @@ use super::numbers::{Arithmetic, Numbers};
 use super::residual::spin_residual;
 use super::stage::{StagePose, Stages, largest};
 use super::start::Start;
-use super::turns::{FEW, rotate_increment, untilted};
+use super::turns::{EACH, FEW, rotate_increment, untilted};
 use std::ops::Range;
 
 /// Its translations, and its rotations.
 pub(super) const TRANSLATIONS: Range<usize> = 0..3;
 const ROTATIONS: Range<usize> = 3..6;
-/// A rotation vector is at most √3 times as long as its largest component: up to this [`FEW`] terms are enough.
-const FEW_EACH: f64 = 0.57 * FEW;
+/// Up to this displacement [`FEW`] terms are enough.
+const FEW_EACH: f64 = EACH * FEW;
 
 /// `J₀⁻¹ (1 + N)ᵀ e`.
 #[inline(always)]

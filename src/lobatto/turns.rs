@@ -41,6 +41,9 @@ pub(super) fn half_angle<V: Lanes>(square: V) -> (V, V) {
 /// Up to this angle (rad) [`half_angle_of_few`] is enough.
 pub(super) const FEW: f64 = 0.75;
 
+/// A rotation vector whose components are all up to this part of an angle is not longer than that angle: a little less than 1/√3.
+pub(super) const EACH: f64 = 0.57;
+
 /// [`half_angle`] for `φ ≤` [`FEW`]: at 0.75 the first term left out is below 2e-17.
 #[inline(always)]
 pub(super) fn half_angle_of_few<V: Lanes>(square: V) -> (V, V) {
