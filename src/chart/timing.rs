@@ -155,7 +155,7 @@ fn single_run(
             }
         }
     }
-    run.cpu_seconds = (clock.elapsed().as_secs_f64() - readings * reading).max(0.0);
+    run.cpu_seconds = (clock.elapsed().as_secs_f64() - readings * reading).max(SHORTEST);
     run.mean_step = (state.time - start.time) / run.steps.max(1) as f64;
     let is_finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
     if run.ended == Ended::Done && !(is_finite(&state.position) && is_finite(&state.velocity)) {
@@ -164,6 +164,9 @@ fn single_run(
     run.end = state;
     run
 }
+
+/// No run counts as shorter (s): the axis of the picture is logarithmic, and runs are repeated until they add up to something.
+const SHORTEST: f64 = 1e-9;
 
 /// What reading the clock takes at least (s): 0.4 µs, a twentieth of a short run of two bodies.
 fn seconds_a_reading() -> f64 {
