@@ -161,6 +161,15 @@ impl<V: Arithmetic> Articulated<V> {
         Eliminated { axis, force_ratio, torque_ratio, bias, inverse }
     }
 
+    /// Momentum at a velocity of the anchor and an angular velocity, and the moment of it about the anchor.
+    #[inline(always)]
+    pub fn momentum(&self, linear: Vector<V>, angular: Vector<V>) -> (Vector<V>, Vector<V>) {
+        (
+            self.mass.apply(linear).plus(self.coupling.apply(angular)),
+            self.coupling.apply_transposed(linear).plus(self.inertia.apply(angular)),
+        )
+    }
+
     /// The same about a point `arm` back: `v_here = v_there + φ × arm`.
     #[inline(always)]
     pub fn shifted(&self, arm: Vector<V>) -> Self {

@@ -123,7 +123,7 @@ impl<V: Numbers> Stages<V> {
 impl<V: Arithmetic> Factors<V> {
     /// Leaf to root, in the order of [`Factors::eliminate`].
     #[inline(always)]
-    fn gather<R: Rows<V>>(
+    pub(super) fn gather<R: Rows<V>>(
         &mut self,
         plans: &Plan,
         start: &Start<V::Real>,
@@ -140,7 +140,10 @@ impl<V: Arithmetic> Factors<V> {
                 let axis = Vector::splat(&start.axes[rotations]);
                 let torque =
                     pivot_torque(rows, index, &start.pivots[pivot], &start.axes[rotations], start.rates[rotations]);
-                let load = axis.dot_plus(self.slots[plans.below(index)].torque, torque);
+                let mut load = axis.dot_plus(self.slots[plans.below(index)].torque, torque);
+                if let Some((_, carried)) = rows.carried(index) {
+                    load = axis.dot_plus(carried, load);
+                }
                 let joint = &mut self.eliminated[rotations];
                 joint.axis = axis;
                 joint.bias = -(load * joint.inverse);
@@ -182,12 +185,16 @@ impl<V: Arithmetic> Factors<V> {
         }
     }
 
-    /// With what forces besides gravity do and what the children have left.
+    /// With what forces besides gravity do, what the body has already, and what the children have left.
     #[inline(always)]
     fn with_rest<R: Rows<V>>(&self, plans: &Plan, body: usize, rows: &R, mut own: Wrench<V>) -> Wrench<V> {
         if let Some((force, torque)) = rows.wrench(body) {
             own.force = force.times_minus(rows.forces(), own.force);
             own.torque = torque.times_minus(rows.forces(), own.torque);
+        }
+        if let Some((momentum, moment)) = rows.carried(body) {
+            own.force = own.force.plus(momentum);
+            own.torque = own.torque.plus(moment);
         }
         let below = &self.slots[plans.below(body)];
         Wrench { force: own.force.plus(below.force), torque: own.torque.plus(below.torque) }

@@ -2,7 +2,8 @@
 //!
 //! The projection `H(q̄) v̄ = Sᵀ p̄` is the Newton step's recursion ([`super::sweeps`]) with the momenta of the bodies in place of the
 //! residuals. It has one row, so that it is worked out in one lane; what it takes from all stages are weighted sums of how far a body is
-//! ahead of the steady motion of the start ([`super::momenta`]; symbols as in [`super::residual`]).
+//! ahead of the steady motion of the start ([`super::momenta`]; symbols as in [`super::residual`]). Where rounding has lost too much of them the
+//! velocities are refined ([`refinement`]).
 
 use super::algebra::Vector;
 use super::articulated::Push;
@@ -19,16 +20,29 @@ use super::sweeps::Factors;
 use super::tableau::Tableau;
 use super::turns::Tilt;
 
+mod refinement;
+
+pub use refinement::have_lost_digits;
+
+/// A twist of a body, or its momentum and the moment of it: the part at its anchor, and the angular part.
+type Motion<E> = (Vector<E>, Vector<E>);
+
 /// The workspace of the end of a step.
 pub struct Ending<E> {
     factors: Factors<E>,
     weights: MomentumWeights<E>,
+    /// Momentum and moment of momentum about the anchor of each body at velocities that are to be refined; before, its twist.
+    carried: Vec<Motion<E>>,
 }
 
 impl<E: Arithmetic> Ending<E> {
     /// Room for the end of the steps of a scheme.
     pub fn new(plan: &Plan, freedoms: usize, tableau: &Tableau) -> Self {
-        Ending { factors: Factors::new(plan, freedoms), weights: MomentumWeights::new(tableau) }
+        Ending {
+            factors: Factors::new(plan, freedoms),
+            weights: MomentumWeights::new(tableau),
+            carried: vec![(Vector::zero(), Vector::zero()); plan.bodies.len()],
+        }
     }
 
     /// The row of the end of a step.
@@ -39,25 +53,27 @@ impl<E: Arithmetic> Ending<E> {
         gravity: &[f64; 3],
     ) -> EndRows<'s, V, REFINED, FORCED> {
         let steady = stages.coefficients.steady(stages.step);
-        EndRows { stages, steady, momenta: self.weights.over(stages.step, gravity) }
+        EndRows { stages, steady, momenta: self.weights.over(stages.step, gravity), carried: None }
     }
 
     /// The velocities at the end of a solved step, of which the poses of all stages are known; `REFINED` with twice the digits of the
-    /// coefficients, with forces (`FORCED`) after [`Stages::sweep_applied`] at the end.
+    /// coefficients, with forces (`FORCED`) after [`Stages::sweep_applied`] at the end; returns the square of them, `v̄ᵀ H v̄` ([`refinement`]).
     #[inline(always)]
     pub fn velocities<V: Numbers<One = E, Real = E::Real>, const REFINED: bool, const FORCED: bool>(
         &mut self,
         stages: &Stages<V>,
         gravity: &[f64; 3],
         velocity: &mut [V::Real],
-    ) {
+    ) -> V::Real {
         let rows = self.rows::<V, REFINED, FORCED>(stages, gravity);
         self.factors.eliminate(&stages.plan, &stages.start, &rows, &mut LookAhead::new(()));
+        let square = self.factors.square();
         self.factors.solve(
             &stages.plan,
             #[inline(always)]
             |freedom, rate| velocity[freedom] = rate.lane(0),
         );
+        square.lane(0)
     }
 }
 
@@ -66,6 +82,8 @@ pub(super) struct EndRows<'s, V: Numbers, const REFINED: bool, const FORCED: boo
     pub(super) stages: &'s Stages<V>,
     steady: Steady<V>,
     momenta: Momenta<V::One>,
+    /// [`Rows::carried`].
+    carried: Option<&'s [Motion<V::One>]>,
 }
 
 impl<V: Numbers, const REFINED: bool, const FORCED: bool> EndRows<'_, V, REFINED, FORCED> {
@@ -155,6 +173,10 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
         let applied = if FORCED { self.stages.applied.as_ref()? } else { return None };
         let (force, torque) = applied.wrenches[body];
         Some((self.alone(force), self.alone(torque)))
+    }
+    #[inline(always)]
+    fn carried(&self, body: usize) -> Option<Motion<V::One>> {
+        self.carried.map(|carried| carried[body])
     }
     #[inline(always)]
     fn push(&self, freedom: usize) -> Option<Push<V::One>> {

@@ -45,6 +45,11 @@ pub trait Rows<V: Arithmetic> {
     fn forces(&self) -> V;
     /// Force and torque that forces besides gravity put on a body; `None` where there are none at all.
     fn wrench(&self, body: usize) -> Option<(Vector<V>, Vector<V>)>;
+    /// What a body has already of its momentum and of the moment of it about its anchor ([`super::ending`]); `None` where nothing is known of that.
+    #[inline(always)]
+    fn carried(&self, _: usize) -> Option<(Vector<V>, Vector<V>)> {
+        None
+    }
     /// What they do along a degree of freedom, in the units of the residuals.
     fn push(&self, freedom: usize) -> Option<Push<V>>;
 }

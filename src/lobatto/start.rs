@@ -61,6 +61,8 @@ pub struct Start<R = f64> {
     pub applied: AppliedStart,
     /// Energy of the state.
     pub energy: Energy,
+    /// The unit of mass of the step (1/kg).
+    pub units: f64,
     states: Vec<BodyState>,
     /// The bodies of `pivots`.
     pivoted: Vec<usize>,
@@ -83,6 +85,7 @@ impl<R: Copy + Default> Start<R> {
             mimic_gaps: vec![0.0; mechanism.mimics.len()],
             applied: AppliedStart::new(mechanism),
             energy: Energy::default(),
+            units: 1.0,
             states: vec![WORLD; mechanism.bodies.len()],
             own_unit: false,
         }
@@ -153,7 +156,8 @@ impl Start {
     fn take_state(&mut self, mechanism: &Mechanism, state: &State) {
         self.rates.copy_from_slice(&state.velocity);
         let mut energy = Energy::default();
-        let per_unit = if self.own_unit { units_per_kilogram(&state.velocity) } else { 1.0 };
+        self.units = if self.own_unit { units_per_kilogram(&state.velocity) } else { 1.0 };
+        let per_unit = self.units;
         for (index, body) in mechanism.bodies.iter().enumerate() {
             let joint = &body.joint;
             let parent = body.parent.map_or(WORLD, |parent| self.states[parent]);

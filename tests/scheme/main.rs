@@ -19,6 +19,7 @@ mod loops;
 mod order;
 mod planar;
 mod precise;
+mod refinement;
 mod reversible;
 mod snapshots;
 mod stability;

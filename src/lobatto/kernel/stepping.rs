@@ -8,6 +8,7 @@ use super::{Equations, Kernel};
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
 use crate::lobatto::closing::Closing;
+use crate::lobatto::ending::have_lost_digits;
 use crate::lobatto::extended::Extended;
 use crate::lobatto::iteration::{Guarded, exact_at_first};
 use crate::lobatto::lanes::{Lanes, in_lanes};
@@ -40,6 +41,16 @@ impl<V: Lanes> Kernel<V> {
         self.end.set(mechanism, state);
         self.end.energy
     }
+
+    /// Refines the velocities at the end of a step, of which this is the square, if they need it.
+    fn refine(&mut self, mechanism: &Mechanism, state: &mut State, square: f64) {
+        let Kernel { stages, ending, gravity, velocity, end, .. } = self;
+        if have_lost_digits(square, end.energy.kinetic * stages.start.units) {
+            in_lanes!(V, ending.refine(stages, gravity, velocity, square));
+            state.velocity.copy_from_slice(velocity);
+            end.set_with::<V>(mechanism, state);
+        }
+    }
 }
 
 impl<V: Lanes> Step for Kernel<V> {
@@ -68,6 +79,7 @@ impl<V: Lanes> Step for Kernel<V> {
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let Kernel { stages, ending, gravity, velocity, .. } = self;
+        let mut square = None;
         if stages.plan.tumbles {
             in_lanes!(V, stages.place_tumbler(gravity));
             in_lanes!(V, ending.tumbler_velocities(stages, gravity, velocity));
@@ -79,15 +91,18 @@ impl<V: Lanes> Step for Kernel<V> {
             if V::GENERAL_ALONE || stages.applied.is_some() {
                 in_lanes!(V, ending.velocities::<V, true, true>(stages, gravity, velocity));
             } else if self.refined {
-                in_lanes!(V, ending.velocities::<V, true, false>(stages, gravity, velocity));
+                square = Some(in_lanes!(V, ending.velocities::<V, true, false>(stages, gravity, velocity)));
             } else {
-                in_lanes!(V, ending.velocities::<V, false, false>(stages, gravity, velocity));
+                square = Some(in_lanes!(V, ending.velocities::<V, false, false>(stages, gravity, velocity)));
             }
         }
         write_ends(&stages.displacement, stages.coefficients.active, &mut self.displaced);
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(&self.velocity);
         self.end.set_with::<V>(mechanism, state);
+        if let Some(square) = square {
+            self.refine(mechanism, state, square);
+        }
         if let Some(closing) = &mut self.closing {
             closing.velocities(mechanism, &self.end, &mut state.velocity);
             self.end.set_with::<V>(mechanism, state);
