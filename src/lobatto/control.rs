@@ -52,6 +52,9 @@ const KEPT: f64 = 3.3;
 /// whose E was too large all iterations are in double precision.
 const HASTE: usize = 2;
 
+/// The largest E of a kink over that of other steps.
+const KINK: f64 = 100.0;
+
 /// After so many halvings of a step of a tree under gravity that does not converge the exact Newton method is tried.
 const PATIENCE: usize = 3;
 
@@ -74,6 +77,18 @@ pub struct Control {
     memory: Memory,
 }
 
+/// Whether the motion has a kink that shorter steps do not resolve.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Kink {
+    /// It does not look like it.
+    #[default]
+    Unseen,
+    /// It has: the energy alone decides on the longest of the steps, if E is not hundreds of times too large.
+    Seen,
+    /// It has, but was not to be passed like that.
+    Refused,
+}
+
 /// What the controller remembers of the motion.
 #[derive(Default)]
 struct Memory {
@@ -85,8 +100,10 @@ struct Memory {
     kinetic: f64,
     /// Length and change of energy of the first attempt at this step that changed the energy too much.
     refused: Option<(f64, f64)>,
-    /// Length and E of an attempt at this step whose E was too large: the first, or the last that was well shorter than the one before.
+    /// Length and E of the attempt at this step with the least E of those whose E was too large.
     unresolved: Option<(f64, f64)>,
+    /// What that says.
+    kink: Kink,
     /// How many attempts at the present step had too large an E,
     too_long: usize,
     /// and how many of them were broken off for it.
@@ -143,8 +160,11 @@ impl Control {
             increment: self.stop,
             rounding: self.stop.max(1e-11),
             iterations: 40,
-            legendre: self.limit,
-            early: self.telling && self.memory.previous.is_some() && self.memory.broken_off < HASTE,
+            legendre: if self.memory.kink == Kink::Seen { KINK * self.limit } else { self.limit },
+            early: self.telling
+                && self.memory.kink == Kink::Unseen
+                && self.memory.previous.is_some()
+                && self.memory.broken_off < HASTE,
             rough: self.memory.too_long < HASTE,
             exactly: self.memory.halvings >= self.patience,
         }

@@ -1,6 +1,6 @@
 //! What becomes of an attempt at a step, and how long the next one is: the rules of [`super`].
 
-use super::Control;
+use super::{Control, KINK, Kink};
 use crate::lobatto::predictor::Guess;
 use crate::lobatto::stage::MAX_TURN;
 use crate::lobatto::step::Attempt;
@@ -23,8 +23,8 @@ const NEGLIGIBLE: f64 = 0.1;
 /// But not for so many steps after one that changed the energy too much.
 const WARY: usize = 20;
 
-/// The largest E of a kink over that of other steps.
-const KINK: f64 = 100.0;
+/// An E of some roundings: the step is too short for anything to be seen of its shape.
+const FLAT: f64 = 1e-14;
 
 /// No rounding changes the energy by a larger part of the kinetic energy in a step.
 const ROUNDED: f64 = 1e-6;
@@ -63,28 +63,31 @@ impl Control {
                     return Verdict::Retry { guess: Guess::Plain };
                 }
                 self.memory.halvings += 1;
-                self.memory.step = 0.5 * step;
+                self.retry(0.5 * step);
                 Verdict::Retry { guess: Guess::Past }
             }
             Attempt::TurnedTooFar { .. } => {
-                self.memory.step = 0.7 * step;
+                self.retry(0.7 * step);
                 Verdict::Retry { guess: Guess::Past }
             }
             Attempt::Inaccurate { legendre, .. } => {
+                // Of early iterates E tells too little.
+                let longest = if self.rule().early { None } else { self.see_kink(step, legendre) };
                 self.memory.broken_off += 1;
-                self.shorten(step, legendre)
+                self.shorten(step, legendre, longest)
             }
             Attempt::Converged { iterations, legendre, turn, .. } => {
                 // Less is rounding, and its ratio to that of the step before says nothing.
                 let error = legendre.max(1e-16);
-                if error > self.limit && !self.is_kink(step, error) {
-                    return self.shorten(step, error);
+                if error > self.limit && self.memory.kink != Kink::Seen {
+                    let longest = self.see_kink(step, error);
+                    return self.shorten(step, error, longest);
                 }
                 let by_energy = energies.map_or(Ok(f64::INFINITY), |energies| self.heed(energies, step, error));
                 match by_energy {
                     Ok(by_energy) => self.go_on(step, error, iterations, by_energy, REPRESENTED / turn),
                     Err(by_energy) => {
-                        self.memory.step = step * by_energy.exp().clamp(0.2, 0.9);
+                        self.retry(step * by_energy.exp().clamp(0.2, 0.9));
                         self.memory.wary = WARY;
                         // It may have found another motion, behind a singular position.
                         return Verdict::Retry { guess: Guess::Past };
@@ -95,12 +98,25 @@ impl Control {
         }
     }
 
-    /// The next attempt after one whose E was too large.
-    fn shorten(&mut self, step: f64, error: f64) -> Verdict {
+    /// The next attempt after one whose E was too large: a shorter one, or where there is a kink the `longest` once more.
+    fn shorten(&mut self, step: f64, error: f64, longest: Option<f64>) -> Verdict {
         self.memory.too_long += 1;
+        if let Some(longest) = longest {
+            self.memory.kink = Kink::Seen;
+            self.memory.step = longest;
+            return Verdict::Retry { guess: Guess::Past };
+        }
         let order = (self.stages - 1) as f64;
-        self.memory.step = step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9);
+        self.retry(step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9));
         Verdict::Retry { guess: Guess::Longer(step) }
+    }
+
+    /// The next attempt, a shorter one: it passes no kink.
+    fn retry(&mut self, step: f64) {
+        self.memory.step = step;
+        if self.memory.kink == Kink::Seen {
+            self.memory.kink = Kink::Refused;
+        }
     }
 
     /// The logarithm of the factor by which the next step may be longer for its energy, or, as an error, by which this one has to be shorter.
@@ -121,7 +137,7 @@ impl Control {
             let order = (2 * self.stages - 1) as f64;
             by_energy = CAUTION.ln() + (allowed / change).ln() / order;
         }
-        let refused = change > allowed && !self.is_rounding(step, change + rounding);
+        let refused = change > allowed && !self.is_rounding(step, error, change + rounding);
         if refused { Err(by_energy) } else { Ok(by_energy) }
     }
 
@@ -138,34 +154,31 @@ impl Control {
         (memory.halvings, memory.too_long, memory.broken_off) = (0, 0, 0);
         memory.wary = memory.wary.saturating_sub(1);
         memory.previous = Some(error);
-        (memory.refused, memory.unresolved) = (None, None);
+        (memory.refused, memory.unresolved, memory.kink) = (None, None, Kink::Unseen);
         memory.rounding *= FORGOTTEN;
         // A truncated last step must not shorten what follows.
         memory.step = if step < 0.999 * memory.step { memory.step.max(step * factor) } else { step * factor };
     }
 
-    /// Whether E is that of a kink: a shorter step has as large a one, while truncation would fall to nothing. Joint coordinates have one
-    /// where a motion passes a gimbal lock, which is best passed in one step: the more ends of steps come near, the more rates are rounded.
-    /// The energy decides on such a step.
-    fn is_kink(&mut self, step: f64, error: f64) -> bool {
-        let (longer, larger) = *self.memory.unresolved.get_or_insert((step, error));
-        if step > 0.8 * longer {
-            return false;
+    /// The length with the least E, if that is the E of a kink: a step half as long has as large a one, while truncation would fall to nothing.
+    /// Joint coordinates have one where a motion passes a gimbal lock, which is best passed in one step: the more ends of steps come near, the
+    /// more rates are rounded.
+    fn see_kink(&mut self, step: f64, error: f64) -> Option<f64> {
+        let memory = &mut self.memory;
+        let (longest, least) = *memory.unresolved.get_or_insert((step, error));
+        if error < least {
+            memory.unresolved = Some((step, error));
         }
-        // The first of them may have been too long for more reasons than one.
-        self.memory.unresolved = Some((step, error));
-        error >= 0.5 * larger && error <= KINK * self.limit
+        let stays = step <= 0.5 * longest && error >= least;
+        (stays && memory.kink == Kink::Unseen && least <= KINK * self.limit).then_some(longest)
     }
 
-    /// Whether a change of energy is one of rounding alone: a step half as long changes it as much, where truncation would fall to
-    /// nothing. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their roundings.
-    fn is_rounding(&mut self, step: f64, change: f64) -> bool {
-        let Some((first_step, first_change)) = self.memory.refused else {
-            self.memory.refused = Some((step, change));
-            return false;
-        };
-        let rounding =
-            step <= 0.5 * first_step && change >= 0.1 * first_change && change <= ROUNDED * self.memory.kinetic;
+    /// Whether a change of energy is one of rounding alone: E is nothing else either, or a step half as long changes the energy as much, where
+    /// truncation would fall to nothing. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their roundings.
+    fn is_rounding(&mut self, step: f64, error: f64, change: f64) -> bool {
+        let (first_step, first_change) = *self.memory.refused.get_or_insert((step, change));
+        let stays = step <= 0.5 * first_step && change >= 0.1 * first_change;
+        let rounding = (stays || error <= FLAT) && change <= ROUNDED * self.memory.kinetic;
         if rounding {
             self.memory.rounding = 3.0 * change;
         }
@@ -181,12 +194,16 @@ mod tests {
     use crate::model::{Body, Joint, JointKind, Mechanism, Pose};
     use nalgebra::Vector3;
 
-    #[test]
-    fn an_attempt_whose_energy_is_not_finite_is_thrown_away_and_allows_no_more_later() {
+    fn control() -> Control {
         let joint = Joint::new("hinge", JointKind::Revolute, Pose::identity(), Pose::translation(0.0, 0.0, 0.5));
         let body = Body { name: "rod".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.1), joint };
         let mechanism = Mechanism::new("pendulum", Vector3::new(0.0, 9.81, 0.0), vec![body]).unwrap();
-        let mut control = Control::new(&mechanism, 1e-3, 1e-7, StageChoice::Few, Isa::Portable);
+        Control::new(&mechanism, 1e-3, 1e-7, StageChoice::Few, Isa::Portable)
+    }
+
+    #[test]
+    fn an_attempt_whose_energy_is_not_finite_is_thrown_away_and_allows_no_more_later() {
+        let mut control = control();
         let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, turn: 0.0, exact: false };
         let mut verdict = |change, kinetic| {
             let energies = Energies { change, kinetic, potential: 1.0 };
@@ -202,5 +219,47 @@ mod tests {
         }
         assert_eq!(verdict(1e-4, 10.0), Verdict::Accept);
         assert_eq!(verdict(1e-4, 1.0), Verdict::Accept, "of a motion that has been that fast");
+    }
+
+    #[test]
+    fn a_kink_is_passed_in_the_longest_step_where_the_energy_allows_it_and_approached_where_not() {
+        for change in [1e-9, 1e-2] {
+            let mut control = control();
+            let limit = control.limit;
+            let mut attempt = |step, large: f64| {
+                let solved = Attempt::Converged { iterations: 5, legendre: large * limit, turn: 0.0, exact: false };
+                let energies = Energies { change, kinetic: 1.0, potential: 1.0 };
+                (control.judge(&solved, Some(energies), step, Guess::Past), control.step())
+            };
+            // An E that does not fall with the step, after one that did.
+            for (step, large) in [(0.2, 9.0), (0.1, 2.0), (0.08, 3.0)] {
+                let (verdict, next) = attempt(step, large);
+                assert_eq!(verdict, Verdict::Retry { guess: Guess::Longer(step) });
+                assert!(next < step, "{next} after {step}");
+            }
+            assert_eq!(attempt(0.04, 4.0), (Verdict::Retry { guess: Guess::Past }, 0.1));
+            let (verdict, next) = attempt(0.1, 2.0);
+            if change < 1e-3 {
+                assert_eq!(verdict, Verdict::Accept);
+            } else {
+                assert!(verdict == Verdict::Retry { guess: Guess::Past } && next < 0.1, "{verdict:?}, {next}");
+                let (verdict, next) = attempt(0.03, 5.0);
+                assert!(verdict == Verdict::Retry { guess: Guess::Longer(0.03) } && next < 0.03, "{verdict:?}, {next}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_change_of_energy_is_rounding_where_e_is_or_where_half_the_step_changes_as_much() {
+        let judge = |control: &mut Control, step, legendre| {
+            let solved = Attempt::Converged { iterations: 5, legendre, turn: 0.0, exact: false };
+            // Ten times what a step may change, and not more than roundings do.
+            let energies = Energies { change: 3e-7, kinetic: 1.0, potential: 1.0 };
+            control.judge(&solved, Some(energies), step, Guess::Past) == Verdict::Accept
+        };
+        let tight = || Control { tolerance: 1e-6, ..control() };
+        let mut shape = tight();
+        assert!([0.1, 0.06, 0.04].map(|step| judge(&mut shape, step, 1e-9)) == [false, false, true]);
+        assert!(judge(&mut tight(), 0.1, 1e-15));
     }
 }
