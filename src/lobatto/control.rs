@@ -13,7 +13,8 @@
 //! share of the tolerance; what is near that share does not grow, unless `E` is so small that the change can only be what the iteration
 //! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
-//! seldom has done so once. What an attempt with too large an E has found is the guess of the next one ([`super::predictor`]). Whatever
+//! seldom has done so once. What an attempt with too large an E has found is the guess of the next one ([`super::predictor`]). Where E does not
+//! fall with the step the motion has a kink, and the energy alone decides on the longest step that was tried. Whatever
 //! these say, a step stays within the limit of stability, and a motion that hard dampers are about to stop is stopped in short ones
 //! ([`super::watch`]).
 //!
