@@ -14,7 +14,7 @@
 //! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
 //! seldom has done so once. What an attempt with too large an E has found is the guess of the next one ([`super::predictor`]). Where E does not
-//! fall with the step the motion has a kink, and the energy alone decides on the longest step that was tried. Whatever
+//! fall with the step the motion has a kink, and the energy alone decides. Whatever
 //! these say, a step stays within the limit of stability, and a motion that hard dampers are about to stop is stopped in short ones
 //! ([`super::watch`]).
 //!
@@ -69,7 +69,7 @@ pub struct Control {
     wanted: f64,
     /// The largest E of a step that is kept.
     limit: f64,
-    /// Whether early iterates say whether a step is too long: what stiff springs and hard dampers leave in them says nothing.
+    /// Whether iterates say whether a step is too long, early ones, too: what stiff springs and hard dampers leave in them says nothing.
     telling: bool,
     /// How often a step that does not converge is halved before the exact Newton method is tried.
     patience: usize,
@@ -101,8 +101,10 @@ struct Memory {
     kinetic: f64,
     /// Length and change of energy of the first attempt at this step that changed the energy too much.
     refused: Option<(f64, f64)>,
-    /// Length and E of the attempt at this step with the least E of those whose E was too large.
+    /// Length and E of an attempt at this step whose E was too large: the first, or the last that was well shorter than the one before.
     unresolved: Option<(f64, f64)>,
+    /// The same of the one with the least E, of trees under gravity.
+    smoothest: Option<(f64, f64)>,
     /// What that says.
     kink: Kink,
     /// How many attempts at the present step had too large an E,

@@ -81,7 +81,9 @@ impl Control {
                 let error = legendre.max(1e-16);
                 if error > self.limit && self.memory.kink != Kink::Seen {
                     let longest = self.see_kink(step, error);
-                    return self.shorten(step, error, longest);
+                    if !self.is_kink(step, error) {
+                        return self.shorten(step, error, longest);
+                    }
                 }
                 let by_energy = energies.map_or(Ok(f64::INFINITY), |energies| self.heed(energies, step, error));
                 match by_energy {
@@ -154,31 +156,45 @@ impl Control {
         (memory.halvings, memory.too_long, memory.broken_off) = (0, 0, 0);
         memory.wary = memory.wary.saturating_sub(1);
         memory.previous = Some(error);
-        (memory.refused, memory.unresolved, memory.kink) = (None, None, Kink::Unseen);
+        (memory.refused, memory.unresolved, memory.smoothest, memory.kink) = (None, None, None, Kink::Unseen);
         memory.rounding *= FORGOTTEN;
         // A truncated last step must not shorten what follows.
         memory.step = if step < 0.999 * memory.step { memory.step.max(step * factor) } else { step * factor };
     }
 
-    /// The length with the least E, if that is the E of a kink: a step half as long has as large a one, while truncation would fall to nothing.
-    /// Joint coordinates have one where a motion passes a gimbal lock, which is best passed in one step: the more ends of steps come near, the
-    /// more rates are rounded.
-    fn see_kink(&mut self, step: f64, error: f64) -> Option<f64> {
-        let memory = &mut self.memory;
-        let (longest, least) = *memory.unresolved.get_or_insert((step, error));
-        if error < least {
-            memory.unresolved = Some((step, error));
+    /// Whether E is that of a kink: a shorter step has as large a one, while truncation would fall to nothing. Joint coordinates have one
+    /// where a motion passes a gimbal lock, which is best passed in one step: the more ends of steps come near, the more rates are rounded.
+    /// The energy decides on such a step.
+    fn is_kink(&mut self, step: f64, error: f64) -> bool {
+        let (longer, larger) = *self.memory.unresolved.get_or_insert((step, error));
+        if step > 0.8 * longer {
+            return false;
         }
-        let stays = step <= 0.5 * longest && error >= least;
-        (stays && memory.kink == Kink::Unseen && least <= KINK * self.limit).then_some(longest)
+        // The first of them may have been too long for more reasons than one.
+        self.memory.unresolved = Some((step, error));
+        error >= 0.5 * larger && error <= KINK * self.limit
     }
 
-    /// Whether a change of energy is one of rounding alone: E is nothing else either, or a step half as long changes the energy as much, where
+    /// The length with the least E, where E is that of a kink for certain: a step half as long has as large a one. Whether it was solved or not,
+    /// that is the one to try again. (With forces E does not tell: hard dampers leave much in any step.)
+    fn see_kink(&mut self, step: f64, error: f64) -> Option<f64> {
+        let memory = &mut self.memory;
+        let (longest, least) = *memory.smoothest.get_or_insert((step, error));
+        if error < least {
+            memory.smoothest = Some((step, error));
+        }
+        let stays = step <= 0.5 * longest && error >= least;
+        let kink = self.telling && stays && memory.kink == Kink::Unseen && least <= KINK * self.limit;
+        kink.then_some(longest)
+    }
+
+    /// Whether a change of energy is one of rounding alone: E is nothing else either (hard dampers change much where little moves), or a step half as long changes the energy as much, where
     /// truncation would fall to nothing. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their roundings.
     fn is_rounding(&mut self, step: f64, error: f64, change: f64) -> bool {
         let (first_step, first_change) = *self.memory.refused.get_or_insert((step, change));
         let stays = step <= 0.5 * first_step && change >= 0.1 * first_change;
-        let rounding = (stays || error <= FLAT) && change <= ROUNDED * self.memory.kinetic;
+        let flat = self.telling && error <= FLAT;
+        let rounding = (stays || flat) && change <= ROUNDED * self.memory.kinetic;
         if rounding {
             self.memory.rounding = 3.0 * change;
         }
@@ -227,9 +243,16 @@ mod tests {
             let mut control = control();
             let limit = control.limit;
             let mut attempt = |step, large: f64| {
-                let solved = Attempt::Converged { iterations: 5, legendre: large * limit, turn: 0.0, exact: false };
+                let legendre = large * limit;
+                let solved = Attempt::Converged { iterations: 5, legendre, turn: 0.0, exact: false };
+                let broken_off = Attempt::Inaccurate { iterations: 4, legendre };
                 let energies = Energies { change, kinetic: 1.0, potential: 1.0 };
-                (control.judge(&solved, Some(energies), step, Guess::Past), control.step())
+                let verdict = if large <= 2.0 {
+                    control.judge(&solved, Some(energies), step, Guess::Past)
+                } else {
+                    control.judge(&broken_off, None, step, Guess::Past)
+                };
+                (verdict, control.step())
             };
             // An E that does not fall with the step, after one that did.
             for (step, large) in [(0.2, 9.0), (0.1, 2.0), (0.08, 3.0)] {
