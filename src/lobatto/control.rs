@@ -84,7 +84,7 @@ enum Kink {
     /// It does not look like it.
     #[default]
     Unseen,
-    /// It has: the energy alone decides on the longest of the steps, if E is not hundreds of times too large.
+    /// It has: the energy alone decides on the smoothest of the steps, if E is not hundreds of times too large.
     Seen,
     /// It has, but was not to be passed like that.
     Refused,

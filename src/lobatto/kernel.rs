@@ -95,7 +95,8 @@ impl<V: Lanes> Kernel<V> {
         }
     }
 
-    /// Solves the stage equations of a step of length `step` from the start and a guess.
+    /// Solves the stage equations of a step of length `step` from the start and a guess. Here, because the compiler puts what an iteration
+    /// calls in its place in the file of the equations alone: a pendulum takes 1.02 of the time otherwise.
     fn solve(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, guess: Guess) -> Attempt {
         self.stages.step = step;
         self.refined = rule.increment < REFINED_BELOW;

@@ -72,17 +72,17 @@ impl Control {
             }
             Attempt::Inaccurate { legendre, .. } => {
                 // Of early iterates E tells too little.
-                let longest = if self.rule().early { None } else { self.see_kink(step, legendre) };
+                let smoothest = if self.rule().early { None } else { self.see_kink(step, legendre) };
                 self.memory.broken_off += 1;
-                self.shorten(step, legendre, longest)
+                self.shorten(step, legendre, smoothest)
             }
             Attempt::Converged { iterations, legendre, turn, .. } => {
                 // Less is rounding, and its ratio to that of the step before says nothing.
                 let error = legendre.max(1e-16);
                 if error > self.limit && self.memory.kink != Kink::Seen {
-                    let longest = self.see_kink(step, error);
+                    let smoothest = self.see_kink(step, error);
                     if !self.is_kink(step, error) {
-                        return self.shorten(step, error, longest);
+                        return self.shorten(step, error, smoothest);
                     }
                 }
                 let by_energy = energies.map_or(Ok(f64::INFINITY), |energies| self.heed(energies, step, error));
@@ -100,12 +100,12 @@ impl Control {
         }
     }
 
-    /// The next attempt after one whose E was too large: a shorter one, or where there is a kink the `longest` once more.
-    fn shorten(&mut self, step: f64, error: f64, longest: Option<f64>) -> Verdict {
+    /// The next attempt after one whose E was too large: a shorter one, or where there is a kink the `smoothest` once more.
+    fn shorten(&mut self, step: f64, error: f64, smoothest: Option<f64>) -> Verdict {
         self.memory.too_long += 1;
-        if let Some(longest) = longest {
+        if let Some(smoothest) = smoothest {
             self.memory.kink = Kink::Seen;
-            self.memory.step = longest;
+            self.memory.step = smoothest;
             return Verdict::Retry { guess: Guess::Past };
         }
         let order = (self.stages - 1) as f64;
@@ -179,13 +179,13 @@ impl Control {
     /// that is the one to try again. (With forces E does not tell: hard dampers leave much in any step.)
     fn see_kink(&mut self, step: f64, error: f64) -> Option<f64> {
         let memory = &mut self.memory;
-        let (longest, least) = *memory.smoothest.get_or_insert((step, error));
+        let (smoothest, least) = *memory.smoothest.get_or_insert((step, error));
         if error < least {
             memory.smoothest = Some((step, error));
         }
-        let stays = step <= 0.5 * longest && error >= least;
+        let stays = step <= 0.5 * smoothest && error >= least;
         let kink = self.telling && stays && memory.kink == Kink::Unseen && least <= KINK * self.limit;
-        kink.then_some(longest)
+        kink.then_some(smoothest)
     }
 
     /// Whether a change of energy is one of rounding alone: E is nothing else either (hard dampers change much where little moves), or a step half as long changes the energy as much, where
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn a_kink_is_passed_in_the_longest_step_where_the_energy_allows_it_and_approached_where_not() {
+    fn a_kink_is_passed_in_the_smoothest_step_where_the_energy_allows_it_and_approached_where_not() {
         for change in [1e-9, 1e-2] {
             let mut control = control();
             let limit = control.limit;

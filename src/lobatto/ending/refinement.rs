@@ -53,7 +53,7 @@ impl<E: Arithmetic<Real = f64>> Ending<E> {
         let mut carried = std::mem::take(&mut self.carried);
         for _ in 0..ROUNDS {
             let rows = self.rows::<V, true, false>(stages, gravity);
-            self.factors.twists(plans, velocity, &mut carried);
+            self.factors.twists_at(plans, velocity, &mut carried);
             for (index, plan) in plans.bodies.iter().enumerate() {
                 let (linear, angular) = carried[index];
                 let known = &start.bodies[index];
@@ -103,7 +103,7 @@ impl<E: Arithmetic> Factors<E> {
 impl<E: Arithmetic<Real = f64>> Factors<E> {
     /// Root to leaf: the twist of every body at these velocities.
     #[inline(always)]
-    fn twists(&self, plans: &Plan, velocity: &[f64], twists: &mut [Motion<E>]) {
+    fn twists_at(&self, plans: &Plan, velocity: &[f64], twists: &mut [Motion<E>]) {
         for (index, plan) in plans.bodies.iter().enumerate() {
             let (mut linear, mut angular) = (Vector::zero(), Vector::zero());
             if let Some(parent) = plan.parent {

@@ -160,8 +160,9 @@ impl<V: Lanes> Step for Kernel<V> {
         self.chord.restart();
         self.first.leave();
         self.iterate(false);
-        for (out, &increment) in out.iter_mut().zip(&self.stages.increment) {
-            *out = 2.0 * at_end(increment, self.stages.coefficients.active) / (step * step);
+        write_ends(&self.stages.increment, self.stages.coefficients.active, out);
+        for out in out {
+            *out = 2.0 * *out / (step * step);
         }
     }
 }

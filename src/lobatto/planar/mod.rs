@@ -295,8 +295,9 @@ impl<V: Lanes> Step for PlanarKernel<V> {
         self.guess(Guess::Plain);
         self.chord.restart();
         self.iterate(false);
-        for (out, &increment) in out.iter_mut().zip(&self.stages.increment) {
-            *out = 2.0 * at_end(increment, self.coefficients.active) / (step * step);
+        write_ends(&self.stages.increment, self.coefficients.active, out);
+        for out in out {
+            *out = 2.0 * *out / (step * step);
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::lobatto::lanes::Lanes;
 use crate::lobatto::momenta::MomentumWeights;
 use crate::lobatto::predictor::Unknowns;
 use crate::lobatto::stage::{Coefficients, Turn, largest};
-use crate::lobatto::step::largest_coefficient;
+use crate::lobatto::step::{larger, largest_coefficient};
 use crate::lobatto::tableau::Tableau;
 use crate::model::{FreeRotation, Mechanism, Plane};
 
@@ -181,8 +181,8 @@ impl<V: Lanes> PlanarStages<V> {
     pub fn largest_coefficient(&self, top: V) -> f64 {
         let mut largest = largest_coefficient(&self.displacement, top);
         for turned in &self.turned {
-            largest = largest.max(self.plan.share * (turned.sine * top).sum().abs());
-            largest = largest.max((turned.cosine * top).sum().abs());
+            largest = larger(largest, self.plan.share * (turned.sine * top).sum().abs());
+            largest = larger(largest, (turned.cosine * top).sum().abs());
         }
         largest
     }
