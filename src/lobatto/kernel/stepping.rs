@@ -79,23 +79,25 @@ impl<V: Lanes> Step for Kernel<V> {
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let Kernel { stages, ending, gravity, velocity, .. } = self;
-        let mut square = None;
-        if stages.plan.tumbles {
+        let square = if stages.plan.tumbles {
             in_lanes!(V, stages.place_tumbler(gravity));
             in_lanes!(V, ending.tumbler_velocities(stages, gravity, velocity));
+            None
         } else {
             in_lanes!(V, stages.sweep_poses());
             if stages.applied.is_some() {
                 in_lanes!(V, stages.sweep_applied(true));
             }
-            if V::GENERAL_ALONE || stages.applied.is_some() {
-                in_lanes!(V, ending.velocities::<V, true, true>(stages, gravity, velocity));
+            let square = if V::GENERAL_ALONE || stages.applied.is_some() {
+                in_lanes!(V, ending.velocities::<V, true, true>(stages, gravity, velocity))
             } else if self.refined {
-                square = Some(in_lanes!(V, ending.velocities::<V, true, false>(stages, gravity, velocity)));
+                in_lanes!(V, ending.velocities::<V, true, false>(stages, gravity, velocity))
             } else {
-                square = Some(in_lanes!(V, ending.velocities::<V, false, false>(stages, gravity, velocity)));
-            }
-        }
+                in_lanes!(V, ending.velocities::<V, false, false>(stages, gravity, velocity))
+            };
+            // What dampers brake is in the factors, and no kinetic energy.
+            stages.applied.is_none().then_some(square)
+        };
         write_ends(&stages.displacement, stages.coefficients.active, &mut self.displaced);
         state.displace(mechanism, &self.displaced);
         state.velocity.copy_from_slice(&self.velocity);
