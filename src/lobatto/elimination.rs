@@ -3,8 +3,9 @@
 //! The unknowns are the freedoms of the tree's joints and the multipliers of the equations that the tree cannot say. A
 //! *front* is a dense block over the twist of one body and the multipliers that are still open below it (multifrontal
 //! elimination: I. Duff, J. Reid, ACM TOMS 9 (1983) 302). Bodies come leaf first, so that on a tree this is the articulated
-//! recursion; a loop is eliminated where its two branches meet, or, if it ends in the world, once as many freedoms lie
-//! behind it as it has rows: before that its block has no full rank.
+//! recursion; a loop is eliminated where its two branches meet, which is the world if it ends there. Before that its block may have no full
+//! rank, however many freedoms are gone: hinges are parallel, knees straight, and other loops need them, too. A spring that ends in the world
+//! gives, and goes at once.
 //!
 //! The number of multipliers in a front, and with it the cost, stays bounded on ladders whose rungs are numbered
 //! along them; it grows with the number of loops that pass over one body.
@@ -45,8 +46,8 @@ pub struct Column {
 /// An unknown of the linear system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {
-    /// A component of the twist of a body about the common origin; for a freedom of its own joint, without that and
-    /// the later ones.
+    /// A component of the twist of a body about the common origin. What a freedom of its own joint multiplies is the twist before that freedom
+    /// and the later ones are added.
     Twist { body: usize, component: usize },
     /// The multiplier of a row.
     Multiplier(usize),

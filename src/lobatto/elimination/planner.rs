@@ -9,13 +9,8 @@ struct Closure {
     rows: usize,
     /// Bodies with an end of it; fewer than two if it ends in the world.
     ends: Vec<usize>,
-    /// The bodies whose joints move it: those between its ends.
-    path: Vec<usize>,
     /// Where its branches meet; `None` is the world.
     meets: Option<usize>,
-    /// Freedoms eliminated on its path so far, and how many it takes.
-    behind: usize,
-    needed: usize,
     done: bool,
 }
 
@@ -38,30 +33,23 @@ impl<'m> Planner<'m> {
         let ancestors = |body: Option<usize>| -> Vec<usize> {
             std::iter::successors(body, |&body| mechanism.bodies[body].parent).collect()
         };
-        // In a plane a loop waits for as many freedoms as in space: two hinges and what its two rows hold may lie in one line.
         let pairs = mechanism
             .loops
             .iter()
             .zip(rows)
-            .map(|(closure, &count)| (count, closure.kind.rows(), closure.a.body, closure.b.body))
-            .chain(mechanism.mimics.iter().map(|mimic| (1, 1, Some(mimic.follower.body), Some(mimic.leader.body))))
-            // The tension of a spring has a block of full rank from the first.
-            .chain(mechanism.forces.point_springs.iter().filter(|_| springs).map(|s| (1, 0, s.a.body, s.b.body)));
+            .map(|(closure, &count)| (count, closure.a.body, closure.b.body))
+            .chain(mechanism.mimics.iter().map(|mimic| (1, Some(mimic.follower.body), Some(mimic.leader.body))))
+            .chain(mechanism.forces.point_springs.iter().filter(|_| springs).map(|s| (1, s.a.body, s.b.body)));
         let mut closure_of_row = Vec::new();
         let mut closures = Vec::new();
-        for (index, (count, needed, a, b)) in pairs.enumerate() {
+        for (index, (count, a, b)) in pairs.enumerate() {
             let (up_a, up_b) = (ancestors(a), ancestors(b));
             let meets = up_a.iter().find(|body| up_b.contains(body)).copied();
-            let mut path: Vec<usize> = up_a.into_iter().take_while(|&body| Some(body) != meets).collect();
-            path.extend(up_b.into_iter().take_while(|&body| Some(body) != meets));
             closures.push(Closure {
                 first_row: closure_of_row.len(),
                 rows: count,
                 ends: [a, b].into_iter().flatten().collect(),
-                path,
                 meets,
-                behind: 0,
-                needed,
                 done: false,
             });
             closure_of_row.extend((0..count).map(|_| index));
@@ -75,8 +63,6 @@ impl<'m> Planner<'m> {
                 [one, other] => one.iter().find(|body| other.contains(body)).copied(),
                 _ => None,
             };
-            let ends = closure.ends.clone();
-            closure.path.extend(ends.iter().filter(|end| !closure.path.contains(end)).collect::<Vec<_>>());
         }
         Planner {
             mechanism,
@@ -208,15 +194,10 @@ impl<'m> Planner<'m> {
             }
             self.plan.operations.push(Operation::Freedom { body, freedom, columns, direct });
         }
-        for closure in &mut self.closures {
-            if closure.path.contains(&body) {
-                closure.behind += joint.kind.velocity_count();
-            }
-        }
     }
 
-    /// Eliminates the closures that are complete in the top front, whose twist is that of `twist`. `early`: those that end in
-    /// the world and have enough freedoms behind them.
+    /// Eliminates the closures that are complete in the top front, whose twist is that of `twist`; with `early` the springs that end in the
+    /// world.
     pub(super) fn close_complete(&mut self, twist: Option<usize>, early: bool) {
         let complete: Vec<(usize, Vec<(usize, usize)>)> = (0..self.closures.len())
             .filter_map(|index| self.complete(index, twist, early).map(|slots| (index, slots)))
@@ -239,10 +220,12 @@ impl<'m> Planner<'m> {
     fn complete(&self, index: usize, twist: Option<usize>, early: bool) -> Option<Vec<(usize, usize)>> {
         let closure = &self.closures[index];
         let loops = self.mechanism.loops.len();
-        let is_mimic = (loops..loops + self.mechanism.mimics.len()).contains(&index);
+        let springs = loops + self.mechanism.mimics.len();
+        let is_mimic = (loops..springs).contains(&index);
         let both = closure.ends.iter().all(|&end| self.processed[end]);
         let here = if early {
-            closure.meets.is_none() && closure.ends.len() == 1 && closure.behind >= closure.needed
+            // That springs give makes a block of full rank.
+            index >= springs && closure.meets.is_none() && closure.ends.len() == 1
         } else {
             // A mimic is complete only when the freedoms of both joints are gone.
             let gone = |&end: &usize| !self.is_open(end, twist);

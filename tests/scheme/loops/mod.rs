@@ -4,6 +4,7 @@ mod algebra;
 mod assembly;
 mod kinds;
 mod motion;
+mod pinned;
 mod singular;
 
 use catena::closures::loop_gaps;
