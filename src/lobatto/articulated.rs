@@ -46,13 +46,13 @@ pub struct Push<V> {
 pub struct Eliminated<V> {
     /// The axis in the world at each row's stage.
     pub axis: Vector<V>,
-    /// `A s / (sᵀ A s)`, force part.
+    /// `A s / d`, force part, with `d = sᵀ A s + κ`.
     pub force_ratio: Vector<V>,
-    /// `A s / (sᵀ A s)`, torque part.
+    /// `A s / d`, torque part.
     pub torque_ratio: Vector<V>,
-    /// `(τ − sᵀ(bias)) / (sᵀ A s)`.
+    /// `(τ − sᵀ p) / d`.
     pub bias: V,
-    /// `1 / (sᵀ A s)`.
+    /// `1 / d`.
     pub inverse: V,
 }
 
@@ -206,7 +206,7 @@ impl<V: Arithmetic> Articulated<V> {
     }
 }
 
-/// `d`; what calls with a `None` in its code pays nothing for it.
+/// `d`; a literal `None` at the call costs nothing.
 #[inline(always)]
 fn resisting<V: Arithmetic>(inertia: V, push: Option<Push<V>>) -> V {
     match push {

@@ -5,7 +5,7 @@ use super::projection::Projection;
 use crate::model::Mechanism;
 use crate::state::State;
 
-/// The projection of a kernel, in its geometry, and room for a state that is none of its own.
+/// The projection of a kernel on its closures, and a state to work with.
 pub(super) struct Closing<G: Geometry<One>> {
     projection: Projection<G>,
     start: G::Start,

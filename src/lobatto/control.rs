@@ -117,7 +117,7 @@ struct Memory {
     rejected: bool,
     /// For how many steps small changes of the energy are taken for the steps' own, whatever E says.
     wary: usize,
-    /// Length of the long step (s) up to which steps grow that stop what hard dampers stop.
+    /// While short steps let hard dampers stop a motion: the length (s) from which on steps are as ever.
     settling: Option<f64>,
     /// How often the present step, which does not converge, was halved.
     halvings: usize,
@@ -218,11 +218,8 @@ impl Control {
         if !self.started() {
             self.start(mechanism, state, stepper.kernel.as_mut());
         }
-        let mut guess = Guess::Past;
+        let mut guess = stepper.first_guess();
         loop {
-            if guess == Guess::Past && !stepper.kernel.has_past() {
-                guess = Guess::Plain;
-            }
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
             let attempt = stepper.kernel.attempt(mechanism, length, &self.rule_for(length), guess);
             outcome.iterations += attempt.iterations();
@@ -246,7 +243,7 @@ impl Control {
                 Verdict::Retry { guess: next } => {
                     outcome.rejected += 1;
                     self.memory.rejected = true;
-                    guess = next;
+                    guess = if next == Guess::Past { stepper.first_guess() } else { next };
                     // Below this the step vanishes against the time itself.
                     if self.memory.step < 1e-13 * state.time.abs().max(1e-3) {
                         return Err(stepper.failure(mechanism, state.time, length, &attempt));

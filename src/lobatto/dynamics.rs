@@ -133,17 +133,17 @@ impl Dynamics {
             for freedom in own.freedoms().rev() {
                 let axis = Vector::splat(&start.axes[freedom]);
                 let push = Some(Push { effort: lane(self.efforts[freedom]), inertia: lane(0.0) });
-                let (size, left) = if freedom < own.first_axis + own.translations {
-                    (axis.dot(total.mass.apply(axis)), total.eliminate_translation(axis, push))
-                } else {
-                    (axis.dot(total.inertia.apply(axis)), total.eliminate_rotation(axis, push))
-                };
-                let Eliminated { force_ratio, torque_ratio, bias, .. } = left;
+                let Eliminated { force_ratio, torque_ratio, bias, inverse, .. } =
+                    if freedom < own.first_axis + own.translations {
+                        total.eliminate_translation(axis, push)
+                    } else {
+                        total.eliminate_rotation(axis, push)
+                    };
                 self.accelerations[freedom] = scalar(bias);
                 self.rows[freedom] = Row {
                     force_ratio: vector(force_ratio),
                     torque_ratio: vector(torque_ratio),
-                    inverse: 1.0 / scalar(size),
+                    inverse: scalar(inverse),
                 };
             }
             if own.parent.is_some() {

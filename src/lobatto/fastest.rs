@@ -33,8 +33,13 @@ impl Fastest {
     /// Nothing known yet.
     pub fn new(freedoms: usize) -> Self {
         let mut fastest = Fastest { direction: vec![0.0; freedoms], image: vec![0.0; freedoms] };
-        first_direction(&mut fastest.direction);
+        fastest.forget();
         fastest
+    }
+
+    /// Forgets the mode.
+    pub fn forget(&mut self) {
+        first_direction(&mut self.direction);
     }
 
     /// The frequency at an instant [rad/s], from below, after some power iterations; zero where nothing is stiff or the state
@@ -55,7 +60,7 @@ impl Fastest {
             dynamics.solve(plan, start, &mut self.direction);
             let product: f64 = self.direction.iter().zip(&self.image).map(|(a, b)| a * b).sum();
             if !(product / size).is_normal() || product < 0.0 {
-                first_direction(&mut self.direction);
+                self.forget();
                 return 0.0;
             }
             power = product / size;

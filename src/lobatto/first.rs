@@ -8,9 +8,8 @@
 //! ```
 //!
 //! Eight single lanes fill 256 bits. Where a register of 512 bits is worked on in two halves, or there is none, such an iteration takes
-//! half the time. Rounding leaves some 10⁻⁵ rad of the displacements, more where the masses of a tree differ much, and in low powers
-//! of time as in high ones, while what a guess leaves is in high ones; of low ones an iteration leaves more. Steps that are iterated very far
-//! therefore do without, and [`FirstIterations`] finds out where single precision is too little altogether.
+//! half the time. Rounding leaves some 10⁻⁵ rad of the displacements, more where the masses of a tree differ much, and leaves it in all powers
+//! of time; a guess is off in the high ones, of which an iteration leaves least. Steps that are iterated very far therefore do without, and [`FirstIterations`] finds out where single precision is too little altogether.
 //!
 //! What follows in double precision may keep the factors of the last such iteration ([`super::chord`]).
 

@@ -64,7 +64,7 @@ impl FixedSteps {
         let target = self.target(state.time, until);
         let mut outcome = StepOutcome::default();
         let mut length = target - state.time;
-        let (mut halvings, mut guess) = (0, Guess::Past);
+        let (mut halvings, mut guess) = (0, stepper.first_guess());
         loop {
             let attempt = stepper.kernel.attempt(mechanism, length, &self.rule, guess);
             outcome.iterations += attempt.iterations();
@@ -92,7 +92,7 @@ impl FixedSteps {
             }
             halvings += 1;
             length *= 0.5;
-            guess = Guess::Past;
+            guess = stepper.first_guess();
         }
     }
 }

@@ -6,8 +6,9 @@
 //!     converged:    |δ_n| ≤ ε max(1, |θ|),   or   |δ_n| ≤ 10⁻¹¹ max(1, |θ|)  and  |δ_n| > ½ |δ_{n−1}|      (rounding)
 //!                   |δ_n|, |δ_{n−1}| ≤ 10⁻⁹ max(1, |θ|)  after fifteen iterations, exact method alone      (beside a singular position)
 //!     hopeless:     |δ_n| > 0.3 |δ_{n−4}|  and  |δ_n| > 10⁻⁹ max(1, |θ|)  after eight iterations
-//!     too long:     E > 20, 4, 2, 1.5, 1.1 times the largest that is kept, after one, two … five iterations;
-//!                   or E > 3 times it after four, where early iterates are not asked
+//!     too long:     E > 20, 4, 2, 1.5, 1.1 times the largest that is kept, after one, two … five iterations,
+//!                   or E > 3 times it after four, where early iterates are not asked:
+//!                   E of bodies and joints after the fourth, and of joints, which cost less to ask, after the others
 //! ```
 //!
 //! What is hopeless is tried again with a plain guess, and then by the exact Newton method if the rule says so.
@@ -139,8 +140,13 @@ const TOO_LONG: [f64; 5] = [20.0, 4.0, 2.0, 1.5, 1.1];
 /// The same where early iterates are not asked.
 const TOO_LONG_LATE: f64 = 3.0;
 
-/// After so many iterations the rotations of bodies are looked at, too, and not the joints alone.
+/// After this iteration the rotations of bodies are looked at, too, and after the others the joints alone.
 const SHAPED: usize = 4;
+
+/// What follows an increment below this (over the largest displacement) is the second half of its digits,
+const SETTLED: f64 = 1e-13;
+/// and so it is where the next increment, smaller than the last by as much as that was than the one before, will be below this.
+const ROUNDED: f64 = 1e-15;
 
 /// Up to this displacement no rotation vector is beyond [`MAX_TURN`]. A solution is asked how long it is; an iterate beyond is not, because it is
 /// no worse for some digits less.
@@ -172,20 +178,22 @@ pub(super) fn attempt(equations: &mut impl Guarded, mechanism: &Mechanism, rule:
 pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt {
     let mut recent = [f64::INFINITY; 5];
     let mut scale = 1.0_f64;
-    let mut largest = 0.0;
+    // Nobody has measured the guess.
+    let mut largest = f64::INFINITY;
     let refines = equations.refines();
     for iteration in 1..=rule.iterations {
         let previous = recent[(iteration + 3) % 5];
         let earlier = recent[(iteration + 2) % 5];
         // The second half of the coefficients' digits matters where the first half of those of the solution is settled, or will be
         // after the next increment if it falls as the last one did; and a step to rounding has not ended without them.
-        let settled = previous < 1e-13 || (earlier.is_finite() && previous * previous < 1e-15 * earlier);
+        let settled =
+            previous < SETTLED * scale || (earlier.is_finite() && previous * previous < ROUNDED * scale * earlier);
         let increment = equations.iterate(settled);
-        let slack = iteration >= PATIENCE && equations.is_exact() && previous.max(increment) <= SLACK * scale;
+        let rounds = iteration >= PATIENCE && equations.is_exact() && previous.max(increment) <= SLACK * scale;
         let converged = (settled || !refines)
             && (increment <= rule.increment * scale
                 || (increment <= rule.rounding * scale && increment > 0.5 * previous)
-                || slack);
+                || rounds);
         if converged {
             equations.complete();
             let turn = if largest > ASKED { equations.furthest_turn() } else { Turn::default() };
@@ -201,15 +209,15 @@ pub(super) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
                 exact: equations.is_exact(),
             };
         }
-        let slack = match iteration {
+        let excess = match iteration {
             _ if rule.legendre == f64::INFINITY => None,
             _ if rule.early => TOO_LONG.get(iteration - 1).copied(),
             SHAPED => Some(TOO_LONG_LATE),
             _ => None,
         };
-        if let Some(slack) = slack {
+        if let Some(excess) = excess {
             let legendre = if iteration == SHAPED { equations.legendre() } else { equations.joint_legendre() };
-            if legendre > slack * rule.legendre {
+            if legendre > excess * rule.legendre {
                 // The next attempt, a shorter one, begins from here.
                 equations.complete();
                 return Attempt::Inaccurate { iterations: iteration, legendre };
@@ -276,6 +284,42 @@ mod tests {
         fn furthest_turn(&self) -> Turn {
             Turn::default()
         }
+    }
+
+    #[test]
+    fn a_guess_that_needs_no_second_iteration_is_asked_how_far_it_turns() {
+        struct Solved;
+
+        impl Equations for Solved {
+            fn iterate(&mut self, _: bool) -> f64 {
+                0.0
+            }
+
+            fn advance(&mut self) -> f64 {
+                unreachable!("the first iteration is the last")
+            }
+
+            fn complete(&mut self) {}
+
+            fn legendre(&self) -> f64 {
+                0.0
+            }
+
+            fn joint_legendre(&self) -> f64 {
+                0.0
+            }
+
+            fn worst_freedom(&self) -> usize {
+                0
+            }
+
+            fn furthest_turn(&self) -> Turn {
+                Turn { angle: 3.0, freedom: 2 }
+            }
+        }
+
+        let solved = Attempt::Converged { iterations: 1, legendre: 0.0, turn: 3.0, exact: false };
+        assert_eq!(solve(&mut Solved, &StopRule::ROUNDING), solved);
     }
 
     #[test]

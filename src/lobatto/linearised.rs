@@ -159,8 +159,13 @@ impl Linearised {
             state: State::zero(mechanism),
             undamped,
         };
-        first_direction(&mut mode.direction);
+        mode.forget();
         mode
+    }
+
+    /// Forgets the mode.
+    pub fn forget(&mut self) {
+        first_direction(&mut self.direction);
     }
 
     /// The mode at a state, from below, after some power iterations; zero where nothing is stiff or the state is not finite.
@@ -185,7 +190,7 @@ impl Linearised {
             let after = self.motion.kinetic(mechanism, &mut self.state, self.image.iter().copied());
             let power = after / before;
             if !power.is_normal() {
-                first_direction(&mut self.direction);
+                self.forget();
                 return Mode::default();
             }
             frequency = power.sqrt().sqrt();

@@ -1,13 +1,22 @@
 //! The method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
-//! Reading order: [`tableau`] (coefficients), [`step`], [`kernel`] and [`iteration`] (the loop of one step), [`plan`], [`start`], [`stage`] and [`turns`] (poses
-//! of all stages), [`rows`], [`row_geometry`], [`residual`], [`pivot`], [`applied_plan`], [`applied_motion`] and [`applied`] (forces), [`articulated`], [`sweeps`], [`chord`] and [`first`]
-//! (the stage equations and their solve), [`momenta`] and [`ending`] (the velocities at the end), [`planar`] (the same in a plane), [`precise`] (the same to 32 digits),
-//! [`anderson`], [`predictor`], [`dense`], [`fixed`], [`control`] and [`reversible`]
-//! (step length), [`stage_choice`] (how many stages), [`stability`], [`watch`], [`modes`], [`fastest`], [`dynamics`] and [`linearised`] (what they need
-//! to know), [`stepper`] and [`integrator`] (steps strung together); for closed loops [`newton`], [`coupled`], [`closure`],
-//! [`elimination`], [`front`], [`projection`], [`closing`] and [`assembly`]; [`instants`] are samples of a motion, in lanes;
-//! [`literal`] is the scheme word for word, the oracle of the tests; [`lanes`], [`numbers`], [`algebra`] and [`dispatch`] are the SIMD underneath.
+//! In the order in which it reads best:
+//!
+//! | what | where |
+//! |---|---|
+//! | the loop of one step | [`tableau`] (coefficients), [`step`] (what the integrator sees), [`kernel`], [`iteration`] |
+//! | poses of all stages | [`plan`] (what can be left out), [`start`], [`stage`], [`turns`] |
+//! | the stage equations | [`rows`], [`row_geometry`], [`residual`], [`pivot`], [`tumbler`]; forces: [`applied_plan`], [`applied_motion`], [`applied`] |
+//! | their solve | [`articulated`], [`sweeps`], [`chord`], [`first`], [`anderson`], [`predictor`] |
+//! | the end of a step | [`momenta`], [`ending`], [`dense`] and [`sampling`] (between start and end) |
+//! | the same otherwise | [`planar`] (in a plane), [`precise`] and [`extended`] (to 32 digits) |
+//! | how long a step is | [`fixed`], [`control`], [`reversible`]; how many stages: [`stage_choice`] |
+//! | what steers that | [`stability`], [`watch`], [`modes`], [`fastest`], [`dynamics`], [`linearised`] |
+//! | steps strung together | [`stepper`], [`integrator`] |
+//! | closed loops, stiff springs | [`newton`], [`coupled`], [`closure`], [`elimination`], [`front`], [`projection`], [`closing`], [`assembly`], [`limits`] |
+//! | samples of a motion | [`instants`] |
+//! | the oracle of the tests | [`literal`], the scheme word for word |
+//! | SIMD underneath | [`lanes`], [`numbers`], [`algebra`], [`dispatch`] |
 
 pub mod algebra;
 pub mod anderson;

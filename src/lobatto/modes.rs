@@ -1,7 +1,7 @@
 //! What steers the steps knows of the motion at an instant: its fastest mode and its pace.
 //!
 //! A tree under gravity has both from its geometric stiffness ([`super::dynamics`]); with forces or closures the mode comes from
-//! differences of accelerations ([`super::linearised`]), and nobody knows the pace.
+//! differences of accelerations ([`super::linearised`]), and the pace is not available.
 
 use super::dynamics::Dynamics;
 use super::fastest::Fastest;
@@ -33,6 +33,14 @@ impl Modes {
             fastest: Fastest::new(freedoms),
             linearised: (!plain).then(|| Box::new(Linearised::new(mechanism))),
             jerks: vec![0.0; freedoms],
+        }
+    }
+
+    /// Forgets the motion: the next look is at another.
+    pub fn forget(&mut self) {
+        self.fastest.forget();
+        if let Some(linearised) = &mut self.linearised {
+            linearised.forget();
         }
     }
 

@@ -4,7 +4,7 @@
 //!     p̄ = p₀ + h Σ_k b_k F_k = M ( v + h⁻¹ Σ_i w_i (Q_i − q₀ − h c_i v) ) + h b_s F_s,       w_i = Σ_k b_k B_ki
 //! ```
 //!
-//! (2.5.11h); in every lane of those who work out all of them, in one lane alone at the [end](super::ending) of a step in space.
+//! (2.5.11h); in all lanes in a plane, in one lane at the [end](super::ending) of a step in space.
 
 use super::algebra::Vector;
 use super::numbers::{Arithmetic, Numbers};

@@ -145,7 +145,8 @@ impl Plan {
         plan
     }
 
-    /// Where what the children of a body have left is: in a slot of their own, after these where an only child is, or last, where nothing is.
+    /// The slot with the sum of what the children of a body have left: one of the first for a branching body, the next after those for an only
+    /// child, and the last, which is zero for good, where there are no children.
     #[inline(always)]
     pub fn below(&self, body: usize) -> usize {
         match self.bodies[body].children {

@@ -139,40 +139,43 @@ impl Reversible {
         {
             self.start(&pace);
         }
-        let mut halvings = 0;
+        let (mut halvings, mut guess) = (0, stepper.first_guess());
         loop {
             let Stride { length, end, reaches } = Stride::towards(until, state.time, self.step);
-            for guess in [Guess::Past, Guess::Plain] {
-                let attempt = stepper.kernel.attempt(mechanism, length, &StopRule::ROUNDING, guess);
-                outcome.iterations += attempt.iterations();
-                if let Attempt::Converged { exact, .. } = attempt {
-                    stepper.finish(mechanism, state);
-                    outcome.exact = exact;
-                    stepper.accept(mechanism, state, length, end, &mut outcome)?;
-                    // A step that was cut off at the end of the run says nothing about the next.
-                    if let (false, Some(pace)) = (reaches, stepper.kernel.pace(mechanism, state)) {
-                        self.follow(&pace);
-                    }
-                    return Ok(outcome);
+            let attempt = stepper.kernel.attempt(mechanism, length, &StopRule::ROUNDING, guess);
+            outcome.iterations += attempt.iterations();
+            if let Attempt::Converged { exact, .. } = attempt {
+                stepper.finish(mechanism, state);
+                outcome.exact = exact;
+                stepper.accept(mechanism, state, length, end, &mut outcome)?;
+                // A step that was cut off at the end of the run says nothing about the next.
+                if let (false, Some(pace)) = (reaches, stepper.kernel.pace(mechanism, state)) {
+                    self.follow(&pace);
                 }
-                outcome.rejected += 1;
-                if guess == Guess::Plain {
-                    self.fail();
-                    halvings += 1;
-                    stepper.look_after_failure(mechanism, state, length);
-                    if halvings > HALVINGS {
-                        return Err(stepper.failure(mechanism, state.time, length, &attempt));
-                    }
-                }
+                return Ok(outcome);
             }
+            outcome.rejected += 1;
+            if guess == Guess::Past {
+                guess = Guess::Plain;
+                continue;
+            }
+            self.fail(length);
+            halvings += 1;
+            stepper.look_after_failure(mechanism, state, length);
+            if halvings > HALVINGS {
+                return Err(stepper.failure(mechanism, state.time, length, &attempt));
+            }
+            guess = stepper.first_guess();
         }
     }
 
-    /// The step could not be made: shorter ones from now on.
-    pub fn fail(&mut self) {
+    /// A step of so many seconds could not be made: shorter ones from now on. One that was cut off at the end of the run says nothing about ε.
+    pub fn fail(&mut self, length: f64) {
         self.resets += 1;
-        self.step *= 0.5;
-        self.span = self.span.map(|span| 0.5 * span);
+        if length >= self.step {
+            self.span = self.span.map(|span| 0.5 * span);
+        }
+        self.step = 0.5 * length;
     }
 }
 
@@ -190,5 +193,20 @@ mod tests {
         rule.follow(&Pace { rate: 1.0, growth: -7.0 });
         assert_eq!(rule.resets(), 1);
         assert!(rule.step() > 0.2, "{}", rule.step());
+    }
+
+    #[test]
+    fn a_last_step_that_fails_is_halved_and_whoever_goes_on_has_the_steps_of_before() {
+        let pace = Pace { rate: 2.0, growth: 0.0 };
+        let mut rule = Reversible::new(0.1);
+        rule.start(&pace);
+        rule.fail(1e-3);
+        assert_eq!((rule.step(), rule.resets()), (5e-4, 1));
+        rule.follow(&pace);
+        assert_eq!(rule.step(), 0.1);
+        // A whole one that fails is too long for good.
+        rule.fail(0.1);
+        rule.follow(&pace);
+        assert_eq!(rule.step(), 0.05);
     }
 }

@@ -28,11 +28,11 @@ pub trait Rows<V: Arithmetic> {
     fn gravity(&self) -> Vector<V>;
     /// The mixed path of a centre of mass that has been `displaced` in these rows (m); for momenta its velocity [m/s], which needs all stages.
     fn path(&self, body: usize, known: &BodyStart<V::Real>, displaced: Vector<V>) -> Vector<V>;
-    /// Whether it is worked out a body early what is to be mixed ([`super::row_geometry`]).
+    /// Whether the values of a body are stored while the one before it is mixed ([`super::row_geometry`]).
     const EARLY: bool;
-    /// What is to be mixed of a body.
+    /// The values of a body that are to be mixed.
     type Ahead: Copy;
-    /// That of a body that has moved so far in these rows.
+    /// Those of a body whose centre of mass has been `displaced` (m) and which has `turned` so far in these rows.
     fn ahead(&self, known: &BodyStart<V::Real>, displaced: Vector<V>, turned: Turned<V>) -> Self::Ahead;
     /// [`Rows::path`], and the mixed turn of a body; for momenta its rate [1/s].
     fn motion(&self, body: usize, known: &BodyStart<V::Real>, ahead: &Self::Ahead) -> (Vector<V>, Turned<V>);
@@ -50,7 +50,7 @@ pub trait Rows<V: Arithmetic> {
     fn carried(&self, _: usize) -> Option<(Vector<V>, Vector<V>)> {
         None
     }
-    /// What they do along a degree of freedom, in the units of the residuals.
+    /// What forces in the joint do along a degree of freedom, in the units of the residuals; `None` where there are none at all.
     fn push(&self, freedom: usize) -> Option<Push<V>>;
 }
 

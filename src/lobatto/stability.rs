@@ -57,13 +57,13 @@ const RATIOS: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
 /// The largest hω up to which steps of this scheme are stable for a mode: found for the next lower of some damping
 /// ratios, because the limit grows with it up to ½, and only where the mode comes near to what is stable without damping.
 pub(super) fn limit_for(tableau: &Tableau, product: f64, damping: f64) -> f64 {
-    static LIMITS: [[OnceLock<f64>; RATIOS.len()]; MAXIMUM_STAGES + 1] =
+    static DAMPED_LIMITS: [[OnceLock<f64>; RATIOS.len()]; MAXIMUM_STAGES + 1] =
         [const { [const { OnceLock::new() }; RATIOS.len()] }; MAXIMUM_STAGES + 1];
     let undamped = limit(tableau);
     let Some(ratio) = RATIOS.iter().rposition(|&ratio| ratio <= damping).filter(|_| product > NEAR * undamped) else {
         return undamped;
     };
-    *LIMITS[tableau.stages][ratio].get_or_init(|| damped_limit(tableau, RATIOS[ratio]))
+    *DAMPED_LIMITS[tableau.stages][ratio].get_or_init(|| damped_limit(tableau, RATIOS[ratio]))
 }
 
 /// The largest hω up to which steps of this scheme are stable for `y″ = −ω² y − 2ζω y′`; not less than without damping.

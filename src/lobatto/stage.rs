@@ -163,8 +163,8 @@ pub struct Stages<V: Numbers> {
 }
 
 impl<V: Numbers> Stages<V> {
-    /// A workspace for a mechanism on which nothing acts but gravity and a scheme, without the rules that are `kept` from leaving
-    /// something out.
+    /// A workspace for a scheme and a mechanism on which nothing acts but gravity; the rules that are `kept` from leaving something out are
+    /// switched off.
     pub fn unforced(mechanism: &Mechanism, tableau: &Tableau, kept: &[Rule]) -> Self {
         Self::planned(Plan::lean(mechanism, kept), mechanism, tableau)
     }

@@ -120,8 +120,8 @@ pub trait Step: Send {
     fn transient(&mut self, mechanism: &Mechanism, state: &State) -> Option<Transient>;
     /// Pace of the motion at `state`, the start of the step; `None` where forces and loops play a part that it does not know.
     fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace>;
-    /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length; zero where displacements are
-    /// known without one, because no step is shorter for these.
+    /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length (s). Zero for the freedoms that
+    /// need no iteration ([`Plan::known`](super::plan::Plan::known)): no step is shorter for these.
     fn accelerations(&mut self, step: f64, out: &mut [f64]);
 }
 

@@ -7,10 +7,11 @@
 //! Between `finish` and `accept` the state has not moved, so that a step can still be thrown away.
 
 use super::control::Energies;
+use super::predictor::Guess;
 use super::sampling::LastStep;
 use super::step::{Attempt, Step};
 use super::tableau::Tableau;
-use super::watch::Watch;
+use super::watch::{FIRST_LOOK, Watch};
 use crate::integrator::{SingularPosition, StepError, StepOutcome};
 use crate::model::Mechanism;
 use crate::state::State;
@@ -93,6 +94,11 @@ impl Stepper {
         moved
     }
 
+    /// What the first attempt at a step begins from.
+    pub fn first_guess(&self) -> Guess {
+        if self.kernel.has_past() { Guess::Past } else { Guess::Plain }
+    }
+
     /// Finishes the solved step, without moving `state`; returns the energies at its end, with the change that nothing
     /// accounts for.
     pub fn finish(&mut self, mechanism: &Mechanism, state: &State) -> Energies {
@@ -145,7 +151,7 @@ impl Stepper {
 
     /// Looks how near a step of this length is to the limit of stability, after a step that did not converge.
     pub fn look_after_failure(&mut self, mechanism: &Mechanism, state: &State, length: f64) {
-        self.look(mechanism, state, self.watch.iterations_after_failure(), length);
+        self.look(mechanism, state, FIRST_LOOK, length);
     }
 
     fn look(&mut self, mechanism: &Mechanism, state: &State, iterations: usize, length: f64) {

@@ -38,7 +38,7 @@ pub struct Factors<V> {
     pub eliminated: Vec<Eliminated<V>>,
     /// Arm from the parent's anchor at the rows' stages; one entry a body.
     pub arms: Vec<Vector<V>>,
-    /// Where the children of branching bodies meet, then where an only child is, and last what bodies without any have: nothing.
+    /// Sums of what children have left, by [`Plan::below`]: those of branching bodies, then that of an only child, and last a zero.
     pub slots: Vec<Articulated<V>>,
     /// Twist of the branching bodies on the way back.
     twists: Vec<(Vector<V>, Vector<V>)>,
@@ -107,8 +107,8 @@ impl<V: Arithmetic> Factors<V> {
         }
     }
 
-    /// Leaf to root. What branches of the code had in common would be kept on the stack, 27 registers of it: so what children leave is
-    /// added from wherever it is, and the joint that is most common goes straight through.
+    /// Leaf to root. The kinds of joints are written out one after the other, because what follows after a branch has its 27 registers on the
+    /// stack: so what children leave is added from wherever it is, and the joint that is most common goes straight through.
     #[inline(always)]
     pub fn eliminate<R: Rows<V>>(
         &mut self,

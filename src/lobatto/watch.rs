@@ -13,6 +13,9 @@ use crate::integrator::{FrequencyStep, Ringing};
 const INTERVAL: usize = 40;
 /// Steps between two looks where a step is near to the limit.
 const CLOSE_INTERVAL: usize = 8;
+/// Power iterations of a look that knows nothing of the mode yet, because the first direction is only a guess; and of one at a step that has
+/// failed, which has cost more.
+pub const FIRST_LOOK: usize = 4;
 /// Part of the limit that chosen steps keep to.
 const SAFE: f64 = 0.8;
 
@@ -75,14 +78,9 @@ impl Watch {
         (self.wait == 0).then(|| self.iterations())
     }
 
-    /// The number of power iterations to look with: the first direction is only a guess.
+    /// The number of power iterations to look with.
     pub fn iterations(&self) -> usize {
-        if self.latest.is_some() { 1 } else { 4 }
-    }
-
-    /// The number of power iterations to look with where a step has failed, which has cost more than they do.
-    pub fn iterations_after_failure(&self) -> usize {
-        4
+        if self.latest.is_some() { 1 } else { FIRST_LOOK }
     }
 
     /// Takes a look: the fastest mode at `time`, where steps of `step` are being made.

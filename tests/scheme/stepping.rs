@@ -93,6 +93,58 @@ fn a_state_changed_by_the_caller_is_where_the_next_step_starts() {
 }
 
 #[test]
+fn a_run_that_is_begun_again_has_the_bits_of_the_first_whatever_the_integrator_has_learned_in_it() {
+    // What keeps factors and what looks for the fastest mode learn most where masses differ by thousands.
+    let mut heavy = models::chain(12);
+    heavy.mechanism.bodies.last_mut().unwrap().mass *= 1e4;
+    let makers: [fn(&Mechanism) -> Lobatto; 3] = [
+        |mechanism| Lobatto::adaptive(mechanism, 1e-2),
+        |mechanism| Lobatto::adaptive(mechanism, 1e-7),
+        |mechanism| Lobatto::fixed(mechanism, 5, 2e-3).unwrap(),
+    ];
+    for model in [heavy, models::planar_chain(6)] {
+        for (which, make) in makers.into_iter().enumerate() {
+            let mut lobatto = make(&model.mechanism);
+            let mut run = || {
+                let mut state = model.state.clone();
+                let (mut steps, mut iterations, mut kept) = (0, 0, 0);
+                while state.time < 0.5 {
+                    let outcome = lobatto.advance(&model.mechanism, &mut state, 0.5).unwrap();
+                    (steps, iterations, kept) = (steps + 1, iterations + outcome.iterations, kept + outcome.kept);
+                }
+                (state, steps, iterations, kept)
+            };
+            assert_eq!(run(), run(), "{}, integrator {which}", model.mechanism.name);
+        }
+    }
+}
+
+#[test]
+fn a_first_step_that_fails_is_halved_at_once_because_there_is_no_past_to_do_without() {
+    let model = models::heavy_top();
+    let mut state = model.state.clone();
+    let nominal = 0.05;
+    let mut lobatto = Lobatto::fixed(&model.mechanism, 9, nominal).unwrap();
+    let outcome = lobatto.advance(&model.mechanism, &mut state, f64::INFINITY).unwrap();
+    assert!(outcome.rejected > 0);
+    assert_eq!(outcome.step * 2_f64.powi(outcome.rejected as i32), nominal);
+}
+
+#[test]
+fn displacements_of_kilometres_are_solved_to_their_own_rounding_and_no_further() {
+    // Rounded are 3500 m a step to 5e-13 m, which no iteration can fall below.
+    let mut model = models::floating_tree();
+    model.state.velocity[..3].copy_from_slice(&[7000.0, 300.0, -20.0]);
+    let mut lobatto = Lobatto::fixed(&model.mechanism, 9, 0.05).unwrap();
+    for _ in 0..20 {
+        let outcome = lobatto.advance(&model.mechanism, &mut model.state, f64::INFINITY).unwrap();
+        assert_eq!((outcome.rejected, outcome.exact), (0, false));
+        // As many as of the same tree at rest, which takes 9 at most, and two for luck with roundings.
+        assert!(outcome.iterations <= 11, "{} iterations", outcome.iterations);
+    }
+}
+
+#[test]
 fn steps_that_are_not_longer_than_zero_are_refused() {
     let mechanism = models::double_pendulum().mechanism;
     for step in [0.0, -0.1, f64::NAN, f64::INFINITY] {

@@ -7,6 +7,7 @@
 use super::{Equations, Kernel};
 use crate::forces::total::Exchange;
 use crate::invariants::Energy;
+use crate::lobatto::chord::Chord;
 use crate::lobatto::closing::Closing;
 use crate::lobatto::ending::have_lost_digits;
 use crate::lobatto::extended::Extended;
@@ -61,6 +62,8 @@ impl<V: Lanes> Step for Kernel<V> {
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.stages.start.set(mechanism, state);
         self.predictor.forget();
+        self.chord = Chord::NEW;
+        self.modes.forget();
         self.first.forget();
         self.exact_for = exact_at_first(mechanism);
     }

@@ -206,6 +206,8 @@ impl<V: Lanes> Step for PlanarKernel<V> {
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.stages.start.set(&self.stages.plan, mechanism, state);
         self.predictor.forget();
+        self.chord = Chord::NEW;
+        self.modes.forget();
         self.exact_for = exact_at_first(mechanism);
     }
 
