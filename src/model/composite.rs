@@ -91,7 +91,8 @@ fn principal_axes(inertia: &Matrix3<f64>) -> (Matrix3<f64>, Vector3<f64>) {
 
 fn is_diagonal_to_rounding(inertia: &Matrix3<f64>) -> bool {
     [(0, 1), (0, 2), (1, 2)].iter().all(|&(i, j)| {
-        let scale = (inertia[(i, i)] * inertia[(j, j)]).max(0.0).sqrt();
+        // Each by itself, because products of large ones are infinite.
+        let scale = inertia[(i, i)].max(0.0).sqrt() * inertia[(j, j)].max(0.0).sqrt();
         inertia[(i, j)].abs() <= 1e-15 * scale
     })
 }
@@ -107,8 +108,8 @@ mod tests {
     }
 
     #[test]
-    fn principal_moments_of_tiny_inertias_are_exact_to_rounding() {
-        for scale in [1e-9, 1e-20, 1.0, 1e12] {
+    fn principal_moments_of_tiny_and_huge_inertias_are_exact_to_rounding() {
+        for scale in [1e-9, 1e-20, 1.0, 1e12, 1e160] {
             let inertia = turned([2.0 * scale, 3.0 * scale, 4.0 * scale], [0.3, -1.2, 2.5]);
             let (axes, moments) = principal_axes(&inertia);
             let mut sorted: Vec<f64> = moments.iter().copied().collect();

@@ -37,6 +37,11 @@ pub enum CouplingProblem {
     /// A loop that the joints of the tree keep closed whatever they do.
     #[error("the joints between links {a:?} and {b:?} keep it closed whatever they do; leave the loop out")]
     ImpliedByTree { a: String, b: String },
+    /// A loop with the name of a joint or of another loop.
+    #[error(
+        "there is a joint or another loop of this name; give it another, because logs and reports tell them apart by it"
+    )]
+    NameTaken,
     /// A distance of zero.
     #[error("the two points coincide, so there is no distance to keep; give a length, or the type \"spherical\"")]
     ZeroDistance,

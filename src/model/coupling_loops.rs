@@ -56,9 +56,16 @@ impl Builder<'_> {
         Ok(loops)
     }
 
-    /// The loops of the scene file.
-    pub(super) fn scene_loops(&self) -> Result<Vec<LoopJoint>, ModelError> {
-        self.scene.iter().flat_map(|scene| &scene.loops).map(|closing| self.scene_loop(closing)).collect()
+    /// Adds the loops of the scene file to those of the robots.
+    pub(super) fn add_scene_loops(&self, loops: &mut Vec<LoopJoint>) -> Result<(), ModelError> {
+        for closing in self.scene.iter().flat_map(|scene| &scene.loops) {
+            if loops.iter().any(|other| other.name == closing.name) {
+                let stand = self.stand(closing.line, Element::Loop(closing.name.clone()));
+                return Err(stand.refuse(CouplingProblem::NameTaken));
+            }
+            loops.push(self.scene_loop(closing)?);
+        }
+        Ok(())
     }
 
     fn scene_loop(&self, closing: &SceneLoop) -> Result<LoopJoint, ModelError> {
@@ -113,6 +120,9 @@ impl Builder<'_> {
 
     /// The loop, unless it says nothing or what cannot be.
     fn checked(&self, closing: LoopJoint, a: &End, b: &End, stand: &Stand) -> Result<LoopJoint, ModelError> {
+        if self.model.joints.iter().any(|joint| joint.name == closing.name) {
+            return Err(stand.refuse(CouplingProblem::NameTaken));
+        }
         let gap_at = |bodies: &[BodyState]| loop_gaps(&closing, bodies).largest().0;
         let gap = gap_at(self.bodies);
         let (a, b) = (a.link.clone(), b.link.clone());

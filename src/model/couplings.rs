@@ -26,7 +26,7 @@ impl Model {
         let dropped = |link: usize| self.is_dropped(link, &above);
         let builder = Builder { model: self, bodies: &bodies, dropped: &dropped, scene };
         let mut loops = builder.urdf_loops()?;
-        loops.extend(builder.scene_loops()?);
+        builder.add_scene_loops(&mut loops)?;
         let mut forces = self.mechanism.forces.clone();
         for spring in scene.iter().flat_map(|scene| &scene.springs) {
             match builder.spring(spring)? {
@@ -68,7 +68,8 @@ impl Model {
             if record.kind != UrdfJointKind::Fixed && record.body.is_none() {
                 return true;
             }
-            joint = above.get(&record.parent_link).filter(|&&next| next != index);
+            // A link may have the name of the world, in which the base floats.
+            joint = if record.is_base { None } else { above.get(&record.parent_link) };
         }
         false
     }

@@ -30,6 +30,9 @@ use nalgebra::{Matrix6, SMatrix, Vector6};
 /// below mechanics.
 const DEPENDENT: f64 = 1e-7;
 
+/// What moves less than this part of the mass and inertia that there is moves none: some roundings, and below any mechanics.
+const NOTHING: f64 = 1e-14;
+
 /// The body whose joint can move without moving any mass, if there is one: of several the outermost.
 ///
 /// Only looked for where a body lacks mass or inertia: otherwise the mass matrix is positive definite.
@@ -55,7 +58,8 @@ pub fn undetermined_body(mechanism: &Mechanism) -> Option<usize> {
             let moving = place(&body.joint, &parent, &position[body.joint.position_range()], &[], &rates).body;
             let direction = motion(&moving);
             let pivot = moved * direction;
-            if pivot.norm() <= DEPENDENT * (whole * direction).norm() {
+            let nothing = NOTHING * whole.norm() * direction.norm();
+            if pivot.norm() <= nothing.max(DEPENDENT * (whole * direction).norm()) {
                 return Some(index);
             }
             let unit = pivot.normalize();

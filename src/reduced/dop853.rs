@@ -232,6 +232,10 @@ impl Work {
         let (slope_size, state_size) = (sum(first), sum(&self.start));
         let tiny = slope_size <= 1e-10 || state_size <= 1e-10;
         let trial = if tiny { 1e-6 } else { 0.01 * (state_size / slope_size).sqrt() }.min(longest);
+        // Speeds of which the squares are infinite leave nothing to go by.
+        if trial.is_nan() || trial <= 0.0 {
+            return longest;
+        }
         for ((stage, &y), &slope) in self.stage.iter_mut().zip(&self.start).zip(first.iter()) {
             *stage = y + trial * slope;
         }

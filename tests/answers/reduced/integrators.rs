@@ -82,6 +82,15 @@ fn dop853_keeps_to_its_tolerance() {
 }
 
 #[test]
+fn dop853_ends_with_an_error_where_squares_of_speeds_are_infinite() {
+    let (mechanism, mut state) = ball_pendulum();
+    state.velocity.fill(1e155);
+    let mut dop853 = Dop853::new(&mechanism, 1e-6);
+    let ended = (0..1000).try_for_each(|_| dop853.advance(&mechanism, &mut state, 1.0).map(drop));
+    assert!(ended.is_err());
+}
+
+#[test]
 fn dop853_at_the_tightest_tolerance_keeps_the_energy() {
     let (mechanism, mut state) = ball_pendulum();
     let summary = run_until(&mechanism, &mut state, &mut Dop853::new(&mechanism, 1e-13), 10.0);

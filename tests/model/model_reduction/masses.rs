@@ -155,6 +155,27 @@ fn point_masses_move_but_motions_without_inertia_are_refused() {
 }
 
 #[test]
+fn a_rod_without_any_width_is_refused_on_every_joint_that_lets_it_spin_about_itself_however_it_lies() {
+    for kind in ["continuous", "spherical", "floating"] {
+        for turn in ["0 0 0", "0.3 -1.2 2.5", "2 0.7 -0.4"] {
+            let text = robot(&[
+                "<link name=\"base\"/>".to_string(),
+                link("rod", 1.0, "0 0 0", "0 0 0", [0.0, 0.1, 0.1]),
+                joint("joint", kind, "base", "rod", "0 0 0", turn, "1 0 0"),
+            ]);
+            let refused = matches!(
+                Model::new(read(&text), &ModelOptions::default()),
+                Err(ModelError::NoInertia { element: Element::Joint(name), .. }) if name == "joint"
+            );
+            assert!(refused, "{kind}, turned by {turn}");
+            // A glass fibre of a micrometre spins.
+            let fibre = text.replace("ixx=\"0\"", "ixx=\"1e-13\"");
+            assert!(fibre != text && Model::new(read(&fibre), &ModelOptions::default()).is_ok(), "{kind}, {turn}");
+        }
+    }
+}
+
+#[test]
 fn motions_that_joints_further_out_undo_are_found_through_links_without_mass() {
     let point = |name: &str| link(name, 1.0, "0.3 0 0.5", "0 0 0", [0.0; 3]);
     let nothing = |name: &str| format!("<link name=\"{name}\"/>");
