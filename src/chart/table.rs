@@ -95,7 +95,7 @@ pub fn write_csv(measurements: &[Measurement]) -> String {
 /// # Errors
 /// [`ChartError::Read`], or [`ChartError::Csv`] with the line and what is wrong with it.
 pub fn read_csv(path: &Path) -> Result<Vec<Measurement>, ChartError> {
-    let text = std::fs::read_to_string(path).map_err(|source| ChartError::Read { path: path.to_path_buf(), source })?;
+    let text = std::fs::read_to_string(path).map_err(|reason| ChartError::Read { path: path.to_path_buf(), reason })?;
     parse_csv(&text).map_err(|(line, problem)| ChartError::Csv { path: path.to_path_buf(), line, problem })
 }
 

@@ -3,9 +3,9 @@
 //! Everything is read from the log; what the samples do not hold (velocities of links) is worked out with the model
 //! that the log carries. Of a log that was cut off or damaged all is shown that can be read, with a warning on standard error.
 
-use super::inspect_files::{check_absent, check_ending, draw, kinds, not_itself, recover_into, write_csv};
+use super::inspect_files::{check_absent, check_ending, check_outputs, draw, kinds, recover_into, write_csv};
 use super::recorded::Recorded;
-use super::{Failure, print, print_json, warn};
+use super::{Failure, print, print_json, print_while_read, warn};
 use anyhow::anyhow;
 use catena::inspection::compare::compare;
 use catena::inspection::curves::curves;
@@ -85,28 +85,42 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
     if let Some(whole) = &arguments.recover {
         check_absent(whole).map_err(Failure::input)?;
     }
+    check_outputs(log, &files.into_iter().flatten().map(PathBuf::as_path).collect::<Vec<_>>())
+        .map_err(Failure::input)?;
     let summary = Summary::read(log).map_err(Failure::input)?;
     if shows_more && !summary.complete {
         warn(format_args!("{}: {}", log.display(), summary.state()));
+    }
+    if summary.samples == 0 && (arguments.at.is_some() || arguments.csv.is_some()) {
+        return Err(Failure::input(anyhow!("{}: there are no samples in it", log.display())));
+    }
+    let figure = match &arguments.plot {
+        Some(_) => Some(curves(log, &kinds(log)).map_err(Failure::input)?),
+        None => None,
+    };
+    if figure.as_ref().is_some_and(|figure| figure.pictures.is_empty()) {
+        return Err(Failure::input(anyhow!("{}: the log has nothing that could be drawn", log.display())));
     }
     if let Some(time) = arguments.at {
         show_instant(log, time, arguments.json)?;
     }
     if let Some(table) = &arguments.csv {
-        not_itself(log, table).map_err(Failure::input)?;
         write_csv(log, table).map_err(Failure::run)?;
     }
-    if let Some(plot) = &arguments.plot {
-        not_itself(log, plot).map_err(Failure::input)?;
-        let figure = curves(log, &kinds(log)).map_err(Failure::input)?;
-        draw(&figure, plot).map_err(Failure::run)?;
+    if let (Some(figure), Some(plot)) = (&figure, &arguments.plot) {
+        draw(figure, plot).map_err(Failure::run)?;
     }
     if let Some(whole) = &arguments.recover {
-        recover_into(log, whole, &summary)?;
+        let said = recover_into(log, whole, &summary)?;
+        if !arguments.json {
+            print(said)?;
+        }
     }
+    // Of what was asked for with --json there is one object, whatever files are written.
     match (shows_more, arguments.json) {
-        (true, _) => Ok(()),
-        (false, true) => print_json(&summary),
+        (true, false) => Ok(()),
+        (true, true) if arguments.at.is_some() => Ok(()),
+        (_, true) => print_json(&summary),
         (false, false) => print(&summary),
     }
 }
@@ -265,18 +279,22 @@ fn follow(log: &Path, json: bool) -> Result<(), Failure> {
         let looked = Instant::now();
         // While its output must stay, a run writes beside it.
         let beside = neighbour(log);
-        let current = if is_locked(&beside) { &beside } else { log };
-        // Asked before reading: what is read then is at least what there was when the run still wrote.
-        let is_written = is_locked(current);
+        // Asked before reading: what is read then is at least what there was when the run still wrote. And once, because the run may end
+        // meanwhile.
+        let is_beside = is_locked(&beside);
+        let current = if is_beside { &beside } else { log };
+        let is_written = is_beside || is_locked(log);
         match Summary::read(current) {
             Ok(summary) => {
                 if shown != Some(summary.samples) {
                     shown = Some(summary.samples);
-                    if json {
-                        let line = serde_json::to_string(&summary).map_err(Failure::run)?;
-                        print(format_args!("{line}\n"))?;
+                    let line = if json {
+                        serde_json::to_string(&summary).map_err(Failure::run)? + "\n"
                     } else {
-                        print(line(&summary))?;
+                        line(&summary)
+                    };
+                    if print_while_read(line)?.is_break() {
+                        return Ok(());
                     }
                 }
                 if !is_written {

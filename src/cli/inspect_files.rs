@@ -1,7 +1,7 @@
 //! The files that `catena inspect` makes of a log: tables, plots, and complete logs.
 
 use super::recorded::Recorded;
-use super::{Failure, print, warn};
+use super::{Failure, warn};
 use anyhow::{Context, bail};
 use catena::chart::files::write_with;
 use catena::chart::picture::Figure;
@@ -14,12 +14,34 @@ use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-/// What is written must not replace what it is made from.
-pub(super) fn not_itself(log: &Path, output: &Path) -> anyhow::Result<()> {
-    match (log.canonicalize(), output.canonicalize()) {
-        (Ok(log), Ok(same)) if log == same => bail!("the output {} is the log itself", output.display()),
-        _ => Ok(()),
+/// What is written must replace neither what it is made from nor what else is written, and needs a folder to be in.
+pub(super) fn check_outputs(log: &Path, outputs: &[&Path]) -> anyhow::Result<()> {
+    for (number, output) in outputs.iter().enumerate() {
+        let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            bail!("cannot write {}: there is no folder {}", output.display(), folder.display());
+        }
+        if output.is_dir() {
+            bail!("cannot write {}: it is a folder", output.display());
+        }
+        if is_same(log, output) {
+            bail!("the output {} is the log itself", output.display());
+        }
+        if let Some(other) = outputs[..number].iter().find(|other| is_same(other, output)) {
+            bail!("the outputs {} and {} are the same file", other.display(), output.display());
+        }
     }
+    Ok(())
+}
+
+/// Whether two paths are the same file, which may not be there yet.
+fn is_same(one: &Path, other: &Path) -> bool {
+    let place = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        path.canonicalize().or_else(|_| Ok(folder.canonicalize()?.join(path.file_name().unwrap_or_default())))
+    };
+    let places: [std::io::Result<_>; 2] = [place(one), place(other)];
+    matches!(places, [Ok(one), Ok(other)] if one == other)
 }
 
 /// The kinds of the joints, as far as the log tells them.
@@ -41,29 +63,19 @@ pub(super) fn write_csv(log: &Path, table: &Path) -> anyhow::Result<()> {
         write_table(log, &kinds, &mut out).with_context(|| format!("cannot write {}", table.display()))?;
         return out.flush().with_context(|| format!("cannot write {}", table.display()));
     }
-    write_whole(table, |out| Ok(write_table(log, &kinds, out).map(drop)?))
+    write_whole(table, |out| Ok(write_table(log, &kinds, out)?))
 }
 
 /// Writes a file that is not there before all of it is.
 fn write_whole(path: &Path, write: impl Fn(&mut BufWriter<File>) -> anyhow::Result<()>) -> anyhow::Result<()> {
-    let mut result = Ok(());
     write_with(path, |part| {
         let write = || -> anyhow::Result<()> {
             let mut out = BufWriter::new(File::create(part)?);
             write(&mut out)?;
             Ok(out.flush()?)
         };
-        result = write().with_context(|| format!("cannot write {}", path.display()));
-        // Whatever it is, the part must go; the error itself is told below.
-        match &result {
-            Ok(()) => Ok(()),
-            Err(error) => Err(catena::chart::ChartError::Write {
-                path: path.to_path_buf(),
-                source: std::io::Error::other(format!("{error:#}")),
-            }),
-        }
+        write().with_context(|| format!("cannot write {}", path.display()))
     })
-    .map_or_else(|error| Err(result.err().unwrap_or_else(|| error.into())), Ok)
 }
 
 /// A recovered log replaces nothing, since what is there may be a log as well.
@@ -74,8 +86,8 @@ pub(super) fn check_absent(whole: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes a complete log of what can be read in another, and says what is missing of that.
-pub(super) fn recover_into(log: &Path, whole: &Path, summary: &Summary) -> Result<(), Failure> {
+/// Writes a complete log of what can be read in another; returns what can be said of it.
+pub(super) fn recover_into(log: &Path, whole: &Path, summary: &Summary) -> Result<String, Failure> {
     let messages = Cell::new(0);
     let write = |out: &mut BufWriter<File>| {
         messages.set(recover(log, out)?);
@@ -85,7 +97,7 @@ pub(super) fn recover_into(log: &Path, whole: &Path, summary: &Summary) -> Resul
     let (log, whole, messages) = (log.display(), whole.display(), messages.get());
     let missing = summary.completeness.missing();
     let of = missing.map_or(String::new(), |missing| format!(", all that can be read of {log}, which is {missing}"));
-    print(format_args!("{whole}: a complete log of {messages} messages{of}\n"))
+    Ok(format!("{whole}: a complete log of {messages} messages{of}\n"))
 }
 
 pub(super) fn check_ending(plot: &Path) -> anyhow::Result<()> {
@@ -100,13 +112,10 @@ fn ending(path: &Path) -> Option<String> {
 }
 
 pub(super) fn draw(figure: &Figure, plot: &Path) -> anyhow::Result<()> {
-    if figure.pictures.is_empty() {
-        bail!("{}: the log has nothing that could be drawn", plot.display());
-    }
     let drawn = if ending(plot).as_deref() == Some("png") {
         write_with(plot, |part| figure.write_png(part))
     } else {
         figure.svg().and_then(|text| catena::chart::files::write_text(plot, &text))
     };
-    drawn.with_context(|| format!("cannot write {}", plot.display()))
+    Ok(drawn?)
 }

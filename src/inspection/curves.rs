@@ -141,8 +141,10 @@ pub fn curves(log: &Path, kinds: &JointKinds) -> Result<Figure, ReadError> {
 }
 
 fn picture(quantity: Quantity, curves: Vec<Curve>, end: f64, is_last: bool) -> Picture {
-    let hidden = curves.len().saturating_sub(MOST_CURVES);
-    let shown = curves.into_iter().take(MOST_CURVES).enumerate();
+    // The note that there are more takes the room of two.
+    let most = if curves.len() > MOST_CURVES { MOST_CURVES - 2 } else { MOST_CURVES };
+    let hidden = curves.len().saturating_sub(most);
+    let shown = curves.into_iter().take(most).enumerate();
     let series: Vec<Series> = shown
         .map(|(index, found)| Series {
             label: shortened(&found.label),
@@ -182,13 +184,15 @@ fn picture(quantity: Quantity, curves: Vec<Curve>, end: f64, is_last: bool) -> P
     }
 }
 
-/// What fits into the legend.
+/// What fits into the legend: the beginning, and the end, by which joints of one robot and coordinates of one joint differ.
 fn shortened(label: &str) -> String {
     const LETTERS: usize = 20;
-    if label.chars().count() <= LETTERS {
+    const LAST: usize = 11;
+    let count = label.chars().count();
+    if count <= LETTERS {
         return label.to_string();
     }
-    label.chars().take(LETTERS - 1).chain(['…']).collect()
+    label.chars().take(LETTERS - 1 - LAST).chain(['…']).chain(label.chars().skip(count - LAST)).collect()
 }
 
 /// Of every interval of time the first of the smallest and of the largest values, in order of time.

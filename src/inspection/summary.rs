@@ -1,9 +1,11 @@
 //! The summary of a log: how the run was made, how it went, and what there is to see.
 
+use crate::invariants::worse;
 use crate::log::decode::LogLine;
 use crate::log::frames::{Figures, Frame, Visitor, visit};
 use crate::log::reader::{Completeness, LogChannel, ReadError};
-use crate::log::{is_locked, nanoseconds, seconds};
+use crate::log::recovery::{MISSING, RECOVERY};
+use crate::log::{is_locked, seconds};
 use crate::words::{self, counted, decimals};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -23,6 +25,9 @@ pub struct Summary {
     /// What is missing, if something is.
     #[serde(flatten)]
     pub completeness: Completeness,
+    /// What was missing of the log that it was recovered from, if it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recovered_from: Option<String>,
     /// Whether a run is writing it.
     pub being_written: bool,
     /// How the run ended: `finished`, `interrupted`, `failed`; `null` if the log does not say.
@@ -122,7 +127,7 @@ impl Visitor for Collector {
     fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
         let summary = &mut self.summary;
         summary.samples += 1;
-        summary.duration = frame.time();
+        summary.duration = summary.duration.max(frame.time());
         // Of the last sample of a log that was cut some messages may be missing.
         summary.links = summary.links.max(frame.links.len());
         summary.joints = summary.joints.max(frame.joints.names.len() + frame.multi_dof.names.len());
@@ -135,11 +140,11 @@ impl Visitor for Collector {
             let initial = *self.initial.get_or_insert(balance);
             self.last_energy = total;
             self.largest_kinetic = self.largest_kinetic.max(kinetic);
-            self.largest_deviation = self.largest_deviation.max((balance - initial).abs());
+            self.largest_deviation = worse(self.largest_deviation, (balance - initial).abs());
         }
         if let Some([position, velocity]) = figures.violation {
-            let worst = self.violation.get_or_insert_default();
-            *worst = [worst[0].max(position), worst[1].max(velocity)];
+            let largest = self.violation.get_or_insert_default();
+            *largest = [worse(largest[0], position), worse(largest[1], velocity)];
         }
         if let Some([_, _, steps, iterations, rejected]) = figures.solver {
             let solver = self.summary.solver.get_or_insert_default();
@@ -158,10 +163,9 @@ impl Visitor for Collector {
 
     fn message(&mut self, channel: &LogChannel, nanoseconds: u64) {
         if let Some(topic) = self.summary.topics.iter_mut().find(|topic| topic.topic == channel.topic) {
-            if topic.messages == 0 {
-                topic.range.0 = nanoseconds;
-            }
-            topic.range.1 = nanoseconds;
+            // Logs of others may go back in time.
+            let (first, last) = if topic.messages == 0 { (nanoseconds, nanoseconds) } else { topic.range };
+            topic.range = (first.min(nanoseconds), last.max(nanoseconds));
             topic.messages += 1;
         }
     }
@@ -176,6 +180,7 @@ impl Visitor for Collector {
         match name {
             "simulation" => self.summary.simulation.clone_from(entries),
             "end" => self.end.clone_from(entries),
+            RECOVERY => self.summary.recovered_from = entries.get(MISSING).cloned(),
             _ => {}
         }
     }
@@ -237,6 +242,9 @@ impl Summary {
 
     /// How complete the log is, in words.
     pub fn state(&self) -> String {
+        if let Some(missing) = &self.recovered_from {
+            return format!("recovered from a log that was {missing}");
+        }
         match (&self.outcome, self.completeness.missing()) {
             _ if self.being_written => "still being written".to_string(),
             (_, Some(missing)) => format!("{missing}; everything else is shown"),
@@ -261,7 +269,7 @@ impl fmt::Display for Summary {
         let entry = |name: &str| self.simulation.get(name).map(String::as_str).filter(|text| !text.is_empty());
         writeln!(out, "{}: {}", self.log, self.state())?;
         write!(out, "  run         {}, ", entry("robot").unwrap_or("?"))?;
-        let last = seconds(nanoseconds(self.duration));
+        let last = self.duration;
         write!(out, "t = 0 to {last} s")?;
         if let Some(asked) = entry("duration").and_then(|text| text.parse::<f64>().ok()).filter(|asked| *asked > last) {
             write!(out, " of {asked} s")?;

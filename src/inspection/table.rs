@@ -26,34 +26,46 @@ pub enum TableError {
     #[error(transparent)]
     Write(#[from] io::Error),
     /// A sample is not of the same links and joints as the first.
-    #[error("at t = {time} s the log has {found} numbers instead of {expected}")]
-    Shape { time: f64, found: usize, expected: usize },
+    #[error(
+        "at t = {time} s the log has {found} where the first sample has {expected}, and a table has the same columns in all rows"
+    )]
+    Shape { time: f64, found: String, expected: String },
+    /// There are no samples.
+    #[error("the log has no samples, of which a table would be made")]
+    Empty,
 }
 
-/// Writes the table of a log; returns the number of rows.
+/// Writes the table of a log.
 ///
 /// # Errors
 /// [`TableError`].
-pub fn write_table(log: &Path, kinds: &JointKinds, out: &mut dyn Write) -> Result<u64, TableError> {
-    let mut columns = 0;
-    let mut rows = 0;
+pub fn write_table(log: &Path, kinds: &JointKinds, out: &mut dyn Write) -> Result<(), TableError> {
+    let mut columns: Vec<String> = Vec::new();
     for frame in Frames::of(log)? {
         let frame = frame?;
         let cells = cells(&frame, kinds);
-        if rows == 0 {
-            columns = cells.len();
-            let names: Vec<String> = cells.iter().map(|(name, _)| field(name)).collect();
+        if columns.is_empty() {
+            columns = cells.iter().map(|(name, _)| name.clone()).collect();
+            let names: Vec<String> = columns.iter().map(|name| field(name)).collect();
             write!(out, "{}\r\n", names.join(","))?;
         }
-        if cells.len() != columns {
-            return Err(TableError::Shape { time: frame.time(), found: cells.len(), expected: columns });
+        let names = cells.iter().map(|(name, _)| name.as_str());
+        if !names.eq(columns.iter().map(String::as_str)) {
+            return Err(mismatch(&columns, &cells, frame.time()));
         }
         let numbers: Vec<String> =
             cells.iter().map(|(_, value)| value.map_or_else(String::new, |value| value.to_string())).collect();
         write!(out, "{}\r\n", numbers.join(","))?;
-        rows += 1;
     }
-    Ok(rows)
+    if columns.is_empty() { Err(TableError::Empty) } else { Ok(()) }
+}
+
+/// Where the cells of a sample are first not those of the columns.
+fn mismatch(columns: &[String], cells: &[(String, Option<f64>)], time: f64) -> TableError {
+    let same = columns.iter().zip(cells).take_while(|(column, (name, _))| *column == name).count();
+    let word = |name: Option<&String>| name.map_or("nothing more".to_string(), |name| format!("{name:?}"));
+    let found = word(cells.get(same).map(|(name, _)| name));
+    TableError::Shape { time, found, expected: word(columns.get(same)) }
 }
 
 /// Every number of a frame with the name of its column.

@@ -58,6 +58,8 @@ pub(super) struct Comparison {
     piece: Batch,
     expected: std::vec::IntoIter<Message>,
     receiver: Receiver<Result<Vec<Message>, String>>,
+    /// Whether all of the log has been handed over.
+    has_ended: bool,
     compared: Compared,
     found: Option<Difference>,
 }
@@ -89,13 +91,15 @@ impl Comparison {
                 }
             });
             // What comes before the damage is compared all the same.
-            let _ = sender.send(Ok(piece));
+            if !piece.is_empty() {
+                let _ = sender.send(Ok(piece));
+            }
             let damage = match ended {
                 Ok(Some(completeness)) if completeness.damaged => completeness.broken_off,
                 Ok(_) => damage,
                 Err(error) => Some(error.to_string()),
             };
-            let _ = damage.map(|reason| sender.send(Err(reason)));
+            let _ = sender.send(damage.map_or(Ok(Vec::new()), Err));
         };
         let thread = std::thread::Builder::new().name("log".to_string()).spawn(read);
         thread.map_err(|reason| LogError::Write { path: path.to_path_buf(), reason })?;
@@ -104,6 +108,7 @@ impl Comparison {
             piece: Batch::default(),
             expected: Vec::new().into_iter(),
             receiver,
+            has_ended: false,
             compared: Compared::default(),
             found: None,
         })
@@ -114,10 +119,19 @@ impl Comparison {
             if let Some(message) = self.expected.next() {
                 return Ok(Some(message));
             }
+            if self.has_ended {
+                return Ok(None);
+            }
             match self.receiver.recv() {
+                // The last one is empty.
+                Ok(Ok(piece)) if piece.is_empty() => self.has_ended = true,
                 Ok(Ok(piece)) => self.expected = piece.into_iter(),
                 Ok(Err(reason)) => return Err(Difference::Unreadable { time: self.compared.time, reason }),
-                Err(_) => return Ok(None),
+                // A thread that has said nothing of an end has not come to it.
+                Err(_) => {
+                    let reason = "what reads it has broken off".to_string();
+                    return Err(Difference::Unreadable { time: self.compared.time, reason });
+                }
             }
         }
     }

@@ -23,6 +23,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// With this begins what a log of ours says of the program that wrote it.
+pub(super) const LIBRARY: &str = "catena ";
+
+/// What it says.
+pub(super) const LIBRARY_VERSION: &str = concat!("catena ", env!("CARGO_PKG_VERSION"));
+
 /// Largest size of a chunk of several messages; what a disk that fills up loses, too.
 const CHUNK_SIZE: usize = 1 << 18;
 
@@ -103,7 +109,7 @@ impl LogFile {
     /// cannot be written.
     pub(super) fn create(path: &Path) -> Result<Self, LogError> {
         let (output, file, is_regular) = Output::create(path)?;
-        let container = Container::new(concat!("catena ", env!("CARGO_PKG_VERSION")));
+        let container = Container::new(LIBRARY_VERSION);
         let container = container.map_err(|error| cannot_encode(path, error))?;
         Ok(LogFile {
             path: path.to_path_buf(),

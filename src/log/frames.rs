@@ -1,14 +1,16 @@
 //! A log as a row of frames: everything that is known of one sampled instant.
 //!
 //! The messages of a sample have the same time. Figures of a step belong to its end; a frame has those of the last step
-//! that ended at or before it. A sample that lacks messages, because the log ends in it or a chunk is lost, is no frame.
+//! that ended at or before it. A sample that lacks messages, because the log ends in it or a chunk is lost, is no frame: in our logs a
+//! whole one has a message of every topic of [`TOPICS`] that the log has.
 
 use super::decode::{self, JointStates, LinkPose, LogLine, MultiDofStates};
+use super::file::LIBRARY;
 use super::reader::{Completeness, Item, LogChannel, ReadError, read_log};
 use super::seconds;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// One sampled instant.
@@ -54,11 +56,19 @@ impl Frame {
     pub fn time(&self) -> f64 {
         seconds(self.nanoseconds)
     }
+}
 
-    /// How many links, joints and reactions it has.
-    fn shape(&self) -> [usize; 4] {
-        [self.links.len(), self.joints.names.len(), self.multi_dof.names.len(), self.reactions.names.len()]
-    }
+/// The topics of a frame, and the schemas of their messages.
+const TOPICS: [(&str, &str); 4] = [
+    ("/tf", "foxglove.FrameTransforms"),
+    ("/joint_states", "sensor_msgs/msg/JointState"),
+    ("/multi_dof_joint_states", "sensor_msgs/msg/MultiDOFJointState"),
+    ("/reactions", "sensor_msgs/msg/MultiDOFJointState"),
+];
+
+/// Which of [`TOPICS`] a channel has.
+fn topic_of(channel: &LogChannel) -> Option<usize> {
+    TOPICS.iter().position(|&(topic, schema)| channel.topic == topic && channel.schema == schema)
 }
 
 /// What a log has besides frames.
@@ -90,20 +100,28 @@ pub trait Visitor {
 /// Shows a log to a visitor; `None` if that broke off.
 ///
 /// # Errors
-/// [`ReadError`] if it is not a log, or a message of it is not what it should be.
+/// [`ReadError`] if it is not a log.
 pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completeness>, ReadError> {
     let mut builder = Builder {
         frame: None,
         figures: None,
         last: Figures::default(),
-        shape: None,
+        is_ours: false,
+        declared: [false; TOPICS.len()],
+        seen: [false; TOPICS.len()],
         is_torn: false,
         visitor,
         problem: None,
     };
     let ended = read_log(path, |item| match item {
-        Item::Library(_) => ControlFlow::Continue(()),
+        Item::Library(name) => {
+            builder.is_ours = name.starts_with(LIBRARY);
+            ControlFlow::Continue(())
+        }
         Item::Channel(channel) => {
+            if let Some(topic) = topic_of(channel) {
+                builder.declared[topic] = true;
+            }
             builder.visitor.channel(channel);
             ControlFlow::Continue(())
         }
@@ -127,20 +145,21 @@ pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completene
             match builder.message(channel, time, data) {
                 Ok(flow) => flow,
                 Err(reason) => {
-                    builder.problem = Some(ReadError::Message {
-                        path: path.to_path_buf(),
-                        topic: channel.topic.clone(),
-                        time: seconds(time),
-                        reason,
-                    });
+                    let (topic, time) = (&channel.topic, seconds(time));
+                    builder.problem = Some(format!("topic {topic} at t = {time} s: {reason}"));
                     ControlFlow::Break(())
                 }
             }
         }
     })?;
-    if let Some(problem) = builder.problem.take() {
-        return Err(problem);
-    }
+    // What comes before a message that says nothing is as good as ever.
+    let ended = match builder.problem.take() {
+        Some(problem) => {
+            let broken_off = Some(format!("from some place on it cannot be read: {problem}"));
+            Some(Completeness { damaged: true, broken_off, ..Completeness::default() })
+        }
+        None => ended,
+    };
     // The messages of a sample are not written at once: of the last one of a killed run some may be missing.
     builder.is_torn = true;
     if ended.is_some() && builder.flush().is_break() {
@@ -153,23 +172,32 @@ struct Builder<'v> {
     frame: Option<Frame>,
     figures: Option<Figures>,
     last: Figures,
-    /// That of the last frame.
-    shape: Option<[usize; 4]>,
-    /// Whether messages may be missing of the frame.
+    /// Whether this program wrote the log, so that every sample has a message of every topic.
+    is_ours: bool,
+    /// Which of [`TOPICS`] the log has,
+    declared: [bool; TOPICS.len()],
+    /// and which the frame.
+    seen: [bool; TOPICS.len()],
+    /// Whether messages may be missing of the frame, whoever wrote the log.
     is_torn: bool,
     visitor: &'v mut dyn Visitor,
-    problem: Option<ReadError>,
+    /// What is wrong with the message at which reading has ended.
+    problem: Option<String>,
 }
 
 impl Builder<'_> {
     fn message(&mut self, channel: &LogChannel, time: u64, data: &[u8]) -> Result<ControlFlow<()>, String> {
-        let later = self.frame.as_ref().is_some_and(|frame| time > frame.nanoseconds)
-            || self.figures.is_some_and(|figures| time > figures.nanoseconds);
-        if later && self.flush().is_break() {
+        // Logs of others may go back in time, too.
+        let another = self.frame.as_ref().is_some_and(|frame| time != frame.nanoseconds)
+            || self.figures.is_some_and(|figures| time != figures.nanoseconds);
+        if another && self.flush().is_break() {
             return Ok(ControlFlow::Break(()));
         }
         let new_frame = || Frame { nanoseconds: time, ..Frame::default() };
         let new_figures = || Figures { nanoseconds: time, ..Figures::default() };
+        if let Some(topic) = topic_of(channel) {
+            self.seen[topic] = true;
+        }
         // Others may use the same topics for other messages.
         match (channel.topic.as_str(), channel.schema.as_str()) {
             ("/tf", "foxglove.FrameTransforms") => {
@@ -211,16 +239,11 @@ impl Builder<'_> {
             self.visitor.figures(&figures);
             self.last = figures;
         }
-        if std::mem::take(&mut self.is_torn) {
-            let shape = self.shape;
-            self.frame.take_if(|frame| shape.is_some_and(|shape| shape != frame.shape()));
-        }
+        let may_lack = std::mem::take(&mut self.is_torn) || self.is_ours;
+        let lacks = std::mem::take(&mut self.seen) != self.declared;
         match self.frame.take() {
-            Some(frame) => {
-                self.shape = Some(frame.shape());
-                self.visitor.frame(&Frame { figures: self.last, ..frame })
-            }
-            None => ControlFlow::Continue(()),
+            Some(frame) if !(may_lack && lacks) => self.visitor.frame(&Frame { figures: self.last, ..frame }),
+            _ => ControlFlow::Continue(()),
         }
     }
 }
@@ -228,14 +251,22 @@ impl Builder<'_> {
 /// Frames that are handed over together.
 const PIECE: usize = 64;
 
-/// Some frames, and how much of the log there was if they are the last.
-type FramePiece = (Vec<Frame>, Option<Completeness>);
+/// Some frames.
+struct FramePiece {
+    frames: Vec<Frame>,
+    /// Whether they are the last.
+    is_last: bool,
+    /// How much of the log there was, if they are.
+    completeness: Option<Completeness>,
+}
 
 /// The frames of a log one after the other, read by a thread.
 pub struct Frames {
     receiver: Receiver<Result<FramePiece, ReadError>>,
     ready: std::vec::IntoIter<Frame>,
+    has_ended: bool,
     completeness: Option<Completeness>,
+    path: PathBuf,
 }
 
 impl Frames {
@@ -249,11 +280,13 @@ impl Frames {
         let read = move || {
             let mut collector = Sender { sender, piece: Vec::new() };
             let ended = visit(&log, &mut collector);
-            let _ = collector.sender.send(ended.map(|completeness| (collector.piece, completeness)));
+            let last = |completeness| FramePiece { frames: collector.piece, is_last: true, completeness };
+            let _ = collector.sender.send(ended.map(last));
         };
         let thread = std::thread::Builder::new().name("log".to_string()).spawn(read);
         thread.map_err(|reason| ReadError::Io { path: path.to_path_buf(), reason })?;
-        Ok(Frames { receiver, ready: Vec::new().into_iter(), completeness: None })
+        let path = path.to_path_buf();
+        Ok(Frames { receiver, ready: Vec::new().into_iter(), has_ended: false, completeness: None, path })
     }
 
     /// How much of the log there was, once there are no more frames.
@@ -270,11 +303,23 @@ impl Iterator for Frames {
             if let Some(frame) = self.ready.next() {
                 return Some(Ok(frame));
             }
+            if self.has_ended {
+                return None;
+            }
             match self.receiver.recv() {
-                Ok(Ok((piece, completeness))) => (self.ready, self.completeness) = (piece.into_iter(), completeness),
-                Ok(Err(error)) => return Some(Err(error)),
-                // The thread has ended: there are no more.
-                Err(_) => return None,
+                Ok(Ok(FramePiece { frames, is_last, completeness })) => {
+                    (self.ready, self.has_ended, self.completeness) = (frames.into_iter(), is_last, completeness);
+                }
+                Ok(Err(error)) => {
+                    self.has_ended = true;
+                    return Some(Err(error));
+                }
+                // A thread that has said nothing of an end has not come to it.
+                Err(_) => {
+                    self.has_ended = true;
+                    let reason = std::io::Error::other("what reads it has broken off");
+                    return Some(Err(ReadError::Io { path: self.path.clone(), reason }));
+                }
             }
         }
     }
@@ -288,11 +333,14 @@ struct Sender {
 impl Visitor for Sender {
     fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
         self.piece.push(frame.clone());
-        if self.piece.len() < PIECE || self.sender.send(Ok((std::mem::take(&mut self.piece), None))).is_ok() {
-            ControlFlow::Continue(())
-        } else {
+        if self.piece.len() < PIECE {
+            return ControlFlow::Continue(());
+        }
+        let frames = std::mem::take(&mut self.piece);
+        match self.sender.send(Ok(FramePiece { frames, is_last: false, completeness: None })) {
+            Ok(()) => ControlFlow::Continue(()),
             // Nobody wants to see any more.
-            ControlFlow::Break(())
+            Err(_) => ControlFlow::Break(()),
         }
     }
 }

@@ -63,6 +63,9 @@ pub use inputs::{INPUTS, sha256};
 pub use output::{is_locked, neighbour};
 pub use recorder::{Recorder, Severity};
 
+/// The longest run whose nanoseconds a log can hold (s).
+pub const LONGEST: f64 = 1.8e10;
+
 /// Simulated seconds as the nanoseconds of a log: rounded, never negative.
 pub fn nanoseconds(time: f64) -> u64 {
     // The cast saturates, so that no time can wrap around.

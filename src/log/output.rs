@@ -68,6 +68,10 @@ impl Output {
             return Err(LogError::Busy { path: path.to_path_buf() });
         }
         let current = neighbour(&wanted);
+        if current.is_symlink() {
+            let reason = io::Error::other("it is a link, behind which something else would be overwritten; remove it");
+            return Err(refuse(&current, reason));
+        }
         let open = OpenOptions::new().write(true).create(true).truncate(false).open(&current);
         let file = open.map_err(|reason| refuse(&current, reason))?;
         if !lock(&file) {

@@ -1,5 +1,6 @@
 //! A log as a row of items: channels, messages, metadata and attachments in their order.
 
+use super::file::LIBRARY;
 use super::output::{END, FINISHED, OUTCOME};
 pub use super::records::{Completeness, LostChunks, ReadError};
 use super::records::{Found, read_records};
@@ -94,14 +95,28 @@ pub(super) fn is_unfinished(path: &Path) -> bool {
         }
         ControlFlow::Break(())
     });
-    if started.is_err() || !library.starts_with("catena ") {
+    if started.is_err() || !library.starts_with(LIBRARY) {
         return false;
     }
     match last_words(path) {
         // A log of an earlier version, which did not say how it ended, may be dear to its owner.
         Ok(Some(words)) => words.is_some_and(|words| words.get(OUTCOME).is_none_or(|outcome| outcome != FINISHED)),
-        Ok(None) | Err(_) => true,
+        // There is no index, or it is damaged.
+        Ok(None) | Err(_) => !says_finished(path),
     }
+}
+
+/// Whether a log says, somewhere in all that can be read of it, that its run has finished.
+fn says_finished(path: &Path) -> bool {
+    let mut finished = false;
+    // What cannot be read says nothing.
+    let _ = read_log(path, |item| {
+        if let Item::Metadata { name: END, entries } = item {
+            finished = entries.get(OUTCOME).is_some_and(|outcome| outcome == FINISHED);
+        }
+        ControlFlow::Continue(())
+    });
+    finished
 }
 
 /// What the log says about its end, read from the summary; `None` without a summary, `Some(None)` if it says nothing.

@@ -1,9 +1,9 @@
 //! The records of an MCAP file from its beginning to its end, or to where it was cut off.
 //!
 //! They come one after the other and little of the file is in memory at any time. A chunk is shown only if its
-//! checksum is right; one that cannot be read is passed over, because its length tells where the next record is. Where the file
-//! ends inside a chunk there is no telling, since the checksum is of all of it: its whole records are shown, and how many messages
-//! that were is said.
+//! checksum is right; one that cannot be read is passed over, because its length tells where the next record is, and so is any other
+//! record. Where the file ends inside a chunk there is no telling, since the checksum is of all of it: its whole records are shown, and how
+//! many messages that were is said. The checksum of the whole comes last, when everything has been shown.
 
 use super::seconds;
 use crate::words::counted;
@@ -23,6 +23,12 @@ const BLOCK: usize = 1 << 18;
 /// Length of the opcode and of the length before every record.
 const RECORD_HEADER: usize = 9;
 
+/// A length beyond this is damaged, and with others there is no overflow.
+const LONGEST_RECORD: usize = usize::MAX >> 8;
+
+/// Chunks that say that there is more in them are not unpacked: there may be as much in memory.
+const LARGEST_CHUNK: usize = 1 << 30;
+
 /// Why a log could not be read at all.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
@@ -32,9 +38,6 @@ pub enum ReadError {
     /// It does not start like an MCAP file.
     #[error("{}: not an MCAP log: {reason}", path.display())]
     NotALog { path: PathBuf, reason: String },
-    /// A message is not what its schema says.
-    #[error("{}: topic {topic} at t = {time} s: {reason}", path.display())]
-    Message { path: PathBuf, topic: String, time: f64, reason: String },
 }
 
 /// How much of a log there is; nothing is missing of the default.
@@ -44,6 +47,9 @@ pub struct Completeness {
     pub damaged: bool,
     /// Chunks that cannot be read although others follow.
     pub lost_chunks: Option<LostChunks>,
+    /// Other records that cannot be read although others follow: attachments and metadata.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost_records: Option<LostRecords>,
     /// Where it breaks off, if it does: the run was killed, it is still being written, or the rest cannot be read.
     pub broken_off: Option<String>,
 }
@@ -61,6 +67,21 @@ pub struct LostChunks {
     pub reason: String,
 }
 
+/// Records outside of chunks that cannot be read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LostRecords {
+    /// How many.
+    pub count: usize,
+    /// What is wrong with the first.
+    pub reason: String,
+}
+
+impl fmt::Display for LostRecords {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{} cannot be read: {}", counted(self.count, "record", "records"), self.reason)
+    }
+}
+
 impl Completeness {
     /// Whether all of it is there.
     pub fn is_complete(&self) -> bool {
@@ -70,7 +91,8 @@ impl Completeness {
     /// What is missing, in words, if something is.
     pub fn missing(&self) -> Option<String> {
         let lost = self.lost_chunks.as_ref().map(ToString::to_string);
-        let words: Vec<String> = lost.into_iter().chain(self.broken_off.clone()).collect();
+        let records = self.lost_records.as_ref().map(ToString::to_string);
+        let words: Vec<String> = lost.into_iter().chain(records).chain(self.broken_off.clone()).collect();
         let kind = if self.damaged { "DAMAGED" } else { "TRUNCATED" };
         (!words.is_empty()).then(|| format!("{kind}: {}", words.join("; ")))
     }
@@ -109,11 +131,13 @@ type Visit<'v> = dyn FnMut(Found<'_>) -> Seen + 'v;
 pub(super) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<Completeness>, ReadError> {
     let io_error = |reason| ReadError::Io { path: path.to_path_buf(), reason };
     let mut file = File::open(path).map_err(io_error)?;
-    let mut reader = LinearReader::new_with_options(LinearReaderOptions::default().with_emit_chunks(true));
+    let options = LinearReaderOptions::default().with_emit_chunks(true).with_record_length_limit(LONGEST_RECORD);
+    let options = options.with_validate_data_section_crc(true).with_validate_summary_section_crc(true);
+    let mut reader = LinearReader::new_with_options(options.with_check_finishes_after_end_magic(true));
     // The last bytes, and how many of them are of records that were shown: in the end the rest is of one that is not whole.
     let (mut recent, mut shown) = (Vec::new(), mcap::MAGIC.len());
     let (mut bytes, mut seen) = (0_u64, false);
-    let (mut time, mut lost) = (0.0, None::<LostChunks>);
+    let (mut time, mut lost, mut lost_records) = (0.0, None::<LostChunks>, None::<LostRecords>);
     let mut timed = |found: Found<'_>| {
         match &found {
             Found::Record(Record::Message { header, .. }) => {
@@ -151,8 +175,16 @@ pub(super) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<
             }
             Ok(LinearReadEvent::Record { opcode, data }) => {
                 shown += RECORD_HEADER + data.len();
-                // Nobody asks for the index of a chunk, so that one that is damaged does no harm.
-                if opcode == op::MESSAGE_INDEX { Ok(ControlFlow::Continue(())) } else { show(opcode, data, &mut timed) }
+                match parse_record(opcode, data) {
+                    // Nobody asks for the index of a chunk, so that one that is damaged does no harm.
+                    _ if opcode == op::MESSAGE_INDEX => Ok(ControlFlow::Continue(())),
+                    Ok(record) => timed(Found::Record(record)),
+                    Err(error) => {
+                        let reason = error.to_string();
+                        lost_records.get_or_insert(LostRecords { count: 0, reason }).count += 1;
+                        Ok(ControlFlow::Continue(()))
+                    }
+                }
             }
             Err(McapError::UnexpectedEof) if seen => {
                 let Some(unchecked) = torn_chunk(&recent[shown.min(recent.len())..], &mut timed) else {
@@ -163,9 +195,27 @@ pub(super) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<
                     _ => format!(", and its last {unchecked} messages lack their checksum"),
                 };
                 let broken_off = Some(format!("it ends in the middle, after {bytes} bytes{lacking}"));
-                return Ok(Some(Completeness { damaged: lost.is_some(), lost_chunks: lost, broken_off }));
+                let damaged = lost.is_some() || lost_records.is_some();
+                return Ok(Some(Completeness { damaged, lost_chunks: lost, lost_records, broken_off }));
             }
-            Err(error) if seen => Err(error.to_string()),
+            Err(McapError::BadDataCrc { .. }) if lost.is_some() || lost_records.is_some() => {
+                return Ok(Some(Completeness { damaged: true, lost_chunks: lost, lost_records, broken_off: None }));
+            }
+            Err(error) if seen => {
+                let damage = match error {
+                    McapError::BadDataCrc { .. } | McapError::BadSummaryCrc { .. } => {
+                        "its checksum says that something in it is not what was written".to_string()
+                    }
+                    McapError::BytesAfterEndMagic => "behind its end there are more bytes".to_string(),
+                    error => format!("from some place on it cannot be read: {error}"),
+                };
+                return Ok(Some(Completeness {
+                    damaged: true,
+                    lost_chunks: lost,
+                    lost_records,
+                    broken_off: Some(damage),
+                }));
+            }
             Err(error) => {
                 return Err(ReadError::NotALog { path: path.to_path_buf(), reason: error.to_string() });
             }
@@ -176,11 +226,12 @@ pub(super) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<
             Ok(ControlFlow::Break(())) => return Ok(None),
             Err(reason) => {
                 let broken_off = Some(format!("from some place on it cannot be read: {reason}"));
-                return Ok(Some(Completeness { damaged: true, lost_chunks: lost, broken_off }));
+                return Ok(Some(Completeness { damaged: true, lost_chunks: lost, lost_records, broken_off }));
             }
         }
     }
-    Ok(Some(Completeness { damaged: lost.is_some(), lost_chunks: lost, broken_off: None }))
+    let damaged = lost.is_some() || lost_records.is_some();
+    Ok(Some(Completeness { damaged, lost_chunks: lost, lost_records, broken_off: None }))
 }
 
 fn show(opcode: u8, data: &[u8], visit: &mut Visit<'_>) -> Seen {
@@ -191,7 +242,8 @@ fn show(opcode: u8, data: &[u8], visit: &mut Visit<'_>) -> Seen {
 /// is right.
 fn chunk(length: u64, data: &[u8], is_whole: bool, visit: &mut Visit<'_>) -> Seen {
     let options = LinearReaderOptions::default().with_skip_start_magic(true).with_skip_end_magic(true);
-    let mut reader = LinearReader::new_with_options(options.with_prevalidate_chunk_crcs(is_whole));
+    let options = options.with_prevalidate_chunk_crcs(is_whole).with_record_length_limit(LARGEST_CHUNK);
+    let mut reader = LinearReader::new_with_options(options);
     let length = length.to_le_bytes();
     let mut parts = [&[op::CHUNK][..], &length, data].into_iter();
     while let Some(event) = reader.next_event() {

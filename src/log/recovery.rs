@@ -1,10 +1,11 @@
 //! A complete log of all that can be read in one that is not: for viewers that need the index at the end of the file.
 
+use super::file::LIBRARY_VERSION;
 use super::reader::no_channel;
 use super::records::{Found, ReadError, read_records};
-use mcap::records::{MessageHeader, Record};
+use mcap::records::{MessageHeader, Metadata, Record};
 use mcap::{Attachment, McapError, WriteOptions, Writer};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::io::{Seek, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -23,17 +24,22 @@ pub enum RecoveryError {
     Write(#[from] McapError),
 }
 
-/// Writes everything of a log, as far as it can be read, as a complete one; returns how many messages that were.
+/// The metadata record of a log that was made of one of which something is missing, and its entry that says what.
+pub const RECOVERY: &str = "recovery";
+/// See [`RECOVERY`].
+pub const MISSING: &str = "missing";
+
+/// Writes everything of a log, as far as it can be read, as a complete one, which says what it lacks ([`RECOVERY`]); returns how many
+/// messages that were.
 ///
 /// # Errors
 /// [`RecoveryError`].
 pub fn recover(log: &Path, out: &mut (impl Write + Seek)) -> Result<u64, RecoveryError> {
-    let library = concat!("catena ", env!("CARGO_PKG_VERSION"));
-    let options = WriteOptions::new().library(library).compression(None).chunk_size(Some(CHUNK_SIZE));
+    let options = WriteOptions::new().library(LIBRARY_VERSION).compression(None).chunk_size(Some(CHUNK_SIZE));
     let mut copy =
         Copy { writer: options.create(out)?, schemas: HashMap::new(), channels: HashMap::new(), messages: 0 };
     let mut failure = None;
-    read_records(log, &mut |found| {
+    let completeness = read_records(log, &mut |found| {
         let Found::Record(record) = found else { return Ok(ControlFlow::Continue(())) };
         match copy.record(record) {
             Ok(seen) => seen.map(ControlFlow::Continue),
@@ -45,6 +51,10 @@ pub fn recover(log: &Path, out: &mut (impl Write + Seek)) -> Result<u64, Recover
     })?;
     if let Some(error) = failure {
         return Err(error.into());
+    }
+    if let Some(missing) = completeness.and_then(|completeness| completeness.missing()) {
+        let metadata = BTreeMap::from([(MISSING.to_string(), missing)]);
+        copy.writer.write_metadata(&Metadata { name: RECOVERY.to_string(), metadata })?;
     }
     copy.writer.finish()?;
     Ok(copy.messages)

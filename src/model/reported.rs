@@ -7,8 +7,8 @@ use crate::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 impl Model {
-    /// The state in which the joints report these positions and velocities; joints of which nothing is said are at
-    /// zero. `None` if a joint has other counts of numbers.
+    /// The state in which the joints report these positions and velocities. `None` if nothing is said of a joint that moves, or it has other
+    /// counts of numbers.
     pub fn state_of_report<'r>(
         &self,
         time: f64,
@@ -17,7 +17,8 @@ impl Model {
         let mut state = self.zero_state();
         state.time = time;
         for record in &self.joints {
-            let (Some(body), Some((position, velocity))) = (record.body, joints(&record.name)) else { continue };
+            let Some(body) = record.body else { continue };
+            let (position, velocity) = joints(&record.name)?;
             let joint = &self.mechanism.bodies[body].joint;
             let (q, w) = match (record.kind, position, velocity) {
                 (UrdfJointKind::Spherical, &[qw, qx, qy, qz], &[x, y, z]) => {

@@ -85,6 +85,21 @@ fn a_finished_log_outlives_the_runs_that_do_not_finish() {
 }
 
 #[test]
+fn a_finished_log_whose_index_is_damaged_outlives_them_too() {
+    let folder = folder("damaged_index");
+    let log = folder.join("pendulum.mcap");
+    assert_eq!(run(&folder, &[&SIMULATE[..], &["--duration", "0.5"]].concat()).status.code(), Some(0));
+    let mut bytes = std::fs::read(&log).expect("a log");
+    // Where the summary begins, as the footer has it: before the end magic, the checksum and another such number.
+    let place = bytes.len() - 8 - 4 - 8 - 8;
+    bytes[place] ^= 1;
+    std::fs::write(&log, &bytes).expect("written");
+    let output = run(&folder, &["simulate", "pendulum.urdf", "--velocity", "hinge=1e100", "--quiet"]);
+    assert_one_error(&output, 1, "failed");
+    assert!(std::fs::read(&log).expect("a log") == bytes);
+}
+
+#[test]
 fn any_other_file_is_replaced_by_a_finished_run_only() {
     let folder = folder("foreign");
     let log = folder.join("pendulum.mcap");
@@ -162,4 +177,57 @@ fn a_pipe_that_is_closed_is_an_error_with_the_path() {
         catena(&folder, &[&endless()[..], &["-o", "/dev/stdout", "--quiet"]].concat()).spawn().expect("runs");
     drop(child.stdout.take());
     assert_ended_by_disk(&child.wait_with_output().expect("ends"), "/dev/stdout");
+}
+
+#[test]
+fn links_stay_links_and_what_stands_beside_a_log_is_not_written_through_one() {
+    let folder = folder("links");
+    assert_eq!(run(&folder, &[&SIMULATE[..], &["--duration", "0.5"]].concat()).status.code(), Some(0));
+    std::fs::write(folder.join("old.csv"), "old").expect("written");
+    for (link, target) in [("table.csv", "old.csv"), ("new.csv", "later.csv")] {
+        std::os::unix::fs::symlink(target, folder.join(link)).expect("linked");
+        let output = run(&folder, &["inspect", "pendulum.mcap", "--csv", link]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        assert!(folder.join(link).is_symlink());
+        assert!(std::fs::read_to_string(folder.join(target)).expect("a table").starts_with("time [s]"), "{target}");
+    }
+    // The place of a log that is being written, in a folder where others may write.
+    std::os::unix::fs::symlink("old.csv", folder.join("pendulum.unfinished.mcap")).expect("linked");
+    let table = std::fs::read(folder.join("old.csv")).expect("a table");
+    let output = run(&folder, &SIMULATE);
+    assert_one_error(&output, 2, "a link");
+    assert!(std::fs::read(folder.join("old.csv")).expect("a table") == table);
+}
+
+#[test]
+fn a_signal_that_comes_twice_at_once_is_one() {
+    let folder = folder("twice");
+    let log = folder.join("pendulum.mcap");
+    let mut child = catena(&folder, &endless()).spawn().expect("runs");
+    wait_for(&mut child, "a log with samples", || salvaged_samples(&log) > 10);
+    // As `timeout` does: to the process, and to its group.
+    let twice = format!("kill -TERM {0}; kill -TERM {0}", child.id());
+    assert!(Command::new("sh").args(["-c", &twice]).status().expect("kill runs").success());
+    assert_eq!(child.wait_with_output().expect("ends").status.code(), Some(130));
+    assert!(mcap::Summary::read(&std::fs::read(&log).expect("a log")).expect("a whole log").is_some());
+}
+
+#[test]
+fn following_a_log_ends_when_nobody_reads_what_is_said_of_it() {
+    let folder = folder("follow_pipe");
+    let log = folder.join("pendulum.mcap");
+    let mut child = catena(&folder, &endless()).spawn().expect("runs");
+    wait_for(&mut child, "a log with samples", || salvaged_samples(&log) > 10);
+    let mut follower = catena(&folder, &["inspect", "pendulum.mcap", "--follow"]).spawn().expect("runs");
+    drop(follower.stdout.take());
+    let mut left = 200;
+    while follower.try_wait().expect("asked").is_none() && left > 0 {
+        std::thread::sleep(Duration::from_millis(50));
+        left -= 1;
+    }
+    let ended = follower.try_wait().expect("asked");
+    follower.kill().ok();
+    child.kill().expect("killed");
+    child.wait().expect("ends");
+    assert!(ended.is_some_and(|status| status.success()), "{ended:?}");
 }

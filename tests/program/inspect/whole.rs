@@ -237,6 +237,6 @@ fn bad_usage_is_one_line_and_touches_no_file() {
     assert!(text(&output.stderr).contains("standard output is not supported"), "{}", text(&output.stderr));
     assert!(!folder.join("-").exists());
     assert_eq!(run(&folder, &["inspect", "pendulum.mcap", "--csv", "./-"]).status.code(), Some(0));
-    assert_one_error(&run(&folder, &["inspect", "pendulum.mcap", "--csv", "no/such/a.csv"]), 1, "no folder");
+    assert_one_error(&run(&folder, &["inspect", "pendulum.mcap", "--csv", "no/such/a.csv"]), 2, "no folder");
     assert!(std::fs::read(folder.join("pendulum.mcap")).expect("a log") == before);
 }
