@@ -8,6 +8,7 @@
 //!     d/dt (d·d − L²)/2L = d · ḋ / L                          [m/s]
 //! ```
 
+use crate::invariants::worse;
 use crate::kinematics::BodyAcceleration;
 use crate::model::{Attachment, LoopJoint, LoopKind, Mechanism, Mimic};
 use crate::state::{BodyState, State};
@@ -33,7 +34,7 @@ impl Gaps {
 
     /// The largest gap and the largest rate.
     pub fn largest(&self) -> (f64, f64) {
-        let of = |numbers: &[f64; 6]| numbers[..self.count].iter().fold(0.0_f64, |most, gap| most.max(gap.abs()));
+        let of = |numbers: &[f64; 6]| numbers[..self.count].iter().fold(0.0, |most, gap| worse(most, gap.abs()));
         (of(&self.position), of(&self.velocity))
     }
 }

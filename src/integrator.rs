@@ -122,7 +122,7 @@ pub enum StepError {
     /// The stage equations could not be solved, even after the step was shortened again and again.
     #[error(
         "at t = {} s the step from joint {joint:?} did not converge (last increment {increment:.1e}), not even with \
-         a step of {step:.1e} s; choose a smaller --step, more --stages or a smaller --tolerance",
+         a step of {step:.1e} s; choose a smaller --tolerance, or with --step a smaller one or more --stages",
         short(*.time)
     )]
     NotConverged { time: f64, step: f64, joint: String, increment: f64 },
@@ -135,7 +135,7 @@ pub enum StepError {
     Unstable { time: f64, step: f64, stages: usize, longest: f64 },
     /// A joint turns by more than half a revolution within the shortest step.
     #[error(
-        "at t = {} s joint {joint:?} turns by more than half a revolution within a step of {step:.1e} s; choose a smaller --step",
+        "at t = {} s joint {joint:?} turns by more than half a revolution within a step of {step:.1e} s; choose a smaller --step, or --tolerance",
         short(*.time)
     )]
     TurnedTooFar { time: f64, step: f64, joint: String },
@@ -147,7 +147,7 @@ pub enum StepError {
     NotAccurate { time: f64, step: f64 },
     /// The state is not finite any more.
     #[error(
-        "at t = {} s the velocity of joint {joint:?} is not finite; the motion is too violent for the step {step:.1e} s",
+        "at t = {} s the velocity of joint {joint:?} is not finite after a step of {step:.1e} s: the motion is too violent for it, or starts with more than doubles hold",
         short(*.time)
     )]
     NotFinite { time: f64, step: f64, joint: String },

@@ -77,13 +77,18 @@ pub fn momentum(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vector3<f64>, V
     (linear, angular)
 }
 
+/// The larger of two numbers, but not a number where one of them is none: nothing is worse than that.
+pub fn worse(one: f64, other: f64) -> f64 {
+    if one.is_nan() || other.is_nan() { f64::NAN } else { one.max(other) }
+}
+
 /// How far a state is from satisfying its joints, loops, mimic relations and `RᵀR = 1`. All but mimic relations, which only the
 /// joint coordinates know, are measured on the maximal coordinates alone.
 pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> Violation {
     let mut worst = Violation::default();
     let mut see = |position: f64, velocity: f64| {
-        worst.position = worst.position.max(position.abs());
-        worst.velocity = worst.velocity.max(velocity.abs());
+        worst.position = worse(worst.position, position.abs());
+        worst.velocity = worse(worst.velocity, velocity.abs());
     };
     for (body, here) in mechanism.bodies.iter().zip(bodies) {
         let parent = body.parent.map_or(WORLD, |parent| bodies[parent]);

@@ -10,6 +10,9 @@ use super::table::{Measurement, write_csv};
 use super::work_precision::work_precision_picture;
 use std::path::Path;
 
+/// What the name of a scene's second picture has after that of its first.
+pub const ENERGY: &str = "_energy";
+
 /// The measured scenes, and what other programs need for the same.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
@@ -32,7 +35,7 @@ impl Report {
             let work = work_precision_picture(chart, &self.foreign);
             let energy = energy_picture(&chart.name, chart.duration, &chart.energies, &chart.measurements);
             let mut drawn = Vec::new();
-            for (picture, ending) in [(work, ""), (energy, "_energy")] {
+            for (picture, ending) in [(work, ""), (energy, ENERGY)] {
                 let file = |kind: &str| folder.join(format!("{}{ending}.{kind}", chart.name));
                 let svg = picture.svg()?;
                 write_text(&file("svg"), &svg)?;

@@ -8,7 +8,7 @@ use super::numbers::{Assignment, positive};
 use super::{Failure, print, warn};
 use anyhow::{Context, anyhow};
 use catena::chart::measure::Plan;
-use catena::chart::report::Report;
+use catena::chart::report::{ENERGY, Report};
 use catena::chart::{ChartError, Measurement, Scene, measure, read_csv};
 use catena::model::Model;
 use clap::Args;
@@ -165,10 +165,14 @@ fn refuse_what_has_no_rival(model: &Model) -> anyhow::Result<()> {
     ))
 }
 
-/// The file name without its ending, numbered if another input has the same.
+/// The file name without its ending, numbered if that or one of its pictures is another input's.
 fn scene_name(input: &Path, others: &[Scene]) -> String {
     let stem = input.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned());
-    let taken = |name: &str| others.iter().any(|scene| scene.name == name);
+    let energy = |name: &str| format!("{name}{ENERGY}");
+    let taken = |name: &str| {
+        let clash = |other: &str| other == name || energy(other) == name || energy(name) == other;
+        others.iter().any(|scene| clash(&scene.name))
+    };
     let numbered = (2..).map(|number| format!("{stem}_{number}"));
     std::iter::once(stem.clone()).chain(numbered).find(|name| !taken(name)).unwrap_or(stem)
 }

@@ -150,6 +150,10 @@ impl Loaded {
         wanted.positions.extend(pairs(positions));
         wanted.velocities.extend(pairs(velocities));
         if let Some(velocity) = base_velocity {
+            let count = self.model.robots.len();
+            if count > 1 {
+                bail!("--base-velocity is for one robot; there are {count}: give --velocity ROBOT/base=... for each");
+            }
             // The velocity of the base is that of its joint.
             let base = self.model.joints.iter().find(|joint| joint.is_base).ok_or(ModelError::BaseDoesNotFloat)?;
             if velocities.iter().any(|one| one.name == base.name) {
@@ -201,6 +205,9 @@ impl WorldArgs {
     /// # Errors
     /// What is wrong with the file, naming file, line, and link, joint or key.
     pub fn load(&self, input: &Path) -> anyhow::Result<Loaded> {
+        if let Some((name, folder)) = self.package.iter().find(|(_, folder)| !folder.is_dir()) {
+            bail!("--package {name}: there is no folder {folder:?}");
+        }
         let packages = PackagePath::from_environment(self.package.clone());
         if is_scene(input) {
             self.place_scene(read_scene(input, &packages)?)
@@ -300,12 +307,9 @@ pub fn finite_numbers(text: &str) -> Result<Vec<f64>, String> {
         .collect()
 }
 
-/// `NAME=DIR`.
+/// `NAME=DIR`. Whether there is such a folder is asked where it is needed: a log can be read without.
 fn package(text: &str) -> Result<(String, PathBuf), String> {
     match text.split_once('=') {
-        Some((_, folder)) if !folder.is_empty() && !Path::new(folder).is_dir() => {
-            Err(format!("there is no folder {folder:?}"))
-        }
         Some((name, folder)) if !name.is_empty() && !folder.is_empty() => Ok((name.to_string(), folder.into())),
         _ => Err("give NAME=DIR, the name of the package and its folder".to_string()),
     }

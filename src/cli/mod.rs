@@ -35,10 +35,12 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::fmt::Display;
 use std::io::{self, Write};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// What asks a process to end.
 const ENDING_SIGNALS: &[i32] = &[
@@ -133,13 +135,18 @@ fn usage(error: &clap::Error) -> ExitCode {
             ExitCode::from(2)
         }
         _ => {
-            let rendered = error.render().to_string();
-            let told = rendered.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
-            let paragraphs: Vec<&str> = told.map(str::trim).filter(|line| !line.is_empty()).collect();
-            complain(&paragraphs.join(" ").trim_start_matches("error: ").replace(" tip:", ";"));
+            complain(&in_one_line(error));
             ExitCode::from(2)
         }
     }
+}
+
+/// What is wrong with a command line, without how it should look in general.
+fn in_one_line(error: &clap::Error) -> String {
+    let rendered = error.render().to_string();
+    let told = rendered.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
+    let paragraphs: Vec<&str> = told.map(str::trim).filter(|line| !line.is_empty()).collect();
+    paragraphs.join(" ").trim_start_matches("error: ").replace(" tip:", ";")
 }
 
 /// The options of a `catena simulate` with these arguments.
@@ -148,7 +155,8 @@ fn usage(error: &clap::Error) -> ExitCode {
 /// What is wrong with them.
 pub fn simulate_arguments(arguments: &[String]) -> anyhow::Result<simulate::Arguments> {
     let words = std::iter::once("catena").chain(arguments.iter().map(String::as_str));
-    match CommandLine::try_parse_from(words)?.verb {
+    let parsed = CommandLine::try_parse_from(words).map_err(|error| anyhow::anyhow!(in_one_line(&error)))?;
+    match parsed.verb {
         Verb::Simulate(arguments) => Ok(*arguments),
         _ => anyhow::bail!("it was not written by catena simulate"),
     }
@@ -192,12 +200,19 @@ pub fn warn(message: impl Display) {
 /// # Errors
 /// Whatever else keeps standard output from being written.
 pub fn print(text: impl Display) -> Result<(), Failure> {
+    print_while_read(text).map(drop)
+}
+
+/// Writes to standard output; breaks off if the reader has gone away.
+///
+/// # Errors
+/// As [`print`].
+pub fn print_while_read(text: impl Display) -> Result<ControlFlow<()>, Failure> {
     let mut out = io::stdout().lock();
     match write!(out, "{text}").and_then(|()| out.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::run(anyhow::Error::new(error).context("cannot write to standard output")))
-        }
-        _ => Ok(()),
+        Ok(()) => Ok(ControlFlow::Continue(())),
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(ControlFlow::Break(())),
+        Err(error) => Err(Failure::run(anyhow::Error::new(error).context("cannot write to standard output"))),
     }
 }
 
@@ -220,18 +235,28 @@ fn outlive_large_files() {
 #[cfg(not(unix))]
 fn outlive_large_files() {}
 
-/// A flag that the first Ctrl-C (or request to end) sets; the second ends the process.
+/// After the first Ctrl-C a second one ends the process, but not at once: `timeout` sends its signal to the process and to its group.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// A flag that the first Ctrl-C (or request to end) sets; a second one, half a second later, ends the process.
 ///
 /// # Errors
 /// If the system does not let us watch.
 pub fn watch_for_signals() -> anyhow::Result<Arc<AtomicBool>> {
-    let interrupted = Arc::new(AtomicBool::new(false));
+    let [interrupted, impatient] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
     let watch = || -> io::Result<()> {
         for &signal in ENDING_SIGNALS {
-            // In this order: the first time the flag is not set yet.
-            flag::register_conditional_shutdown(signal, 130, interrupted.clone())?;
+            flag::register_conditional_shutdown(signal, 130, impatient.clone())?;
             flag::register(signal, interrupted.clone())?;
         }
+        let seen = interrupted.clone();
+        std::thread::Builder::new().name("signals".to_string()).spawn(move || {
+            while !seen.load(Ordering::Relaxed) {
+                std::thread::sleep(PATIENCE / 5);
+            }
+            std::thread::sleep(PATIENCE);
+            impatient.store(true, Ordering::Relaxed);
+        })?;
         Ok(())
     };
     watch().context("cannot watch for Ctrl-C")?;

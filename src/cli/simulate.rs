@@ -12,7 +12,7 @@ use super::{Failure, print, print_json};
 use anyhow::{Context, anyhow};
 use catena::islands::Plan;
 use catena::lobatto::assembly::redundancy;
-use catena::log::{Recorder, Severity, neighbour};
+use catena::log::{LONGEST, Recorder, Severity, neighbour};
 use catena::model::Model;
 use catena::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, energy_warning, joint_reports,
@@ -189,6 +189,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Setup { mut state, choice, duration, rate } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
     let model = &loaded.model;
     output.iter().try_for_each(|output| check_apart(output, model)).map_err(Failure::input)?;
+    if output.is_some() && duration > LONGEST {
+        let error = anyhow!(
+            "a log counts nanoseconds, up to {LONGEST:e} s; give a shorter --duration than {duration:e} or --no-log"
+        );
+        return Err(Failure::input(error));
+    }
     let mechanism = &model.mechanism;
     let redundancy = redundancy(mechanism, &state);
 
@@ -264,12 +270,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         accuracy,
         log,
     };
-    if arguments.json {
-        print_json(&report)?;
-    } else if !arguments.quiet {
-        print(&report)?;
-    }
-    ended
+    let printed = match (arguments.json, arguments.quiet) {
+        (true, _) => print_json(&report),
+        (false, true) => Ok(()),
+        (false, false) => print(&report),
+    };
+    // What became of the run is more than what became of its report.
+    ended.and(printed)
 }
 
 /// Where the log goes, refused early if it cannot go there.
@@ -285,6 +292,9 @@ fn output(arguments: &Arguments) -> anyhow::Result<Option<PathBuf>> {
             PathBuf::from(format!("{}.mcap", stem.to_string_lossy()))
         }
     };
+    if output.as_os_str().to_string_lossy().ends_with(std::path::is_separator) {
+        return Err(anyhow!("cannot write {}: give a file, not a folder", output.display()));
+    }
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
         return Err(anyhow!("cannot write {}: there is no folder {}", output.display(), folder.display()));

@@ -2,7 +2,7 @@
 
 use super::part::{Part, frontier};
 use crate::forces::total::Exchange;
-use crate::invariants::{energy_with_forces, violation};
+use crate::invariants::{energy_with_forces, violation, worse};
 use crate::kinematics::{body_states, place_bodies};
 use crate::model::Mechanism;
 use crate::simulation::{Counts, Observer, RunError, RunOptions, Sample, StepEnd, StepOutcome, Summary, show};
@@ -113,7 +113,7 @@ impl Whole {
             // Balances belong together when all that end at the same time have been taken.
             if self.waiting.get(index + 1).is_none_or(|(next, _)| next.time > end.time) {
                 self.largest_kinetic = self.largest_kinetic.max(self.kinetic);
-                self.largest_deviation = self.largest_deviation.max(self.deviation.abs());
+                self.largest_deviation = worse(self.largest_deviation, self.deviation.abs());
             }
         }
         self.waiting.clear();

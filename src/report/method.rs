@@ -123,6 +123,11 @@ pub fn energy_warning(description: &MethodDescription, relative_error: f64) -> O
     }
     let remedy =
         if description.adaptive { "a smaller --tolerance" } else { "a smaller --step, more --stages, or --tolerance" };
+    if !relative_error.is_finite() {
+        return Some(format!(
+            "energies are beyond what a double holds, so nothing is known of the accuracy; use {remedy}"
+        ));
+    }
     Some(format!(
         "the energy balance is off by {} % of the largest kinetic energy: the steps are too long for this motion; use {remedy}",
         rounded(100.0 * relative_error)

@@ -2,7 +2,7 @@
 
 use super::{Counts, StepEnd, StepOutcome};
 use crate::forces::total::Exchange;
-use crate::invariants::{Energy, Violation, energy_with_forces, violation};
+use crate::invariants::{Energy, Violation, energy_with_forces, violation, worse};
 use crate::kinematics::body_states;
 use crate::model::Mechanism;
 use crate::state::{BodyState, State};
@@ -44,8 +44,8 @@ impl Summary {
         self.kept_iterations += outcome.kept;
         self.rejected_steps += outcome.rejected;
         self.exact_steps += usize::from(outcome.exact);
-        self.max_violation.position = self.max_violation.position.max(violation.position);
-        self.max_violation.velocity = self.max_violation.velocity.max(violation.velocity);
+        self.max_violation.position = worse(self.max_violation.position, violation.position);
+        self.max_violation.velocity = worse(self.max_violation.velocity, violation.velocity);
     }
 }
 
@@ -98,7 +98,7 @@ impl Bookkeeper {
         summary.final_energy = energy;
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic);
         let balance = energy.total() - summary.initial_energy.total() + (exchange.dissipated - exchange.work);
-        self.largest_deviation = self.largest_deviation.max(balance.abs());
+        self.largest_deviation = worse(self.largest_deviation, balance.abs());
         summary.max_relative_energy_error = if self.largest_kinetic > 0.0 {
             self.largest_deviation / self.largest_kinetic
         } else {

@@ -91,7 +91,7 @@ fn one_base_for_several_robots_and_what_is_not_simulated_yet_end_with_2_and_no_f
     for (arguments, message) in [
         (vec!["simulate", "two.toml", "--base", "floating"], "two.toml has 2"),
         (vec!["simulate", "two.toml", "--base-pose", "0,0,1,0,0,0"], "two.toml has 2"),
-        (vec!["simulate", "two.toml", "--base-velocity", "0,0,1,0,0,0"], "floating base"),
+        (vec!["simulate", "two.toml", "--base-velocity", "0,0,1,0,0,0"], "is for one robot; there are 2"),
         (vec!["simulate", "two.toml", "--position", "hinge=1"], "\"left/hinge\", \"right/hinge\""),
         (
             vec!["chart", "closed.toml", "-o", "charts"],

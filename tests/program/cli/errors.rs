@@ -176,3 +176,122 @@ fn a_warning_that_nobody_can_see_does_not_end_the_program() {
     assert_eq!(output.status.code(), Some(0));
     assert!(folder.join("cut.csv").exists());
 }
+
+/// Two pendulums that float, in one scene.
+const TWO: &str = "[[robot]]\nname = \"one\"\nurdf = \"pendulum.urdf\"\nbase = \"floating\"\n\
+                   [[robot]]\nname = \"two\"\nurdf = \"pendulum.urdf\"\nbase = \"floating\"\n";
+
+#[test]
+fn a_velocity_of_the_base_is_refused_where_there_are_several() {
+    let folder = folder("two_bases");
+    std::fs::write(folder.join("two.toml"), TWO).expect("written");
+    let start = ["simulate", "two.toml", "--no-log", "--duration", "0.1"];
+    let output = run(&folder, &[&start[..], &["--base-velocity", "1,0,0,0,0,0"]].concat());
+    assert_one_error(&output, 2, "--base-velocity");
+    assert!(text(&output.stderr).contains("--velocity ROBOT/base"), "{}", text(&output.stderr));
+    let output = run(&folder, &[&start[..], &["--velocity", "two/base=1,0,0,0,0,0"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_loop_has_no_name_that_a_joint_or_another_loop_has() {
+    let folder = folder("names");
+    let closure = |name: &str| {
+        format!(
+            "[[loop]]\nname = \"{name}\"\ntype = \"spherical\"\n\
+             a = {{ link = \"one/rod\", position = [0, 0, -1] }}\nb = {{ link = \"two/rod\", position = [0, 0, -1] }}\n"
+        )
+    };
+    for (names, code) in [(&["tips"][..], 0), (&["one/hinge"], 2), (&["two/base"], 2), (&["one/weld"], 2)] {
+        let scene = [TWO.to_string()].into_iter().chain(names.iter().map(|name| closure(name))).collect::<String>();
+        std::fs::write(folder.join("two.toml"), scene).expect("written");
+        let output = run(&folder, &["simulate", "two.toml", "--no-log", "--duration", "0.1"]);
+        assert_eq!(output.status.code(), Some(code), "{names:?}: {}", text(&output.stderr));
+        assert!(code == 0 || text(&output.stderr).contains("give it another"), "{}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn a_link_with_the_name_of_the_world_is_a_link_like_others() {
+    let folder = folder("world_link");
+    std::fs::write(folder.join("pendulum.urdf"), PENDULUM.replace("\"rod\"", "\"world\"")).expect("written");
+    let load =
+        "[[robot]]\nurdf = \"pendulum.urdf\"\nbase = \"floating\"\n[[load]]\nlink = \"base\"\nforce = [1, 0, 0]\n";
+    std::fs::write(folder.join("loaded.toml"), load).expect("written");
+    let output = run(&folder, &["simulate", "loaded.toml", "--no-log", "--duration", "0.1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_log_is_looked_at_and_replayed_without_the_folders_that_its_run_had() {
+    let folder = folder("packages");
+    std::fs::create_dir(folder.join("meshes")).expect("made");
+    let run_it = ["simulate", "pendulum.urdf", "--package", "name=meshes", "--duration", "0.2"];
+    assert_eq!(run(&folder, &run_it).status.code(), Some(0));
+    std::fs::remove_dir(folder.join("meshes")).expect("removed");
+    for verb in [&["replay", "pendulum.mcap"][..], &["inspect", "pendulum.mcap", "--at", "0.1"]] {
+        let output = run(&folder, verb);
+        assert_eq!(output.status.code(), Some(0), "{verb:?}: {}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn a_run_that_no_log_can_count_is_refused_with_one() {
+    let folder = folder("ages");
+    let long = ["simulate", "pendulum.urdf", "--stages", "2", "--step", "1e9", "--duration", "1e11", "--rate", "1e-10"];
+    let output = run(&folder, &long);
+    assert_one_error(&output, 2, "1e11 s");
+    assert!(text(&output.stderr).contains("--no-log"), "{}", text(&output.stderr));
+    assert!(!folder.join("pendulum.mcap").exists());
+}
+
+#[test]
+fn no_two_outputs_are_one_file_and_nothing_is_written_then() {
+    let folder = folder("outputs");
+    assert_eq!(run(&folder, &["simulate", "pendulum.urdf", "--duration", "0.2"]).status.code(), Some(0));
+    for (csv, plot) in [("both.svg", "both.svg"), ("table.csv", "pendulum.mcap"), ("./both.svg", "both.svg")] {
+        let output = run(&folder, &["inspect", "pendulum.mcap", "--csv", csv, "--plot", plot]);
+        assert_one_error(&output, 2, plot);
+        assert!(!folder.join(csv).exists(), "{csv}");
+    }
+}
+
+#[test]
+fn energies_beyond_doubles_are_said_and_are_no_balance() {
+    let folder = folder("energies");
+    let output = run(
+        &folder,
+        &[
+            "simulate",
+            "pendulum.urdf",
+            "--base",
+            "floating",
+            "--gravity",
+            "0,0,-1e160",
+            "--stages",
+            "4",
+            "--step",
+            "0.01",
+            "--duration",
+            "1",
+            "--no-log",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let said = text(&output.stdout);
+    assert!(said.contains("energies are beyond what a double holds"), "{said}");
+    assert!(!said.contains("largest relative error 0.0e0"), "{said}");
+}
+
+#[test]
+fn a_report_that_cannot_be_printed_does_not_hide_how_the_run_ended() {
+    let Ok(full) = std::fs::OpenOptions::new().write(true).open("/dev/full") else {
+        println!("skipped: this system has no /dev/full");
+        return;
+    };
+    let folder = folder("full_report");
+    let arguments = ["simulate", "pendulum.urdf", "--velocity", "hinge=1e100", "--no-log", "--json"];
+    let output = catena(&folder, &arguments).stdout(full).output().expect("runs");
+    assert_one_error(&output, 1, "failed");
+    assert!(!text(&output.stderr).contains("standard output"), "{}", text(&output.stderr));
+}
