@@ -25,8 +25,12 @@ const IMPLIED: f64 = 1e-10;
 /// What counts as nearly implied: the ε of ordinary solves leaves some 1e-8 of every mobility, and a milliradian from the
 /// position 1e-6.
 const WEAK: f64 = 1e-6;
-/// ε where ranks are counted: it leaves about as much of every mobility.
+/// ε where ranks are counted: it leaves about as much of every mobility, and more of what weak equations imply, in proportion to it.
 const COUNTING: f64 = 1e-13;
+/// An equation that is left with so many times as much by another ε,
+const AS_MUCH_MORE: f64 = 10.0;
+/// which is this many times as large, has nothing but what ε leaves.
+const COARSER: f64 = 100.0;
 
 /// After a correction smaller than this (rad or m) the factors are good for the next, of which they leave such a part; unless the gaps
 /// show, beside a singular position, that they are not.
@@ -276,15 +280,15 @@ impl<G: Geometry<One>> Projection<G> {
     /// For every equation its closure, and whether the equations before it imply it at this configuration.
     pub fn redundant(&mut self, start: &G::Start) -> Vec<(usize, bool)> {
         self.evaluate(start);
-        self.coupled.proximal = COUNTING;
-        self.solve(start, false);
+        let [finer, coarser] = [COUNTING, COARSER * COUNTING].map(|proximal| {
+            self.coupled.proximal = proximal;
+            self.solve(start, false);
+            (self.coupled.left_over.clone(), self.coupled.mobilities())
+        });
         self.coupled.proximal = PROXIMAL;
-        let left = self.coupled.left_over.iter();
-        self.coupled
-            .closure_of_row()
-            .iter()
-            .zip(left)
-            .map(|(&closure, left)| (closure, left.is_nan() || left.abs() <= IMPLIED))
-            .collect()
+        // In itself, because a closure of which nothing is left has no scale but what ε leaves.
+        let grows = finer.1.iter().zip(&coarser.1).map(|(finer, coarser)| coarser.abs() > AS_MUCH_MORE * finer.abs());
+        let implied = finer.0.iter().zip(grows).map(|(left, grows)| left.is_nan() || left.abs() <= IMPLIED || grows);
+        self.coupled.closure_of_row().iter().copied().zip(implied).collect()
     }
 }

@@ -255,6 +255,11 @@ impl<V: Lanes> Coupled<V> {
         }
     }
 
+    /// What was left of the mobility of every row when it was eliminated.
+    pub fn mobilities(&self) -> Vec<f64> {
+        self.left_over.iter().zip(&self.scales).map(|(part, scale)| part * scale).collect()
+    }
+
     /// Factors the system and solves it: fills the increments of the freedoms. Not inlined anywhere: every operation is
     /// compiled for the vectors on its own, once for all geometries.
     pub fn solve<G: Geometry<V>>(

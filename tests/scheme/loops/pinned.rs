@@ -1,13 +1,14 @@
-//! Loops that end in the world, where the joints between cannot hold them alone: hinges are parallel, or another loop needs them, too.
+//! Loops that the joints between their ends cannot hold alone, because hinges are parallel or another loop needs them, too; and equations that
+//! others imply, weak or whole closures, which are counted.
 
 use super::run;
 use crate::models::{body, frame};
 use catena::invariants::energy;
 use catena::kinematics::body_states;
 use catena::lobatto::assembly::{assemble, redundancy};
-use catena::model::{Attachment, Body, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Pose};
+use catena::model::{Attachment, Body, Coordinate, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Mimic, Pose};
 use catena::state::State;
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 /// A link of 1 kg whose joint is this far above its centre of mass, and this far below that of its parent (m).
 fn link(name: &str, parent: Option<usize>, kind: JointKind, axis: Vector3<f64>, below: f64) -> Body {
@@ -24,18 +25,17 @@ fn pin(mechanism: &Mechanism, state: &State, (index, point): (usize, Vector3<f64
     LoopJoint { name: "pin".into(), kind: LoopKind::Spherical, a: end(Some(index), point), b: end(to, local) }
 }
 
+/// A body of 5 kg that floats.
+fn trunk() -> Body {
+    let joint = Joint::new("base", JointKind::Floating, Pose::identity(), Pose::identity());
+    body("trunk", None, 5.0, Vector3::new(0.06, 0.05, 0.03), joint)
+}
+
 /// A leg under a trunk that floats, bent at three parallel hinges, with its foot on a ball joint at the ground: three equations, of which
 /// the hinges can fulfil two.
 fn leg() -> (Mechanism, State) {
-    let trunk = body(
-        "trunk",
-        None,
-        5.0,
-        Vector3::new(0.06, 0.05, 0.03),
-        Joint::new("base", JointKind::Floating, Pose::identity(), Pose::identity()),
-    );
     let hinged = |name, parent| link(name, Some(parent), JointKind::Revolute, Vector3::y(), 0.15);
-    let bodies = vec![trunk, hinged("thigh", 0), hinged("shank", 1), hinged("foot", 2)];
+    let bodies = vec![trunk(), hinged("thigh", 0), hinged("shank", 1), hinged("foot", 2)];
     let mut mechanism = Mechanism::new("leg", Vector3::new(0.0, 0.0, -9.81), bodies).unwrap();
     let mut state = State::zero(&mechanism);
     state.position[7..].copy_from_slice(&[0.4, -0.7, 0.2]);
@@ -61,9 +61,51 @@ fn locked() -> (Mechanism, State) {
     (mechanism, state)
 }
 
+/// A ball on a trunk that floats, in a sleeve: four equations for three freedoms, of which the last is implied by three that are weak
+/// (1, 1 and 1e-4 of their mobilities).
+fn sleeve() -> (Mechanism, State) {
+    let bodies = vec![trunk(), link("ball", Some(0), JointKind::Spherical, Vector3::z(), -0.2)];
+    let mut mechanism = Mechanism::new("sleeve", Vector3::new(0.0, 0.0, -9.81), bodies).unwrap();
+    let mut state = State::zero(&mechanism);
+    let turn = UnitQuaternion::from_scaled_axis(Vector3::new(-0.6, -0.2, 0.5));
+    state.position[7..].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+    let here = body_states(&mechanism, &state);
+    let (place, axis) = (Vector3::new(0.12, 0.31, 1.4), Vector3::new(0.32, 0.68, 0.55));
+    let end = |body: usize| {
+        let back = here[body].rotation.transpose();
+        Attachment { body: Some(body), frame: frame(back * (place - here[body].position), back * axis) }
+    };
+    mechanism.loops.push(LoopJoint { name: "sleeve".into(), kind: LoopKind::Cylindrical, a: end(1), b: end(0) });
+    (mechanism, state)
+}
+
+/// Two links under a trunk that floats: a ball joint locks the second hinge, with which the first one goes, so that a rod to the first link
+/// holds nothing.
+fn implied() -> (Mechanism, State) {
+    let hinged = |name, parent, axis| link(name, Some(parent), JointKind::Revolute, axis, 0.2);
+    let bodies = vec![trunk(), hinged("upper", 0, Vector3::x()), hinged("lower", 1, Vector3::y())];
+    let mut mechanism = Mechanism::new("implied", Vector3::new(0.0, 0.0, -9.81), bodies).unwrap();
+    let state = State::zero(&mechanism);
+    mechanism.loops.push(pin(&mechanism, &state, (2, Vector3::new(0.2, 0.1, 0.1)), Some(1)));
+    let end = |body, place| Attachment { body: Some(body), frame: frame(place, Vector3::z()) };
+    let (a, b) = (end(1, Vector3::new(0.0, 0.3, -0.1)), end(0, Vector3::new(0.2, -0.2, 0.1)));
+    let place = |end: &Attachment| end.place(&body_states(&mechanism, &state)).0;
+    let kind = LoopKind::Distance((place(&a) - place(&b)).norm());
+    mechanism.loops.push(LoopJoint { name: "rod".into(), kind, a, b });
+    let coordinate = |body: usize| {
+        let joint = &mechanism.bodies[body].joint;
+        Coordinate { body, position: joint.position_index, freedom: joint.velocity_index }
+    };
+    let (follower, leader) = (coordinate(2), coordinate(1));
+    mechanism.mimics.push(Mimic { name: "lower".into(), follower, leader, multiplier: 2.0, offset: 0.0 });
+    (mechanism, state)
+}
+
 #[test]
-fn freedoms_are_counted_right_where_loops_end_in_the_world() {
-    for ((mechanism, state), redundant, freedoms) in [(leg(), 0, 6), (locked(), 2, 2)] {
+fn freedoms_are_counted_right_whatever_takes_them() {
+    for ((mechanism, state), redundant, freedoms) in
+        [(leg(), 0, 6), (locked(), 2, 2), (sleeve(), 1, 6), (implied(), 3, 6)]
+    {
         let found = redundancy(&mechanism, &state);
         let name = &mechanism.name;
         assert_eq!((found.count(), found.degrees_of_freedom(&mechanism)), (redundant, freedoms), "{name}: {found:?}");
