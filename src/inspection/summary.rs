@@ -242,7 +242,7 @@ impl Summary {
 
     /// How complete the log is, in words.
     pub fn state(&self) -> String {
-        if let Some(missing) = &self.recovered_from {
+        if let (true, Some(missing)) = (self.complete, &self.recovered_from) {
             return format!("recovered from a log that was {missing}");
         }
         match (&self.outcome, self.completeness.missing()) {
