@@ -139,7 +139,7 @@ fn displacements_of_kilometres_are_solved_to_their_own_rounding_and_no_further()
     for _ in 0..20 {
         let outcome = lobatto.advance(&model.mechanism, &mut model.state, f64::INFINITY).unwrap();
         assert_eq!((outcome.rejected, outcome.exact), (0, false));
-        // As many as of the same tree at rest, which takes 9 at most, and two for luck with roundings.
+        // Measured 5 to 8, and 4 to 9 where the tree does not fly; 22 with a stop that the displacements do not scale.
         assert!(outcome.iterations <= 11, "{} iterations", outcome.iterations);
     }
 }
