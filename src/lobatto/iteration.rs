@@ -282,44 +282,15 @@ mod tests {
         }
 
         fn furthest_turn(&self) -> Turn {
-            Turn::default()
+            Turn { angle: 3.0, freedom: 2 }
         }
     }
 
     #[test]
     fn a_guess_that_needs_no_second_iteration_is_asked_how_far_it_turns() {
-        struct Solved;
-
-        impl Equations for Solved {
-            fn iterate(&mut self, _: bool) -> f64 {
-                0.0
-            }
-
-            fn advance(&mut self) -> f64 {
-                unreachable!("the first iteration is the last")
-            }
-
-            fn complete(&mut self) {}
-
-            fn legendre(&self) -> f64 {
-                0.0
-            }
-
-            fn joint_legendre(&self) -> f64 {
-                0.0
-            }
-
-            fn worst_freedom(&self) -> usize {
-                0
-            }
-
-            fn furthest_turn(&self) -> Turn {
-                Turn { angle: 3.0, freedom: 2 }
-            }
-        }
-
-        let solved = Attempt::Converged { iterations: 1, legendre: 0.0, turn: 3.0, exact: false };
-        assert_eq!(solve(&mut Solved, &StopRule::ROUNDING), solved);
+        let rule = StopRule { increment: 0.1, ..StopRule::ROUNDING };
+        let solved = solve(&mut Rounding { floor: 0.0, exact: false, iterations: 0 }, &rule);
+        assert_eq!(solved, Attempt::Converged { iterations: 1, legendre: 0.0, turn: 3.0, exact: false });
     }
 
     #[test]

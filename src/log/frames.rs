@@ -195,9 +195,6 @@ impl Builder<'_> {
         }
         let new_frame = || Frame { nanoseconds: time, ..Frame::default() };
         let new_figures = || Figures { nanoseconds: time, ..Figures::default() };
-        if let Some(topic) = topic_of(channel) {
-            self.seen[topic] = true;
-        }
         // Others may use the same topics for other messages.
         match (channel.topic.as_str(), channel.schema.as_str()) {
             ("/tf", "foxglove.FrameTransforms") => {
@@ -229,6 +226,9 @@ impl Builder<'_> {
             }
             ("/log", "foxglove.Log") => self.visitor.line(time, decode::log_line(data)?),
             _ => {}
+        }
+        if let Some(topic) = topic_of(channel) {
+            self.seen[topic] = true;
         }
         Ok(ControlFlow::Continue(()))
     }
