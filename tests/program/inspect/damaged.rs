@@ -353,16 +353,17 @@ fn what_comes_before_a_message_that_says_nothing_is_shown_and_recovered() {
     let folder = folder("zeros");
     simulate(&folder, &["--rate", "1000"]);
     let whole = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
-    // What a power cut may leave: blocks that were never written.
-    let mut cut = whole[..whole.len() / 2].to_vec();
-    cut.extend([0; 4096]);
-    let chunk = records(&whole, CHUNK).into_iter().find(|chunk| chunk.contains(&(whole.len() / 2))).expect("a chunk");
-    assert!(chunk.start > whole.len() / 4);
-    std::fs::write(folder.join("cut.mcap"), cut).expect("written");
-    let output = run(&folder, &["inspect", "cut.mcap", "--recover", "recovered.mcap"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    for log in ["cut.mcap", "recovered.mcap"] {
-        let samples = inspect(&folder, &[log])["samples"].as_u64().expect("a count");
-        assert!((300..1500).contains(&samples), "{log}: {samples}");
+    // What a power cut may leave: blocks that were never written, wherever they begin in a message.
+    for shift in 0..24 {
+        let end = whole.len() / 2 + 29 * shift;
+        let cut = [&whole[..end], &[0; 4096]].concat();
+        std::fs::write(folder.join("cut.mcap"), cut).expect("written");
+        std::fs::remove_file(folder.join("recovered.mcap")).ok();
+        let output = run(&folder, &["inspect", "cut.mcap", "--recover", "recovered.mcap"]);
+        assert_eq!(output.status.code(), Some(0), "{end}: {}", text(&output.stderr));
+        for log in ["cut.mcap", "recovered.mcap"] {
+            let samples = inspect(&folder, &[log])["samples"].as_u64().expect("a count");
+            assert!((300..1500).contains(&samples), "{log}, {end}: {samples}");
+        }
     }
 }
