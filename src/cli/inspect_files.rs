@@ -1,7 +1,7 @@
 //! The files that `catena inspect` makes of a log: tables, plots, and complete logs.
 
 use super::recorded::Recorded;
-use super::{Failure, warn};
+use super::{Failure, check_place, folder_of, warn};
 use anyhow::{Context, bail};
 use catena::chart::files::write_with;
 use catena::chart::picture::Figure;
@@ -17,13 +17,7 @@ use std::path::Path;
 /// What is written must replace neither what it is made from nor what else is written, and needs a folder to be in.
 pub(super) fn check_outputs(log: &Path, outputs: &[&Path]) -> anyhow::Result<()> {
     for (number, output) in outputs.iter().enumerate() {
-        let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if !folder.is_dir() {
-            bail!("cannot write {}: there is no folder {}", output.display(), folder.display());
-        }
-        if output.is_dir() {
-            bail!("cannot write {}: it is a folder", output.display());
-        }
+        check_place(output)?;
         if is_same(log, output) {
             bail!("the output {} is the log itself", output.display());
         }
@@ -37,8 +31,7 @@ pub(super) fn check_outputs(log: &Path, outputs: &[&Path]) -> anyhow::Result<()>
 /// Whether two paths are the same file, which may not be there yet.
 fn is_same(one: &Path, other: &Path) -> bool {
     let place = |path: &Path| {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        path.canonicalize().or_else(|_| Ok(folder.canonicalize()?.join(path.file_name().unwrap_or_default())))
+        path.canonicalize().or_else(|_| Ok(folder_of(path).canonicalize()?.join(path.file_name().unwrap_or_default())))
     };
     let places: [std::io::Result<_>; 2] = [place(one), place(other)];
     matches!(places, [Ok(one), Ok(other)] if one == other)

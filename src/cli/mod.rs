@@ -36,7 +36,7 @@ use signal_hook::flag;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -160,6 +160,26 @@ pub fn simulate_arguments(arguments: &[String]) -> anyhow::Result<simulate::Argu
         Verb::Simulate(arguments) => Ok(*arguments),
         _ => anyhow::bail!("it was not written by catena simulate"),
     }
+}
+
+/// The folder that a path is in.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Whether a file can be at this place.
+///
+/// # Errors
+/// If there is no folder for it, or it is one.
+pub fn check_place(output: &Path) -> anyhow::Result<()> {
+    let folder = folder_of(output);
+    if !folder.is_dir() {
+        anyhow::bail!("cannot write {}: there is no folder {}", output.display(), folder.display());
+    }
+    if output.is_dir() {
+        anyhow::bail!("cannot write {}: it is a folder", output.display());
+    }
+    Ok(())
 }
 
 /// A file to write.

@@ -8,7 +8,7 @@ use super::input::{InputArgs, Loaded, numbers};
 use super::numbers::{Assignment, positive, rate};
 use super::progress::{PilotsShown, Progress};
 use super::run_log::{description, finish, log_failure};
-use super::{Failure, print, print_json};
+use super::{Failure, check_place, print, print_json};
 use anyhow::{Context, anyhow};
 use catena::islands::Plan;
 use catena::lobatto::assembly::redundancy;
@@ -295,13 +295,7 @@ fn output(arguments: &Arguments) -> anyhow::Result<Option<PathBuf>> {
     if output.as_os_str().to_string_lossy().ends_with(std::path::is_separator) {
         return Err(anyhow!("cannot write {}: give a file, not a folder", output.display()));
     }
-    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(anyhow!("cannot write {}: there is no folder {}", output.display(), folder.display()));
-    }
-    if output.is_dir() {
-        return Err(anyhow!("cannot write {}: it is a folder", output.display()));
-    }
+    check_place(&output)?;
     Ok(Some(output))
 }
 

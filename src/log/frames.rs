@@ -7,6 +7,7 @@
 use super::decode::{self, JointStates, LinkPose, LogLine, MultiDofStates};
 use super::file::LIBRARY;
 use super::reader::{Completeness, Item, LogChannel, ReadError, read_log};
+use super::records::FROM_SOME_PLACE;
 use super::seconds;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -155,7 +156,7 @@ pub fn visit(path: &Path, visitor: &mut dyn Visitor) -> Result<Option<Completene
     // What comes before a message that says nothing is as good as ever.
     let ended = match builder.problem.take() {
         Some(problem) => {
-            let broken_off = Some(format!("from some place on it cannot be read: {problem}"));
+            let broken_off = Some(format!("{FROM_SOME_PLACE}: {problem}"));
             Some(Completeness { damaged: true, broken_off, ..Completeness::default() })
         }
         None => ended,

@@ -26,6 +26,9 @@ const RECORD_HEADER: usize = 9;
 /// A length beyond this is damaged, and with others there is no overflow.
 const LONGEST_RECORD: usize = usize::MAX >> 8;
 
+/// Where reading has ended for something that cannot be read, though the file goes on.
+pub(super) const FROM_SOME_PLACE: &str = "from some place on it cannot be read";
+
 /// Chunks that say that there is more in them are not unpacked: there may be as much in memory.
 const LARGEST_CHUNK: usize = 1 << 30;
 
@@ -137,6 +140,7 @@ pub(super) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<
     // The last bytes, and how many of them are of records that were shown: in the end the rest is of one that is not whole.
     let (mut recent, mut shown) = (Vec::new(), mcap::MAGIC.len());
     let (mut bytes, mut seen) = (0_u64, false);
+    let (mut damaged, mut broken_off) = (false, None);
     let (mut time, mut lost, mut lost_records) = (0.0, None::<LostChunks>, None::<LostRecords>);
     let mut timed = |found: Found<'_>| {
         match &found {
@@ -194,27 +198,21 @@ pub(super) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<
                     0 => String::new(),
                     _ => format!(", and its last {unchecked} messages lack their checksum"),
                 };
-                let broken_off = Some(format!("it ends in the middle, after {bytes} bytes{lacking}"));
-                let damaged = lost.is_some() || lost_records.is_some();
-                return Ok(Some(Completeness { damaged, lost_chunks: lost, lost_records, broken_off }));
+                broken_off = Some(format!("it ends in the middle, after {bytes} bytes{lacking}"));
+                break;
             }
-            Err(McapError::BadDataCrc { .. }) if lost.is_some() || lost_records.is_some() => {
-                return Ok(Some(Completeness { damaged: true, lost_chunks: lost, lost_records, broken_off: None }));
-            }
+            // What is lost is said already.
+            Err(McapError::BadDataCrc { .. }) if lost.is_some() || lost_records.is_some() => break,
             Err(error) if seen => {
-                let damage = match error {
+                damaged = true;
+                broken_off = Some(match error {
                     McapError::BadDataCrc { .. } | McapError::BadSummaryCrc { .. } => {
                         "its checksum says that something in it is not what was written".to_string()
                     }
                     McapError::BytesAfterEndMagic => "behind its end there are more bytes".to_string(),
-                    error => format!("from some place on it cannot be read: {error}"),
-                };
-                return Ok(Some(Completeness {
-                    damaged: true,
-                    lost_chunks: lost,
-                    lost_records,
-                    broken_off: Some(damage),
-                }));
+                    error => format!("{FROM_SOME_PLACE}: {error}"),
+                });
+                break;
             }
             Err(error) => {
                 return Err(ReadError::NotALog { path: path.to_path_buf(), reason: error.to_string() });
@@ -225,13 +223,14 @@ pub(super) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<
             Ok(ControlFlow::Continue(())) => {}
             Ok(ControlFlow::Break(())) => return Ok(None),
             Err(reason) => {
-                let broken_off = Some(format!("from some place on it cannot be read: {reason}"));
-                return Ok(Some(Completeness { damaged: true, lost_chunks: lost, lost_records, broken_off }));
+                damaged = true;
+                broken_off = Some(format!("{FROM_SOME_PLACE}: {reason}"));
+                break;
             }
         }
     }
-    let damaged = lost.is_some() || lost_records.is_some();
-    Ok(Some(Completeness { damaged, lost_chunks: lost, lost_records, broken_off: None }))
+    damaged |= lost.is_some() || lost_records.is_some();
+    Ok(Some(Completeness { damaged, lost_chunks: lost, lost_records, broken_off }))
 }
 
 fn show(opcode: u8, data: &[u8], visit: &mut Visit<'_>) -> Seen {
