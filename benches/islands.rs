@@ -4,12 +4,14 @@
 //! wall time, pilot runs of the tolerance included. On a shared machine the CPU time is the one to look at for one thread, and the ratio
 //! of wall times, with two threads, tells as much as the load leaves of it.
 
-use catena::calibration::calibrate;
-use catena::islands::{Islands, Plan, Threads};
-use catena::lobatto::Lobatto;
-use catena::model::{Mechanism, Rule};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::state::State;
+use catena::simulation::accuracy::calibrate;
+use catena::simulation::islands::{Islands, Plan};
+use catena::simulation::threads::Threads;
 use catena::simulation::{RunOptions, run};
-use catena::state::State;
+use catena::stepping::integrator::Lobatto;
 use cpu_time::ProcessTime;
 use std::time::Instant;
 

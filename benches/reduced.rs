@@ -4,10 +4,11 @@
 //! `dop853/N` is one step with a fixed length, which is 12 evaluations; its excess over 12 × N links of the first is
 //! the cost of the vector operations.
 
-use catena::model::{Body, Joint, JointKind, Mechanism, Pose};
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use catena::mechanism::description::mechanism::{Body, Mechanism};
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::state::State;
 use catena::reduced::{ArticulatedBody, Dop853};
-use catena::simulation::Integrator;
-use catena::state::State;
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::hint::black_box;

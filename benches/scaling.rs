@@ -5,9 +5,9 @@
 //! step, the exponent p of cost ∝ links^p fitted through all lengths (least squares of the logarithms), and the resident
 //! memory per body, measured in a process of its own for every length because freed memory is used again.
 
-use catena::lobatto::Lobatto;
-use catena::simulation::Integrator;
-use catena::state::State;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::state::State;
+use catena::stepping::integrator::Lobatto;
 use cpu_time::ThreadTime;
 use std::process::Command;
 

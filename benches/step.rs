@@ -5,10 +5,12 @@
 //! iterations as well: the cost per body and iteration is what the kernel is to be held to, while the number of
 //! iterations belongs to the motion and the step.
 
-use catena::lobatto::Lobatto;
-use catena::model::{JointKind, Mechanism, Rule};
-use catena::simulation::Integrator;
-use catena::state::State;
+use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::state::State;
+use catena::stepping::integrator::Lobatto;
 use cpu_time::ThreadTime;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};

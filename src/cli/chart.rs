@@ -3,14 +3,15 @@
 //! Everything that can be wrong with the input is found before the folder is made. After every scene all files are
 //! written anew, each whole; Ctrl-C ends with what has been measured up to then.
 
-use super::input::{Loaded, WorldArgs, numbers};
-use super::numbers::{Assignment, positive};
-use super::{Failure, print, warn};
+use crate::cli::input::{Loaded, WorldArgs, numbers};
+use crate::cli::numbers::{Assignment, positive};
+use crate::cli::{Failure, print, warn};
 use anyhow::{Context, anyhow};
-use catena::chart::measure::Plan;
-use catena::chart::report::{ENERGY, Report};
-use catena::chart::{ChartError, Measurement, Scene, measure, read_csv};
+use catena::drawing::error::ChartError;
 use catena::model::Model;
+use catena::study::chart::measure::Plan;
+use catena::study::chart::report::{ENERGY, Report};
+use catena::study::chart::{Measurement, Scene, measure, read_csv};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -29,7 +30,7 @@ pub struct ChartArgs {
     inputs: Vec<PathBuf>,
 
     /// Folder for the pictures, measurements.csv and index.html; made if it is not there
-    #[arg(short, long, value_name = "DIR", value_parser = super::output_folder())]
+    #[arg(short, long, value_name = "DIR", value_parser = crate::cli::output_folder())]
     output: PathBuf,
 
     #[command(flatten)]
@@ -88,7 +89,7 @@ pub fn run(arguments: &ChartArgs) -> Result<(), Failure> {
         .with_context(|| format!("cannot make the folder {}", folder.display()))
         .map_err(Failure::input)?;
     // The chart ends after the step it is in.
-    let interrupted = super::watch_for_signals().map_err(Failure::run)?;
+    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
 
     let bar = progress_bar(!arguments.quiet && std::io::stderr().is_terminal(), scenes.len());
     let mut report = Report { foreign, machine: processor(), ..Report::default() };

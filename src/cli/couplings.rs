@@ -1,9 +1,11 @@
 //! The part of `catena model` about what the tree does not say: several robots, loops, mimic relations and forces.
 
-use super::table::{Table, number, triple};
-use catena::lobatto::assembly::Redundancy;
-use catena::model::{Attachment, Coordinate, LoopKind, Mechanism, Model};
-use catena::words::counted;
+use crate::cli::table::{Table, number, triple};
+use catena::instant::assembly::Redundancy;
+use catena::mechanism::description::closure::{Attachment, Coordinate, LoopKind};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::ground::words::counted;
+use catena::model::Model;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

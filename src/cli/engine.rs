@@ -1,16 +1,17 @@
 //! What makes the steps of `catena simulate` and `catena replay`: the integrators, for the whole or for each island.
 
-use super::Failure;
-use super::simulate::StepChoice;
-use catena::calibration::{CalibrationError, calibrate};
-use catena::islands::{Islands, Plan, Threads};
-use catena::lobatto::Lobatto;
-use catena::model::{Mechanism, Rule};
-use catena::report::{AccuracyReport, IslandReport};
-use catena::simulation::{
-    Integrator, MethodDescription, Observer, RunError, RunOptions, Summary, run as run_simulation,
-};
-use catena::state::State;
+use crate::cli::Failure;
+use crate::cli::simulate::StepChoice;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::integrator::{Integrator, MethodDescription};
+use catena::mechanism::motion::state::State;
+use catena::output::report::{AccuracyReport, IslandReport};
+use catena::simulation::accuracy::{CalibrationError, calibrate};
+use catena::simulation::islands::{Islands, Plan};
+use catena::simulation::threads::Threads;
+use catena::simulation::{Observer, RunError, RunOptions, Summary, run as run_simulation};
+use catena::stepping::integrator::Lobatto;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// About what a pilot run takes for each body and simulated second (s): no less than that, for want of knowing it.

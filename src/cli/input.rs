@@ -3,14 +3,16 @@
 //! What the command line says goes before what a scene file says, and that before the defaults; [`WorldArgs::load`] is
 //! where they meet.
 
-use super::numbers::Assignment;
+use crate::cli::numbers::Assignment;
 use anyhow::{Context, bail};
-use catena::lobatto::assembly::assemble;
-use catena::model::{Base, Model, ModelError, ModelOptions, Pose, Rule, Start};
-use catena::report::{Numbers, joint_reports};
+use catena::instant::assembly::assemble;
+use catena::mechanism::description::joint::Pose;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::ground::words::{decimals, short};
+use catena::mechanism::motion::state::State;
+use catena::model::{Base, Model, ModelError, ModelOptions, Start};
+use catena::output::report::{Numbers, joint_reports};
 use catena::scene::{PackagePath, Robot, Scene, SimulationSettings, Warning, read_scene, read_urdf};
-use catena::state::State;
-use catena::words::{decimals, short};
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::{Path, PathBuf};
 

@@ -3,19 +3,19 @@
 //! Everything is read from the log; what the samples do not hold (velocities of links) is worked out with the model
 //! that the log carries. Of a log that was cut off or damaged all is shown that can be read, with a warning on standard error.
 
-use super::inspect_files::{check_absent, check_ending, check_outputs, draw, kinds, recover_into, write_csv};
-use super::recorded::Recorded;
-use super::{Failure, print, print_json, print_while_read, warn};
+use crate::cli::inspect_files::{check_absent, check_ending, check_outputs, draw, kinds, recover_into, write_csv};
+use crate::cli::recorded::Recorded;
+use crate::cli::{Failure, print, print_json, print_while_read, warn};
 use anyhow::anyhow;
-use catena::inspection::compare::compare;
-use catena::inspection::curves::curves;
-use catena::inspection::summary::Summary;
-use catena::log::frames::{Frame, Visitor, visit};
-use catena::log::{is_locked, neighbour, seconds};
-use catena::report::{
+use catena::mechanism::ground::words::decimals;
+use catena::output::inspection::compare::compare;
+use catena::output::inspection::curves::curves;
+use catena::output::inspection::summary::Summary;
+use catena::output::log::frames::{Frame, Visitor, visit};
+use catena::output::log::{is_locked, neighbour, seconds};
+use catena::output::report::{
     JointReport, LinkReport, LoopReport, Numbers, as_object, joint_reports, link_reports, loop_reports,
 };
-use catena::words::decimals;
 use clap::Args;
 use serde::Serialize;
 use std::collections::HashMap;
@@ -40,19 +40,19 @@ pub struct InspectArgs {
     other: Option<PathBuf>,
 
     /// Show the links and joints at the logged instant nearest to T [s]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = super::numbers::finite)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = crate::cli::numbers::finite)]
     at: Option<f64>,
 
     /// Write all samples as a table of comma-separated values
-    #[arg(long, value_name = "FILE.csv", value_parser = super::output_file())]
+    #[arg(long, value_name = "FILE.csv", value_parser = crate::cli::output_file())]
     csv: Option<PathBuf>,
 
     /// Draw positions, velocities, energy error, constraint violation and reactions
-    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = super::output_file())]
+    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = crate::cli::output_file())]
     plot: Option<PathBuf>,
 
     /// Write all that can be read as a new, complete log: of a run that was killed, for viewers that need its index
-    #[arg(long, value_name = "FILE.mcap", value_parser = super::output_file())]
+    #[arg(long, value_name = "FILE.mcap", value_parser = crate::cli::output_file())]
     recover: Option<PathBuf>,
 
     /// Go on looking while a run writes the log, a line whenever there is something new
@@ -273,7 +273,7 @@ fn words(instant: &LoggedInstant) -> String {
 
 /// Shows a log while it grows, until the run that writes it has ended.
 fn follow(log: &Path, json: bool) -> Result<(), Failure> {
-    let interrupted = super::watch_for_signals().map_err(Failure::run)?;
+    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
     let mut shown = None;
     loop {
         let looked = Instant::now();

@@ -1,21 +1,21 @@
 //! The files that `catena inspect` makes of a log: tables, plots, and complete logs.
 
-use super::recorded::Recorded;
-use super::{Failure, check_place, folder_of, warn};
+use crate::cli::recorded::Recorded;
+use crate::cli::{Failure, check_place, folder_of, warn};
 use anyhow::{Context, bail};
-use catena::chart::files::write_with;
-use catena::chart::picture::Figure;
-use catena::inspection::joint_values::{JointKinds, joint_kinds};
-use catena::inspection::summary::Summary;
-use catena::inspection::table::write_table;
-use catena::log::recovery::recover;
+use catena::drawing::files::write_with;
+use catena::drawing::picture::Figure;
+use catena::output::inspection::joint_values::{JointKinds, joint_kinds};
+use catena::output::inspection::summary::Summary;
+use catena::output::inspection::table::write_table;
+use catena::output::log::recovery::recover;
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 /// What is written must replace neither what it is made from nor what else is written, and needs a folder to be in.
-pub(super) fn check_outputs(log: &Path, outputs: &[&Path]) -> anyhow::Result<()> {
+pub(crate) fn check_outputs(log: &Path, outputs: &[&Path]) -> anyhow::Result<()> {
     for (number, output) in outputs.iter().enumerate() {
         check_place(output)?;
         if is_same(log, output) {
@@ -38,7 +38,7 @@ fn is_same(one: &Path, other: &Path) -> bool {
 }
 
 /// The kinds of the joints, as far as the log tells them.
-pub(super) fn kinds(log: &Path) -> JointKinds {
+pub(crate) fn kinds(log: &Path) -> JointKinds {
     match Recorded::open(log) {
         Ok(recorded) => joint_kinds(&recorded.loaded.model),
         Err(error) => {
@@ -48,7 +48,7 @@ pub(super) fn kinds(log: &Path) -> JointKinds {
     }
 }
 
-pub(super) fn write_csv(log: &Path, table: &Path) -> anyhow::Result<()> {
+pub(crate) fn write_csv(log: &Path, table: &Path) -> anyhow::Result<()> {
     let kinds = kinds(log);
     if std::fs::metadata(table).is_ok_and(|file| !file.is_file()) {
         // A pipe or device cannot be replaced by a finished file.
@@ -72,7 +72,7 @@ fn write_whole(path: &Path, write: impl Fn(&mut BufWriter<File>) -> anyhow::Resu
 }
 
 /// A recovered log replaces nothing, since what is there may be a log as well.
-pub(super) fn check_absent(whole: &Path) -> anyhow::Result<()> {
+pub(crate) fn check_absent(whole: &Path) -> anyhow::Result<()> {
     if whole.exists() {
         bail!("{} is there already", whole.display());
     }
@@ -80,7 +80,7 @@ pub(super) fn check_absent(whole: &Path) -> anyhow::Result<()> {
 }
 
 /// Writes a complete log of what can be read in another; returns what can be said of it.
-pub(super) fn recover_into(log: &Path, whole: &Path, summary: &Summary) -> Result<String, Failure> {
+pub(crate) fn recover_into(log: &Path, whole: &Path, summary: &Summary) -> Result<String, Failure> {
     let messages = Cell::new(0);
     let write = |out: &mut BufWriter<File>| {
         messages.set(recover(log, out)?);
@@ -93,7 +93,7 @@ pub(super) fn recover_into(log: &Path, whole: &Path, summary: &Summary) -> Resul
     Ok(format!("{whole}: a complete log of {messages} messages{of}\n"))
 }
 
-pub(super) fn check_ending(plot: &Path) -> anyhow::Result<()> {
+pub(crate) fn check_ending(plot: &Path) -> anyhow::Result<()> {
     match ending(plot).as_deref() {
         Some("svg" | "png") => Ok(()),
         _ => bail!("{}: a plot ends in .svg or .png", plot.display()),
@@ -104,11 +104,11 @@ fn ending(path: &Path) -> Option<String> {
     path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase())
 }
 
-pub(super) fn draw(figure: &Figure, plot: &Path) -> anyhow::Result<()> {
+pub(crate) fn draw(figure: &Figure, plot: &Path) -> anyhow::Result<()> {
     let drawn = if ending(plot).as_deref() == Some("png") {
         write_with(plot, |part| figure.write_png(part))
     } else {
-        figure.svg().and_then(|text| catena::chart::files::write_text(plot, &text))
+        figure.svg().and_then(|text| catena::drawing::files::write_text(plot, &text))
     };
     Ok(drawn?)
 }

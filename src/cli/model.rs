@@ -1,16 +1,16 @@
 //! `catena model`: what was read, what was left out and why, and what will be simulated.
 
-use super::couplings;
-use super::input::InputArgs;
-use super::rules;
-use super::table::{Table, number, triple};
-use super::{Failure, print, print_json};
-use catena::islands::Plan;
-use catena::lobatto::assembly::{Redundancy, redundancy};
-use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, Rule, position_names, wxyz_from_rotation};
-use catena::report::ModelReport;
+use crate::cli::input::InputArgs;
+use crate::cli::table::{Table, number, triple};
+use crate::cli::{Failure, couplings, print, print_json, rules};
+use catena::instant::assembly::{Redundancy, redundancy};
+use catena::mechanism::description::joint::wxyz_from_rotation;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::ground::words::counted;
+use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names};
+use catena::output::report::ModelReport;
 use catena::scene::Warning;
-use catena::words::counted;
+use catena::simulation::islands::Plan;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

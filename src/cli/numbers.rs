@@ -1,6 +1,6 @@
 //! Numbers on the command line: positive ones and `NAME=NUMBERS`.
 
-use super::input::finite_numbers;
+use crate::cli::input::finite_numbers;
 use std::str::FromStr;
 
 /// One finite number.

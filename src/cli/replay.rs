@@ -2,13 +2,13 @@
 //!
 //! A log that was cut off or whose run was interrupted is compared up to its end; one that is damaged is not the same as any run.
 
-use super::engine::Engine;
-use super::recorded::Recorded;
-use super::simulate::Setup;
-use super::{Failure, print};
+use crate::cli::engine::Engine;
+use crate::cli::recorded::Recorded;
+use crate::cli::simulate::Setup;
+use crate::cli::{Failure, print};
 use anyhow::anyhow;
-use catena::islands::Plan;
-use catena::log::{Difference, Recorder};
+use catena::output::log::{Difference, Recorder};
+use catena::simulation::islands::Plan;
 use catena::simulation::{RunError, RunOptions};
 use clap::Args;
 use std::path::PathBuf;
@@ -36,7 +36,7 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let Setup { mut state, choice, duration, rate } = setup;
     let made_by = recorded.simulation.get("version").map_or("?", String::as_str);
     let model = &recorded.loaded.model;
-    let interrupted = super::watch_for_signals().map_err(Failure::run)?;
+    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
     let plan = Plan::new(&model.mechanism, &state, &recorded.arguments.input.keep);
     let (mut engine, _) = Engine::new(&model.mechanism, &state, duration, choice, plan, &interrupted)?;
     let stages = engine.description().stages as f64;

@@ -1,12 +1,15 @@
 //! The part of `catena model` about what a run leaves out: the rules, what each saves here, and the islands.
 
-use super::table::Table;
-use catena::islands::Plan;
-use catena::model::{
-    Island, Mechanism, Model, ReductionRule, Rule, pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies,
-    tumbling_bodies,
+use crate::cli::table::Table;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::ground::words::counted;
+use catena::mechanism::structure::islands::Island;
+use catena::mechanism::structure::special_bodies::{
+    pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies, tumbling_bodies,
 };
-use catena::words::counted;
+use catena::model::{Model, ReductionRule};
+use catena::simulation::islands::Plan;
 use serde_json::{Value, json};
 
 /// What a rule does here.

@@ -3,24 +3,24 @@
 //! The output is opened last, when nothing in the input can be wrong any more: a bad input leaves an existing log as
 //! it was. Every way out of the run completes the log.
 
-use super::engine::Engine;
-use super::input::{InputArgs, Loaded, numbers};
-use super::numbers::{Assignment, positive, rate};
-use super::progress::{PilotsShown, Progress};
-use super::run_log::{description, finish, log_failure};
-use super::{Failure, check_place, print, print_json};
+use crate::cli::engine::Engine;
+use crate::cli::input::{InputArgs, Loaded, numbers};
+use crate::cli::numbers::{Assignment, positive, rate};
+use crate::cli::progress::{PilotsShown, Progress};
+use crate::cli::run_log::{description, finish, log_failure};
+use crate::cli::{Failure, check_place, print, print_json};
 use anyhow::{Context, anyhow};
-use catena::islands::Plan;
-use catena::lobatto::assembly::redundancy;
-use catena::log::{LONGEST, Recorder, Severity, neighbour};
+use catena::instant::assembly::redundancy;
+use catena::mechanism::motion::state::State;
 use catena::model::Model;
-use catena::report::{
+use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
+use catena::output::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, energy_warning, joint_reports,
     link_reports, loop_reports, ringing_warning, singular_warning,
 };
 use catena::scene::SimulationSettings;
+use catena::simulation::islands::Plan;
 use catena::simulation::{Observer, RunOptions};
-use catena::state::State;
 use clap::{Args, value_parser};
 use cpu_time::ProcessTime;
 use std::io::IsTerminal;
@@ -50,7 +50,7 @@ pub struct Arguments {
     velocity: Vec<Assignment>,
 
     /// The log [default: the name of the input with .mcap, in the current folder]
-    #[arg(short, long, value_name = "FILE.mcap", value_parser = super::output_file())]
+    #[arg(short, long, value_name = "FILE.mcap", value_parser = crate::cli::output_file())]
     output: Option<PathBuf>,
 
     /// Write no log
@@ -199,7 +199,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let redundancy = redundancy(mechanism, &state);
 
     // The run ends after the step it is in.
-    let interrupted = super::watch_for_signals().map_err(Failure::run)?;
+    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
     let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
     let plan = Plan::new(mechanism, &state, &arguments.input.keep);
     let model_report = ModelReport::new(model, &redundancy, &plan);

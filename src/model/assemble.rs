@@ -3,13 +3,13 @@
 //! The bodies of each robot follow those of the robot before it, all with the world as their root. With several robots
 //! every name of a link, joint or body is `robot/name`; with one they stay plain.
 
-use super::joint::Pose;
-use super::mechanism::Mechanism;
-use super::model_error::ModelError;
-use super::reduce::{Base, ModelOptions};
-use super::robot_model::{Model, SourceFile};
+use crate::mechanism::description::joint::Pose;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::state::State;
+use crate::model::model_error::ModelError;
+use crate::model::reduce::{Base, ModelOptions};
+use crate::model::robot_model::{Model, SourceFile};
 use crate::scene::{JointValues, Scene, WORLD_LINK};
-use crate::state::State;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 use std::path::Path;
@@ -161,7 +161,7 @@ impl Model {
     }
 
     /// The frame of a link in the body that carries it, by robot and link of the scene.
-    pub(super) fn link_of_robot(&self, robot: usize, link: usize) -> (usize, &Pose) {
+    pub(crate) fn link_of_robot(&self, robot: usize, link: usize) -> (usize, &Pose) {
         let index = self.robots[robot].links.start + link;
         (index, &self.links[index].in_body)
     }

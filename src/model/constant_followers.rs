@@ -2,8 +2,8 @@
 //!
 //! A fixed joint is always at zero, so its followers are at `multiplier · 0 + offset`; and so on along chains of followers.
 
-use super::joint::Pose;
-use super::joint_frame::joint_kind;
+use crate::mechanism::description::joint::Pose;
+use crate::model::joint_frame::joint_kind;
 use crate::scene::{Element, Robot, UrdfJoint, UrdfJointKind, Warning};
 use nalgebra::{Rotation3, Translation3, Unit};
 use std::collections::HashMap;

@@ -1,28 +1,28 @@
 //! The springs and loads of scene files, as forces between frames of bodies and on coordinates of joints.
 
-use super::coupling_error::CouplingProblem;
-use super::couplings::Builder;
-use super::joint::Pose;
-use super::model_error::ModelError;
-use crate::forces::{JointDamper, JointLoad, JointSpring, PointSpring, Wrench};
+use crate::mechanism::description::forces::{JointDamper, JointLoad, JointSpring, PointSpring, Wrench};
+use crate::mechanism::description::joint::Pose;
+use crate::model::coupling_error::CouplingProblem;
+use crate::model::couplings::Builder;
+use crate::model::model_error::ModelError;
 use crate::scene::{Element, LoadKind, Point, SceneLoad, SceneSpring, SpringPlace};
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// A spring of the scene file in the lists of the mechanism.
-pub(super) enum Spring {
+pub(crate) enum Spring {
     Points(PointSpring),
     Joint(Option<JointSpring>, Option<JointDamper>),
 }
 
 /// A load of the scene file in the lists of the mechanism.
-pub(super) enum Load {
+pub(crate) enum Load {
     Joint(JointLoad),
     Link(Wrench),
 }
 
 impl Builder<'_> {
     /// A spring of the scene file.
-    pub(super) fn spring(&self, spring: &SceneSpring) -> Result<Spring, ModelError> {
+    pub(crate) fn spring(&self, spring: &SceneSpring) -> Result<Spring, ModelError> {
         let stand = self.stand(spring.line, Element::Spring(spring.name.clone()));
         let SceneSpring { stiffness, damping, .. } = *spring;
         match &spring.place {
@@ -46,7 +46,7 @@ impl Builder<'_> {
     }
 
     /// A load of the scene file.
-    pub(super) fn load(&self, load: &SceneLoad) -> Result<Load, ModelError> {
+    pub(crate) fn load(&self, load: &SceneLoad) -> Result<Load, ModelError> {
         let stand = self.stand(load.line, Element::Load(load.on.clone()));
         match &load.kind {
             LoadKind::Joint { joint, effort } => {

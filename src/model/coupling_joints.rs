@@ -1,10 +1,10 @@
 //! What a URDF says of its joints besides the tree: `<dynamics damping>` and `<mimic>`.
 
-use super::closure::{JointLimit, Mimic};
-use super::coupling_error::CouplingProblem;
-use super::couplings::{Builder, Stand};
-use super::model_error::ModelError;
-use crate::forces::JointDamper;
+use crate::mechanism::description::closure::{JointLimit, Mimic};
+use crate::mechanism::description::forces::JointDamper;
+use crate::model::coupling_error::CouplingProblem;
+use crate::model::couplings::{Builder, Stand};
+use crate::model::model_error::ModelError;
 use crate::scene::{Element, UrdfJoint, UrdfJointKind, Warning};
 use std::path::Path;
 
@@ -18,7 +18,7 @@ impl Builder<'_> {
     }
 
     /// The dampers of `<dynamics damping>`.
-    pub(super) fn urdf_dampers(&self, warnings: &mut Vec<Warning>) -> Vec<JointDamper> {
+    pub(crate) fn urdf_dampers(&self, warnings: &mut Vec<Warning>) -> Vec<JointDamper> {
         let mut dampers = Vec::new();
         for (robot, file, joint) in self.urdf_joints() {
             let coefficient = joint.dynamics.map_or(0.0, |dynamics| dynamics.damping);
@@ -43,7 +43,7 @@ impl Builder<'_> {
     }
 
     /// The limits of `<limit>`, of joints that turn about or slide along an axis and are not continuous, which have none.
-    pub(super) fn urdf_limits(&self) -> Vec<JointLimit> {
+    pub(crate) fn urdf_limits(&self) -> Vec<JointLimit> {
         let limits = self.urdf_joints().filter_map(|(robot, file, joint)| {
             let (lower, upper) = joint.limit.filter(|_| joint.kind != UrdfJointKind::Continuous)?.range()?;
             let stand =
@@ -56,7 +56,7 @@ impl Builder<'_> {
     }
 
     /// The relations of `<mimic>`.
-    pub(super) fn urdf_mimics(&self, warnings: &mut Vec<Warning>) -> Result<Vec<Mimic>, ModelError> {
+    pub(crate) fn urdf_mimics(&self, warnings: &mut Vec<Warning>) -> Result<Vec<Mimic>, ModelError> {
         let mut mimics = Vec::new();
         let (mut still, mut free) = (Vec::new(), Vec::new());
         for (robot, file, joint) in self.urdf_joints() {
@@ -110,7 +110,8 @@ fn warning(stand: &Stand, message: &str) -> Warning {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Coordinate, Model, ModelOptions};
+    use crate::mechanism::description::closure::Coordinate;
+    use crate::model::{Model, ModelOptions};
     use crate::scene::{PackagePath, robot_from_text};
 
     /// A chain of hinges, of which `joint2` and `joint3` may say more about themselves.

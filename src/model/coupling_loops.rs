@@ -11,17 +11,17 @@
 //! `<loop_joint>` gives both frames whole; its `world`, if no link has that name, is the one in which the robot's base has its
 //! pose, as for the joints of the tree.
 
-use super::closure::{LoopJoint, LoopKind};
-use super::coupling_error::CouplingProblem;
-use super::couplings::{Builder, End, Stand};
-use super::definiteness::odd_position;
-use super::joint::Pose;
-use super::joint_frame::axis_rotation;
-use super::model_error::ModelError;
-use crate::closures::loop_gaps;
-use crate::kinematics::{WORLD, forward_kinematics};
+use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::closure::{LoopJoint, LoopKind};
+use crate::mechanism::description::joint::Pose;
+use crate::mechanism::motion::gaps::loop_gaps;
+use crate::mechanism::motion::kinematics::forward_kinematics;
+use crate::mechanism::structure::definiteness::odd_position;
+use crate::model::coupling_error::CouplingProblem;
+use crate::model::couplings::{Builder, End, Stand};
+use crate::model::joint_frame::axis_rotation;
+use crate::model::model_error::ModelError;
 use crate::scene::{Element, LinkReference, LoopEnd, LoopType, SceneLoop};
-use crate::state::BodyState;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
 /// A loop is closed if its gap [m, rad] is below this: far above rounding, far below what anyone can build.
@@ -29,7 +29,7 @@ const CLOSED: f64 = 1e-9;
 
 impl Builder<'_> {
     /// The loops of the robots' own files.
-    pub(super) fn urdf_loops(&self) -> Result<Vec<LoopJoint>, ModelError> {
+    pub(crate) fn urdf_loops(&self) -> Result<Vec<LoopJoint>, ModelError> {
         let mut loops = Vec::new();
         for (number, placed) in self.model.robots.iter().enumerate() {
             for closing in &placed.robot.loops {
@@ -57,7 +57,7 @@ impl Builder<'_> {
     }
 
     /// Adds the loops of the scene file to those of the robots.
-    pub(super) fn add_scene_loops(&self, loops: &mut Vec<LoopJoint>) -> Result<(), ModelError> {
+    pub(crate) fn add_scene_loops(&self, loops: &mut Vec<LoopJoint>) -> Result<(), ModelError> {
         for closing in self.scene.iter().flat_map(|scene| &scene.loops) {
             if loops.iter().any(|other| other.name == closing.name) {
                 let stand = self.stand(closing.line, Element::Loop(closing.name.clone()));

@@ -1,17 +1,18 @@
 //! Fills the lists of a mechanism that the tree does not have: loops, mimic relations, and forces.
 //!
-//! A frame given in a link frame `L` (in its body, [`LinkFrame::in_body`](super::LinkFrame::in_body)) lies at `L X` in the
+//! A frame given in a link frame `L` (in its body, [`LinkFrame::in_body`](crate::model::LinkFrame::in_body)) lies at `L X` in the
 //! body, or in the world. What becomes of each kind is in `coupling_loops`, `coupling_forces` and `coupling_joints`.
 
-use super::closure::{Attachment, Coordinate};
-use super::coupling_error::{CouplingError, CouplingProblem};
-use super::coupling_forces::{Load, Spring};
-use super::joint::{JointKind, Pose};
-use super::model_error::ModelError;
-use super::robot_model::{JointRecord, Model};
-use crate::kinematics::body_states;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::closure::{Attachment, Coordinate};
+use crate::mechanism::description::joint::{JointKind, Pose};
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::model::coupling_error::{CouplingError, CouplingProblem};
+use crate::model::coupling_forces::{Load, Spring};
+use crate::model::model_error::ModelError;
+use crate::model::robot_model::{JointRecord, Model};
 use crate::scene::{Element, LinkReference, Scene, UrdfJointKind, WORLD_LINK};
-use crate::state::{BodyState, State};
 use std::collections::HashMap;
 use std::path::PathBuf;
 
@@ -20,7 +21,7 @@ impl Model {
     ///
     /// # Errors
     /// [`ModelError::Coupling`] with the line of the loop, spring, load or joint.
-    pub(super) fn build_couplings(&mut self, scene: Option<&Scene>, start: &State) -> Result<(), ModelError> {
+    pub(crate) fn build_couplings(&mut self, scene: Option<&Scene>, start: &State) -> Result<(), ModelError> {
         let bodies = body_states(&self.mechanism, start);
         let above = self.joints_above();
         let dropped = |link: usize| self.is_dropped(link, &above);
@@ -76,7 +77,7 @@ impl Model {
 }
 
 /// What all couplings look at.
-pub(super) struct Builder<'b> {
+pub(crate) struct Builder<'b> {
     pub model: &'b Model,
     /// Where the bodies start.
     pub bodies: &'b [BodyState],
@@ -86,21 +87,21 @@ pub(super) struct Builder<'b> {
 }
 
 /// Where something stands in a file.
-pub(super) struct Stand {
+pub(crate) struct Stand {
     pub file: PathBuf,
     pub line: usize,
     pub element: Element,
 }
 
 /// One end of a loop or spring: its frame, and the name of its link.
-pub(super) struct End {
+pub(crate) struct End {
     pub attachment: Attachment,
     pub link: String,
 }
 
 impl Stand {
     /// The error that this is wrong with it.
-    pub(super) fn refuse(&self, problem: CouplingProblem) -> ModelError {
+    pub(crate) fn refuse(&self, problem: CouplingProblem) -> ModelError {
         let (file, line, element) = (self.file.clone(), self.line, self.element.clone());
         ModelError::Coupling(CouplingError { file, line, element, problem })
     }
@@ -108,12 +109,12 @@ impl Stand {
 
 impl Builder<'_> {
     /// Where something of the scene file stands.
-    pub(super) fn stand(&self, line: usize, element: Element) -> Stand {
+    pub(crate) fn stand(&self, line: usize, element: Element) -> Stand {
         Stand { file: self.scene.map_or_else(PathBuf::new, |scene| scene.path.clone()), line, element }
     }
 
     /// The frame of an end, given in its link, in its body.
-    pub(super) fn end(&self, link: LinkReference, frame: &Pose, stand: &Stand) -> Result<End, ModelError> {
+    pub(crate) fn end(&self, link: LinkReference, frame: &Pose, stand: &Stand) -> Result<End, ModelError> {
         let end = match link {
             LinkReference::World => {
                 End { attachment: Attachment { body: None, frame: *frame }, link: WORLD_LINK.to_string() }
@@ -135,7 +136,7 @@ impl Builder<'_> {
     }
 
     /// What became of a joint of a robot.
-    pub(super) fn record(&self, robot: usize, joint: &str) -> Option<&JointRecord> {
+    pub(crate) fn record(&self, robot: usize, joint: &str) -> Option<&JointRecord> {
         let placed = &self.model.robots[robot];
         // Records are in the order of the file, a floating base before them.
         let index = placed.robot.joints.iter().position(|other| other.name == joint)?;
@@ -144,7 +145,7 @@ impl Builder<'_> {
     }
 
     /// The one coordinate of a joint.
-    pub(super) fn coordinate(&self, robot: usize, joint: &str, stand: &Stand) -> Result<Coordinate, ModelError> {
+    pub(crate) fn coordinate(&self, robot: usize, joint: &str, stand: &Stand) -> Result<Coordinate, ModelError> {
         let refuse = |reason| stand.refuse(CouplingProblem::NotScalar { joint: joint.to_string(), reason });
         let record = self.record(robot, joint).ok_or_else(|| refuse("does not exist"))?;
         let reason =

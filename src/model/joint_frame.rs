@@ -10,7 +10,7 @@
 //! Spherical joints have no axis (`A = 1`); for floating joints `F_child = 1`, so that the joint's coordinates are
 //! the pose of the body's principal frame in the joint frame.
 
-use super::joint::{JointKind, Pose};
+use crate::mechanism::description::joint::{JointKind, Pose};
 use crate::scene::UrdfJointKind;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 

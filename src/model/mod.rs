@@ -1,7 +1,6 @@
 //! What must be simulated: joints, bodies, the mechanism they form, and where the robot of the URDF is in it.
 
 mod assemble;
-mod closure;
 mod composite;
 mod constant_followers;
 mod coordinates;
@@ -10,34 +9,18 @@ mod coupling_forces;
 mod coupling_joints;
 mod coupling_loops;
 mod couplings;
-mod definiteness;
-mod islands;
-pub mod joint;
 mod joint_frame;
-mod lean;
-mod mechanism;
 mod model_error;
-mod plane;
-mod plane_closure;
 mod reduce;
 mod reported;
 mod rigid_groups;
 mod robot_model;
-mod rules;
 mod start_checks;
 
 pub use assemble::Start;
-pub use closure::{Attachment, Coordinate, JointLimit, LoopJoint, LoopKind, Mimic};
 pub use composite::Composite;
 pub use coordinates::{JointCoordinates, position_names, velocity_names};
 pub use coupling_error::{CouplingError, CouplingProblem};
-pub use islands::{Island, Piece, islands};
-pub use joint::{FreeRotation, Joint, JointKind, Pose, sine_cosine, wxyz_from_rotation};
-pub use lean::{pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies, tumbles, tumbling_bodies};
-pub use mechanism::{Body, Mechanism, MechanismError};
 pub use model_error::ModelError;
-pub use plane::Plane;
-pub use plane_closure::PlanarEquation;
 pub use reduce::{Base, ModelOptions};
 pub use robot_model::{JointRecord, LinkFrame, LinkState, Model, PlacedRobot, Reduction, ReductionRule, SourceFile};
-pub use rules::{Rule, UnknownRule};

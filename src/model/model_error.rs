@@ -1,7 +1,7 @@
 //! Why a robot cannot be simulated, or not as asked.
 
-use super::coupling_error::CouplingError;
-use super::mechanism::MechanismError;
+use crate::mechanism::description::mechanism::MechanismError;
+use crate::model::coupling_error::CouplingError;
 use crate::scene::Element;
 use std::path::PathBuf;
 

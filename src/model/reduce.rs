@@ -10,15 +10,15 @@
 //! 5. each body's frame is its principal inertia frame at its centre of mass;
 //! 6. negative moments, and joints that can move without moving mass, are errors.
 
-use super::composite::Composite;
-use super::constant_followers::fix_constant_followers;
-use super::definiteness::undetermined_body;
-use super::joint::{Joint, JointKind, Pose};
-use super::joint_frame::{joint_frames, joint_kind};
-use super::mechanism::{Body, Mechanism};
-use super::model_error::ModelError;
-use super::rigid_groups::{Carrier, Group, GroupJoint, Groups, LinkTree, Moving, drop_massless_leaves};
-use super::robot_model::{JointRecord, LinkFrame, Model, PlacedRobot, Reduction, ReductionRule};
+use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+use crate::mechanism::description::mechanism::{Body, Mechanism};
+use crate::mechanism::structure::definiteness::undetermined_body;
+use crate::model::composite::Composite;
+use crate::model::constant_followers::fix_constant_followers;
+use crate::model::joint_frame::{joint_frames, joint_kind};
+use crate::model::model_error::ModelError;
+use crate::model::rigid_groups::{Carrier, Group, GroupJoint, Groups, LinkTree, Moving, drop_massless_leaves};
+use crate::model::robot_model::{JointRecord, LinkFrame, Model, PlacedRobot, Reduction, ReductionRule};
 use crate::scene::{Element, Robot, UrdfJointKind, WORLD_LINK, Warning};
 use nalgebra::Vector3;
 
@@ -65,7 +65,7 @@ impl Model {
     }
 
     /// The tree of a robot alone, without what couples its joints.
-    pub(super) fn of_robot(mut robot: Robot, options: &ModelOptions) -> Result<Self, ModelError> {
+    pub(crate) fn of_robot(mut robot: Robot, options: &ModelOptions) -> Result<Self, ModelError> {
         refuse_bad_options(&robot, options)?;
         fix_constant_followers(&mut robot);
         let tree = LinkTree::new(&robot);

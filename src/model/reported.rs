@@ -1,9 +1,9 @@
 //! From reported joint coordinates back to the [`State`]: the inverse of [`Model::joint_user_coordinates`].
 
-use super::joint::{Pose, rotation_from_wxyz, wxyz_from_rotation};
-use super::robot_model::Model;
+use crate::mechanism::description::joint::{Pose, rotation_from_wxyz, wxyz_from_rotation};
+use crate::mechanism::motion::state::State;
+use crate::model::robot_model::Model;
 use crate::scene::UrdfJointKind;
-use crate::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 impl Model {

@@ -3,8 +3,8 @@
 //! A group is a set of links rigidly joined; its head is the link below the moving joint. Groups are numbered depth
 //! first, as the mechanism needs it.
 
-use super::composite::Composite;
-use super::joint::Pose;
+use crate::mechanism::description::joint::Pose;
+use crate::model::composite::Composite;
 use crate::scene::{Robot, UrdfJointKind};
 use std::collections::HashMap;
 

@@ -1,6 +1,6 @@
 //! A robot ready for simulation: the mechanism, and where every link and joint of the URDF is in it.
 //!
-//! Only what must move is a body ([`super::reduce`]); a link is a frame fixed in a body, or in the world:
+//! Only what must move is a body ([`crate::model::reduce`]); a link is a frame fixed in a body, or in the world:
 //!
 //! ```text
 //!     R_link = R_body · L.R       p_link = x_body + R_body L.t       v_c = v_body + ω_body × R_body c
@@ -8,11 +8,10 @@
 //!
 //! with the link frame `L` and the link's own centre of mass `c` in the body frame [m, m/s, rad/s].
 
-use super::joint::Pose;
-use super::mechanism::Mechanism;
-use crate::kinematics::WORLD;
+use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::joint::Pose;
+use crate::mechanism::description::mechanism::Mechanism;
 use crate::scene::{Geometry, Robot, UrdfJointKind, Warning};
-use crate::state::BodyState;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -219,7 +218,7 @@ impl Model {
         (linear_velocity, angular_velocity)
     }
 
-    /// Pose and motion of a link, from those of the bodies ([`crate::kinematics::body_states`]).
+    /// Pose and motion of a link, from those of the bodies ([`crate::mechanism::motion::kinematics::body_states`]).
     pub fn link_state(&self, bodies: &[BodyState], link: usize) -> LinkState {
         let link = &self.links[link];
         let body = link.body.map_or(&WORLD, |body| &bodies[body]);

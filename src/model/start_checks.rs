@@ -1,11 +1,11 @@
 //! What a start can be that the numbers of every joint do not say: beyond what doubles hold, undefined, or outside limits.
 
-use super::model_error::ModelError;
-use super::robot_model::Model;
-use crate::invariants::energy_with_forces;
-use crate::kinematics::body_states;
+use crate::mechanism::motion::energy::energy_with_forces;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::model::model_error::ModelError;
+use crate::model::robot_model::Model;
 use crate::scene::{Element, Warning};
-use crate::state::State;
 
 /// A joint may be beyond a limit by this much [rad or m]: what is left of closing loops.
 const NEGLIGIBLE_EXCESS: f64 = 1e-9;

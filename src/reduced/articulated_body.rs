@@ -28,10 +28,11 @@
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7 (the recursion) and section
 //! 5.3 (the bias force).
 
-use super::articulated_inertia::{Articulated, Screw};
-use super::link::{Link, rotate_about_z};
-use crate::model::{JointKind, Mechanism};
-use crate::small::{Symmetric, column, cross, product, times};
+use crate::mechanism::description::joint::JointKind;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::matrices::{Symmetric, column, cross, product, times};
+use crate::reduced::articulated_inertia::{Articulated, Screw};
+use crate::reduced::link::{Link, rotate_about_z, rotation_axis, split_position, split_velocity};
 use nalgebra::{Matrix3, Vector3};
 
 /// Forward dynamics of one mechanism: its constants and the workspace of an evaluation.
@@ -149,8 +150,8 @@ impl ArticulatedBody {
                 let frame = rotate_about_z(&mounted, position[link.position_index]);
                 (frame, column(&frame, 2) * velocity[link.velocity_index])
             } else {
-                let (translation, rotation) = link.kind.split_position(&position[link.position_index..]);
-                let (slide, turn) = link.kind.split_velocity(&velocity[link.velocity_index..]);
+                let (translation, rotation) = split_position(link.kind, &position[link.position_index..]);
+                let (slide, turn) = split_velocity(link.kind, &velocity[link.velocity_index..]);
                 arm += times(&mounted, &translation);
                 sliding = 2.0 * cross(&parent.angular_velocity, &times(&mounted, &slide));
                 let frame = product(&mounted, &rotation);
@@ -206,7 +207,7 @@ impl ArticulatedBody {
                 let count = link.kind.velocity_count();
                 let screws = &mut self.screws[link.velocity_index..link.velocity_index + count];
                 for offset in (translations.len()..count).rev() {
-                    let axis = link.kind.rotation_axis(offset - translations.len());
+                    let axis = rotation_axis(link.kind, offset - translations.len());
                     screws[offset] = subtree.eliminate_rotation(&column(&motion.frame, axis), applied(offset));
                 }
                 let parent = &self.motion[link.parent];

@@ -7,11 +7,11 @@
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, Springer 2006, section I.1.2.
 
-use super::ode::{ReducedOde, joint_of_entry, next_time};
-use crate::forces::total::Exchange;
-use crate::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
-use crate::model::Mechanism;
-use crate::state::State;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::state::State;
+use crate::reduced::ode::{ReducedOde, joint_of_entry, next_time};
 
 /// Semi-implicit Euler with a fixed step.
 #[derive(Clone, Debug)]

@@ -1,36 +1,36 @@
 //! What the articulated-body algorithm knows of a body once and for all, and how a joint's coordinates become a motion.
 
-use crate::model::joint::rotation_from_wxyz;
-use crate::model::{Body, FreeRotation, JointKind};
-use crate::small::{Symmetric, column, from_columns};
+use crate::mechanism::description::joint::{FreeRotation, JointKind, rotation_from_wxyz};
+use crate::mechanism::description::mechanism::Body;
+use crate::mechanism::ground::matrices::{Symmetric, column, from_columns};
 use nalgebra::{Matrix3, Vector3};
 
 /// The constants of a body, in its joint frame.
 #[derive(Clone, Debug)]
-pub(super) struct Link {
-    pub(super) kind: JointKind,
+pub(crate) struct Link {
+    pub(crate) kind: JointKind,
     /// Entry of the parent in the workspace, where the world is entry 0.
-    pub(super) parent: usize,
+    pub(crate) parent: usize,
     /// Whether the next body is a child.
-    pub(super) next_is_child: bool,
+    pub(crate) next_is_child: bool,
     /// Whether there are other children.
-    pub(super) branches: bool,
-    pub(super) position_index: usize,
-    pub(super) velocity_index: usize,
+    pub(crate) branches: bool,
+    pub(crate) position_index: usize,
+    pub(crate) velocity_index: usize,
     /// The joint frame on the parent, seen from the parent's own joint frame.
-    pub(super) mount: Matrix3<f64>,
+    pub(crate) mount: Matrix3<f64>,
     /// From the parent's anchor to the origin of the joint frame on the parent, in the parent's joint frame [m].
-    pub(super) arm: Vector3<f64>,
-    pub(super) mass: f64,
+    pub(crate) arm: Vector3<f64>,
+    pub(crate) mass: f64,
     /// Mass times the arm from the anchor to the centre of mass [kg m].
-    pub(super) moment: Vector3<f64>,
+    pub(crate) moment: Vector3<f64>,
     /// Inertia about the anchor [kg m²].
-    pub(super) inertia: Symmetric,
+    pub(crate) inertia: Symmetric,
 }
 
 impl Link {
     /// The constants of one body; who its children are is filled in afterwards.
-    pub(super) fn new(bodies: &[Body], index: usize) -> Self {
+    pub(crate) fn new(bodies: &[Body], index: usize) -> Self {
         let body = &bodies[index];
         let joint = &body.joint;
         let frame_on_child = joint.on_child.rotation.matrix();
@@ -63,50 +63,48 @@ impl Link {
     }
 }
 
-impl JointKind {
-    /// Joint translation and rotation from the head of a position vector.
-    #[inline]
-    pub(super) fn split_position(self, position: &[f64]) -> (Vector3<f64>, Matrix3<f64>) {
-        let axes = self.translation_axes();
-        let rotation = match self.rotation() {
-            FreeRotation::None => Matrix3::identity(),
-            FreeRotation::AboutZ => rotate_about_z(&Matrix3::identity(), position[axes.len()]),
-            FreeRotation::Ball => rotation_from_wxyz(&position[axes.len()..]),
-        };
-        (self.split_translation(position), rotation)
-    }
+/// Joint translation and rotation from the head of a position vector.
+#[inline]
+pub(crate) fn split_position(kind: JointKind, position: &[f64]) -> (Vector3<f64>, Matrix3<f64>) {
+    let axes = kind.translation_axes();
+    let rotation = match kind.rotation() {
+        FreeRotation::None => Matrix3::identity(),
+        FreeRotation::AboutZ => rotate_about_z(&Matrix3::identity(), position[axes.len()]),
+        FreeRotation::Ball => rotation_from_wxyz(&position[axes.len()..]),
+    };
+    (split_translation(kind, position), rotation)
+}
 
-    /// Translation rates and rotation rates from the head of a velocity vector.
-    #[inline]
-    pub(super) fn split_velocity(self, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
-        let turn = &velocity[self.translation_axes().len()..];
-        let rotation = match self.rotation() {
-            FreeRotation::None => Vector3::zeros(),
-            FreeRotation::AboutZ => Vector3::new(0.0, 0.0, turn[0]),
-            FreeRotation::Ball => Vector3::new(turn[0], turn[1], turn[2]),
-        };
-        (self.split_translation(velocity), rotation)
-    }
+/// Translation rates and rotation rates from the head of a velocity vector.
+#[inline]
+pub(crate) fn split_velocity(kind: JointKind, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+    let turn = &velocity[kind.translation_axes().len()..];
+    let rotation = match kind.rotation() {
+        FreeRotation::None => Vector3::zeros(),
+        FreeRotation::AboutZ => Vector3::new(0.0, 0.0, turn[0]),
+        FreeRotation::Ball => Vector3::new(turn[0], turn[1], turn[2]),
+    };
+    (split_translation(kind, velocity), rotation)
+}
 
-    #[inline]
-    fn split_translation(self, values: &[f64]) -> Vector3<f64> {
-        let mut translation = Vector3::zeros();
-        for (&axis, &value) in self.translation_axes().iter().zip(values) {
-            translation[axis] = value;
-        }
-        translation
+#[inline]
+fn split_translation(kind: JointKind, values: &[f64]) -> Vector3<f64> {
+    let mut translation = Vector3::zeros();
+    for (&axis, &value) in kind.translation_axes().iter().zip(values) {
+        translation[axis] = value;
     }
+    translation
+}
 
-    /// The joint-frame axis of the n-th free rotation.
-    #[inline]
-    pub(super) fn rotation_axis(self, number: usize) -> usize {
-        if self.rotation() == FreeRotation::AboutZ { 2 } else { number }
-    }
+/// The joint-frame axis of the n-th free rotation.
+#[inline]
+pub(crate) fn rotation_axis(kind: JointKind, number: usize) -> usize {
+    if kind.rotation() == FreeRotation::AboutZ { 2 } else { number }
 }
 
 /// `F Rz(angle)`.
 #[inline(always)]
-pub(super) fn rotate_about_z(frame: &Matrix3<f64>, angle: f64) -> Matrix3<f64> {
+pub(crate) fn rotate_about_z(frame: &Matrix3<f64>, angle: f64) -> Matrix3<f64> {
     let (sine, cosine) = angle.sin_cos();
     let (x, y) = (column(frame, 0), column(frame, 1));
     from_columns(&(x * cosine + y * sine), &(y * cosine - x * sine), &column(frame, 2))

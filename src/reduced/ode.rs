@@ -13,11 +13,13 @@
 //! The quaternion equation keeps |q|, and the accelerations do not depend on it, so rounding and truncation errors in
 //! |q| do no harm between the renormalisations at the ends of the steps.
 
-use super::articulated_body::ArticulatedBody;
-use crate::forces::total::{BodyWrench, Exchange, body_wrenches, joint_efforts, powers};
-use crate::kinematics::{WORLD, forward_kinematics};
-use crate::model::{FreeRotation, Mechanism};
-use crate::state::{BodyState, State, quaternion_product};
+use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::joint::FreeRotation;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::{BodyWrench, Exchange, body_wrenches, joint_efforts, powers};
+use crate::mechanism::motion::kinematics::forward_kinematics;
+use crate::mechanism::motion::state::{State, quaternion_product};
+use crate::reduced::articulated_body::ArticulatedBody;
 use std::ops::Range;
 
 /// The right-hand side of the first-order system of one mechanism.
@@ -209,9 +211,9 @@ impl ReducedOde {
 }
 
 /// The name of the joint that owns entry `index` of y; the last joint for the energies behind all joints.
-pub(super) fn joint_of_entry(mechanism: &Mechanism, index: usize) -> String {
+pub(crate) fn joint_of_entry(mechanism: &Mechanism, index: usize) -> String {
     let index = index.min((mechanism.position_count + mechanism.velocity_count).saturating_sub(1));
-    let owns = |joint: &crate::model::Joint| match index.checked_sub(mechanism.position_count) {
+    let owns = |joint: &crate::mechanism::description::joint::Joint| match index.checked_sub(mechanism.position_count) {
         Some(velocity) => joint.velocity_range().contains(&velocity),
         None => joint.position_range().contains(&index),
     };
@@ -221,7 +223,7 @@ pub(super) fn joint_of_entry(mechanism: &Mechanism, index: usize) -> String {
 /// The end of a step of at most `step` towards `until`, and the length of the step.
 ///
 /// A rest that is longer than the step only by rounding is taken whole, so that no sliver of a step remains.
-pub(super) fn next_time(time: f64, step: f64, until: f64) -> (f64, f64) {
+pub(crate) fn next_time(time: f64, step: f64, until: f64) -> (f64, f64) {
     let remaining = until - time;
     if remaining <= step * 1.000_000_1 { (until, remaining) } else { (time + step, step) }
 }

@@ -3,16 +3,16 @@
 //! Where the intent is plain the file is repaired and a warning says so; where it is not, the first error ends the
 //! reading. The result is written out again as XML for `urdf-rs`, whose own errors name neither line nor link.
 
-use super::element::{CleanAttribute, CleanElement};
-use super::error::{Element, Problem, SceneError, Warning};
-use super::numbers::{numbers, shown};
-use super::schema::{Attribute, Content, Count, GEOMETRY, Presence, Schema};
-use super::text::XmlText;
+use crate::scene::element::{CleanAttribute, CleanElement};
+use crate::scene::error::{Element, Problem, SceneError, Warning};
+use crate::scene::numbers::{numbers, shown};
+use crate::scene::schema::{Attribute, Content, Count, GEOMETRY, Presence, Schema};
+use crate::scene::text::XmlText;
 use roxmltree::Node;
 use std::path::Path;
 
 /// Elements and attributes that are not read, each kind once, in order of appearance.
-pub(super) struct Ignored {
+pub(crate) struct Ignored {
     /// For instance `<gazebo>` or `drake_ignore="..." of <link>`.
     pub what: String,
     pub line: usize,
@@ -20,14 +20,14 @@ pub(super) struct Ignored {
 }
 
 /// What cleaning produces.
-pub(super) struct Cleaned {
+pub(crate) struct Cleaned {
     pub robot: CleanElement,
     pub warnings: Vec<Warning>,
     pub ignored: Vec<Ignored>,
 }
 
 /// Reads the document by the schema.
-pub(super) fn clean(xml: &XmlText, schema: &'static Schema) -> Result<Cleaned, SceneError> {
+pub(crate) fn clean(xml: &XmlText, schema: &'static Schema) -> Result<Cleaned, SceneError> {
     let document = xml.document()?;
     let root = document.root_element();
     let mut cleaner = Cleaner {
@@ -275,6 +275,6 @@ fn unusable_geometry(shape: Node) -> Option<String> {
 }
 
 /// Where an error about this file, line and link or joint belongs.
-pub(super) fn error_at(file: &Path, line: usize, element: Option<Element>, problem: Problem) -> SceneError {
+pub(crate) fn error_at(file: &Path, line: usize, element: Option<Element>, problem: Problem) -> SceneError {
     SceneError { file: file.to_path_buf(), line: Some(line), element, problem: Box::new(problem) }
 }

@@ -1,11 +1,11 @@
 //! From what `urdf-rs` parsed, and the lines it came from, to a [`Robot`]'s links and joints.
 
-use super::clean::error_at;
-use super::element::CleanElement;
-use super::error::{Element, Problem, SceneError, Warning};
-use super::mesh_files::MeshFiles;
-use super::numbers::{normalised, unit};
-use super::robot::{
+use crate::scene::clean::error_at;
+use crate::scene::element::CleanElement;
+use crate::scene::error::{Element, Problem, SceneError, Warning};
+use crate::scene::mesh_files::MeshFiles;
+use crate::scene::numbers::{normalised, unit};
+use crate::scene::robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Shape, UrdfJoint, UrdfJointKind,
     UrdfLoop, WORLD_LINK,
 };
@@ -13,7 +13,7 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vec
 use std::path::Path;
 
 /// What all conversions need.
-pub(super) struct Converter<'c> {
+pub(crate) struct Converter<'c> {
     pub file: &'c Path,
     pub meshes: &'c MeshFiles,
     pub materials: &'c [urdf_rs::Material],

@@ -2,7 +2,7 @@
 //!
 //! Units: m, rad, N, N m, s.
 
-use super::robot::LoopType;
+use crate::scene::robot::LoopType;
 use nalgebra::Vector3;
 
 /// A link of a scene.

@@ -1,18 +1,18 @@
 //! From the tables of a scene file to loops, springs and loads: names resolved, axes of length one.
 
-use super::coupling::{
+use crate::scene::coupling::{
     JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
 };
-use super::error::{Element, Problem, SceneError, Warning};
-use super::numbers::unit;
-use super::robot::{LoopType, WORLD_LINK};
-use super::scene_file::{SceneRobot, vector};
-use super::scene_schema::{EndTable, Finite, LoadTable, LoopTable, NotNegative, SpringTable};
-use super::toml_text::TomlText;
+use crate::scene::error::{Element, Problem, SceneError, Warning};
+use crate::scene::numbers::unit;
+use crate::scene::robot::{LoopType, WORLD_LINK};
+use crate::scene::scene_file::{SceneRobot, vector};
+use crate::scene::scene_schema::{EndTable, Finite, LoadTable, LoopTable, NotNegative, SpringTable};
+use crate::scene::toml_text::TomlText;
 use toml::Spanned;
 
 /// What all tables need.
-pub(super) struct CouplingReader<'r> {
+pub(crate) struct CouplingReader<'r> {
     pub text: &'r TomlText<'r>,
     pub robots: &'r [SceneRobot],
     pub warnings: Vec<Warning>,

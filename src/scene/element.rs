@@ -1,7 +1,7 @@
 //! A URDF element after repair: what the schema knows of it, and the XML it is written as for `urdf-rs`.
 
 /// An element, and the line on which it starts.
-pub(super) struct CleanElement {
+pub(crate) struct CleanElement {
     pub name: &'static str,
     pub line: usize,
     pub attributes: Vec<CleanAttribute>,
@@ -9,7 +9,7 @@ pub(super) struct CleanElement {
 }
 
 /// One of its attributes.
-pub(super) struct CleanAttribute {
+pub(crate) struct CleanAttribute {
     pub name: &'static str,
     pub text: String,
     /// Whether the file has it; otherwise it was assumed.

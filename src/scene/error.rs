@@ -1,6 +1,6 @@
 //! Errors and warnings about the input: each names the file, the line, and the link or joint.
 
-use crate::words::counted;
+use crate::mechanism::ground::words::counted;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -169,7 +169,7 @@ pub enum Problem {
     #[error("the scene has no [[robot]]")]
     NoRobots,
     /// A name that cannot be told from another.
-    #[error("the name of a robot must not be empty, {WORLD_LINK:?} or contain \"/\"", WORLD_LINK = super::robot::WORLD_LINK)]
+    #[error("the name of a robot must not be empty, {WORLD_LINK:?} or contain \"/\"", WORLD_LINK = crate::scene::robot::WORLD_LINK)]
     RobotName,
     /// A link or joint that no robot has.
     #[error("there is no {what} {name:?}{}", hint(*robots))]

@@ -1,14 +1,14 @@
 //! Finds the mesh files of a robot; the ones that are missing are reported once for each package or folder.
 
-use super::element::CleanElement;
-use super::error::{Element, Warning};
-use super::package_path::{PackagePath, Resolved};
+use crate::scene::element::CleanElement;
+use crate::scene::error::{Element, Warning};
+use crate::scene::package_path::{PackagePath, Resolved};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// The mesh files that were found, by the name the URDF gives them.
 #[derive(Default)]
-pub(super) struct MeshFiles {
+pub(crate) struct MeshFiles {
     found: HashMap<String, PathBuf>,
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::{SVector, Vector3};
 
 /// The numbers of an attribute as separate texts, and whether commas stood between them; or what is wrong.
-pub(super) fn numbers(value: &str, count: usize, infinite_allowed: bool) -> Result<(Vec<String>, bool), String> {
+pub(crate) fn numbers(value: &str, count: usize, infinite_allowed: bool) -> Result<(Vec<String>, bool), String> {
     if value.contains("${") || value.contains("$(") {
         return Err("is unexpanded xacro; run xacro on its source first".to_string());
     }
@@ -36,7 +36,7 @@ pub(super) fn numbers(value: &str, count: usize, infinite_allowed: bool) -> Resu
 }
 
 /// The direction of a vector and, if its length is not one, the warning about that; `None` if it is zero.
-pub(super) fn unit(given: &Vector3<f64>) -> Option<(Vector3<f64>, Option<String>)> {
+pub(crate) fn unit(given: &Vector3<f64>) -> Option<(Vector3<f64>, Option<String>)> {
     let unit = normalised(given)?;
     let length = given.norm();
     // Files write unit vectors with some five to seven digits.
@@ -45,14 +45,14 @@ pub(super) fn unit(given: &Vector3<f64>) -> Option<(Vector3<f64>, Option<String>
 }
 
 /// The vector of length one with this direction; `None` if it is zero.
-pub(super) fn normalised<const N: usize>(given: &SVector<f64, N>) -> Option<SVector<f64, N>> {
+pub(crate) fn normalised<const N: usize>(given: &SVector<f64, N>) -> Option<SVector<f64, N>> {
     // The largest entry is divided out first, so that neither 1e-200 nor 1e200 is taken for zero or infinity.
     let largest = given.amax();
     (largest != 0.0).then(|| if given.norm() == 1.0 { *given } else { (given / largest).normalize() })
 }
 
 /// A piece of the file as messages show it: on one line and not endless.
-pub(super) fn shown(text: &str) -> String {
+pub(crate) fn shown(text: &str) -> String {
     const LONGEST: usize = 60;
     let mut shown: String = text.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
     if text.chars().nth(LONGEST).is_some() {

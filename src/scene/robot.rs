@@ -2,7 +2,7 @@
 //!
 //! Units: m, rad, kg, kg m², N m. A [`Pose`] `X` places a child frame in its parent: `p_parent = X p_child`.
 
-use super::error::Warning;
+use crate::scene::error::Warning;
 use nalgebra::{IsometryMatrix3, Matrix3, Vector3};
 use std::path::PathBuf;
 

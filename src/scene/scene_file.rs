@@ -12,15 +12,15 @@
 //! Units: m, rad, s, kg, N. Links and joints are called `robot/name`; where there is one robot, `name` is enough. The link
 //! `world` is the world. Names are resolved here; where links are is for the model to find out.
 
-use super::coupling::{SceneLoad, SceneLoop, SceneSpring};
-use super::coupling_reader::CouplingReader;
-use super::error::{Element, Problem, SceneError, Warning};
-use super::package_path::PackagePath;
-use super::robot::{Pose, Robot, WORLD_LINK};
-use super::scene_schema::{BaseKey, FileTable, JointNumbers, RobotTable, SimulationTable};
-use super::text::read_text;
-use super::toml_text::TomlText;
-use super::urdf::read_urdf;
+use crate::scene::coupling::{SceneLoad, SceneLoop, SceneSpring};
+use crate::scene::coupling_reader::CouplingReader;
+use crate::scene::error::{Element, Problem, SceneError, Warning};
+use crate::scene::package_path::PackagePath;
+use crate::scene::robot::{Pose, Robot, WORLD_LINK};
+use crate::scene::scene_schema::{BaseKey, FileTable, JointNumbers, RobotTable, SimulationTable};
+use crate::scene::text::read_text;
+use crate::scene::toml_text::TomlText;
+use crate::scene::urdf::read_urdf;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -264,6 +264,6 @@ fn simulation(text: &TomlText, table: &Spanned<SimulationTable>) -> Result<Simul
 }
 
 /// Three numbers as a vector.
-pub(super) fn vector(numbers: &[super::scene_schema::Finite; 3]) -> Vector3<f64> {
+pub(crate) fn vector(numbers: &[crate::scene::scene_schema::Finite; 3]) -> Vector3<f64> {
     Vector3::from(numbers.map(|number| number.0))
 }

@@ -1,6 +1,6 @@
 //! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` says what they mean.
 
-use super::robot::LoopType;
+use crate::scene::robot::LoopType;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,7 +8,7 @@ use toml::Spanned;
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct FileTable {
+pub(crate) struct FileTable {
     pub scene: Option<SceneTable>,
     #[serde(default)]
     pub robot: Vec<Spanned<RobotTable>>,
@@ -28,14 +28,14 @@ pub(super) struct FileTable {
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SceneTable {
+pub(crate) struct SceneTable {
     pub name: Option<String>,
     pub gravity: Option<[Finite; 3]>,
 }
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RobotTable {
+pub(crate) struct RobotTable {
     pub name: Option<Spanned<String>>,
     pub urdf: Spanned<String>,
     #[serde(default)]
@@ -51,7 +51,7 @@ pub(super) struct RobotTable {
 
 #[derive(Clone, Copy, Default, PartialEq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum BaseKey {
+pub(crate) enum BaseKey {
     #[default]
     Fixed,
     Floating,
@@ -59,21 +59,21 @@ pub(super) enum BaseKey {
 
 #[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(super) struct PoseTable {
+pub(crate) struct PoseTable {
     pub position: [Finite; 3],
     pub rpy: [Finite; 3],
 }
 
 #[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(super) struct VelocityTable {
+pub(crate) struct VelocityTable {
     pub linear: [Finite; 3],
     pub angular: [Finite; 3],
 }
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct LoopTable {
+pub(crate) struct LoopTable {
     pub name: Option<Spanned<String>>,
     #[serde(rename = "type")]
     pub kind: LoopType,
@@ -84,7 +84,7 @@ pub(super) struct LoopTable {
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct EndTable {
+pub(crate) struct EndTable {
     pub link: Spanned<String>,
     #[serde(default)]
     pub position: [Finite; 3],
@@ -93,7 +93,7 @@ pub(super) struct EndTable {
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SpringTable {
+pub(crate) struct SpringTable {
     pub name: Option<Spanned<String>>,
     pub a: Option<PointTable>,
     pub b: Option<PointTable>,
@@ -106,7 +106,7 @@ pub(super) struct SpringTable {
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct PointTable {
+pub(crate) struct PointTable {
     pub link: Spanned<String>,
     #[serde(default)]
     pub position: [Finite; 3],
@@ -114,7 +114,7 @@ pub(super) struct PointTable {
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct LoadTable {
+pub(crate) struct LoadTable {
     pub joint: Option<Spanned<String>>,
     pub effort: Option<Spanned<Finite>>,
     pub link: Option<Spanned<String>>,
@@ -125,7 +125,7 @@ pub(super) struct LoadTable {
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SimulationTable {
+pub(crate) struct SimulationTable {
     pub duration: Option<Positive>,
     pub tolerance: Option<Spanned<Positive>>,
     pub stages: Option<Spanned<usize>>,
@@ -136,17 +136,17 @@ pub(super) struct SimulationTable {
 /// A finite number.
 #[derive(Clone, Copy, Default, serde::Deserialize)]
 #[serde(try_from = "f64")]
-pub(super) struct Finite(pub f64);
+pub(crate) struct Finite(pub f64);
 
 /// A finite number that is not negative.
 #[derive(Clone, Copy, Default, serde::Deserialize)]
 #[serde(try_from = "f64")]
-pub(super) struct NotNegative(pub f64);
+pub(crate) struct NotNegative(pub f64);
 
 /// A finite number greater than zero.
 #[derive(Clone, Copy, serde::Deserialize)]
 #[serde(try_from = "f64")]
-pub(super) struct Positive(pub f64);
+pub(crate) struct Positive(pub f64);
 
 impl TryFrom<f64> for Finite {
     type Error = String;
@@ -176,7 +176,7 @@ impl TryFrom<f64> for Positive {
 }
 
 /// The numbers of a joint: one, or a list.
-pub(super) struct JointNumbers(pub Vec<f64>);
+pub(crate) struct JointNumbers(pub Vec<f64>);
 
 impl<'de> Deserialize<'de> for JointNumbers {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

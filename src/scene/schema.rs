@@ -3,14 +3,14 @@
 //! The table is the whole definition; `clean.rs` applies it. Whatever is not in it is left out, and said so.
 
 /// An element of URDF.
-pub(super) struct Schema {
+pub(crate) struct Schema {
     pub name: &'static str,
     pub attributes: &'static [Attribute],
     pub children: &'static [Child],
 }
 
 /// An attribute of an element.
-pub(super) struct Attribute {
+pub(crate) struct Attribute {
     pub name: &'static str,
     pub content: Content,
     pub presence: Presence,
@@ -18,7 +18,7 @@ pub(super) struct Attribute {
 
 /// What an attribute holds.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Content {
+pub(crate) enum Content {
     /// Any text.
     Text,
     /// So many finite numbers.
@@ -29,7 +29,7 @@ pub(super) enum Content {
 
 /// Whether an attribute must be there.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Presence {
+pub(crate) enum Presence {
     /// Without it the element means nothing.
     Required,
     /// URDF has a default.
@@ -41,14 +41,14 @@ pub(super) enum Presence {
 }
 
 /// A child element and how often it may appear.
-pub(super) struct Child {
+pub(crate) struct Child {
     pub schema: &'static Schema,
     pub count: Count,
 }
 
 /// How often a child element may appear.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Count {
+pub(crate) enum Count {
     One,
     AtMostOne,
     Any,
@@ -70,7 +70,7 @@ use Content::{Limit, Numbers, Text};
 use Count::{Any, AtMostOne, One};
 use Presence::{Assumed, Default, Optional, Required};
 
-pub(super) static ROBOT: Schema = Schema {
+pub(crate) static ROBOT: Schema = Schema {
     name: "robot",
     attributes: &[attribute("name", Text, Optional), attribute("version", Text, Optional)],
     children: &[child(&LINK, Any), child(&JOINT, Any), child(&LOOP_JOINT, Any), child(&MATERIAL, Any)],
@@ -123,7 +123,7 @@ static COLLISION: Schema = Schema {
     children: &[child(&ORIGIN, AtMostOne), child(&GEOMETRY, One)],
 };
 
-pub(super) static GEOMETRY: Schema = Schema {
+pub(crate) static GEOMETRY: Schema = Schema {
     name: "geometry",
     attributes: &[],
     children: &[

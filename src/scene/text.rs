@@ -3,12 +3,12 @@
 //! Some files in the wild are one character away from XML (a NUL at the end, blank lines before the declaration, a
 //! namespace prefix nobody declared); here they are put right without moving a line.
 
-use super::error::{Problem, SceneError, Warning};
+use crate::scene::error::{Problem, SceneError, Warning};
 use roxmltree::{Document, Node};
 use std::path::{Path, PathBuf};
 
 /// The text of a file, ready to be parsed as XML.
-pub(super) struct XmlText {
+pub(crate) struct XmlText {
     pub file: PathBuf,
     pub text: String,
     /// Byte offset at which each line begins.
@@ -17,7 +17,7 @@ pub(super) struct XmlText {
 }
 
 /// The text of a file.
-pub(super) fn read_text(file: &Path) -> Result<String, SceneError> {
+pub(crate) fn read_text(file: &Path) -> Result<String, SceneError> {
     let refuse =
         |line, problem| Err(SceneError { file: file.to_path_buf(), line, element: None, problem: Box::new(problem) });
     let bytes = match std::fs::read(file) {

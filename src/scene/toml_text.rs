@@ -1,13 +1,13 @@
 //! A TOML file as messages need it: the line and the key of every byte.
 
-use super::error::{Element, Problem, SceneError};
+use crate::scene::error::{Element, Problem, SceneError};
 use serde::de::DeserializeOwned;
 use std::ops::Range;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
 /// The text of a TOML file.
-pub(super) struct TomlText<'t> {
+pub(crate) struct TomlText<'t> {
     pub file: &'t Path,
     pub text: &'t str,
 }

@@ -3,14 +3,14 @@
 //! A world that only joints mention (`<parent link="world"/>` without `<link name="world">`, as Drake and
 //! RigidBodyDynamics.jl write it) is a root too.
 
-use super::clean::error_at;
-use super::error::{Element, Problem, SceneError};
-use super::robot::{Link, UrdfJoint, WORLD_LINK};
+use crate::scene::clean::error_at;
+use crate::scene::error::{Element, Problem, SceneError};
+use crate::scene::robot::{Link, UrdfJoint, WORLD_LINK};
 use std::collections::HashMap;
 use std::path::Path;
 
 /// The root link; `None` is an undeclared world.
-pub(super) fn find_root(
+pub(crate) fn find_root(
     file: &Path,
     links: &[Link],
     joints: &[UrdfJoint],

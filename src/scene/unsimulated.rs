@@ -1,12 +1,12 @@
 //! What a URDF says that is not simulated: one warning for each kind of thing, never silence.
 
-use super::clean::Ignored;
-use super::error::Warning;
-use super::robot::{Link, UrdfJoint, UrdfJointKind};
+use crate::scene::clean::Ignored;
+use crate::scene::error::Warning;
+use crate::scene::robot::{Link, UrdfJoint, UrdfJointKind};
 use std::path::Path;
 
 /// The warnings about a robot's joints, shapes, and elements nobody reads.
-pub(super) fn unsimulated(file: &Path, links: &[Link], joints: &[UrdfJoint], ignored: &[Ignored]) -> Vec<Warning> {
+pub(crate) fn unsimulated(file: &Path, links: &[Link], joints: &[UrdfJoint], ignored: &[Ignored]) -> Vec<Warning> {
     let moving: Vec<&UrdfJoint> = joints.iter().filter(|joint| joint.kind != UrdfJointKind::Fixed).collect();
     let lines_where =
         |holds: &dyn Fn(&UrdfJoint) -> bool| moving.iter().filter(|j| holds(j)).map(|j| j.line).collect::<Vec<_>>();

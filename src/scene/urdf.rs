@@ -1,16 +1,16 @@
 //! Reads a URDF into a [`Robot`].
 
-use super::clean::{Cleaned, clean, error_at};
-use super::convert::Converter;
-use super::element::CleanElement;
-use super::error::{Element, Problem, SceneError, Warning};
-use super::mesh_files::MeshFiles;
-use super::package_path::PackagePath;
-use super::robot::{Robot, UrdfLoop};
-use super::schema::ROBOT;
-use super::text::{XmlText, read_text};
-use super::tree::find_root;
-use super::unsimulated::unsimulated;
+use crate::scene::clean::{Cleaned, clean, error_at};
+use crate::scene::convert::Converter;
+use crate::scene::element::CleanElement;
+use crate::scene::error::{Element, Problem, SceneError, Warning};
+use crate::scene::mesh_files::MeshFiles;
+use crate::scene::package_path::PackagePath;
+use crate::scene::robot::{Robot, UrdfLoop};
+use crate::scene::schema::ROBOT;
+use crate::scene::text::{XmlText, read_text};
+use crate::scene::tree::find_root;
+use crate::scene::unsimulated::unsimulated;
 use std::path::Path;
 
 const JOINT_TYPES: [&str; 7] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"];

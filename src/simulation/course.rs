@@ -1,11 +1,13 @@
 //! A run as it goes along: steps, samples inside them, and what is shown to whom.
 
-use super::observer::show;
-use super::summary::Bookkeeper;
-use super::{Integrator, Observer, ObserverError, Sample, StepError, Summary};
-use crate::kinematics::{body_states, place_bodies};
-use crate::model::Mechanism;
-use crate::state::{BodyState, State};
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::integrator::{Integrator, StepError};
+use crate::mechanism::motion::kinematics::{body_states, place_bodies};
+use crate::mechanism::motion::state::State;
+use crate::simulation::observer::show;
+use crate::simulation::summary::Bookkeeper;
+use crate::simulation::{Observer, ObserverError, Sample, Summary};
 use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};

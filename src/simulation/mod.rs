@@ -4,13 +4,16 @@
 //! a fixed rate (the log) and the end of every step (energy, constraint and solver figures). The loop is the same for
 //! the Lobatto scheme and for the reduced-coordinate comparators, so that charts compare like with like.
 
+pub mod accuracy;
 mod course;
+pub mod island;
+pub mod islands;
+pub mod merged;
 mod observer;
 mod summary;
+pub mod threads;
+pub mod trial_run;
 
-pub use crate::integrator::{
-    FrequencyStep, Integrator, MethodDescription, Ringing, SingularPosition, StepError, StepOutcome,
-};
 pub(crate) use course::Course;
 pub use course::{RunError, RunOptions, run};
 pub(crate) use observer::show;

@@ -1,9 +1,10 @@
 //! What watches a run: samples at a fixed rate, and the figures at the end of every step.
 
-use crate::forces::total::Exchange;
-use crate::invariants::{Energy, Violation};
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::energy::{Energy, Violation};
 
-use super::{RunError, StepOutcome};
+use crate::mechanism::motion::integrator::StepOutcome;
+use crate::simulation::RunError;
 
 /// The mechanism at one sampled instant.
 pub struct Sample<'s> {

@@ -1,11 +1,14 @@
 //! The figures of a run, collected step by step.
 
-use super::{Counts, StepEnd, StepOutcome};
-use crate::forces::total::Exchange;
-use crate::invariants::{Energy, Violation, energy_with_forces, violation, worse};
-use crate::kinematics::body_states;
-use crate::model::Mechanism;
-use crate::state::{BodyState, State};
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::energy::{Energy, Violation, energy_with_forces, violation};
+use crate::mechanism::motion::gaps::worse;
+use crate::mechanism::motion::integrator::StepOutcome;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::simulation::{Counts, StepEnd};
 
 /// The figures of a whole run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,7 +53,7 @@ impl Summary {
 }
 
 /// Collects the figures of the run.
-pub(super) struct Bookkeeper {
+pub(crate) struct Bookkeeper {
     pub summary: Summary,
     pub last: StepEnd,
     largest_kinetic: f64,

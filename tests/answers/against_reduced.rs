@@ -3,11 +3,11 @@
 
 use crate::common::{models_of, run_until, stem, urdf_files};
 use crate::models::{self, pose_distance, velocity_distance};
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::model::Mechanism;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
 use catena::reduced::Dop853;
-use catena::state::State;
+use catena::stepping::integrator::Lobatto;
 use std::path::PathBuf;
 
 /// The end of a run by steps of `step` with nine stages against its end by DOP853 at 1e-13: distance of the poses, and

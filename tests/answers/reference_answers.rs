@@ -1,15 +1,16 @@
 //! Scenes whose motion is known from programs of others, run to more digits than are compared.
 
 use crate::common::{by_tolerance, rotation_angle, run_until, shared};
-use catena::calibration::calibrate;
-use catena::distance::{distance, probes};
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::model::{Mechanism, Model, ModelOptions};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::distance::{distance, probes};
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::model::{Model, ModelOptions};
 use catena::reduced::Dop853;
 use catena::scene::{PackagePath, read_urdf};
-use catena::simulation::Integrator;
-use catena::state::State;
+use catena::simulation::accuracy::calibrate;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;

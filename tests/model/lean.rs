@@ -1,14 +1,18 @@
 //! What vanishes from the equations of a body may be left out: the full model says the same.
 
 use crate::models::{self, Model};
-use catena::invariants::{energy, momentum};
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::model::{
-    Joint, JointKind, Mechanism, Rule, pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies, tumbles,
+use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::description::joint::{Joint, JointKind};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::energy::{energy, momentum};
+use catena::mechanism::motion::integrator::{Integrator, StepOutcome};
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::mechanism::structure::special_bodies::{
+    pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies, tumbles,
 };
-use catena::simulation::{Integrator, StepOutcome};
-use catena::state::{BodyState, State};
+use catena::stepping::integrator::Lobatto;
 use nalgebra::Vector3;
 
 /// A cart that slides along three axes in turn, the first with a second cart beside it, a spatial pendulum of two hinges on each end,

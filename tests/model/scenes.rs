@@ -1,15 +1,16 @@
 //! Claims about the example scenes in `robots/`: they load, they are assembled, and they are the mechanisms they say.
 
 use crate::common::{run_until, stem};
-use catena::closures::{loop_gaps, mimic_gap};
-use catena::invariants::energy;
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::lobatto::assembly::assemble;
-use catena::model::{Mechanism, Model};
+use catena::instant::assembly::assemble;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::energy::energy;
+use catena::mechanism::motion::gaps::{loop_gaps, mimic_gap};
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::model::Model;
 use catena::scene::{PackagePath, Scene, read_scene};
-use catena::simulation::Integrator;
-use catena::state::State;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::{DMatrix, Vector3};
 use std::path::PathBuf;
 

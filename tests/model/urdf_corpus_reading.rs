@@ -2,8 +2,9 @@
 //! give one clear error.
 
 use crate::common::{Numbers, literal_link_poses, rotation_angle, shared};
-use catena::kinematics::body_states;
-use catena::model::{Base, Model, ModelError, ModelOptions, Pose};
+use catena::mechanism::description::joint::Pose;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::model::{Base, Model, ModelError, ModelOptions};
 use catena::scene::{PackagePath, Robot, SceneError, read_urdf, robot_from_text};
 use std::path::{Path, PathBuf};
 

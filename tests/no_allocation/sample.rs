@@ -4,13 +4,13 @@
 //! for each.
 
 use allocation_counter::measure;
-use catena::lobatto::Lobatto;
-use catena::lobatto::assembly::assemble;
-use catena::log::{Ending, Recorder};
+use catena::instant::assembly::assemble;
+use catena::mechanism::motion::state::State;
 use catena::model::{Base, Model, ModelOptions};
+use catena::output::log::{Ending, Recorder};
 use catena::scene::{PackagePath, read_scene, read_urdf};
 use catena::simulation::{RunOptions, run};
-use catena::state::State;
+use catena::stepping::integrator::Lobatto;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

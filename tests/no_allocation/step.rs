@@ -2,9 +2,9 @@
 
 use crate::{closed, models};
 use allocation_counter::measure;
-use catena::lobatto::Lobatto;
-use catena::model::JointKind;
-use catena::simulation::Integrator;
+use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::stepping::integrator::Lobatto;
 
 #[test]
 fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_loops() {

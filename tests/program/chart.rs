@@ -2,16 +2,18 @@
 
 use crate::common::command::run;
 use crate::common::scratch;
-use catena::chart::measure::Plan;
-use catena::chart::ratio::{Comparison, Front, Reach};
-use catena::chart::reference::reference;
-use catena::chart::report::Report;
-use catena::chart::table::parse_csv;
-use catena::chart::{Ended, Measurement, Method, Scene, SceneChart, Setting, measure, read_csv, write_csv};
-use catena::distance;
-use catena::model::{Body, Joint, JointKind, Mechanism, Model, ModelOptions, Pose};
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use catena::mechanism::description::mechanism::{Body, Mechanism};
+use catena::mechanism::motion::distance;
+use catena::mechanism::motion::state::State;
+use catena::model::{Model, ModelOptions};
 use catena::scene::{PackagePath, read_urdf};
-use catena::state::State;
+use catena::study::chart::measure::Plan;
+use catena::study::chart::ratio::{Comparison, Front, Reach};
+use catena::study::chart::reference::reference;
+use catena::study::chart::report::Report;
+use catena::study::chart::table::parse_csv;
+use catena::study::chart::{Ended, Measurement, Method, Scene, SceneChart, Setting, measure, read_csv, write_csv};
 use nalgebra::{Translation3, Vector3};
 use std::path::{Path, PathBuf};
 use std::process::Output;

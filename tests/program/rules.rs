@@ -76,7 +76,7 @@ fn the_model_verb_shows_every_rule_with_its_condition_and_what_it_saves() {
 fn the_help_names_every_rule_that_can_be_switched_off() {
     let folder = folder("rules");
     let help = run(&folder, &["simulate", "--help"]);
-    for rule in catena::model::Rule::ALL {
+    for rule in catena::mechanism::description::rules::Rule::ALL {
         assert!(text(&help.stdout).contains(rule.name()), "{} is missing: {}", rule.name(), text(&help.stdout));
     }
 }

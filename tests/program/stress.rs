@@ -2,18 +2,18 @@
 //!
 //! A reduced map, a few cells of each problem; `catena stress` draws the whole.
 
-use crate::common::command;
-use crate::common::scratch;
-use catena::chart::{Method as ChartMethod, Setting};
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::model::Mechanism;
-use catena::simulation::Integrator;
-use catena::state::{BodyState, State};
-use catena::stress::cell::Cell;
-use catena::stress::problem::{Truth, steps};
-use catena::stress::table::write_csv;
-use catena::stress::{Answer, Case, Ended, Map, Method, Problem, Verdict, report};
+use crate::common::{command, scratch};
+use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::stepping::integrator::Lobatto;
+use catena::study::chart::{Method as ChartMethod, Setting};
+use catena::study::stress::cell::Cell;
+use catena::study::stress::problem::{Truth, steps};
+use catena::study::stress::table::write_csv;
+use catena::study::stress::{Answer, Case, Ended, Map, Method, Problem, Verdict, report};
 use std::collections::HashSet;
 use std::path::Path;
 use std::process::Output;

@@ -1,10 +1,11 @@
 //! Iterations that keep the factors of an earlier one have the residual of their own iterate, and end where the others do.
 
 use crate::models::{self, Model};
-use catena::lobatto::chord::Chord;
-use catena::lobatto::lanes::{Lanes, Portable};
-use catena::lobatto::stage::Stages;
-use catena::lobatto::tableau::Tableau;
+use catena::lobatto::numbers::lanes::Lanes;
+use catena::lobatto::solve::kept_factors::Chord;
+use catena::lobatto::stages::workspace::Stages;
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::lobatto::vectors::portable::Portable;
 
 type Four = Portable<4>;
 

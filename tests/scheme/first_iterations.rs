@@ -2,14 +2,13 @@
 //! single is tested where these are made, in `src/lobatto/first.rs`.
 
 use crate::models::{self, Model};
-use catena::kinematics::body_states;
-use catena::lobatto::dispatch::step_for;
-use catena::lobatto::lanes::Isa;
-use catena::lobatto::predictor::Guess;
-use catena::lobatto::step::{Attempt, StopRule};
-use catena::lobatto::tableau::Tableau;
-use catena::model::Rule;
-use catena::state::BodyState;
+use catena::kernels::step_for;
+use catena::lobatto::numbers::lanes::Isa;
+use catena::lobatto::stages::attempt::{Attempt, Guess, StopRule};
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::kinematics::body_states;
 
 const STAGES: usize = 9;
 const STEP: f64 = 0.05;

@@ -1,14 +1,23 @@
 //! What never drifts: constraints, momenta, energy.
 
 use crate::models::{self, Model};
-use catena::invariants::{energy, momentum, violation};
-use catena::kinematics::{WORLD, body_states, forward_kinematics};
-use catena::lobatto::Lobatto;
-use catena::simulation::{self, Integrator, RunOptions};
+use catena::mechanism::description::body_state::WORLD;
+use catena::mechanism::motion::energy::{energy, momentum, violation};
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::{body_states, forward_kinematics};
+use catena::simulation;
+use catena::simulation::RunOptions;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::Vector3;
 
 /// Runs `steps` fixed steps and shows each end to `see`.
-fn run(model: &Model, stages: usize, step: f64, steps: usize, mut see: impl FnMut(usize, &[catena::state::BodyState])) {
+fn run(
+    model: &Model,
+    stages: usize,
+    step: f64,
+    steps: usize,
+    mut see: impl FnMut(usize, &[catena::mechanism::description::body_state::BodyState]),
+) {
     let mechanism = &model.mechanism;
     let mut state = model.state.clone();
     let mut lobatto = Lobatto::fixed(mechanism, stages, step).unwrap();

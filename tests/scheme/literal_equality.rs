@@ -1,17 +1,21 @@
 //! The fast kernel makes the same step as the literal scheme (2.5.11), with forces and without.
 
 use crate::models::{self, Model};
-use catena::kinematics::body_states;
-use catena::lobatto::dispatch::step_for;
-use catena::lobatto::lanes::Isa;
-use catena::lobatto::literal::Literal;
-use catena::lobatto::predictor::Guess;
-use catena::lobatto::step::{Attempt, StopRule};
-use catena::lobatto::tableau::Tableau;
-use catena::model::Rule;
+use catena::kernels::step_for;
+use catena::lobatto::literal::scheme::Literal;
+use catena::lobatto::numbers::lanes::Isa;
+use catena::lobatto::stages::attempt::{Attempt, Guess, StopRule};
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::kinematics::body_states;
 
 /// Poses and velocities after one step of the fast kernel in space; `tests/scheme/planar/trees.rs` has that in a plane.
-fn fast_step(model: &Model, stages: usize, step: f64, isa: Isa) -> Vec<catena::state::BodyState> {
+fn fast_step(
+    model: &Model,
+    stages: usize,
+    step: f64,
+    isa: Isa,
+) -> Vec<catena::mechanism::description::body_state::BodyState> {
     let tableau = Tableau::of(stages).unwrap();
     let mut kernel = step_for(&model.mechanism, tableau, isa, &[Rule::Planar]);
     let mut state = model.state.clone();

@@ -1,10 +1,10 @@
 //! The order of convergence is 2s − 2 (theorem 2.5.2).
 
 use crate::models::{self, Model};
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::simulation::Integrator;
-use catena::state::BodyState;
+use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::stepping::integrator::Lobatto;
 
 fn after(model: &Model, stages: usize, step: f64, time: f64) -> Vec<BodyState> {
     let mut state = model.state.clone();

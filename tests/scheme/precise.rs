@@ -2,13 +2,13 @@
 
 use crate::models::Model;
 use crate::{closed, models};
-use catena::invariants::energy;
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::lobatto::integrator::MethodError;
-use catena::model::{Mechanism, Rule};
-use catena::simulation::Integrator;
-use catena::state::State;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::energy::energy;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::stepping::integrator::{Lobatto, MethodError};
 
 /// The largest deviation of the energy from that at the start, and the mean of the last tenth less that of the first; over the largest
 /// kinetic energy.

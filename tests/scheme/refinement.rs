@@ -1,14 +1,14 @@
 //! Velocities beside singular positions of joint coordinates: how many digits are left of them.
 
-use catena::invariants::energy;
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::lobatto::lanes::Isa;
-use catena::lobatto::step::StopRule;
-use catena::model::Mechanism;
-use catena::simulation::Integrator;
-use catena::state::State;
-use catena::stress::Problem;
+use catena::lobatto::numbers::lanes::Isa;
+use catena::lobatto::stages::attempt::StopRule;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::energy::energy;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::stepping::integrator::Lobatto;
+use catena::study::stress::Problem;
 
 /// The top in gimbals, turning about an axis that the gimbals hardly see: `angle` from lock (rad), and as fast as one over that.
 fn beside_lock(angle: f64) -> (Mechanism, State) {

@@ -1,12 +1,13 @@
 //! Reversible steps: a run that is turned round retraces itself, and its energy has no trend.
 
 use crate::models::{self, Model};
-use catena::kinematics::{WORLD, forward_kinematics};
-use catena::lobatto::Lobatto;
-use catena::lobatto::integrator::MethodError;
-use catena::model::{Joint, JointKind, Mechanism};
-use catena::simulation::Integrator;
-use catena::state::State;
+use catena::mechanism::description::body_state::WORLD;
+use catena::mechanism::description::joint::{Joint, JointKind};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::forward_kinematics;
+use catena::mechanism::motion::state::State;
+use catena::stepping::integrator::{Lobatto, MethodError};
 use nalgebra::Vector3;
 
 /// Steps made, their lengths, and the state at the end.
@@ -60,7 +61,7 @@ fn energy_windows(model: &Model, mut lobatto: Lobatto, duration: f64) -> ([f64; 
     let mut bodies = vec![WORLD; mechanism.bodies.len()];
     let mut energy = |state: &State| {
         forward_kinematics(mechanism, &state.position, &state.velocity, &mut bodies);
-        catena::invariants::energy(mechanism, &bodies)
+        catena::mechanism::motion::energy::energy(mechanism, &bodies)
     };
     let initial = energy(&state).total();
     let (mut largest, mut sums, mut spans, mut kinetic) = ([0.0_f64; 10], [0.0; 10], [0.0; 10], 0.0_f64);
@@ -132,7 +133,7 @@ fn energy_has_no_trend_over_a_hundred_thousand_periods_with_reversible_steps() {
 #[test]
 fn what_is_not_reversible_itself_is_refused() {
     let mut model = models::double_pendulum();
-    let damper = catena::forces::JointDamper { freedom: 0, coefficient: 0.1 };
+    let damper = catena::mechanism::description::forces::JointDamper { freedom: 0, coefficient: 0.1 };
     model.mechanism.forces.joint_dampers.push(damper);
     assert_eq!(Lobatto::reversible(&model.mechanism, 5, 0.01).err(), Some(MethodError::NotReversible));
 }

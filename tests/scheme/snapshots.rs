@@ -2,13 +2,16 @@
 
 use crate::common::Numbers;
 use crate::models;
-use catena::lobatto::dispatch::instants_for;
-use catena::lobatto::instants::{INSTANTS, Instants, LaneInstants, LinkPlace, Row, Snapshots};
-use catena::lobatto::lanes::Portable;
-use catena::model::{Base, JointKind, Mechanism, ModelOptions, Pose};
+use catena::instant::snapshots::{SerialInstants, instants};
+use catena::kernels::instants_for;
+use catena::lobatto::instants::instants::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
+use catena::lobatto::instants::tree::LaneInstants;
+use catena::lobatto::vectors::portable::Portable;
+use catena::mechanism::description::joint::{JointKind, Pose};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::state::State;
+use catena::model::{Base, ModelOptions};
 use catena::scene::{PackagePath, read_urdf};
-use catena::snapshots::{SerialInstants, instants};
-use catena::state::State;
 use nalgebra::Vector3;
 use std::path::Path;
 

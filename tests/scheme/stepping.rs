@@ -1,15 +1,15 @@
 //! How steps are strung together: the grid, halving, the last step, and interruptions by the caller.
 
 use crate::models;
-use catena::calibration::calibrate;
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::lobatto::integrator::MethodError;
-use catena::lobatto::lanes::Isa;
-use catena::lobatto::stage_choice::StageChoice;
-use catena::model::{JointKind, Mechanism};
-use catena::simulation::{Integrator, StepError};
-use catena::state::State;
+use catena::lobatto::numbers::lanes::Isa;
+use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::integrator::{Integrator, StepError};
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::simulation::accuracy::calibrate;
+use catena::stepping::integrator::{Lobatto, MethodError};
+use catena::stepping::stage_choice::StageChoice;
 use nalgebra::Vector3;
 
 #[test]
@@ -51,7 +51,7 @@ fn the_last_step_ends_exactly_where_it_was_asked_to() {
 
 #[test]
 fn fixed_steps_neither_gain_nor_lose_one_over_a_long_run() {
-    let model = models::one_joint(catena::model::JointKind::Revolute);
+    let model = models::one_joint(catena::mechanism::description::joint::JointKind::Revolute);
     let mut lobatto = Lobatto::fixed(&model.mechanism, 2, 0.02).unwrap();
     let mut state = model.state.clone();
     let mut steps = 0;
@@ -225,7 +225,7 @@ fn what_rests_without_any_energy_stays_at_rest() {
     // Neither kinetic nor potential energy: no change is allowed and none happens, which must not stop the steps.
     let mut model = models::free_body();
     model.mechanism.gravity = nalgebra::Vector3::zeros();
-    let mut state = catena::state::State::zero(&model.mechanism);
+    let mut state = catena::mechanism::motion::state::State::zero(&model.mechanism);
     let at_rest = state.clone();
     let mut lobatto = Lobatto::adaptive(&model.mechanism, 1e-6);
     let mut steps = 0;

@@ -1,14 +1,15 @@
 //! The step is symplectic on T*N and time-reversible.
 
 use crate::models::{self, Model};
-use catena::kinematics::forward_kinematics;
-use catena::lobatto::dispatch::step_for;
-use catena::lobatto::lanes::Isa;
-use catena::lobatto::predictor::Guess;
-use catena::lobatto::step::{Attempt, Step, StopRule};
-use catena::lobatto::tableau::Tableau;
-use catena::model::{JointKind, Mechanism};
-use catena::state::State;
+use catena::kernels::step_for;
+use catena::lobatto::numbers::lanes::Isa;
+use catena::lobatto::stages::attempt::{Attempt, Guess, StopRule};
+use catena::lobatto::step::step::Step;
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::kinematics::forward_kinematics;
+use catena::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};
 
 /// Mass matrix in joint coordinates, from the kinetic energy of unit velocities (a quadratic form, so polarisation is
@@ -16,9 +17,9 @@ use nalgebra::{DMatrix, DVector};
 fn mass_matrix(mechanism: &Mechanism, position: &[f64]) -> DMatrix<f64> {
     let count = mechanism.velocity_count;
     let kinetic = |velocity: &DVector<f64>| {
-        let mut bodies = vec![catena::kinematics::WORLD; mechanism.bodies.len()];
+        let mut bodies = vec![catena::mechanism::description::body_state::WORLD; mechanism.bodies.len()];
         forward_kinematics(mechanism, position, velocity.as_slice(), &mut bodies);
-        catena::invariants::energy(mechanism, &bodies).kinetic
+        catena::mechanism::motion::energy::energy(mechanism, &bodies).kinetic
     };
     let unit = |index: usize| DVector::from_fn(count, |row, _| if row == index { 1.0 } else { 0.0 });
     DMatrix::from_fn(count, count, |i, j| 0.5 * (kinetic(&(unit(i) + unit(j))) - kinetic(&(unit(i) - unit(j)))))

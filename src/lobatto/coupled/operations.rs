@@ -1,21 +1,20 @@
 //! The operations of the elimination, one function each, compiled for the vectors on its own.
 
-use super::{Coupled, Mixing, PROXIMAL, Resistance, first_lane};
-use crate::lobatto::elimination::{Column, Operation, TWIST, Unknown};
-use crate::lobatto::front::{Fronts, Screws};
-use crate::lobatto::lanes::{Lanes, in_lanes};
-use crate::lobatto::plan::Plan;
-use crate::lobatto::stage::MAX_LANES;
+use crate::coupled::front::{Fronts, Screws};
+use crate::coupled::system::{Coupled, Mixing, PROXIMAL, Resistance, first_lane};
+use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
+use crate::plan::elimination::{Column, Operation, TWIST, Unknown};
+use crate::plan::tree::Plan;
 
 impl<V: Lanes> Coupled<V> {
     /// Empties a front for a twist.
-    pub(super) fn open(&mut self, level: usize) {
+    pub(crate) fn open(&mut self, level: usize) {
         let fronts = &mut self.fronts;
         in_lanes!(V, fronts.open(level));
     }
 
     /// Clears the slots of multipliers that come in, and brings their right-hand sides.
-    pub(super) fn enter(&mut self, level: usize, slots: &[usize], present: &[usize], gaps: &[(usize, usize)]) {
+    pub(crate) fn enter(&mut self, level: usize, slots: &[usize], present: &[usize], gaps: &[(usize, usize)]) {
         in_lanes!(V, {
             self.fronts.enter(level, slots, present);
             let right = self.fronts.right_hand_side();
@@ -32,7 +31,7 @@ impl<V: Lanes> Coupled<V> {
     }
 
     /// What a body resists with, and its ends of loops: (row, slot, sign).
-    pub(super) fn own(&mut self, level: usize, body: usize, ends: &[(usize, usize, f64)]) {
+    pub(crate) fn own(&mut self, level: usize, body: usize, ends: &[(usize, usize, f64)]) {
         in_lanes!(V, {
             let right = self.fronts.right_hand_side();
             for component in 0..self.elimination.width {
@@ -63,7 +62,7 @@ impl<V: Lanes> Coupled<V> {
     }
 
     /// The pivot of a freedom.
-    pub(super) fn take_freedom(
+    pub(crate) fn take_freedom(
         &mut self,
         level: usize,
         screws: &Screws<V>,
@@ -79,7 +78,7 @@ impl<V: Lanes> Coupled<V> {
     }
 
     /// The pivot of a multiplier, with its proximal term.
-    pub(super) fn take_multiplier(
+    pub(crate) fn take_multiplier(
         &mut self,
         level: usize,
         row: usize,
@@ -112,7 +111,7 @@ impl<V: Lanes> Coupled<V> {
     }
 
     /// Adds the front of a level to the one below it, after clearing the slots that enter there.
-    pub(super) fn merge(
+    pub(crate) fn merge(
         &mut self,
         level: usize,
         slots: &[(usize, usize)],
@@ -128,7 +127,7 @@ impl<V: Lanes> Coupled<V> {
     }
 
     /// Eliminates the pivot of an operation.
-    pub(super) fn eliminate(&mut self, level: usize, operation: usize, columns: &[Column]) {
+    pub(crate) fn eliminate(&mut self, level: usize, operation: usize, columns: &[Column]) {
         let kept_at = self.kept_at[operation];
         let kept = &mut self.kept[kept_at..kept_at + (columns.len() + 1) * V::COUNT];
         let (fronts, inverse) = (&mut self.fronts, &mut self.pivots[operation]);
@@ -178,7 +177,7 @@ impl<V: Lanes> Coupled<V> {
     }
 
     /// The value of an eliminated unknown from those that come after it; a freedom moves on the twist of its body.
-    pub(super) fn back_substitute(
+    pub(crate) fn back_substitute(
         &mut self,
         tree: &Plan,
         operation: &Operation,

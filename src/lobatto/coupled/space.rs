@@ -9,18 +9,20 @@
 //!
 //! about the common origin, x the centre of mass [m]; newton.md §4c of the project's method pages.
 
-use super::{Geometry, Mixing, Screw};
-use crate::lobatto::algebra::{Matrix, Vector};
-use crate::lobatto::closure::{EndStart, Equation, EquationValue, Moved, equations, evaluate};
-use crate::lobatto::elimination::TWIST;
-use crate::lobatto::front::{Fronts, Screws};
-use crate::lobatto::lanes::Lanes;
-use crate::lobatto::plan::Plan;
-use crate::lobatto::stage::Stages;
-use crate::lobatto::start::Start;
-use crate::lobatto::turns::Tilt;
-use crate::model::{Attachment, FreeRotation, Mechanism};
-use crate::state::State;
+use crate::coupled::front::{Fronts, Screws};
+use crate::coupled::system::{Geometry, Mixing, Screw};
+use crate::equations::loops::{EndStart, Equation, EquationValue, Moved, equations, evaluate};
+use crate::numbers::algebra::{Matrix, Vector};
+use crate::numbers::lanes::Lanes;
+use crate::numbers::rotations::Tilt;
+use crate::plan::elimination::TWIST;
+use crate::plan::tree::Plan;
+use crate::stages::start::Start;
+use crate::stages::workspace::Stages;
+use catena_mechanism::description::closure::Attachment;
+use catena_mechanism::description::joint::FreeRotation;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::state::State;
 use std::ops::Range;
 
 /// Where bodies and closures are in space.

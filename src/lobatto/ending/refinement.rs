@@ -13,14 +13,14 @@
 //! everywhere, and there is no more to do than to compare them.
 //! Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd edition (2002), chapter 12.
 
-use super::{EndRows, Ending, Motion};
-use crate::lobatto::algebra::Vector;
-use crate::lobatto::numbers::{Arithmetic, Numbers};
-use crate::lobatto::plan::Plan;
-use crate::lobatto::residual::body_residual;
-use crate::lobatto::row_geometry::LookAhead;
-use crate::lobatto::stage::Stages;
-use crate::lobatto::sweeps::Factors;
+use crate::ending::velocities::{EndRows, Ending, Motion};
+use crate::equations::residual::body_residual;
+use crate::numbers::algebra::Vector;
+use crate::numbers::arithmetic::{Arithmetic, Numbers};
+use crate::plan::tree::Plan;
+use crate::stages::factors::Factors;
+use crate::stages::row_geometry::LookAhead;
+use crate::stages::workspace::Stages;
 
 /// Kinetic energies that differ by a larger part of them say that digits are lost.
 const LOST: f64 = 1e-12;
@@ -91,7 +91,7 @@ impl<E: Arithmetic<Real = f64>> Ending<E> {
 impl<E: Arithmetic> Factors<E> {
     /// `|x|²` of the solution of which the way to the root is done.
     #[inline(always)]
-    pub(super) fn square(&self) -> E {
+    pub(crate) fn square(&self) -> E {
         let mut square = E::zero();
         for joint in &self.eliminated {
             square = (joint.bias * joint.bias).mul_add(joint.inverse.reciprocal(), square);
@@ -126,10 +126,12 @@ impl<E: Arithmetic<Real = f64>> Factors<E> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lobatto::lanes::{Lanes, in_every_vector};
-    use crate::lobatto::tableau::Tableau;
-    use crate::model::{Body, Joint, JointKind, Mechanism, Pose};
-    use crate::state::State;
+    use crate::numbers::lanes::Lanes;
+    use crate::tableau::butcher::Tableau;
+    use crate::vectors::in_every_vector;
+    use catena_mechanism::description::joint::{Joint, JointKind, Pose};
+    use catena_mechanism::description::mechanism::{Body, Mechanism};
+    use catena_mechanism::motion::state::State;
     use nalgebra::{Rotation3, Translation3, Vector3};
 
     /// Every way in which a body can be eliminated, on frames that are aligned with nothing.

@@ -1,11 +1,11 @@
 //! The constants of bodies and links, in the joint frames.
 
-use crate::model::joint::wxyz_from_rotation;
-use crate::model::{Body, JointKind, Pose};
+use catena_mechanism::description::joint::{JointKind, Pose, wxyz_from_rotation};
+use catena_mechanism::description::mechanism::Body;
 use nalgebra::Matrix3;
 
 /// A frame on a body's joint frame: translation (m) and unit quaternion.
-pub(super) struct FixedFrame {
+pub(crate) struct FixedFrame {
     /// Entry of the motion, where the world is entry 0.
     pub on: usize,
     pub translation: [f64; 3],
@@ -13,7 +13,7 @@ pub(super) struct FixedFrame {
 }
 
 /// The constants of a body in its joint frame, as those of the articulated-body algorithm.
-pub(super) struct Constants {
+pub(crate) struct Constants {
     pub kind: JointKind,
     /// The joint frame on the parent, seen from the parent's joint frame.
     pub mount: FixedFrame,
@@ -28,13 +28,13 @@ pub(super) struct Constants {
 }
 
 impl FixedFrame {
-    pub(super) fn new(on: usize, pose: &Pose) -> Self {
+    pub(crate) fn new(on: usize, pose: &Pose) -> Self {
         FixedFrame { on, translation: pose.translation.vector.into(), turn: wxyz_from_rotation(pose.rotation.matrix()) }
     }
 }
 
 impl Constants {
-    pub(super) fn new(bodies: &[Body], index: usize) -> Self {
+    pub(crate) fn new(bodies: &[Body], index: usize) -> Self {
         let body = &bodies[index];
         let joint = &body.joint;
         let frame_on_child = joint.on_child.rotation.matrix();

@@ -1,10 +1,10 @@
 //! Joint positions and velocities of the instants, in lanes.
 
-use super::Row;
-use super::quaternion::Quaternion;
-use crate::lobatto::algebra::Vector;
-use crate::lobatto::lanes::Lanes;
-use crate::lobatto::turns::half_angle;
+use crate::instants::instants::Row;
+use crate::instants::quaternion::Quaternion;
+use crate::numbers::algebra::Vector;
+use crate::numbers::lanes::Lanes;
+use crate::numbers::series::half_angle;
 use std::f64::consts::FRAC_1_PI;
 
 /// 2π as a sum whose first two terms have 33 bits (Cody and Waite; the parts of π/2 are those of fdlibm's `e_rem_pio2.c`, times four).
@@ -12,7 +12,7 @@ const TURN: [f64; 3] =
     [4.0 * 1.570_796_326_734_125_6, 4.0 * 6.077_100_506_303_966e-11, 4.0 * 2.022_266_248_795_950_6e-21];
 
 /// Positions and velocities of the instants, one after the other; lanes above the last instant repeat it.
-pub(super) struct Joints<'j> {
+pub(crate) struct Joints<'j> {
     pub positions: &'j [f64],
     pub velocities: &'j [f64],
     pub count: usize,
@@ -27,19 +27,19 @@ impl Joints<'_> {
 
     /// A position.
     #[inline(always)]
-    pub(super) fn position<V: Lanes>(&self, entry: usize) -> V {
+    pub(crate) fn position<V: Lanes>(&self, entry: usize) -> V {
         lanes_of(&self.row(self.positions, self.position_count, entry))
     }
 
     /// A velocity.
     #[inline(always)]
-    pub(super) fn velocity<V: Lanes>(&self, entry: usize) -> V {
+    pub(crate) fn velocity<V: Lanes>(&self, entry: usize) -> V {
         lanes_of(&self.row(self.velocities, self.velocity_count, entry))
     }
 
     /// Cosine and sine of half an angle, both with the same sign or the opposite one.
     #[inline(always)]
-    pub(super) fn half_angle<V: Lanes>(&self, entry: usize) -> [V; 2] {
+    pub(crate) fn half_angle<V: Lanes>(&self, entry: usize) -> [V; 2] {
         let mut angles = self.row(self.positions, self.position_count, entry);
         for angle in &mut angles {
             // Whole turns are taken off, exactly up to a million of them; the turns change nothing but the sign.
@@ -53,7 +53,7 @@ impl Joints<'_> {
 
     /// The quaternion of a ball joint, brought to unit length.
     #[inline(always)]
-    pub(super) fn ball<V: Lanes>(&self, entry: usize) -> Quaternion<V> {
+    pub(crate) fn ball<V: Lanes>(&self, entry: usize) -> Quaternion<V> {
         let real: V = self.position(entry);
         let imaginary = Vector([self.position(entry + 1), self.position(entry + 2), self.position(entry + 3)]);
         let factor = imaginary.dot_plus(imaginary, real * real).square_root().reciprocal();
@@ -63,7 +63,7 @@ impl Joints<'_> {
 
 /// The lanes of a row.
 #[inline(always)]
-pub(super) fn lanes_of<V: Lanes>(row: &Row) -> V {
+pub(crate) fn lanes_of<V: Lanes>(row: &Row) -> V {
     let mut array = V::zero_array();
     array.as_mut().copy_from_slice(row);
     V::from_array(array)

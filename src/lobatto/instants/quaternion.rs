@@ -1,15 +1,15 @@
 //! Unit quaternions in lanes, as a real and an imaginary part.
 
-use crate::lobatto::algebra::{Matrix, Vector};
-use crate::lobatto::lanes::Lanes;
-use crate::lobatto::turns::compose;
+use crate::numbers::algebra::{Matrix, Vector};
+use crate::numbers::lanes::Lanes;
+use crate::numbers::rotations::compose;
 
 /// A quaternion: real part, imaginary parts.
-pub(super) type Quaternion<V> = (V, Vector<V>);
+pub(crate) type Quaternion<V> = (V, Vector<V>);
 
 /// The product with a constant quaternion (w, x, y, z).
 #[inline(always)]
-pub(super) fn constant_product<V: Lanes>(
+pub(crate) fn constant_product<V: Lanes>(
     &(real, imaginary): &Quaternion<V>,
     &[w, x, y, z]: &[f64; 4],
 ) -> Quaternion<V> {
@@ -18,7 +18,7 @@ pub(super) fn constant_product<V: Lanes>(
 
 /// A quaternion that is nearly of unit length, made so to rounding.
 #[inline(always)]
-pub(super) fn of_unit_length<V: Lanes>((real, imaginary): Quaternion<V>) -> Quaternion<V> {
+pub(crate) fn of_unit_length<V: Lanes>((real, imaginary): Quaternion<V>) -> Quaternion<V> {
     let square = imaginary.dot_plus(imaginary, real * real);
     let factor = square.neg_mul_add(V::splat(0.5), V::splat(1.5));
     (real * factor, imaginary.times(factor))
@@ -26,7 +26,7 @@ pub(super) fn of_unit_length<V: Lanes>((real, imaginary): Quaternion<V>) -> Quat
 
 /// The rotation of a unit quaternion.
 #[inline(always)]
-pub(super) fn frame_of<V: Lanes>(&(w, Vector([x, y, z])): &Quaternion<V>) -> Matrix<V> {
+pub(crate) fn frame_of<V: Lanes>(&(w, Vector([x, y, z])): &Quaternion<V>) -> Matrix<V> {
     let (one, two) = (V::splat(1.0), V::splat(2.0));
     let (dx, dy, dz) = (x * two, y * two, z * two);
     let (wx, wy, wz) = (w * dx, w * dy, w * dz);

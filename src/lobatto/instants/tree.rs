@@ -13,16 +13,17 @@
 //!     n = n₀ + I δα + h × δa + Σ (n_c + r_c × f_c)        f = f₀ + m δa + δα × h + Σ f_c        over the children c
 //! ```
 
-use super::constants::{Constants, FixedFrame};
-use super::joints::{Joints, lanes_of};
-use super::quaternion::{Quaternion, constant_product, frame_of, of_unit_length};
-use super::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
-use crate::forces::total::joint_efforts;
-use crate::lobatto::algebra::{Matrix, Symmetric, Vector};
-use crate::lobatto::articulated::{Articulated, Eliminated, Push};
-use crate::lobatto::lanes::{Lanes, in_lanes};
-use crate::lobatto::turns::compose;
-use crate::model::{FreeRotation, JointKind, Mechanism};
+use crate::instants::constants::{Constants, FixedFrame};
+use crate::instants::instants::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
+use crate::instants::joints::{Joints, lanes_of};
+use crate::instants::quaternion::{Quaternion, constant_product, frame_of, of_unit_length};
+use crate::numbers::algebra::{Matrix, Symmetric, Vector};
+use crate::numbers::lanes::{Lanes, in_lanes};
+use crate::numbers::rotations::compose;
+use crate::stages::articulated::{Articulated, Eliminated, Push};
+use catena_mechanism::description::joint::{FreeRotation, JointKind};
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::joint_efforts;
 use nalgebra::Vector3;
 
 /// Trees without forces on bodies, in lanes.

@@ -9,9 +9,9 @@
 //! The error of a sum is some 2⁻¹⁰⁵ ≈ 2e-32 of the larger operand, not of the sum: what cancels has lost those digits before, as in any
 //! sum of doubles. Source: T. J. Dekker, Numerische Mathematik 18 (1971); Y. Hida, X. Li and D. Bailey, ARITH-15 (2001), section 3.
 
-use super::{Arithmetic, InLines, Numbers};
-use crate::lobatto::extended::Extended;
-use crate::lobatto::lanes::Lanes;
+use crate::numbers::arithmetic::{Arithmetic, InLines, Numbers};
+use crate::numbers::extended::Extended;
+use crate::numbers::lanes::Lanes;
 use std::ops::{Add, Mul, Neg, Sub};
 use std::sync::LazyLock;
 
@@ -221,7 +221,7 @@ fn horner<V: Lanes>(coefficients: &[Extended; TERMS], x: Double<V>) -> Double<V>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lobatto::lanes::Portable;
+    use crate::vectors::portable::Portable;
 
     /// Each operation in every lane beside [`Extended`], whose arithmetic was written for one number at a time.
     fn operations_are_good_to_thirty_digits<V: Lanes>() {
@@ -257,7 +257,9 @@ mod tests {
         operations_are_good_to_thirty_digits::<Portable<8>>();
         #[cfg(target_arch = "x86_64")]
         {
-            use crate::lobatto::lanes::{Avx256, Avx512, Isa, Pair};
+            use crate::numbers::lanes::Isa;
+            use crate::vectors::pair::Pair;
+            use crate::vectors::x86::{Avx256, Avx512};
             if Isa::detect() != Isa::Portable {
                 operations_are_good_to_thirty_digits::<Pair<Avx256, 8>>();
             }

@@ -1,7 +1,7 @@
 //! One lane alone of vectors that do not round a product before they add to it, with their arithmetic, to the bit; of others that is a vector
 //! of one lane.
 
-use super::Arithmetic;
+use crate::numbers::arithmetic::Arithmetic;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A number of sixteen digits for one stage.
@@ -75,8 +75,9 @@ impl Arithmetic for Fused {
 
 #[cfg(test)]
 mod tests {
-    use crate::lobatto::lanes::{Lanes, in_every_vector};
-    use crate::lobatto::numbers::{Arithmetic, Numbers};
+    use crate::numbers::arithmetic::{Arithmetic, Numbers};
+    use crate::numbers::lanes::Lanes;
+    use crate::vectors::in_every_vector;
 
     /// The seven operations of three numbers.
     fn results<N: Arithmetic>([x, y, z]: [N; 3], lane: usize) -> [N::Real; 7] {

@@ -4,26 +4,8 @@
 //! register has many lanes; but then the multiplication waits for what was just stored, unless that was long before ([`Numbers::STORES_EARLY`]).
 //! Either way the products are added up in the same order, to the same bits.
 
-use super::{Arithmetic, Lanes, Numbers};
-
-/// Arrays from the border of a cache line on: what is stored over a border comes back late.
-#[repr(align(64))]
-#[derive(Clone, Copy)]
-pub struct InLines<A, const N: usize>(pub [A; N]);
-
-/// How vectors are mixed.
-pub trait Mixing<V: Lanes> {
-    /// What [`Numbers::STORES_EARLY`] says of them.
-    const EARLY: bool;
-    /// What they are in memory.
-    type Stored: Copy + Send;
-    /// [`Numbers::mix_all`].
-    fn mix_all<const N: usize>(values: [V; N], columns: &[V]) -> [V; N];
-    /// [`Numbers::store_all`].
-    fn store_all<const N: usize>(values: [V; N]) -> InLines<Self::Stored, N>;
-    /// [`Numbers::mix_stored`].
-    fn mix_stored<const N: usize>(values: &InLines<Self::Stored, N>, columns: &[V]) -> [V; N];
-}
+use crate::numbers::arithmetic::{Arithmetic, InLines, one_by_one};
+use crate::numbers::lanes::{Lanes, Mixing};
 
 /// Lanes are read back from memory.
 pub struct ReadBack;
@@ -65,20 +47,9 @@ impl<V: Lanes> Mixing<V> for Shuffled {
     }
 }
 
-/// [`Numbers::mix`] of one after the other.
-#[inline(always)]
-pub(super) fn one_by_one<V: Numbers, const N: usize>(mut values: [V; N], columns: &[V]) -> [V; N] {
-    let mut index = 0;
-    while index < N {
-        values[index] = values[index].mix(columns);
-        index += 1;
-    }
-    values
-}
-
 /// [`Numbers::mix`] of several, the lanes of which are read back from memory, to the same bits; or of one lane of the columns alone.
 #[inline(always)]
-pub(in crate::lobatto) fn mix_from_memory<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize>(
+pub(crate) fn mix_from_memory<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize>(
     arrays: &InLines<A, N>,
     columns: &[V],
 ) -> [V; N] {
@@ -88,7 +59,7 @@ pub(in crate::lobatto) fn mix_from_memory<V: Arithmetic, A: AsRef<[V::Real]>, co
 
 /// [`mix_from_memory`] of what was stored where the compiler does not see it.
 #[inline(always)]
-pub(in crate::lobatto) fn mix_stored_before<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize>(
+pub(crate) fn mix_stored_before<V: Arithmetic, A: AsRef<[V::Real]>, const N: usize>(
     InLines(arrays): &InLines<A, N>,
     columns: &[V],
 ) -> [V; N] {
@@ -113,7 +84,7 @@ pub(in crate::lobatto) fn mix_stored_before<V: Arithmetic, A: AsRef<[V::Real]>, 
 
 /// Several values where lanes are read back from.
 #[inline(always)]
-pub(super) fn stored<V: Lanes, const N: usize>(values: [V; N]) -> InLines<V::Array, N> {
+pub(crate) fn stored<V: Lanes, const N: usize>(values: [V; N]) -> InLines<V::Array, N> {
     let mut arrays = InLines([V::zero_array(); N]);
     let mut value = 0;
     while value < N {

@@ -2,11 +2,11 @@
 //!
 //! `J` is the quarter turn, `J (x, y) = (−y, x)`: `a × b = J a · b`.
 
-use crate::lobatto::lanes::Lanes;
+use crate::numbers::lanes::Lanes;
 
 /// A vector in the plane, one for each lane.
 #[derive(Clone, Copy)]
-pub(super) struct Vector2<V>(pub [V; 2]);
+pub(crate) struct Vector2<V>(pub [V; 2]);
 
 impl<V: Lanes> Vector2<V> {
     /// The zero vector.

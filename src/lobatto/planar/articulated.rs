@@ -7,16 +7,16 @@
 //!     torque = c · a + I φ + τ            [N m]
 //! ```
 //!
-//! which is [`crate::lobatto::articulated`] for motions in a plane: six numbers instead of 21. A hinge without forces in it leaves nothing
+//! which is [`crate::stages::articulated`] for motions in a plane: six numbers instead of 21. A hinge without forces in it leaves nothing
 //! that resists turning: `c`, `I` and `τ` are zero behind it, and `α = −τ/I − (c/I)·a − φ`.
 
-use super::algebra::Vector2;
-use crate::lobatto::articulated::Push;
-use crate::lobatto::lanes::Lanes;
+use crate::numbers::lanes::Lanes;
+use crate::planar::algebra::Vector2;
+use crate::stages::articulated::Push;
 
 /// An articulated inertia and bias wrench about the anchor of a body.
 #[derive(Clone, Copy)]
-pub(super) struct Articulated2<V> {
+pub(crate) struct Articulated2<V> {
     /// M: xx, xy, yy (kg).
     pub mass: [V; 3],
     /// c [kg m].
@@ -31,7 +31,7 @@ pub(super) struct Articulated2<V> {
 
 /// What the elimination of one degree of freedom leaves for the way back: `α = bias − force_ratio · a − torque_ratio φ`.
 #[derive(Clone, Copy)]
-pub(super) struct Eliminated2<V> {
+pub(crate) struct Eliminated2<V> {
     pub force_ratio: Vector2<V>,
     pub torque_ratio: V,
     pub bias: V,

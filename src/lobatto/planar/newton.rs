@@ -1,17 +1,18 @@
-//! The exact Newton method on the stage equations in a plane: [`crate::lobatto::newton`] with three equations a body.
+//! The exact Newton method on the stage equations in a plane: [`crate::coupled::newton`] with three equations a body.
 
-use super::coupled::Flat;
-use super::stage::PlanarStages;
-use super::sweeps::{own_residual, row_turn};
-use crate::lobatto::coupled::{Coupled, Geometry};
-use crate::lobatto::lanes::{Lanes, in_lanes};
-use crate::lobatto::newton::Mimics;
-use crate::lobatto::stage::{Coefficients, moved_rows};
-use crate::lobatto::tableau::Tableau;
-use crate::model::{Mechanism, Plane};
+use crate::coupled::newton::Mimics;
+use crate::coupled::system::{Coupled, Geometry};
+use crate::numbers::lanes::{Lanes, in_lanes};
+use crate::planar::geometry::Flat;
+use crate::planar::sweeps::{own_residual, row_turn};
+use crate::planar::workspace::PlanarStages;
+use crate::stages::coefficients::{Coefficients, moved_rows};
+use crate::tableau::butcher::Tableau;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::structure::plane::Plane;
 
 /// The exact Newton method for one mechanism in its plane, and a scheme.
-pub(super) struct PlanarNewton<V: Lanes> {
+pub(crate) struct PlanarNewton<V: Lanes> {
     coupled: Coupled<V>,
     flat: Flat<V>,
     mimics: Mimics,

@@ -13,17 +13,20 @@
 //!
 //! where the height along n, `x_n`, never changes.
 
-use super::applied_plan::{ForcesPlan, ForcesStart};
-use crate::invariants::Energy;
-use crate::kinematics::body_states;
-use crate::lobatto::plan::Plan;
-use crate::lobatto::start::{mimic_gaps, units_per_kilogram};
-use crate::model::{FreeRotation, Mechanism, Plane, sine_cosine};
-use crate::state::State;
+use crate::plan::tree::Plan;
+use crate::planar::body::{PlanarBody, turned};
+use crate::planar::force_plan::{ForcesPlan, ForcesStart};
+use crate::stages::start::{mimic_gaps, units_per_kilogram};
+use catena_mechanism::description::joint::{FreeRotation, sine_cosine};
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::energy::Energy;
+use catena_mechanism::motion::kinematics::body_states;
+use catena_mechanism::motion::state::State;
+use catena_mechanism::structure::plane::Plane;
 use nalgebra::Vector3;
 
 /// The constant part of a body.
-pub(super) struct BodyPlane {
+pub(crate) struct BodyPlane {
     /// One if the joint turns about n, minus one if it turns about −n.
     pub sign: f64,
     /// Mass (kg).
@@ -38,7 +41,7 @@ pub(super) struct BodyPlane {
 }
 
 /// A mechanism in its plane.
-pub(super) struct PlanarPlan {
+pub(crate) struct PlanarPlan {
     /// Which bodies hang where.
     pub tree: Plan,
     /// One entry a body.
@@ -53,29 +56,8 @@ pub(super) struct PlanarPlan {
     offset: f64,
 }
 
-/// The start-of-step part of a body.
-#[derive(Clone, Copy, Default)]
-pub(super) struct PlanarBody {
-    /// From the parent's anchor to this body's (m).
-    pub arm: [f64; 2],
-    /// In the unit of mass of the step: the mass, the moment of inertia through the anchor [m²], and the mass times the arm from the
-    /// anchor to the centre of mass (m).
-    pub mass: f64,
-    pub inertia: f64,
-    pub heavy: [f64; 2],
-    /// Angular velocity about n [rad/s].
-    pub spin: f64,
-    /// Velocity of the anchor against the parent, by the slides [m/s].
-    pub sliding: [f64; 2],
-    /// Cosine and sine of the turn since zero displacement.
-    pub turn: [f64; 2],
-    /// Place (m) and velocity [m/s] of the anchor.
-    pub position: [f64; 2],
-    pub velocity: [f64; 2],
-}
-
 /// The start of a step.
-pub(super) struct PlanarStart {
+pub(crate) struct PlanarStart {
     /// One entry a body.
     pub bodies: Vec<PlanarBody>,
     /// Direction of each slide; one entry a degree of freedom.
@@ -88,7 +70,7 @@ pub(super) struct PlanarStart {
     pub applied: ForcesStart,
     /// Energy of the state.
     pub energy: Energy,
-    /// Whether every step has its own unit of mass ([`crate::lobatto::start::Start::with_units`]).
+    /// Whether every step has its own unit of mass ([`crate::stages::start::Start::with_units`]).
     own_unit: bool,
 }
 
@@ -203,9 +185,4 @@ impl PlanarStart {
         }
         self.energy = energy;
     }
-}
-
-/// `(C + S J) v`.
-pub(super) fn turned([cosine, sine]: &[f64; 2], [x, y]: &[f64; 2]) -> [f64; 2] {
-    [cosine * x - sine * y, sine * x + cosine * y]
 }

@@ -17,24 +17,25 @@
 //!     e_k = I ((1 + κ_k) q_k − σ_k p_k) + (1 + N_k) m r × a_k                      [kg m²]
 //! ```
 //!
-//! is the residual of [`crate::lobatto::residual`], whose third torque it is (I: about the anchor). The solve is that of
-//! [`crate::lobatto::sweeps`]; so is the momentum at the end of the step, with the momentum weights in place of B.
+//! is the residual of [`crate::equations::residual`], whose third torque it is (I: about the anchor). The solve is that of
+//! [`crate::solve::sweeps`]; so is the momentum at the end of the step, with the momentum weights in place of B.
 
-use super::algebra::Vector2;
-use super::articulated::Articulated2;
-use super::stage::{PlanarStages, Turned};
-use super::start::PlanarBody;
-use crate::lobatto::articulated::Push;
-use crate::lobatto::lanes::Lanes;
-use crate::lobatto::plan::Children;
-use crate::lobatto::rows::Sweep;
-use crate::lobatto::turns::{FEW, half_angle, half_angle_of_few};
-use crate::model::FreeRotation;
+use crate::planar::algebra::Vector2;
+use crate::planar::articulated::Articulated2;
+use crate::planar::body::PlanarBody;
+use crate::planar::workspace::{PlanarStages, Turned};
+
+use crate::numbers::lanes::Lanes;
+use crate::numbers::series::{FEW, half_angle, half_angle_of_few};
+use crate::plan::tree::Children;
+use crate::stages::articulated::Push;
+use crate::stages::rows::Sweep;
+use catena_mechanism::description::joint::FreeRotation;
 
 impl<V: Lanes> PlanarStages<V> {
     /// Root to leaf: turns and paths of all bodies.
     #[inline(always)]
-    pub(super) fn sweep_paths<const MOMENTUM: bool, const REFINED: bool>(&mut self, sweep: &Sweep<V>) {
+    pub(crate) fn sweep_paths<const MOMENTUM: bool, const REFINED: bool>(&mut self, sweep: &Sweep<V>) {
         let few = self.largest <= FEW;
         let start = &self.start;
         for (index, (tree, flat)) in self.plan.tree.bodies.iter().zip(&self.plan.bodies).enumerate() {
@@ -91,7 +92,7 @@ impl<V: Lanes> PlanarStages<V> {
     /// Leaf to root, after [`PlanarStages::sweep_paths`] with the same sweep: residuals or momenta, and the articulated
     /// factorisation of all rows.
     #[inline(always)]
-    pub(super) fn sweep_back<const MOMENTUM: bool, const FORCED: bool>(&mut self, sweep: &Sweep<V>) {
+    pub(crate) fn sweep_back<const MOMENTUM: bool, const FORCED: bool>(&mut self, sweep: &Sweep<V>) {
         let one = V::splat(1.0);
         let mut carried = Articulated2::zero();
         for index in (0..self.plan.bodies.len()).rev() {
@@ -156,7 +157,7 @@ impl<V: Lanes> PlanarStages<V> {
 
     /// Root to leaf: `α` of every degree of freedom.
     #[inline(always)]
-    pub(super) fn forward(&mut self, mut take: impl FnMut(&mut Self, usize, V)) {
+    pub(crate) fn forward(&mut self, mut take: impl FnMut(&mut Self, usize, V)) {
         let mut twist = (Vector2::zero(), V::zero());
         for index in 0..self.plan.bodies.len() {
             let tree = &self.plan.tree.bodies[index];
@@ -191,7 +192,7 @@ impl<V: Lanes> PlanarStages<V> {
 
     /// A residual wrench less the forces that act on the body.
     #[inline(always)]
-    pub(super) fn less_acting(&self, body: usize, sweep: &Sweep<V>, force: Vector2<V>, torque: V) -> (Vector2<V>, V) {
+    pub(crate) fn less_acting(&self, body: usize, sweep: &Sweep<V>, force: Vector2<V>, torque: V) -> (Vector2<V>, V) {
         match self.acting.get(body) {
             Some((pull, turn)) => {
                 let scale = sweep.forces;
@@ -203,7 +204,7 @@ impl<V: Lanes> PlanarStages<V> {
 
     /// What a force does along a degree of freedom, in the sense of the plane.
     #[inline(always)]
-    pub(super) fn push<const MOMENTUM: bool, const FORCED: bool>(
+    pub(crate) fn push<const MOMENTUM: bool, const FORCED: bool>(
         &self,
         sweep: &Sweep<V>,
         freedom: usize,
@@ -221,7 +222,7 @@ impl<V: Lanes> PlanarStages<V> {
 
 /// `(1 + N_k) m r`, `f_k` and `e_k` of a body with this turn `1 + N_k` at the rows' stages.
 #[inline(always)]
-pub(super) fn own_residual<V: Lanes>(
+pub(crate) fn own_residual<V: Lanes>(
     known: &PlanarBody,
     turned: &Turned<V>,
     (along, across): (V, V),
@@ -236,7 +237,7 @@ pub(super) fn own_residual<V: Lanes>(
 
 /// The turn of a body at the rows' stages, as cosine and sine.
 #[inline(always)]
-pub(super) fn row_turn<V: Lanes, const MOMENTUM: bool>(sweep: &Sweep<V>, turned: &Turned<V>) -> (V, V) {
+pub(crate) fn row_turn<V: Lanes, const MOMENTUM: bool>(sweep: &Sweep<V>, turned: &Turned<V>) -> (V, V) {
     let one = V::splat(1.0);
     match MOMENTUM {
         true => (one + turned.cosine, turned.sine),

@@ -27,10 +27,10 @@
 //! Sources: the constrained scheme (2.5.11) and (2.5.12); E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical
 //! Integration", sections II.1, IV.2 and VII.1; the pair (b, D) on Gauss–Lobatto nodes is textbook spectral elements.
 
-use crate::lobatto::extended::Extended;
+use crate::numbers::extended::Extended;
 
-/// The fields of [`Tableau`](super::Tableau) before rounding.
-pub(super) struct Exact {
+/// The fields of [`Tableau`](crate::tableau::butcher::Tableau) before rounding.
+pub(crate) struct Exact {
     pub nodes: Vec<Extended>,
     pub weights: Vec<Extended>,
     pub a: Vec<Extended>,
@@ -136,8 +136,8 @@ fn lobatto_points(stages: usize) -> Vec<Extended> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{MAXIMUM_STAGES, MINIMUM_STAGES};
     use super::*;
+    use crate::tableau::butcher::{MAXIMUM_STAGES, MINIMUM_STAGES};
 
     /// Bound on what exact identities may leave: 32 digits, less the factor 2·10⁴ of the largest entry of B and a
     /// few hundred operations.

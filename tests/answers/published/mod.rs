@@ -8,12 +8,13 @@ mod tops;
 
 use crate::common::run_until;
 use crate::models::Model;
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::model::Mechanism;
+use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::body_states;
 use catena::reduced::Dop853;
-use catena::simulation::{Integrator, Summary};
-use catena::state::BodyState;
+use catena::simulation::Summary;
+use catena::stepping::integrator::Lobatto;
 
 /// What moves a problem.
 #[derive(Clone, Copy, Debug)]

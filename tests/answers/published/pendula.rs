@@ -4,8 +4,10 @@
 
 use super::{Method, assert_close, visit};
 use crate::models::{self, ChainAnswer, Model, body, frame, gravity};
-use catena::model::{Joint, JointKind, Mechanism, Pose};
-use catena::state::{BodyState, State};
+use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::state::State;
 use nalgebra::{Translation3, Vector3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 

@@ -4,7 +4,7 @@
 
 use super::{Method, assert_close, visit};
 use crate::models::{self, PoseReference};
-use catena::state::BodyState;
+use catena::mechanism::description::body_state::BodyState;
 use nalgebra::Vector3;
 
 #[test]

@@ -3,11 +3,13 @@
 use super::{GRAVITY, body, chain};
 use crate::common::Numbers;
 use crate::models::turned_frame;
-use catena::invariants::momentum;
-use catena::kinematics::{WORLD, body_states, forward_kinematics};
-use catena::model::{FreeRotation, JointKind, Mechanism, Pose};
+use catena::mechanism::description::body_state::WORLD;
+use catena::mechanism::description::joint::{FreeRotation, JointKind, Pose};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::energy::momentum;
+use catena::mechanism::motion::kinematics::{body_states, forward_kinematics};
+use catena::mechanism::motion::state::State;
 use catena::reduced::{ArticulatedBody, joint_reactions};
-use catena::state::State;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 fn vector(numbers: &mut Numbers) -> Vector3<f64> {

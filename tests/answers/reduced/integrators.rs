@@ -2,11 +2,12 @@
 
 use super::chain;
 use crate::common::run_until;
-use catena::kinematics::body_states;
-use catena::model::{JointKind, Mechanism};
+use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::integrator::{Integrator, StepError};
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
 use catena::reduced::{Dop853, Euler, Rk4};
-use catena::simulation::{Integrator, StepError};
-use catena::state::State;
 use nalgebra::Vector3;
 
 /// A double pendulum with crossed axes and a ball joint: every branch of the code, and no symmetry.

@@ -4,7 +4,8 @@
 mod dynamics;
 mod integrators;
 
-use catena::model::{Body, Joint, JointKind, Mechanism, Pose};
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use catena::mechanism::description::mechanism::{Body, Mechanism};
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 const GRAVITY: f64 = 9.81;

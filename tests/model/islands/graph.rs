@@ -3,11 +3,14 @@
 use super::{parts, side_by_side, spring_between};
 use crate::common::Numbers;
 use crate::models::{self, Model};
-use catena::forces::total::{Stored, stored};
-use catena::forces::{Forces, PointSpring};
-use catena::kinematics::body_states;
-use catena::model::{Coordinate, Joint, LoopJoint, LoopKind, Mechanism, Mimic, Pose, islands};
-use catena::state::State;
+use catena::mechanism::description::closure::{Coordinate, LoopJoint, LoopKind, Mimic};
+use catena::mechanism::description::forces::{Forces, PointSpring};
+use catena::mechanism::description::joint::{Joint, Pose};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::forces::total::{Stored, stored};
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::mechanism::structure::islands::islands;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
@@ -82,7 +85,7 @@ fn islands_are_what_a_search_of_the_graph_finds_and_each_is_the_mechanism_it_wou
         let Model { mechanism, state } = random_mechanism(&mut numbers);
         let found = islands(&mechanism);
         several += usize::from(found.len() > 1);
-        let of = |island: &catena::model::Island| -> BTreeSet<usize> {
+        let of = |island: &catena::mechanism::structure::islands::Island| -> BTreeSet<usize> {
             island.pieces.iter().flat_map(|piece| piece.bodies.clone()).collect()
         };
         assert_eq!(found.iter().map(of).collect::<BTreeSet<_>>(), reachable(&mechanism), "case {case}");
@@ -93,7 +96,7 @@ fn islands_are_what_a_search_of_the_graph_finds_and_each_is_the_mechanism_it_wou
         let (mut springs, mut loads, mut rebuilt) = (0.0, 0.0, State::zero(&mechanism));
         for island in &found {
             let own = island.state(&state);
-            let mut bodies = vec![catena::kinematics::WORLD; whole.len()];
+            let mut bodies = vec![catena::mechanism::description::body_state::WORLD; whole.len()];
             let alone = body_states(&island.mechanism, &own);
             island.put(&alone, &mut bodies, |piece| &piece.bodies);
             for body in of(island) {

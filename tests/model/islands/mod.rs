@@ -6,12 +6,15 @@ mod sleep;
 
 use crate::models::Model;
 use crate::{common, models};
-use catena::forces::{Forces, PointSpring};
-use catena::islands::{Islands, Plan, Threads};
-use catena::lobatto::Lobatto;
-use catena::model::{Attachment, Joint, JointKind, LoopJoint, Mechanism};
+use catena::mechanism::description::closure::{Attachment, LoopJoint};
+use catena::mechanism::description::forces::{Forces, PointSpring};
+use catena::mechanism::description::joint::{Joint, JointKind};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::state::State;
+use catena::simulation::islands::{Islands, Plan};
+use catena::simulation::threads::Threads;
 use catena::simulation::{Observer, ObserverError, RunOptions, Sample, Summary};
-use catena::state::State;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::Vector3;
 
 /// All of them in one mechanism, one after the other.

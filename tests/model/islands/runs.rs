@@ -4,12 +4,15 @@
 use super::{Seen, Way, parts, pendulum, run_islands, side_by_side};
 use crate::models::Model;
 use crate::{closed, common, models};
-use catena::islands::{Islands, Plan, Threads};
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::model::{JointKind, Mechanism, islands};
+use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::mechanism::structure::islands::islands;
+use catena::simulation::islands::{Islands, Plan};
+use catena::simulation::threads::Threads;
 use catena::simulation::{Observer, ObserverError, RunError, RunOptions, Sample, Summary, run};
-use catena::state::State;
+use catena::stepping::integrator::Lobatto;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Trees, a tree with every force, and two four-bars with a loop each.

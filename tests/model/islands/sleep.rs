@@ -3,15 +3,16 @@
 use super::{Way, parts, pendulum, run_islands, side_by_side, spring_between};
 use crate::models::Model;
 use crate::{closed, common, models};
-use catena::forces::{JointLoad, PointSpring};
-use catena::invariants::{energy, energy_with_forces};
-use catena::islands::Plan;
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::model::{Mechanism, Rule};
-use catena::rest::is_at_rest;
+use catena::instant::rest::is_at_rest;
+use catena::mechanism::description::forces::{JointLoad, PointSpring};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::energy::{energy, energy_with_forces};
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
 use catena::simulation::RunOptions;
-use catena::state::State;
+use catena::simulation::islands::Plan;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::Vector3;
 
 #[test]
@@ -39,7 +40,7 @@ fn rest_in_equilibrium_is_known_stable_or_not_and_nothing_else_is() {
     free.0.gravity = Vector3::zeros();
     assert!(rests(free.clone()), "in empty space");
     let turned = models::wrenches(&free.0).wrenches[0];
-    free.0.forces.wrenches = vec![catena::forces::Wrench { force: Vector3::zeros(), ..turned }];
+    free.0.forces.wrenches = vec![catena::mechanism::description::forces::Wrench { force: Vector3::zeros(), ..turned }];
     assert!(!rests(free), "turned by a torque");
 
     // A square four-bar is in equilibrium when it hangs straight down, loops and all, and not when it leans.

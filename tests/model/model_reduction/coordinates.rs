@@ -2,8 +2,9 @@
 
 use super::{fixed, floating, joint, link, random_positions, robot, zoo};
 use crate::common::Numbers;
-use catena::kinematics::body_states;
-use catena::model::{JointKind, ModelError, Pose};
+use catena::mechanism::description::joint::{JointKind, Pose};
+use catena::mechanism::motion::kinematics::body_states;
+use catena::model::ModelError;
 use nalgebra::{Rotation3, Translation3, UnitQuaternion, Vector3};
 
 #[test]

@@ -2,8 +2,9 @@
 
 use super::{fixed, floating, joint, link, random_positions, read, robot, zoo};
 use crate::common::Numbers;
-use catena::kinematics::body_states;
-use catena::model::{Base, Model, ModelError, ModelOptions, Pose, ReductionRule};
+use catena::mechanism::description::joint::Pose;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::model::{Base, Model, ModelError, ModelOptions, ReductionRule};
 use catena::scene::Element;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 use std::time::{Duration, Instant};

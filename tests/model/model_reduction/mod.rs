@@ -5,7 +5,8 @@ mod links;
 mod masses;
 
 use crate::common::Numbers;
-use catena::model::{Base, Model, ModelOptions, Pose};
+use catena::mechanism::description::joint::Pose;
+use catena::model::{Base, Model, ModelOptions};
 use catena::scene::{PackagePath, Robot, robot_from_text};
 use std::path::Path;
 

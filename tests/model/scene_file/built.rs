@@ -1,10 +1,11 @@
 //! The mechanism is the one that the scene file says: its robots, loops, springs and loads.
 
 use super::{DOUBLE, ONE, build, folder, refusal};
-use catena::closures::loop_gaps;
-use catena::kinematics::body_states;
-use catena::model::{LoopKind, Model};
-use catena::state::State;
+use catena::mechanism::description::closure::LoopKind;
+use catena::mechanism::motion::gaps::loop_gaps;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::model::Model;
 use nalgebra::Vector3;
 
 /// The largest gap of the first loop.

@@ -5,9 +5,9 @@ mod command_line;
 mod errors;
 
 use crate::common::command;
+use catena::mechanism::motion::state::State;
 use catena::model::{Model, Start};
 use catena::scene::{PackagePath, Scene, SceneError, read_urdf, scene_from_text};
-use catena::state::State;
 use std::path::{Path, PathBuf};
 
 /// Two rods one below the other, a point mass fixed to the second, and a leaf without mass.

@@ -2,10 +2,11 @@
 
 use super::{Coasting, URDF, VELOCITY, arm, log, messages, model_of, of_topic, simulation};
 use crate::common::scratch;
-use catena::kinematics::{WORLD, forward_kinematics};
-use catena::log::{Ending, Recorder, Severity};
+use catena::mechanism::description::body_state::WORLD;
+use catena::mechanism::description::joint::rotation_from_wxyz;
+use catena::mechanism::motion::kinematics::forward_kinematics;
 use catena::model::Base;
-use catena::model::joint::rotation_from_wxyz;
+use catena::output::log::{Ending, Recorder, Severity};
 use catena::scene::{PackagePath, robot_from_text};
 use catena::simulation::{RunOptions, run};
 use foxglove::Decode;
@@ -147,7 +148,7 @@ fn energy_is_logged_once_a_step_at_the_end_of_the_step() {
         cdr.assert_ended();
         let mut bodies = [WORLD; 2];
         forward_kinematics(&mechanism, &VELOCITY.map(|rate| rate * time), &VELOCITY, &mut bodies);
-        let energy = catena::invariants::energy(&mechanism, &bodies);
+        let energy = catena::mechanism::motion::energy::energy(&mechanism, &bodies);
         for (logged, expected) in figures.iter().zip([energy.kinetic, energy.potential, energy.total()]) {
             assert!((logged - expected).abs() < 1e-7, "{index}: {logged} {expected}");
         }
@@ -209,7 +210,7 @@ fn reactions_are_those_of_the_report() {
         let time = message.log_time as f64 * 1e-9;
         state.position.copy_from_slice(&VELOCITY.map(|rate| rate * time));
         state.velocity.copy_from_slice(&VELOCITY);
-        for (name, report) in catena::report::joint_reports(&model, &state) {
+        for (name, report) in catena::output::report::joint_reports(&model, &state) {
             let expected = [report.reaction_force, report.reaction_torque].concat();
             for expected in expected {
                 let logged = f64::from_le_bytes(cdr.take());

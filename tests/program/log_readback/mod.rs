@@ -5,13 +5,13 @@ mod layout;
 mod messages;
 
 use crate::common::scratch;
-use catena::log::{Ending, Recorder};
-use catena::model::{Base, Mechanism, Model, ModelOptions};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use catena::mechanism::motion::state::State;
+use catena::model::{Base, Model, ModelOptions};
+use catena::output::log::{Ending, Recorder};
 use catena::scene::{PackagePath, robot_from_text};
-use catena::simulation::{
-    Integrator, MethodDescription, Observer, ObserverError, RunOptions, Sample, StepError, StepOutcome, run,
-};
-use catena::state::State;
+use catena::simulation::{Observer, ObserverError, RunOptions, Sample, run};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

@@ -4,9 +4,11 @@
 
 use super::{damper, fixed, one_body, run};
 use crate::models::{self, Model};
-use catena::forces::{Forces, JointLoad, JointSpring, PointSpring, Wrench};
-use catena::model::{Coordinate, Joint, JointKind, Mechanism, Pose};
-use catena::state::State;
+use catena::mechanism::description::closure::Coordinate;
+use catena::mechanism::description::forces::{Forces, JointLoad, JointSpring, PointSpring, Wrench};
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
 fn spring(stiffness: f64, rest: f64) -> Vec<JointSpring> {

@@ -7,11 +7,13 @@ mod stiff;
 
 use crate::common::run_until;
 use crate::models::{self, Model};
-use catena::forces::{Forces, JointDamper};
-use catena::lobatto::Lobatto;
-use catena::model::{Joint, JointKind, Mechanism};
-use catena::simulation::{Integrator, Summary};
-use catena::state::State;
+use catena::mechanism::description::forces::{Forces, JointDamper};
+use catena::mechanism::description::joint::{Joint, JointKind};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::state::State;
+use catena::simulation::Summary;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::Vector3;
 
 /// A box on one joint whose axis is y and whose centre of mass is `below` under the joint.

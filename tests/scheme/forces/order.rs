@@ -2,12 +2,12 @@
 
 use super::{fixed, run};
 use crate::models::{self, Model, pose_distance, velocity_distance};
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::model::JointKind;
+use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::motion::kinematics::body_states;
 use catena::reduced::{Dop853, Rk4};
 use catena::simulation::Summary;
-use catena::state::BodyState;
+use catena::stepping::integrator::Lobatto;
 
 fn forced_models() -> Vec<Model> {
     let mut all: Vec<Model> = models::JOINT_KINDS.into_iter().map(models::one_joint).collect();

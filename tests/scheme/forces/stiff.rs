@@ -1,11 +1,11 @@
 //! Stiff dampers: stable at any step, limited under a spring where documented, and accurate in slow motion.
 
 use super::{damper, fixed, one_body, run};
-use catena::forces::Forces;
-use catena::lobatto::Lobatto;
-use catena::lobatto::tableau::Tableau;
-use catena::model::JointKind;
-use catena::simulation::Integrator;
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::mechanism::description::forces::Forces;
+use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 #[test]

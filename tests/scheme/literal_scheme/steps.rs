@@ -3,11 +3,12 @@
 
 use super::moving_double_pendulum;
 use crate::models::{self, Model, pose_distance, velocity_distance};
-use catena::invariants::{energy, violation};
-use catena::kinematics::body_states;
-use catena::lobatto::literal::{Literal, LiteralError, coordinates};
-use catena::lobatto::tableau::Tableau;
-use catena::state::BodyState;
+use catena::lobatto::literal::coordinates::coordinates;
+use catena::lobatto::literal::scheme::{Literal, LiteralError};
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::motion::energy::{energy, violation};
+use catena::mechanism::motion::kinematics::body_states;
 use nalgebra::Vector3;
 
 /// The state after `count` equal steps over `duration` seconds.
@@ -36,7 +37,7 @@ fn thrown_box_follows_the_benchmark_rotation_and_the_parabola() {
     let model = models::free_body();
     for (time, quaternion, body_spin) in models::FREE_BODY.into_iter().filter(|answer| answer.0 <= 2.0) {
         let body = run(&model, 7, time, (time * 40.0) as usize)[0];
-        let rotation = catena::model::joint::rotation_from_wxyz(&quaternion);
+        let rotation = catena::mechanism::description::joint::rotation_from_wxyz(&quaternion);
         let start = model.bodies()[0];
         let parabola = start.velocity * time + 0.5 * time * time * model.mechanism.gravity;
         // Rounding near the intermediate axis grows e^(3 t): 1e-14 · e^6 at 2 s.
@@ -93,9 +94,11 @@ fn every_joint_holds_to_rounding_at_position_and_velocity_level() {
 
 #[test]
 fn step_back_undoes_a_step() {
-    for model in
-        [moving_double_pendulum(), models::floating_tree(), models::one_joint(catena::model::JointKind::Planar)]
-    {
+    for model in [
+        moving_double_pendulum(),
+        models::floating_tree(),
+        models::one_joint(catena::mechanism::description::joint::JointKind::Planar),
+    ] {
         for stages in [2, 3, 4, 6] {
             let tableau = Tableau::of(stages).unwrap();
             let literal = Literal::new(&model.mechanism, tableau).unwrap();
@@ -163,7 +166,7 @@ fn coordinates_and_body_states_are_inverse() {
     let model = models::floating_tree();
     let bodies = body_states(&model.mechanism, &model.state);
     let (q, velocity) = coordinates(&bodies);
-    let again = catena::lobatto::literal::body_states(&q, &velocity);
+    let again = catena::lobatto::literal::coordinates::body_states(&q, &velocity);
     assert_eq!(pose_distance(&bodies, &again), 0.0);
     // The angular velocity goes through Ṙ = ω̂R and back, a dozen roundings of numbers of order one.
     assert!(velocity_distance(&bodies, &again) < 1e-14);

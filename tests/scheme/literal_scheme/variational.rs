@@ -3,12 +3,13 @@
 
 use super::moving_double_pendulum;
 use crate::models::{self, Model};
-use catena::kinematics::forward_kinematics;
-use catena::lobatto::Lobatto;
-use catena::lobatto::literal::{Literal, coordinates};
-use catena::lobatto::tableau::Tableau;
-use catena::model::Mechanism;
-use catena::simulation::Integrator;
+use catena::lobatto::literal::coordinates::coordinates;
+use catena::lobatto::literal::scheme::Literal;
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::forward_kinematics;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::{DMatrix, DVector};
 
 /// The discrete Lagrangian (2.5.12) of a mechanism of revolute joints, in joint angles and from its definition alone:
@@ -51,7 +52,7 @@ impl<'a> DiscreteLagrangian<'a> {
     }
 
     fn coordinates(&self, angles: &DVector<f64>) -> DVector<f64> {
-        let mut bodies = vec![catena::kinematics::WORLD; self.mechanism.bodies.len()];
+        let mut bodies = vec![catena::mechanism::description::body_state::WORLD; self.mechanism.bodies.len()];
         forward_kinematics(self.mechanism, angles.as_slice(), &vec![0.0; angles.len()], &mut bodies);
         coordinates(&bodies).0
     }
@@ -60,7 +61,7 @@ impl<'a> DiscreteLagrangian<'a> {
     fn tangents(&self, angles: &DVector<f64>) -> DMatrix<f64> {
         let columns: Vec<DVector<f64>> = (0..angles.len())
             .map(|joint| {
-                let mut bodies = vec![catena::kinematics::WORLD; self.mechanism.bodies.len()];
+                let mut bodies = vec![catena::mechanism::description::body_state::WORLD; self.mechanism.bodies.len()];
                 let mut unit = vec![0.0; angles.len()];
                 unit[joint] = 1.0;
                 forward_kinematics(self.mechanism, angles.as_slice(), &unit, &mut bodies);
@@ -138,11 +139,11 @@ impl<'a> DiscreteLagrangian<'a> {
 
 /// The angles of a mechanism of revolute joints, read from its bodies.
 fn revolute_angles(mechanism: &Mechanism, q: &DVector<f64>) -> DVector<f64> {
-    let bodies = catena::lobatto::literal::body_states(q, &DVector::zeros(q.len()));
+    let bodies = catena::lobatto::literal::coordinates::body_states(q, &DVector::zeros(q.len()));
     DVector::from_iterator(
         bodies.len(),
         mechanism.bodies.iter().zip(&bodies).map(|(body, own)| {
-            let parent = body.parent.map_or(catena::kinematics::WORLD, |parent| bodies[parent]);
+            let parent = body.parent.map_or(catena::mechanism::description::body_state::WORLD, |parent| bodies[parent]);
             let turn = body.joint.on_parent.rotation.matrix().transpose()
                 * parent.rotation.transpose()
                 * own.rotation

@@ -2,13 +2,15 @@
 
 use super::frame;
 use crate::{closed, common};
-use catena::closures::loop_gaps;
-use catena::kinematics::body_states;
-use catena::lobatto::elimination::Elimination;
-use catena::lobatto::projection::Projection;
-use catena::lobatto::start::Start;
-use catena::model::{Attachment, Body, Joint, JointKind, LoopJoint, LoopKind, Mechanism};
-use catena::state::State;
+use catena::lobatto::coupled::projection::Projection;
+use catena::lobatto::plan::elimination::Elimination;
+use catena::lobatto::stages::start::Start;
+use catena::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
+use catena::mechanism::description::joint::{Joint, JointKind};
+use catena::mechanism::description::mechanism::{Body, Mechanism};
+use catena::mechanism::motion::gaps::loop_gaps;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 #[test]
@@ -72,7 +74,7 @@ fn the_sparse_projection_of_velocities_equals_the_dense_one() {
                 sum + body.mass * one.velocity.dot(&other.velocity) + spins
             })
         });
-        let rates = |bodies: &[catena::state::BodyState]| -> Vec<f64> {
+        let rates = |bodies: &[catena::mechanism::description::body_state::BodyState]| -> Vec<f64> {
             let gaps = mechanism.loops.iter().map(|joint| loop_gaps(joint, bodies));
             gaps.flat_map(|gaps| gaps.velocity[..gaps.count].to_vec()).collect()
         };

@@ -2,11 +2,11 @@
 //! counted.
 
 use crate::closed;
-use catena::closures::loop_gaps;
-use catena::kinematics::body_states;
-use catena::lobatto::assembly::{AssemblyError, assemble, redundancy};
-use catena::model::{Coordinate, JointLimit};
-use catena::state::State;
+use catena::instant::assembly::{AssemblyError, assemble, redundancy};
+use catena::mechanism::description::closure::{Coordinate, JointLimit};
+use catena::mechanism::motion::gaps::loop_gaps;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
 
 #[test]
 fn a_planar_loop_in_space_has_three_redundant_equations_and_one_degree_of_freedom() {

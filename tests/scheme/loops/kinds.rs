@@ -1,13 +1,15 @@
 //! Every kind of loop joint, and mimic relations, allow the motions that they should.
 
 use super::{frame, run, total_energy};
-use catena::closures::mimic_gap;
-use catena::invariants::{energy, violation};
-use catena::kinematics::body_states;
-use catena::lobatto::assembly::assemble;
-use catena::model::{Attachment, Body, Coordinate, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Mimic, Pose};
-use catena::reactions::Reactions;
-use catena::state::State;
+use catena::instant::assembly::assemble;
+use catena::instant::reactions::Reactions;
+use catena::mechanism::description::closure::{Attachment, Coordinate, LoopJoint, LoopKind, Mimic};
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use catena::mechanism::description::mechanism::{Body, Mechanism};
+use catena::mechanism::motion::energy::{energy, violation};
+use catena::mechanism::motion::gaps::mimic_gap;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
 fn lump(joint: Joint) -> Body {
@@ -38,7 +40,8 @@ fn a_loop_joint_moves_like_the_tree_joint_of_its_kind() {
         closed.loops.push(LoopJoint { name: "closure".into(), kind: loop_kind, a, b });
         let mut state = State::zero(&closed);
         state.position[..3].copy_from_slice(start.position.as_slice());
-        state.position[3..].copy_from_slice(&catena::model::wxyz_from_rotation(&start.rotation));
+        state.position[3..]
+            .copy_from_slice(&catena::mechanism::description::joint::wxyz_from_rotation(&start.rotation));
         state.velocity[..3].copy_from_slice(start.velocity.as_slice());
         state.velocity[3..].copy_from_slice((start.rotation.transpose() * start.angular_velocity).as_slice());
         assemble(&closed, &mut state).unwrap();

@@ -7,13 +7,15 @@ mod motion;
 mod pinned;
 mod singular;
 
-use catena::closures::loop_gaps;
-use catena::invariants::energy;
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::model::{Mechanism, Pose, Rule};
-use catena::simulation::Integrator;
-use catena::state::State;
+use catena::mechanism::description::joint::Pose;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::energy::energy;
+use catena::mechanism::motion::gaps::loop_gaps;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// Runs to a time with fixed steps; returns iterations a step and the largest gap of any loop at the end of any step.

@@ -5,14 +5,16 @@
 
 use super::{run, run_keeping};
 use crate::closed;
-use catena::closures::loop_gaps;
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::lobatto::assembly::{assemble, redundancy};
-use catena::model::{LoopJoint, Mechanism, Rule};
-use catena::reactions::Reactions;
-use catena::simulation::Integrator;
-use catena::state::State;
+use catena::instant::assembly::{assemble, redundancy};
+use catena::instant::reactions::Reactions;
+use catena::mechanism::description::closure::LoopJoint;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::gaps::loop_gaps;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::Vector3;
 
 /// Where the end of the first crank is.
@@ -154,7 +156,8 @@ fn the_feet_of_a_closed_frame_carry_its_weight_and_its_momentum() {
     run(&mechanism, &mut state, 5, 0.05, 0.7);
     let mut reactions = Reactions::new(&mechanism);
     let (joints, loops) = reactions.at(&state.position, &state.velocity);
-    let momentum = |state: &State| catena::invariants::momentum(&mechanism, &body_states(&mechanism, state)).0;
+    let momentum =
+        |state: &State| catena::mechanism::motion::energy::momentum(&mechanism, &body_states(&mechanism, state)).0;
     let rate = {
         // Central difference over 2e-4 s: 1e-7 of an acceleration's change.
         let step = 1e-4;

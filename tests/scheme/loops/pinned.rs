@@ -3,11 +3,13 @@
 
 use super::run;
 use crate::models::{body, frame};
-use catena::invariants::energy;
-use catena::kinematics::body_states;
-use catena::lobatto::assembly::{assemble, redundancy};
-use catena::model::{Attachment, Body, Coordinate, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Mimic, Pose};
-use catena::state::State;
+use catena::instant::assembly::{assemble, redundancy};
+use catena::mechanism::description::closure::{Attachment, Coordinate, LoopJoint, LoopKind, Mimic};
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use catena::mechanism::description::mechanism::{Body, Mechanism};
+use catena::mechanism::motion::energy::energy;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// A link of 1 kg whose joint is this far above its centre of mass, and this far below that of its parent (m).

@@ -2,12 +2,12 @@
 
 use super::{run, run_keeping, total_energy};
 use crate::closed;
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::lobatto::assembly::{AssemblyError, assemble};
-use catena::model::Rule;
-use catena::simulation::Integrator;
-use catena::state::State;
+use catena::instant::assembly::{AssemblyError, assemble};
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::Vector3;
 
 /// Runs N four-bars with many step sizes through their singular positions (all bars in line, twice a revolution).

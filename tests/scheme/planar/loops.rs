@@ -4,15 +4,18 @@ use super::{KINDS, apart, random_loops};
 use crate::in_plane::random_tree;
 use crate::models::Model;
 use crate::{closed, models};
-use catena::closures::{loop_gaps, mimic_gap};
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::lobatto::assembly::assemble;
-use catena::lobatto::lanes::Isa;
-use catena::lobatto::step::StopRule;
-use catena::model::{Coordinate, Mechanism, Mimic, Plane, Rule};
-use catena::simulation::{Integrator, StepOutcome};
-use catena::state::State;
+use catena::instant::assembly::assemble;
+use catena::lobatto::numbers::lanes::Isa;
+use catena::lobatto::stages::attempt::StopRule;
+use catena::mechanism::description::closure::{Coordinate, Mimic};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::gaps::{loop_gaps, mimic_gap};
+use catena::mechanism::motion::integrator::{Integrator, StepOutcome};
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::mechanism::structure::plane::Plane;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::Vector3;
 
 /// A tree in a plane in which a hinge follows another, and a slide a hinge.

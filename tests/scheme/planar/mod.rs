@@ -8,10 +8,12 @@ mod trees;
 use crate::common::Numbers;
 use crate::in_plane::{place, random_tree};
 use crate::models::Model;
-use catena::kinematics::body_states;
-use catena::lobatto::assembly::assemble;
-use catena::model::{Attachment, LoopJoint, LoopKind, Plane, Pose};
-use catena::state::State;
+use catena::instant::assembly::assemble;
+use catena::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
+use catena::mechanism::description::joint::Pose;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::mechanism::structure::plane::Plane;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 

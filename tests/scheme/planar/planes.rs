@@ -4,9 +4,13 @@ use super::{KINDS, Lies, closure, random_loops};
 use crate::common::Numbers;
 use crate::in_plane::random_tree;
 use crate::models;
-use catena::kinematics::body_states;
-use catena::model::{JointKind, LoopJoint, LoopKind, Mechanism, PlanarEquation, Plane};
-use catena::state::State;
+use catena::mechanism::description::closure::{LoopJoint, LoopKind};
+use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::mechanism::structure::planar_loops::PlanarEquation;
+use catena::mechanism::structure::plane::Plane;
 use nalgebra::{Rotation3, Vector3};
 
 #[test]

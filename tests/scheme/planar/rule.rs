@@ -3,9 +3,11 @@
 use crate::common::command;
 use crate::models::Model;
 use crate::{closed, models};
-use catena::islands::Plan as IslandPlan;
-use catena::model::{Body, Mechanism, Plane, Rule};
-use catena::state::State;
+use catena::mechanism::description::mechanism::{Body, Mechanism};
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::state::State;
+use catena::mechanism::structure::plane::Plane;
+use catena::simulation::islands::Plan as IslandPlan;
 use nalgebra::{Rotation3, Vector3};
 
 #[test]

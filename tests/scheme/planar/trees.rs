@@ -3,17 +3,19 @@
 use super::apart;
 use crate::in_plane::random_tree;
 use crate::models::{self, Model};
-use catena::invariants::energy_with_forces;
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::lobatto::dispatch::step_for;
-use catena::lobatto::lanes::Isa;
-use catena::lobatto::literal::Literal;
-use catena::lobatto::step::StopRule;
-use catena::lobatto::tableau::Tableau;
-use catena::model::{JointKind, Plane, Rule};
-use catena::simulation::{Integrator, StepOutcome};
-use catena::state::State;
+use catena::kernels::step_for;
+use catena::lobatto::literal::scheme::Literal;
+use catena::lobatto::numbers::lanes::Isa;
+use catena::lobatto::stages::attempt::StopRule;
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::description::rules::Rule;
+use catena::mechanism::motion::energy::energy_with_forces;
+use catena::mechanism::motion::integrator::{Integrator, StepOutcome};
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::mechanism::structure::plane::Plane;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::Vector3;
 
 /// Two rods on parallel hinges.

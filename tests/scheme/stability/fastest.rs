@@ -3,17 +3,19 @@
 use super::start_of;
 use crate::common::shared;
 use crate::models::{self, Model};
-use catena::invariants::energy;
-use catena::kinematics::body_states;
-use catena::lobatto::Lobatto;
-use catena::lobatto::dynamics::Dynamics;
-use catena::lobatto::fastest::Fastest;
-use catena::lobatto::plan::Plan;
-use catena::model::{Mechanism, ModelOptions};
+use catena::lobatto::plan::tree::Plan;
+use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::energy::energy;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::model::ModelOptions;
 use catena::reduced::ReducedOde;
 use catena::scene::{PackagePath, read_urdf};
-use catena::simulation::Integrator;
-use catena::state::{BodyState, State};
+use catena::stepping::dynamics::Dynamics;
+use catena::stepping::fastest_mode::Fastest;
+use catena::stepping::integrator::Lobatto;
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 
 /// Second derivatives of a centre of mass and of a rotation matrix.
@@ -54,11 +56,12 @@ fn dense_frequencies(mechanism: &Mechanism, state: &State) -> (f64, f64) {
     };
     let held: Vec<_> = (0..mechanism.bodies.len()).map(second).collect();
     let action = |poses: &[BodyState]| -> f64 {
-        let term = |(body, (pose, held)): (&catena::model::Body, (&BodyState, &Acceleration))| {
-            let sigma = Vector3::repeat(0.5 * body.inertia.sum()) - body.inertia;
-            body.mass * (held.0 - mechanism.gravity).dot(&pose.position)
-                + (held.1 * Matrix3::from_diagonal(&sigma) * pose.rotation.transpose()).trace()
-        };
+        let term =
+            |(body, (pose, held)): (&catena::mechanism::description::mechanism::Body, (&BodyState, &Acceleration))| {
+                let sigma = Vector3::repeat(0.5 * body.inertia.sum()) - body.inertia;
+                body.mass * (held.0 - mechanism.gravity).dot(&pose.position)
+                    + (held.1 * Matrix3::from_diagonal(&sigma) * pose.rotation.transpose()).trace()
+            };
         mechanism.bodies.iter().zip(poses.iter().zip(&held)).map(term).sum()
     };
     let step = 1e-3;

@@ -1,10 +1,10 @@
 //! The limits of the pair: where they are, that a step beyond one is named, and that chosen steps stay below.
 
 use super::{rod_on_a_hinge, taut_chain};
-use catena::lobatto::Lobatto;
-use catena::lobatto::stability::{damped_limit, limit};
-use catena::lobatto::tableau::Tableau;
-use catena::simulation::{Integrator, StepError};
+use catena::lobatto::tableau::butcher::Tableau;
+use catena::lobatto::tableau::stability::{damped_limit, limit};
+use catena::mechanism::motion::integrator::{Integrator, StepError};
+use catena::stepping::integrator::Lobatto;
 
 #[test]
 fn the_stability_limits_are_those_of_the_pair() {

@@ -5,11 +5,13 @@ mod limits;
 mod modes;
 
 use crate::models::{self, Model};
-use catena::forces::{JointDamper, JointSpring};
-use catena::lobatto::plan::Plan;
-use catena::lobatto::start::Start;
-use catena::model::{Coordinate, Joint, JointKind, Mechanism, Pose};
-use catena::state::State;
+use catena::lobatto::plan::tree::Plan;
+use catena::lobatto::stages::start::Start;
+use catena::mechanism::description::closure::Coordinate;
+use catena::mechanism::description::forces::{JointDamper, JointSpring};
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
 fn start_of(mechanism: &Mechanism, state: &State) -> (Plan, Start) {

@@ -3,13 +3,13 @@
 use super::{rod_on_a_hinge, start_of, taut_chain};
 use crate::models::Model;
 use crate::{closed, models};
-use catena::forces::{JointSpring, PointSpring};
-use catena::lobatto::dynamics::Dynamics;
-use catena::lobatto::fastest::Fastest;
-use catena::lobatto::linearised::Linearised;
-use catena::model::Coordinate;
+use catena::mechanism::description::closure::Coordinate;
+use catena::mechanism::description::forces::{JointSpring, PointSpring};
+use catena::stepping::dynamics::Dynamics;
+use catena::stepping::fastest_mode::Fastest;
+use catena::stepping::linearised::Linearised;
 
-fn mode(model: &Model, iterations: usize) -> catena::lobatto::watch::Mode {
+fn mode(model: &Model, iterations: usize) -> catena::stepping::watch::Mode {
     Linearised::new(&model.mechanism).estimate(&model.mechanism, &model.state, iterations)
 }
 

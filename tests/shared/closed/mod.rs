@@ -3,8 +3,10 @@
 // Every program of tests compiles its own copy of this module and uses some of it.
 #![allow(dead_code)]
 
-use catena::model::{Attachment, Body, Joint, JointKind, LoopJoint, LoopKind, Mechanism, Pose};
-use catena::state::State;
+use catena::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use catena::mechanism::description::mechanism::{Body, Mechanism};
+use catena::mechanism::motion::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// Turns z into −y, so that a positive angle lifts x towards z.

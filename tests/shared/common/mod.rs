@@ -4,12 +4,14 @@
 
 pub mod command;
 
-use catena::calibration::calibrate;
-use catena::lobatto::Lobatto;
-use catena::model::{Base, Mechanism, Model, ModelError, ModelOptions};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::integrator::Integrator;
+use catena::mechanism::motion::state::State;
+use catena::model::{Base, Model, ModelError, ModelOptions};
 use catena::scene::{PackagePath, Robot, UrdfJointKind, read_urdf};
-use catena::simulation::{Integrator, RunOptions, Summary, run};
-use catena::state::State;
+use catena::simulation::accuracy::calibrate;
+use catena::simulation::{RunOptions, Summary, run};
+use catena::stepping::integrator::Lobatto;
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Unit, Vector3};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

@@ -2,8 +2,9 @@
 
 use crate::common::Numbers;
 use crate::models::{self, Model};
-use catena::model::{Body, Joint, JointKind, Mechanism, Pose};
-use catena::state::State;
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use catena::mechanism::description::mechanism::{Body, Mechanism};
+use catena::mechanism::motion::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// A random rotation.

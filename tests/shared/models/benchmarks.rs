@@ -6,8 +6,8 @@
 #![allow(clippy::excessive_precision, reason = "reference values stand as their source prints them")]
 
 use super::{Model, body, box_inertia, frame, gravity, model};
-use catena::model::{Joint, JointKind, Pose};
-use catena::state::BodyState;
+use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use nalgebra::Vector3;
 
 /// A pose at an instant, as the benchmark page prints it.
@@ -23,7 +23,7 @@ pub struct PoseReference {
 impl PoseReference {
     /// Largest error of a body's pose: metres, or entries of the rotation matrix.
     pub fn error(&self, body: &BodyState) -> f64 {
-        let rotation = catena::model::joint::rotation_from_wxyz(&self.quaternion);
+        let rotation = catena::mechanism::description::joint::rotation_from_wxyz(&self.quaternion);
         (body.position - Vector3::from(self.position)).amax().max((body.rotation - rotation).amax())
     }
 }

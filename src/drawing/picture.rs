@@ -1,0 +1,126 @@
+//! A picture as data: axes, curves, shaded regions and legend. Drawing it is [`mod@crate::drawing::render`]'s.
+
+use crate::drawing::error::ChartError;
+use crate::drawing::render;
+use crate::drawing::style::Look;
+use std::path::Path;
+
+/// Everything that is in a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Headline.
+    pub title: String,
+    /// A line under it.
+    pub subtitle: String,
+    /// Horizontal axis.
+    pub x: Scale,
+    /// Vertical axis.
+    pub y: Scale,
+    /// Regions to the left of a value that are shaded.
+    pub bands: Vec<Band>,
+    /// The curves, in the groups of the legend.
+    pub panels: Vec<Panel>,
+    /// Lines of text under the legend.
+    pub notes: Vec<String>,
+}
+
+/// Pictures one below the other that share their horizontal axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Headline.
+    pub title: String,
+    /// A line under it.
+    pub subtitle: String,
+    /// The pictures from top to bottom; those without a subtitle have small titles.
+    pub pictures: Vec<Picture>,
+}
+
+impl Figure {
+    /// The figure as the text of an SVG file.
+    ///
+    /// # Errors
+    /// [`ChartError::Draw`] if the drawing library fails.
+    pub fn svg(&self) -> Result<String, ChartError> {
+        render::stacked_svg(self)
+    }
+
+    /// Writes the figure as a PNG file.
+    ///
+    /// # Errors
+    /// [`ChartError::Draw`] if the drawing library fails or the file cannot be written.
+    pub fn write_png(&self, path: &Path) -> Result<(), ChartError> {
+        render::stacked_png(self, path)
+    }
+}
+
+/// An axis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Scale {
+    /// A fixed range with round ticks.
+    Linear {
+        /// What it shows, with the unit.
+        label: String,
+        /// From and to.
+        range: (f64, f64),
+    },
+    /// As many decades as the curves need, but not beyond these limits; points outside are not drawn.
+    Log {
+        /// What it shows, with the unit.
+        label: String,
+        /// Lower limit.
+        least: f64,
+        /// Upper limit.
+        most: f64,
+    },
+}
+
+/// A shaded region from the left edge to a value of the horizontal axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    /// Its right edge.
+    pub below: f64,
+    /// How dark: 0 is invisible, 1 is black.
+    pub strength: f64,
+    /// What it means, for the legend.
+    pub label: String,
+}
+
+/// A group of the legend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Its heading.
+    pub heading: String,
+    /// Its curves.
+    pub series: Vec<Series>,
+}
+
+/// A curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Its name.
+    pub label: String,
+    /// Colour, marker and line.
+    pub look: Look,
+    /// Its points, joined in this order.
+    pub points: Vec<(f64, f64)>,
+    /// A marker at every so-many-th point.
+    pub markers_every: usize,
+}
+
+impl Picture {
+    /// The picture as the text of an SVG file.
+    ///
+    /// # Errors
+    /// [`ChartError::Draw`] if the drawing library fails.
+    pub fn svg(&self) -> Result<String, ChartError> {
+        render::svg(self)
+    }
+
+    /// Writes the picture as a PNG file.
+    ///
+    /// # Errors
+    /// [`ChartError::Draw`] if the drawing library fails or the file cannot be written.
+    pub fn write_png(&self, path: &Path) -> Result<(), ChartError> {
+        render::png(self, path)
+    }
+}

@@ -1,0 +1,170 @@
+//! The start of a run: positions and velocities that satisfy every closure, and how many equations say the same.
+//!
+//! Initial conditions need only be near. They are projected on the closures with the least motion in the metric of the mass
+//! matrix ([`crate::lobatto::coupled::projection`]) before t = 0: a defect left in them would stay in the multipliers for the whole run
+//! as defect/h.
+
+use crate::instant::limits::{close_within_limits, within_limits};
+use crate::lobatto::coupled::projection::{Projected, Projection};
+use crate::lobatto::stages::start::Start;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::state::State;
+
+/// A gap that the projection leaves larger than this [m, rad] is a mechanism that does not close.
+const OPEN: f64 = 1e-9;
+/// Rates that the projection leaves larger than this, of the largest rate, contradict each other.
+const CONTRADICTION: f64 = 1e-7;
+
+/// Velocities below this [m/s, rad/s] decide no branch.
+const AT_REST: f64 = 1e-9;
+
+/// What the projection of the start changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Correction {
+    /// Largest change of a number of the joint positions [m, rad, or of a quaternion].
+    pub position: f64,
+    /// Largest change of a joint velocity [m/s or rad/s].
+    pub velocity: f64,
+}
+
+/// Which equations of the closures say nothing new at a configuration.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Redundancy {
+    /// Number of equations of all closures.
+    pub equations: usize,
+    /// Closures with equations that the others imply, and how many.
+    pub redundant: Vec<(String, usize)>,
+}
+
+impl Redundancy {
+    /// Number of redundant equations.
+    pub fn count(&self) -> usize {
+        self.redundant.iter().map(|(_, count)| count).sum()
+    }
+
+    /// Degrees of freedom that the closures leave of those of the tree.
+    pub fn degrees_of_freedom(&self, mechanism: &Mechanism) -> usize {
+        (mechanism.velocity_count + self.count()).saturating_sub(self.equations)
+    }
+}
+
+/// Why a mechanism cannot start.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AssemblyError {
+    /// The loops do not close anywhere near.
+    #[error(
+        "the closure {closure:?} cannot be closed: {gap:.3e} (m or rad) is left open between its ends; move the initial joint positions \
+         nearer to where it closes, or check its frames"
+    )]
+    Open { closure: String, gap: f64 },
+    /// The loops close, but only beyond the limits of joints.
+    #[error(
+        "the closure {closure:?} cannot be closed within the limits of the joints: {gap:.3e} (m or rad) is left open between its \
+         ends; move the initial joint positions, or widen the limits"
+    )]
+    Limited { closure: String, gap: f64 },
+    /// At rest in a singular position.
+    #[error(
+        "the mechanism starts at rest in a singular position, where its closures leave {extra} more degrees of freedom than beside it: \
+         which way it moves is not decided; give an initial velocity, or start it elsewhere"
+    )]
+    Undecided { extra: usize },
+    /// The closures allow no velocity at all like the initial one.
+    #[error(
+        "the initial velocities contradict the closure {closure:?}: its ends would part with {rate:.3e} (m/s or rad/s); give \
+         velocities that the loops allow"
+    )]
+    Contradiction { closure: String, rate: f64 },
+}
+
+/// Equations that are redundant in a state and not beside it: more than none in a singular position, where a mechanism has
+/// more freedom for an instant and may leave on one of several branches.
+///
+/// The neighbour is a configuration some 10⁻³ (rad, m) away, in no direction that any mechanism is likely to prefer, put
+/// back on the closures.
+pub fn extra_freedom(mechanism: &Mechanism, state: &State) -> usize {
+    let here = redundancy(mechanism, state).count();
+    if here == 0 {
+        return 0;
+    }
+    let aside: Vec<f64> =
+        (0..mechanism.velocity_count).map(|freedom| 1e-3 * (1.7 * freedom as f64 + 0.4).sin()).collect();
+    let mut neighbour = state.clone();
+    neighbour.displace(mechanism, &aside);
+    let (mut projection, mut start) = (Projection::new(mechanism), Start::new(mechanism));
+    let Projected { gap, .. } = projection.positions(mechanism, &mut start, &mut neighbour);
+    if gap.is_nan() || gap > OPEN {
+        return 0;
+    }
+    here.saturating_sub(redundancy(mechanism, &neighbour).count())
+}
+
+/// The name of a closure: the loops first, then the mimics.
+pub fn closure_name(mechanism: &Mechanism, closure: usize) -> &str {
+    match mechanism.loops.get(closure) {
+        Some(joint) => &joint.name,
+        None => mechanism.mimics.get(closure - mechanism.loops.len()).map_or("", |mimic| &mimic.name),
+    }
+}
+
+/// Projects a state on all closures, positions first.
+///
+/// # Errors
+/// [`AssemblyError`] with the closure that stays open; the state is then where the projection gave up.
+pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, AssemblyError> {
+    let mut correction = Correction::default();
+    if !mechanism.has_closures() {
+        return Ok(correction);
+    }
+    let mut projection = Projection::new(mechanism);
+    let mut start = Start::new(mechanism);
+    let wanted = state.clone();
+    let Projected { mut gap, mut worst, .. } = projection.positions(mechanism, &mut start, state);
+    if within_limits(mechanism, &wanted) && !within_limits(mechanism, state) {
+        state.copy_from(&wanted);
+        Projected { gap, worst, .. } = close_within_limits(mechanism, &mut projection, &mut start, state);
+        if gap.is_nan() || gap > OPEN {
+            return Err(AssemblyError::Limited { closure: closure_name(mechanism, worst).to_string(), gap });
+        }
+    }
+    if gap.is_nan() || gap > OPEN {
+        return Err(AssemblyError::Open { closure: closure_name(mechanism, worst).to_string(), gap });
+    }
+    let changes = state.position.iter().zip(&wanted.position).map(|(after, before)| (after - before).abs());
+    correction.position = changes.fold(0.0, f64::max);
+    start.set(mechanism, state);
+    let fastest = state.velocity.iter().fold(1.0_f64, |most, rate| most.max(rate.abs()));
+    let Projected { gap: rate, worst, correction: changed } =
+        projection.velocities(mechanism, &start, &mut state.velocity);
+    if rate.is_nan() || rate > CONTRADICTION * fastest {
+        return Err(AssemblyError::Contradiction { closure: closure_name(mechanism, worst).to_string(), rate });
+    }
+    correction.velocity = changed;
+    if state.velocity.iter().all(|rate| rate.abs() < AT_REST) {
+        let extra = extra_freedom(mechanism, state);
+        if extra > 0 {
+            return Err(AssemblyError::Undecided { extra });
+        }
+    }
+    Ok(correction)
+}
+
+/// Which equations are redundant at the configuration of a state.
+pub fn redundancy(mechanism: &Mechanism, state: &State) -> Redundancy {
+    if !mechanism.has_closures() {
+        return Redundancy::default();
+    }
+    let mut projection = Projection::new(mechanism);
+    let mut start = Start::new(mechanism);
+    start.set(mechanism, state);
+    let closures = projection.redundant(&start);
+    let mut redundant: Vec<(String, usize)> = Vec::new();
+    for closure in closures.iter().filter(|(_, implied)| *implied).map(|(closure, _)| *closure) {
+        let name = closure_name(mechanism, closure);
+        match redundant.last_mut() {
+            Some((last, count)) if last == name => *count += 1,
+            _ => redundant.push((name.to_string(), 1)),
+        }
+    }
+    Redundancy { equations: closures.len(), redundant }
+}

@@ -1,0 +1,7 @@
+//! The problem at one instant: how closed loops are assembled, what joints and loops carry, whether anything moves at all.
+
+pub mod assembly;
+pub mod limits;
+pub mod reactions;
+pub mod rest;
+pub mod snapshots;

@@ -1,0 +1,136 @@
+//! What joints and loops carry at an instant.
+//!
+//! The accelerations of the tree by the articulated-body algorithm ([`crate::reduced`]), corrected for the closures,
+//!
+//! ```text
+//!     H a = τ − c + Jᵀ μ,    J a + J̇ v = 0
+//! ```
+//!
+//! then Newton and Euler for every subtree with the multipliers' wrenches on the bodies. Where equations are redundant μ is not
+//! unique; the one with the least `Σ s μ²` is taken, s the mobility of each equation, and what a joint of a loop carries
+//! then depends on that choice as it does on nature's.
+
+use crate::lobatto::coupled::projection::Projection;
+use crate::lobatto::stages::start::Start;
+use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::{BodyWrench, body_wrenches};
+use crate::mechanism::motion::gaps::gap_accelerations;
+use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, forward_kinematics};
+use crate::mechanism::motion::state::State;
+use crate::reduced::{Reaction, ReducedOde, reactions_under};
+use nalgebra::Vector3;
+use std::borrow::Borrow;
+
+/// Works out the reactions of one state after another.
+pub struct Reactions<M> {
+    mechanism: M,
+    ode: ReducedOde,
+    joint_accelerations: Vec<f64>,
+    accelerations: Vec<BodyAcceleration>,
+    applied: Vec<BodyWrench>,
+    reactions: Vec<Reaction>,
+    loops: Vec<LoopReaction>,
+    closing: Option<Closing>,
+}
+
+/// What mechanisms with closures need besides.
+struct Closing {
+    projection: Projection,
+    start: Start,
+    state: State,
+    multipliers: Vec<f64>,
+}
+
+/// What a loop joint carries.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoopReaction {
+    /// Force of the first end on the second, in the world (N).
+    pub force: Vector3<f64>,
+    /// Torque about the point of the second end [N m].
+    pub torque: Vector3<f64>,
+}
+
+impl<M: Borrow<Mechanism>> Reactions<M> {
+    /// Sets up a mechanism, of its own or borrowed.
+    pub fn new(of: M) -> Self {
+        let mechanism = of.borrow();
+        let closing = mechanism.has_closures().then(|| {
+            let projection = Projection::new(mechanism);
+            let multipliers = vec![0.0; projection.row_count()];
+            Closing { projection, start: Start::new(mechanism), state: State::zero(mechanism), multipliers }
+        });
+        let count = mechanism.bodies.len();
+        Reactions {
+            ode: ReducedOde::new(mechanism),
+            joint_accelerations: vec![0.0; mechanism.velocity_count],
+            accelerations: vec![BodyAcceleration::default(); count],
+            applied: vec![BodyWrench::default(); count],
+            reactions: vec![Reaction::default(); count],
+            loops: vec![LoopReaction::default(); mechanism.loops.len()],
+            closing,
+            mechanism: of,
+        }
+    }
+
+    /// The acceleration of each body at these positions and velocities, which place the bodies, with all closures and
+    /// forces. Does not allocate.
+    pub fn accelerations(&mut self, position: &[f64], velocity: &[f64], bodies: &[BodyState]) -> &[BodyAcceleration] {
+        let Reactions { mechanism, joint_accelerations, accelerations, closing, .. } = self;
+        let mechanism = (*mechanism).borrow();
+        self.ode.accelerations_of_placed(position, velocity, bodies, joint_accelerations);
+        // The tree's joint accelerations are corrected for the closures.
+        if let Some(Closing { projection, start, state, multipliers }) = closing {
+            state.position.copy_from_slice(position);
+            state.velocity.copy_from_slice(velocity);
+            start.set(mechanism, state);
+            projection.accelerations(start, joint_accelerations, multipliers, |joints, out| {
+                body_accelerations(mechanism, bodies, velocity, joints, accelerations);
+                gap_accelerations(mechanism, bodies, joints, accelerations, out);
+            });
+        }
+        body_accelerations(mechanism, bodies, velocity, joint_accelerations, accelerations);
+        accelerations
+    }
+
+    /// What each joint carries at these positions and velocities, which place the bodies: one entry a body, and what each
+    /// loop carries. Does not allocate.
+    pub fn of_placed(
+        &mut self,
+        position: &[f64],
+        velocity: &[f64],
+        bodies: &[BodyState],
+    ) -> (&[Reaction], &[LoopReaction]) {
+        self.accelerations(position, velocity, bodies);
+        let Reactions { mechanism, accelerations, applied, reactions, loops, closing, .. } = self;
+        let mechanism = (*mechanism).borrow();
+        body_wrenches(mechanism, bodies, applied);
+        if let Some(Closing { projection, multipliers, .. }) = closing {
+            for (index, joint) in mechanism.loops.iter().enumerate() {
+                let (force, torque) = projection.loop_wrench(index, multipliers);
+                loops[index] = LoopReaction { force, torque };
+                let point = match joint.b.body {
+                    Some(body) => bodies[body].position + bodies[body].rotation * joint.b.frame.translation.vector,
+                    None => joint.b.frame.translation.vector,
+                };
+                for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
+                    if let Some(body) = end {
+                        let arm = point - bodies[body].position;
+                        applied[body].0 += sign * force;
+                        applied[body].1 += sign * (torque + arm.cross(&force));
+                    }
+                }
+            }
+        }
+        reactions_under(mechanism, bodies, accelerations, applied, reactions);
+        (reactions, loops)
+    }
+
+    /// The same, for bodies that have not been placed yet.
+    pub fn at(&mut self, position: &[f64], velocity: &[f64]) -> (&[Reaction], &[LoopReaction]) {
+        let mechanism = self.mechanism.borrow();
+        let mut bodies = vec![WORLD; mechanism.bodies.len()];
+        forward_kinematics(mechanism, position, velocity, &mut bodies);
+        self.of_placed(position, velocity, &bodies)
+    }
+}

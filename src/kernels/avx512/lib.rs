@@ -1,0 +1,24 @@
+//! The kernels compiled for AVX-512: a crate of its own, so that both halves of a small machine compile, and each as one unit.
+
+#![cfg(target_arch = "x86_64")]
+#![deny(unsafe_code)]
+
+use catena_lobatto::instants::instants::Instants;
+use catena_lobatto::step::make::{MakeInstants, MakePrecise, MakeStep};
+use catena_lobatto::step::step::Step;
+use catena_lobatto::vectors::{eight_in_avx512, in_avx512};
+
+/// A step in these vectors. `None` where the processor has none, or where narrower vectors hold it.
+pub fn step(make: MakeStep) -> Option<Box<dyn Step>> {
+    in_avx512(make.lanes(), make)
+}
+
+/// A step with 32 digits in these vectors. `None` where the processor has none.
+pub fn precise_step(make: MakePrecise) -> Option<Box<dyn Step>> {
+    eight_in_avx512(make)
+}
+
+/// What looks at eight instants at once in these vectors. `None` where the processor has none.
+pub fn instants(make: MakeInstants) -> Option<Box<dyn Instants>> {
+    eight_in_avx512(make)
+}

@@ -1,0 +1,50 @@
+//! Which kernel makes the steps, and in which vectors: the narrowest type that holds the stages, of the widest the processor has.
+
+#![deny(unsafe_code)]
+
+use catena_lobatto::instants::instants::{Instants, LinkPlace};
+use catena_lobatto::numbers::lanes::Isa;
+use catena_lobatto::step::make::{MakeInstants, MakePrecise, MakeStep};
+use catena_lobatto::step::step::Step;
+use catena_lobatto::tableau::butcher::Tableau;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::description::rules::Rule;
+
+/// A step of the scheme for this mechanism on this processor: in the plane, if the mechanism has one; `kept` are the rules that
+/// leave nothing out.
+///
+/// No vectors wider than `isa` are taken, nor any that the processor does not have.
+pub fn step_for(mechanism: &Mechanism, tableau: &'static Tableau, isa: Isa, kept: &[Rule]) -> Box<dyn Step> {
+    let make = MakeStep::new(mechanism, tableau, kept);
+    #[cfg(target_arch = "x86_64")]
+    {
+        let avx512 = || (isa == Isa::Avx512).then(|| catena_kernels_avx512::step(make)).flatten();
+        let avx2 = || (isa != Isa::Portable).then(|| catena_kernels_avx2::step(make)).flatten();
+        if let Some(step) = avx512().or_else(avx2) {
+            return step;
+        }
+    }
+    let _ = isa;
+    catena_kernels_portable::step(make)
+}
+
+/// A step with 32 digits for a tree under gravity alone, of at most
+/// [`MOST_PRECISE_STAGES`](catena_lobatto::step::make::MOST_PRECISE_STAGES) stages.
+pub fn precise_step_for(mechanism: &Mechanism, tableau: &'static Tableau, kept: &[Rule]) -> Box<dyn Step> {
+    let make = MakePrecise { mechanism, tableau, kept };
+    #[cfg(target_arch = "x86_64")]
+    if let Some(step) = catena_kernels_avx512::precise_step(make).or_else(|| catena_kernels_avx2::precise_step(make)) {
+        return step;
+    }
+    catena_kernels_portable::precise_step(make)
+}
+
+/// What looks at eight instants of a tree without forces on bodies at once.
+pub fn instants_for(mechanism: &Mechanism, links: &[LinkPlace]) -> Box<dyn Instants> {
+    let make = MakeInstants { mechanism, links };
+    #[cfg(target_arch = "x86_64")]
+    if let Some(instants) = catena_kernels_avx512::instants(make).or_else(|| catena_kernels_avx2::instants(make)) {
+        return instants;
+    }
+    catena_kernels_portable::instants(make)
+}

@@ -1,0 +1,23 @@
+//! The kernels compiled for every processor: a crate of its own, so that both halves of a small machine compile, and each as one unit.
+
+#![deny(unsafe_code)]
+
+use catena_lobatto::instants::instants::Instants;
+use catena_lobatto::step::make::{MakeInstants, MakePrecise, MakeStep};
+use catena_lobatto::step::step::Step;
+use catena_lobatto::vectors::{eight_in_portable, in_portable, wide_in_portable};
+
+/// A step in these vectors.
+pub fn step(make: MakeStep) -> Box<dyn Step> {
+    in_portable(make.lanes(), make)
+}
+
+/// A step with 32 digits in these vectors.
+pub fn precise_step(make: MakePrecise) -> Box<dyn Step> {
+    wide_in_portable(make)
+}
+
+/// What looks at eight instants at once in these vectors.
+pub fn instants(make: MakeInstants) -> Box<dyn Instants> {
+    eight_in_portable(make)
+}

@@ -1,0 +1,43 @@
+//! What keeps a state on the closures: the velocities at the end of a step, and what is interpolated inside it.
+
+use crate::coupled::projection::Projection;
+use crate::coupled::system::{Geometry, One};
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::state::State;
+
+/// The projection of a kernel on its closures, and a state to work with.
+pub(crate) struct Closing<G: Geometry<One>> {
+    projection: Projection<G>,
+    start: G::Start,
+    state: State,
+}
+
+impl<G: Geometry<One>> Closing<G> {
+    /// With the projection for a mechanism.
+    pub fn new(mechanism: &Mechanism, projection: Projection<G>) -> Self {
+        Closing { projection, start: G::start(mechanism), state: State::zero(mechanism) }
+    }
+
+    /// Projects the velocities at the end of a step, which `start` has taken. Does not allocate.
+    pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) {
+        self.projection.velocities(mechanism, start, velocity);
+    }
+
+    /// Number of equations that the others imply, or nearly imply, at the end that was projected last, if that had to be solved for.
+    pub fn weak(&self) -> Option<usize> {
+        self.projection.weak()
+    }
+
+    /// Brings interpolated positions and velocities back on the closures. Does not allocate.
+    pub fn project(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {
+        let Closing { projection, start, state } = self;
+        state.position.copy_from_slice(position);
+        state.velocity.copy_from_slice(velocity);
+        state.compensation.fill(0.0);
+        projection.positions(mechanism, start, state);
+        projection.place(mechanism, start, state);
+        projection.velocities(mechanism, start, &mut state.velocity);
+        position.copy_from_slice(&state.position);
+        velocity.copy_from_slice(&state.velocity);
+    }
+}

@@ -1,0 +1,97 @@
+//! The closures' side of the coupled system: what the multipliers push with, and rates.
+
+use crate::coupled::system::{Coupled, Geometry};
+use crate::numbers::lanes::Lanes;
+use crate::plan::elimination::TWIST;
+use std::ops::Range;
+
+impl<V: Lanes> Coupled<V> {
+    /// Starts a step: all multipliers from zero.
+    pub fn begin(&mut self) {
+        self.multipliers.fill(V::zero());
+    }
+
+    /// Gaps and gradients of all loops.
+    #[inline(always)]
+    pub fn evaluate<G: Geometry<V>>(&mut self, geometry: &G) {
+        geometry.evaluate(&self.rows_of_loop, &mut self.gaps, &mut self.gradients);
+    }
+
+    /// The rows of the mimics.
+    pub fn mimic_rows(&self) -> Range<usize> {
+        self.mimic_rows.clone()
+    }
+
+    /// Lets the multipliers push on the bodies: `bias ← bias − Jᵀ λ`.
+    #[inline(always)]
+    pub fn push(&mut self) {
+        for (ends, rows) in self.ends.iter().zip(&self.rows_of_loop[..self.loops]) {
+            for row in rows.clone() {
+                for (end, sign) in ends.iter().zip([1.0, -1.0]) {
+                    if let Some(body) = *end {
+                        let factor = self.multipliers[row] * V::splat(sign);
+                        let gradient = &self.gradients[row][1][..self.elimination.width];
+                        for (bias, direction) in self.bias[body].iter_mut().zip(gradient) {
+                            *bias = direction.mul_add(factor, *bias);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// For every equation the closure it belongs to.
+    pub fn closure_of_row(&self) -> &[usize] {
+        &self.elimination.closure_of_row
+    }
+
+    /// The latest increments of the multipliers.
+    pub fn multiplier_increments(&self) -> &[V] {
+        &self.multiplier_increments
+    }
+
+    /// The direction in which a multiplier pushes on the second end of its loop, in the first lane.
+    pub fn direction(&self, row: usize) -> [f64; TWIST] {
+        self.gradients[row][0].map(|lanes| lanes.to_array().as_ref()[0])
+    }
+
+    /// The twists of all bodies for rates of the freedoms, where the step starts.
+    pub fn twists_of<G: Geometry<V>>(&mut self, geometry: &G, plan: &G::Plan, start: &G::Start, rates: &[f64]) {
+        for (index, body) in G::tree(plan).bodies.iter().enumerate() {
+            let mut twist = body.parent.map_or([V::zero(); TWIST], |parent| self.twists[parent]);
+            for freedom in body.freedoms() {
+                let screw = geometry.screws(plan, start, &[], index, freedom).columns;
+                for (twist, screw) in twist.iter_mut().zip(screw).take(G::WIDTH) {
+                    *twist = screw.mul_add(V::splat(rates[freedom]), *twist);
+                }
+            }
+            self.twists[index] = twist;
+        }
+    }
+
+    /// The rates of the gaps of all loops for the present twists, in place of the gaps.
+    pub fn rates(&mut self) {
+        for (ends, rows) in self.ends.iter().zip(&self.rows_of_loop) {
+            for row in rows.clone() {
+                let mut rate = V::zero();
+                for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
+                    if let Some(body) = *end {
+                        let directions = &self.gradients[row][0][..self.elimination.width];
+                        for (direction, twist) in directions.iter().zip(&self.twists[body]) {
+                            rate = (*direction * V::splat(sign)).mul_add(*twist, rate);
+                        }
+                    }
+                }
+                self.gaps[row] = rate;
+            }
+        }
+    }
+
+    /// Adds the latest increments to the multipliers.
+    #[inline(always)]
+    pub fn advance_multipliers(&mut self) {
+        for (multiplier, increment) in self.multipliers.iter_mut().zip(&self.multiplier_increments) {
+            *multiplier = *multiplier + *increment;
+        }
+    }
+}

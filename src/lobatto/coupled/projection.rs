@@ -1,0 +1,296 @@
+//! Projection on the closures at one configuration, with the least motion in the metric of the mass matrix.
+//!
+//! ```text
+//!     velocities:  H dv = Jᵀ μ,  J (v + dv) = 0                     (2.5.11h) for what the tree's joints do not say
+//!     positions:   H dq = Jᵀ μ,  g(q) + J dq = 0, repeated          Newton's method
+//! ```
+//!
+//! The proximal term of the solve leaves a part ε of every gap, so that it is repeated, with the same factors, until nothing is left.
+
+use crate::coupled::space::Space;
+use crate::coupled::system::{Coupled, Geometry, One, PROXIMAL};
+use crate::numbers::lanes::Lanes;
+use crate::plan::tree::Plan;
+use catena_mechanism::description::joint::FreeRotation;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::state::State;
+use nalgebra::Vector3;
+
+/// The number in the only lane.
+fn one(value: One) -> f64 {
+    value.to_array()[0]
+}
+
+/// An equation whose mobility the others of its mechanism reduce to this part says nothing new: it falls with the square of
+/// the distance from where it is implied, so that a mechanism is singular within some 1e-5 rad of the position.
+const IMPLIED: f64 = 1e-10;
+/// What counts as nearly implied: the ε of ordinary solves leaves some 1e-8 of every mobility, and a milliradian from the
+/// position 1e-6.
+const WEAK: f64 = 1e-6;
+/// ε where ranks are counted: it leaves about as much of every mobility, and more of what weak equations imply, in proportion to it.
+const COUNTING: f64 = 1e-13;
+/// An equation that is left with so many times as much by another ε,
+const AS_MUCH_MORE: f64 = 10.0;
+/// which is this many times as large, has nothing but what ε leaves.
+const COARSER: f64 = 100.0;
+
+/// After a correction smaller than this (rad or m) the factors are good for the next, of which they leave such a part; unless the gaps
+/// show, beside a singular position, that they are not.
+const NEAR: f64 = 1e-6;
+
+/// Largest number of repetitions.
+const ROUNDS: usize = 40;
+
+/// The workspace of projections, in space unless it is said otherwise.
+pub struct Projection<G: Geometry<One> = Space<One>> {
+    coupled: Coupled<One>,
+    geometry: G,
+    plan: G::Plan,
+    increment: Vec<One>,
+    displacement: Vec<One>,
+    correction: Vec<f64>,
+    /// Second derivatives of the gaps.
+    curvatures: Vec<f64>,
+    /// Whether velocities that were projected last had to be solved for.
+    solved: bool,
+}
+
+/// How far a projection got.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Projected {
+    /// Largest gap left (m, rad, or their rates).
+    pub gap: f64,
+    /// The closure that has it: the loops first, then the mimics.
+    pub worst: usize,
+    /// Largest correction of any freedom.
+    pub correction: f64,
+}
+
+impl Projection {
+    /// The workspace for a mechanism in space.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        Projection::of(mechanism, Space::new(mechanism, One::zero(), false), Plan::new(mechanism))
+    }
+
+    /// What the multipliers do on the second end of a loop: force (N) and torque [N m] about its point, in the world.
+    pub fn loop_wrench(&self, closure: usize, multipliers: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+        let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+        for (row, multiplier) in multipliers.iter().enumerate() {
+            if self.coupled.closure_of_row()[row] == closure {
+                let [a, b, c, x, y, z] = self.coupled.direction(row);
+                force += Vector3::new(a, b, c) * *multiplier;
+                torque += Vector3::new(x, y, z) * *multiplier;
+            }
+        }
+        let point = Vector3::from(self.geometry.end_point(closure));
+        (force, torque - point.cross(&force))
+    }
+}
+
+impl<G: Geometry<One>> Projection<G> {
+    /// The workspace for a mechanism in its geometry.
+    pub fn of(mechanism: &Mechanism, geometry: G, plan: G::Plan) -> Self {
+        let coupled = Coupled::of_one(mechanism, &geometry);
+        Projection {
+            curvatures: vec![0.0; coupled.closure_of_row().len()],
+            solved: false,
+            coupled,
+            geometry,
+            plan,
+            increment: vec![One::zero(); mechanism.velocity_count],
+            displacement: vec![One::zero(); mechanism.velocity_count],
+            correction: vec![0.0; mechanism.velocity_count],
+        }
+    }
+
+    /// Takes a state as a start. Does not allocate.
+    pub(crate) fn place(&self, mechanism: &Mechanism, start: &mut G::Start, state: &State) {
+        G::place(&self.plan, start, mechanism, state);
+    }
+
+    /// The gaps and gradients at the start of a step.
+    fn evaluate(&mut self, start: &G::Start) {
+        self.geometry.begin(&self.plan, start);
+        self.coupled.begin();
+        self.coupled.evaluate(&self.geometry);
+        for (row, &gap) in self.coupled.mimic_rows().zip(G::mimic_gaps(start)) {
+            self.coupled.gaps[row] = One::splat(gap);
+        }
+    }
+
+    /// The rates of the gaps for the velocities of the freedoms.
+    fn evaluate_rates(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &[f64]) {
+        self.coupled.twists_of(&self.geometry, &self.plan, start, velocity);
+        self.coupled.rates();
+        for (row, mimic) in self.coupled.mimic_rows().zip(&mechanism.mimics) {
+            let rate = velocity[mimic.follower.freedom] - mimic.multiplier * velocity[mimic.leader.freedom];
+            self.coupled.gaps[row] = One::splat(rate);
+        }
+    }
+
+    /// The largest gap as of the latest evaluation, and the closure that has it.
+    pub fn largest_gap(&self) -> (f64, usize) {
+        let mut worst = (0.0, 0);
+        for (gap, &closure) in self.coupled.gaps.iter().zip(self.coupled.closure_of_row()) {
+            let gap = one(*gap).abs();
+            if gap > worst.0 || gap.is_nan() {
+                worst = (gap, closure);
+            }
+        }
+        worst
+    }
+
+    /// Solves for the present gaps; with new factors for this configuration, or again with those at hand.
+    fn solve(&mut self, start: &G::Start, again: bool) {
+        let Projection { coupled, geometry, plan, .. } = self;
+        if again {
+            coupled.solve_again(G::tree(plan), &mut self.increment);
+        } else {
+            coupled.solve(geometry, plan, start, &self.displacement, &mut self.increment);
+        }
+        for (correction, increment) in self.correction.iter_mut().zip(&self.increment) {
+            *correction = one(*increment);
+        }
+    }
+
+    /// Projects velocities at the configuration of `start`. Does not allocate.
+    pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> Projected {
+        self.evaluate(start);
+        let mut done = Projected::default();
+        let mut last = f64::INFINITY;
+        self.solved = false;
+        for round in 0..ROUNDS {
+            self.evaluate_rates(mechanism, start, velocity);
+            (done.gap, done.worst) = self.largest_gap();
+            // Rounding: what is left does not fall any more.
+            if done.gap == 0.0 || done.gap.is_nan() || done.gap >= 0.5 * last {
+                break;
+            }
+            last = done.gap;
+            self.solve(start, round > 0);
+            self.solved = true;
+            for (rate, correction) in velocity.iter_mut().zip(&self.correction) {
+                *rate += correction;
+                done.correction = done.correction.max(correction.abs());
+            }
+        }
+        done
+    }
+
+    /// Projects the positions of a state, and takes it as a start. Does not allocate.
+    pub fn positions(&mut self, mechanism: &Mechanism, start: &mut G::Start, state: &mut State) -> Projected {
+        let mut done = Projected::default();
+        let mut best = f64::INFINITY;
+        let mut stalled = 0;
+        let mut near = false;
+        for _ in 0..ROUNDS {
+            self.place(mechanism, start, state);
+            self.evaluate(start);
+            (done.gap, done.worst) = self.largest_gap();
+            // Newton's first rounds may overshoot; rounding stalls.
+            stalled = if done.gap < 0.5 * best { 0 } else { stalled + 1 };
+            near &= done.gap < 0.1 * best;
+            best = best.min(done.gap);
+            if done.gap == 0.0 || (stalled > 0 && done.gap < 1e-14) || stalled > 8 || !done.gap.is_finite() {
+                break;
+            }
+            self.solve(start, near);
+            self.shorten();
+            state.displace(mechanism, &self.correction);
+            let largest = self.correction.iter().fold(0.0_f64, |largest, correction| largest.max(correction.abs()));
+            done.correction = done.correction.max(largest);
+            near = largest < NEAR;
+        }
+        done
+    }
+
+    /// Keeps a correction within half a radian, where the equations still mean something.
+    fn shorten(&mut self) {
+        let turns = |plan: &crate::plan::tree::BodyPlan| {
+            let first = plan.first_axis + plan.translations;
+            match plan.rotation {
+                FreeRotation::None => first..first,
+                FreeRotation::AboutZ => first..first + 1,
+                FreeRotation::Ball => first..first + 3,
+            }
+        };
+        let rotations = G::tree(&self.plan).bodies.iter().flat_map(turns);
+        let largest = rotations.map(|freedom| self.correction[freedom].abs()).fold(0.0, f64::max);
+        if largest > 0.5 {
+            for correction in &mut self.correction {
+                *correction *= 0.5 / largest;
+            }
+        }
+    }
+
+    /// Corrects joint accelerations for what the closures forbid, `H da = Jᵀ μ`, `J a + J̇ v = 0`, where `second_derivatives`
+    /// writes the second derivatives of all equations for accelerations; sums μ [N or N m] in `multipliers`. Does not allocate.
+    pub fn accelerations(
+        &mut self,
+        start: &G::Start,
+        acceleration: &mut [f64],
+        multipliers: &mut [f64],
+        mut second_derivatives: impl FnMut(&[f64], &mut [f64]),
+    ) {
+        self.evaluate(start);
+        multipliers.fill(0.0);
+        let mut last = f64::INFINITY;
+        for round in 0..ROUNDS {
+            second_derivatives(acceleration, &mut self.curvatures);
+            for (gap, &value) in self.coupled.gaps.iter_mut().zip(&self.curvatures) {
+                *gap = One::splat(value);
+            }
+            let (gap, _) = self.largest_gap();
+            if gap == 0.0 || gap.is_nan() || gap >= 0.5 * last {
+                break;
+            }
+            last = gap;
+            self.solve(start, round > 0);
+            for (value, correction) in acceleration.iter_mut().zip(&self.correction) {
+                *value += correction;
+            }
+            for (sum, increment) in multipliers.iter_mut().zip(self.coupled.multiplier_increments()) {
+                *sum += one(*increment);
+            }
+        }
+    }
+
+    /// Number of equations that the others imply, or nearly imply, where velocities were projected last; `None` where they needed no
+    /// solve, which alone would have told.
+    pub fn weak(&self) -> Option<usize> {
+        let weak = |left: &&f64| left.is_nan() || left.abs() <= WEAK;
+        self.solved.then(|| self.coupled.left_over.iter().filter(weak).count())
+    }
+
+    /// The gaps of all equations at the start of a step.
+    pub fn gaps(&mut self, start: &G::Start) -> Vec<f64> {
+        self.evaluate(start);
+        self.coupled.gaps.iter().map(|&gap| one(gap)).collect()
+    }
+
+    /// The rates of the gaps for velocities of the freedoms, after [`Projection::gaps`].
+    pub fn gap_rates(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &[f64]) -> Vec<f64> {
+        self.evaluate_rates(mechanism, start, velocity);
+        self.coupled.gaps.iter().map(|&gap| one(gap)).collect()
+    }
+
+    /// Number of equations of all closures.
+    pub fn row_count(&self) -> usize {
+        self.coupled.closure_of_row().len()
+    }
+
+    /// For every equation its closure, and whether the equations before it imply it at this configuration.
+    pub fn redundant(&mut self, start: &G::Start) -> Vec<(usize, bool)> {
+        self.evaluate(start);
+        let [finer, coarser] = [COUNTING, COARSER * COUNTING].map(|proximal| {
+            self.coupled.proximal = proximal;
+            self.solve(start, false);
+            (self.coupled.left_over.clone(), self.coupled.mobilities())
+        });
+        self.coupled.proximal = PROXIMAL;
+        // In itself, because a closure of which nothing is left has no scale but what ε leaves.
+        let grows = finer.1.iter().zip(&coarser.1).map(|(finer, coarser)| coarser.abs() > AS_MUCH_MORE * finer.abs());
+        let implied = finer.0.iter().zip(grows).map(|(left, grows)| left.is_nan() || left.abs() <= IMPLIED || grows);
+        self.coupled.closure_of_row().iter().copied().zip(implied).collect()
+    }
+}

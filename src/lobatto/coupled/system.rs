@@ -1,0 +1,327 @@
+//! The exact Newton step, with all stages coupled: for closed loops, and where nothing simpler converges.
+//!
+//! Newton's method on the stage equations with the multipliers of the closures, `λ_k = h² Λ_k`, all rows k and unknown stages
+//! i at once (newton.md §4c, loops.md §1 of the project's method pages). With η the twists about a common origin, for every
+//! body, joint axis and closure
+//!
+//! ```text
+//!     Σ_i D_ki η_i − J_kᵀ dλ_k = −(E_k − J_kᵀ λ_k)         rows: projected on the joint axes s_k at the rows' stages
+//!     J_i η_i + ε Σ_k Â_ik dλ_k = −g_i                     η_body = η_parent + s_i δ_i
+//! ```
+//!
+//! with the mass blocks D, screws s and gradients J of a [`Geometry`]: `space`, where twists have six components, or
+//! [`crate::step::planar_kernel`], where they have three. The elimination is in `operations`, step by step.
+//!
+//! ε acts on the increments only (proximal): converged gaps are zero whatever it is, and redundant equations need no decision
+//! about rank. The multipliers start from zero in every step, so that nothing that no equation determines is
+//! carried on. The curvature `d(Jᵀλ)` is left out: what is exact is the mass matrix, with the geometry of every stage, and increments fall by
+//! a factor at each iteration, not quadratically.
+//!
+//! With one stage, `B = Â = 1`, the same system projects velocities and positions on the closures ([`crate::coupled::projection`]).
+
+use crate::coupled::front::{Fronts, Screws};
+use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
+use crate::plan::elimination::{Elimination, Operation, TWIST};
+use crate::plan::tree::Plan;
+use crate::stages::coefficients::{moved_rows, row_stage};
+use crate::tableau::butcher::Tableau;
+use crate::vectors::portable::Portable;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::state::State;
+
+/// One configuration, where a step has a lane for each stage.
+pub type One = Portable<1>;
+
+/// ε of all solves: large against the square of the gaps that iterates leave, small against what is weak.
+pub const PROXIMAL: f64 = 1e-8;
+
+/// A force and its torque about the common origin, or a twist, in the first components: six of them in space, three in a plane.
+pub type Screw<V> = [V; TWIST];
+
+/// What the system is made of: the bodies and closures of a mechanism in space, or in a plane.
+pub trait Geometry<V: Lanes> {
+    /// What is constant of the mechanism.
+    type Plan;
+    /// The known start of a step.
+    type Start;
+    /// Number of components of a twist.
+    const WIDTH: usize;
+
+    /// Which bodies hang where.
+    fn tree(plan: &Self::Plan) -> &Plan;
+    /// Room for the start of a step.
+    fn start(mechanism: &Mechanism) -> Self::Start;
+    /// Takes a state as the start of a step.
+    fn place(plan: &Self::Plan, start: &mut Self::Start, mechanism: &Mechanism, state: &State);
+    /// `q_follower − multiplier · q_leader − offset` of every mimic at the start.
+    fn mimic_gaps(start: &Self::Start) -> &[f64];
+    /// Number of equations of every loop.
+    fn rows(&self) -> Vec<usize>;
+    /// Takes the start of a step.
+    fn begin(&mut self, plan: &Self::Plan, start: &Self::Start);
+    /// Where the bodies are: gaps, and gradients at the columns' and at the rows' stages, of all loops and lines of springs, which
+    /// have these rows.
+    fn evaluate(&self, rows_of_loop: &[std::ops::Range<usize>], gaps: &mut [V], gradients: &mut [[Screw<V>; 2]]);
+    /// The screw of a freedom at the rows' and the columns' stages; without displacements, at the start.
+    fn screws(
+        &self,
+        plan: &Self::Plan,
+        start: &Self::Start,
+        displacement: &[V],
+        body: usize,
+        freedom: usize,
+    ) -> Screws<V>;
+    /// Adds the mass blocks `D_ki` of a body to the twist part of a front.
+    fn own(&self, start: &Self::Start, body: usize, mixing: &Mixing<V>, fronts: &mut Fronts<V>, level: usize);
+}
+
+/// The matrix entries of the scheme, as the system needs them.
+pub struct Mixing<V> {
+    /// Number of stages coupled.
+    pub active: usize,
+    /// Row k of B, lanes i.
+    pub mass: [V; MAX_LANES],
+    /// Row i of Â, lanes k.
+    pub(crate) solve: [V; MAX_LANES],
+    /// Row k of Ā B, lanes i: the velocity of the rows.
+    pub(crate) velocity: [V; MAX_LANES],
+    /// Zero where a row has the geometry of the start.
+    pub moved: V,
+}
+
+impl<V: Lanes> Mixing<V> {
+    /// Of a step of the scheme.
+    fn of_stages(tableau: &Tableau) -> Self {
+        let active = tableau.stages - 1;
+        let row_of_lane = |lane: usize| row_stage(lane, active);
+        let mut mass = [V::zero(); MAX_LANES];
+        let mut solve = [V::zero(); MAX_LANES];
+        let mut velocity = [V::zero(); MAX_LANES];
+        for lane in 0..active {
+            velocity[lane] = V::from_slice(&tableau.velocity[row_of_lane(lane) * active..][..active]);
+            let row = row_of_lane(lane) * active;
+            mass[lane] = V::from_slice(&tableau.b_matrix[row..row + active]);
+            let columns: Vec<f64> = (0..active).map(|k| tableau.a_hat[lane * active + row_of_lane(k)]).collect();
+            solve[lane] = V::from_slice(&columns);
+        }
+        Mixing { active, mass, solve, velocity, moved: moved_rows(active) }
+    }
+
+    /// Of a projection at one configuration.
+    fn of_one() -> Self {
+        let one = [V::splat(1.0); MAX_LANES];
+        Mixing { active: 1, mass: one, solve: one, velocity: one, moved: V::zero() }
+    }
+}
+
+/// What a force changes by, row by row: `h² ∂F_k/∂y_i = −(stiffness h² 1 + damping h Ā B)_ki` for a scalar y.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Resistance {
+    pub(crate) stiffness: f64,
+    pub(crate) damping: f64,
+}
+
+/// The linear system of a step, and what it is made of.
+pub struct Coupled<V: Lanes> {
+    pub(crate) elimination: Elimination,
+    pub(crate) fronts: Fronts<V>,
+    pub(crate) mixing: Mixing<V>,
+    pub(crate) unit: [V; MAX_LANES],
+    /// Of the loops, then of the springs.
+    pub(crate) rows_of_loop: Vec<std::ops::Range<usize>>,
+    /// The bodies at their ends.
+    pub(crate) ends: Vec<[Option<usize>; 2]>,
+    pub(crate) loops: usize,
+    /// The rows of the mimics; those of the springs' tensions come after them.
+    pub(crate) mimic_rows: std::ops::Range<usize>,
+    /// Of the point springs, and of every freedom's joint springs and dampers.
+    pub(crate) resistances: Vec<Resistance>,
+    pub(crate) in_joints: Vec<Resistance>,
+    /// Efforts along the freedoms, times h².
+    pub efforts: Vec<V>,
+    /// Length of the step (s).
+    pub step: f64,
+    /// ε, as a part of the mobility of an equation.
+    pub proximal: f64,
+    /// What every body resists with, about the common origin.
+    pub bias: Vec<Screw<V>>,
+    /// One entry a row: the direction in which its multiplier pushes on the second end of its loop, at the columns' and at the
+    /// rows' stages.
+    pub(crate) gradients: Vec<[Screw<V>; 2]>,
+    /// The right-hand side of the closures.
+    pub gaps: Vec<V>,
+    /// `λ`, and its latest increment.
+    pub multipliers: Vec<V>,
+    pub(crate) multiplier_increments: Vec<V>,
+    pub(crate) twists: Vec<Screw<V>>,
+    pub(crate) screws: Vec<Screw<V>>,
+    pub(crate) kept: Vec<V>,
+    pub(crate) kept_at: Vec<usize>,
+    /// First row of the inverse pivot of every operation.
+    pub(crate) pivots: Vec<V>,
+    /// Right-hand sides of the fronts, for another solve with the same factors.
+    pub(crate) right: Vec<f64>,
+    /// Mobility of every row in the direction of its own gradient, before the others of its closure.
+    pub(crate) scales: Vec<f64>,
+    /// The part of it that the other rows leave.
+    pub left_over: Vec<f64>,
+}
+
+impl<V: Lanes> Coupled<V> {
+    /// The system of a step of the scheme, with forces.
+    pub fn of_stages<G: Geometry<V>>(mechanism: &Mechanism, geometry: &G, tableau: &Tableau) -> Self {
+        Self::new(mechanism, G::WIDTH, &geometry.rows(), Mixing::of_stages(tableau), true)
+    }
+
+    /// The system of a projection at one configuration.
+    pub fn of_one<G: Geometry<V>>(mechanism: &Mechanism, geometry: &G) -> Self {
+        Self::new(mechanism, G::WIDTH, &geometry.rows(), Mixing::of_one(), false)
+    }
+
+    fn new(mechanism: &Mechanism, width: usize, rows: &[usize], mixing: Mixing<V>, forces: bool) -> Self {
+        let elimination = Elimination::new(mechanism, width, rows, forces);
+        let mut unit = [V::zero(); MAX_LANES];
+        for (lane, unit) in unit[..mixing.active].iter_mut().enumerate() {
+            let mut array = V::zero_array();
+            array.as_mut()[lane] = 1.0;
+            *unit = V::from_array(array);
+        }
+        let mut kept_at = Vec::with_capacity(elimination.operations.len());
+        let mut kept = 0;
+        for operation in &elimination.operations {
+            kept_at.push(kept);
+            if let Operation::Freedom { columns, .. } | Operation::Multiplier { columns, .. } = operation {
+                kept += (columns.len() + 1) * V::COUNT;
+            }
+        }
+        let mut rows_of_loop = Vec::new();
+        let mut count = 0;
+        let mut next = |rows: usize| {
+            count += rows;
+            count - rows..count
+        };
+        rows_of_loop.extend(rows.iter().map(|&rows| next(rows)));
+        let mimic_rows = next(mechanism.mimics.len());
+        let mut ends: Vec<_> = mechanism.loops.iter().map(|joint| [joint.a.body, joint.b.body]).collect();
+        let mut resistances = Vec::new();
+        let mut in_joints = vec![Resistance::default(); mechanism.velocity_count];
+        if forces {
+            for spring in &mechanism.forces.point_springs {
+                rows_of_loop.push(next(1));
+                ends.push([spring.a.body, spring.b.body]);
+                resistances.push(Resistance { stiffness: spring.stiffness, damping: spring.damping });
+            }
+            for damper in &mechanism.forces.joint_dampers {
+                in_joints[damper.freedom].damping += damper.coefficient;
+            }
+            for spring in &mechanism.forces.joint_springs {
+                in_joints[spring.coordinate.freedom].stiffness += spring.stiffness;
+            }
+        }
+        let (bodies, rows, nothing) = (mechanism.bodies.len(), count, [V::zero(); TWIST]);
+        Coupled {
+            fronts: Fronts::new(mixing.active, &elimination),
+            mixing,
+            unit,
+            rows_of_loop,
+            ends,
+            mimic_rows,
+            resistances,
+            in_joints,
+            loops: mechanism.loops.len(),
+            efforts: vec![V::zero(); mechanism.velocity_count],
+            step: 0.0,
+            proximal: PROXIMAL,
+            bias: vec![nothing; bodies],
+            gradients: vec![[nothing; 2]; rows],
+            gaps: vec![V::zero(); rows],
+            multipliers: vec![V::zero(); rows],
+            multiplier_increments: vec![V::zero(); rows],
+            twists: vec![nothing; bodies],
+            screws: vec![nothing; mechanism.velocity_count],
+            kept: vec![V::zero(); kept],
+            pivots: vec![V::zero(); kept_at.len()],
+            right: vec![0.0; elimination.levels * elimination.slots],
+            kept_at,
+            scales: vec![0.0; rows],
+            left_over: vec![0.0; rows],
+            elimination,
+        }
+    }
+
+    /// What was left of the mobility of every row when it was eliminated.
+    pub fn mobilities(&self) -> Vec<f64> {
+        self.left_over.iter().zip(&self.scales).map(|(part, scale)| part * scale).collect()
+    }
+
+    /// Factors the system and solves it: fills the increments of the freedoms. Not inlined anywhere: every operation is
+    /// compiled for the vectors on its own, once for all geometries.
+    pub fn solve<G: Geometry<V>>(
+        &mut self,
+        geometry: &G,
+        plan: &G::Plan,
+        start: &G::Start,
+        displacement: &[V],
+        increment: &mut [V],
+    ) {
+        let operations = std::mem::take(&mut self.elimination.operations);
+        let mut level = 0;
+        let mut opened = false;
+        for (index, operation) in operations.iter().enumerate() {
+            let eliminated = match operation {
+                Operation::Open => {
+                    level += usize::from(opened);
+                    opened = true;
+                    self.open(level);
+                    None
+                }
+                Operation::Enter { slots, present, gaps } => {
+                    self.enter(level, slots, present, gaps);
+                    None
+                }
+                Operation::Own { body, ends } => {
+                    let (mixing, fronts) = (&self.mixing, &mut self.fronts);
+                    in_lanes!(V, geometry.own(start, *body, mixing, fronts, level));
+                    self.own(level, *body, ends);
+                    None
+                }
+                Operation::Freedom { body, freedom, columns, direct } => {
+                    let screws = in_lanes!(V, geometry.screws(plan, start, displacement, *body, *freedom));
+                    self.take_freedom(level, &screws, *freedom, columns, direct);
+                    Some(columns)
+                }
+                Operation::Multiplier { row, slot, columns, measure } => {
+                    self.take_multiplier(level, *row, *slot, columns, measure);
+                    Some(columns)
+                }
+                Operation::Merge { slots, enter, present, twist } => {
+                    self.merge(level, slots, enter, present, *twist);
+                    level -= 1;
+                    None
+                }
+            };
+            if let Some(columns) = eliminated {
+                self.eliminate(level, index, columns);
+            }
+        }
+        self.substitute_back(&operations, G::tree(plan), increment);
+        self.elimination.operations = operations;
+    }
+
+    /// All eliminated unknowns, the last first.
+    pub(crate) fn substitute_back(&mut self, operations: &[Operation], tree: &Plan, increment: &mut [V]) {
+        for (index, operation) in operations.iter().enumerate().rev() {
+            if let Operation::Freedom { columns, .. } | Operation::Multiplier { columns, .. } = operation {
+                self.back_substitute(tree, operation, self.kept_at[index], columns, increment);
+            }
+        }
+    }
+}
+
+/// A number in lane 0.
+#[inline(always)]
+pub(crate) fn first_lane<V: Lanes>(value: f64) -> V {
+    let mut array = V::zero_array();
+    array.as_mut()[0] = value;
+    V::from_array(array)
+}

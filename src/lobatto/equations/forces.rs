@@ -1,0 +1,212 @@
+//! Forces at all stages at once, by the forced (Lagrange–d'Alembert) version of the scheme.
+//!
+//! Row k of the stage equations gets `h² F_k`, the end momentum `h b_s F_s`, with F at the geometry and the velocity of
+//! the stage. A force that depends on a velocity depends on the rate of one scalar y: a joint displacement, or the length
+//! of a spring. Its rate at stage j is that of the scheme itself,
+//!
+//! ```text
+//!     ẏ_j = ẏ₀ + h⁻¹ Σ_i (Ā B)_ji (y_i − y₀ − h c_i ẏ₀),     j = 1..s
+//! ```
+//!
+//! which is (2.5.11) with y as one more coordinate, without mass, tied to the others by the constraint `y = y(q)`: its
+//! multiplier hands the force on. So the order stays 2s − 2, and nothing that turns as a whole feels a damper, which
+//! velocities of the embedding, `u·(V_b − V_a)`, would not promise: they leave the constraints at the inner stages.
+//! Note that ẏ₁ is not ẏ₀: the first column of Ā is b₁, not zero. That makes damping implicit also at the start, and
+//! the scheme stable for any damper.
+//!
+//! A ball joint has three such coordinates in a step, the components of its rotation vector θ since the start; the
+//! damper acts on `ω = T(θ) θ̇`, `T = 1 − k₁ θ̂ + k₂ θ̂²`, and the effort along θ is `Tᵀ τ`.
+//!
+//! In Newton's matrix a damper along a freedom is `h c Σ_i (Ā B)_ki`, which mixes the stages. The simplified iteration,
+//! `δ_i = Σ_k Â_ik α_k`, takes `κ h c` in its place, on the diagonal of `H(q_k)`. It converges for every c if
+//! `|μ − κ| < κ` for all eigenvalues μ of `Â Ā B` (rows and columns 1 … s−1 of Ā), fastest for large c with
+//!
+//! ```text
+//!     κ = max |μ|² / Re μ           ½, ⅓, 0.272, 0.2375, … 0.176 for s = 2, 3, 4, 5, … 9; exact for s = 2
+//! ```
+//!
+//! What dampers dissipate and what torques without potential put in is summed by the quadrature of the scheme,
+//! `h Σ_k b_k P_k`.
+//!
+//! Sources: the forced scheme: J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica
+//! 2001, section 3.2; its order with constraints: L. O. Jay, "Structure preservation for constrained dynamics with super
+//! partitioned additive Runge–Kutta methods", SIAM J. Sci. Comput. 20 (1998).
+
+use crate::numbers::algebra::{Matrix, Vector};
+use crate::numbers::lanes::Lanes;
+use crate::numbers::rotations::{Tilt, rotate_increment};
+use crate::stages::force_motion::{Motion, Place};
+use crate::stages::forces::Applied;
+use crate::stages::pose::{StagePose, Turned};
+use crate::stages::workspace::Stages;
+use catena_mechanism::forces::point_spring::NO_LENGTH;
+use catena_mechanism::forces::total::Exchange;
+
+impl<V: Lanes> Stages<V> {
+    /// After [`Stages::sweep_poses`]: the forces of the rows, into [`Stages::applied`]; for a solved step, those at its
+    /// `end`, in the last active lane, with the energy exchanged in the step. Without forces, nothing.
+    #[inline(always)]
+    pub fn sweep_applied(&mut self, end: bool) {
+        if let Some(mut applied) = self.applied.take() {
+            let (mut dissipated, mut work) = (0.0, 0.0);
+            // One call in a loop, so that there is one copy of it.
+            for at_end in [false, true] {
+                if at_end && !end {
+                    break;
+                }
+                let place = if at_end { applied.end } else { applied.rows };
+                let powers = applied.evaluate(self, &place, at_end, end);
+                dissipated += self.step * powers.dissipated;
+                work += self.step * powers.work;
+            }
+            if end {
+                applied.exchange = Exchange { dissipated, work };
+            }
+            self.applied = Some(applied);
+        }
+    }
+}
+
+impl<V: Lanes> Applied<V> {
+    /// The forces on scalar coordinates in one place; returns the power they dissipate.
+    #[inline(always)]
+    pub(crate) fn evaluate_scalars(&mut self, motion: &Motion<V>, place: &Place<V>) -> V {
+        let mut dissipated = V::zero();
+        self.efforts.fill(V::zero());
+        for &(freedom, coefficient) in &self.plan.dampers {
+            let rate = motion.rate(place, motion.displacement[freedom], motion.rates[freedom]);
+            let effort = rate * V::splat(coefficient);
+            self.efforts[freedom] = self.efforts[freedom] - effort;
+            dissipated = effort.mul_add(rate, dissipated);
+        }
+        for (&(freedom, stiffness), &extension) in self.plan.springs.iter().zip(motion.extensions) {
+            let extension = motion.displacement[freedom].mul_add(place.moved, V::splat(extension));
+            self.efforts[freedom] = extension.neg_mul_add(V::splat(stiffness), self.efforts[freedom]);
+        }
+        for &(freedom, effort) in &self.plan.loads {
+            self.efforts[freedom] = self.efforts[freedom] + V::splat(effort);
+        }
+        dissipated
+    }
+
+    /// The forces in one place; where one has to `account` for them, their powers, weighted. At the `end` of the step efforts on
+    /// ball joints are along the axes of the body, not along the rotation vector.
+    #[inline(always)]
+    fn evaluate(&mut self, stages: &Stages<V>, place: &Place<V>, end: bool, account: bool) -> Exchange {
+        let times = stages.coefficients.nodes * V::splat(stages.step);
+        let inverse = V::splat(1.0 / stages.step);
+        let start = &stages.start;
+        let motion = Motion {
+            displacement: &stages.displacement,
+            rates: &start.rates,
+            extensions: &start.applied.extensions,
+            times,
+            inverse,
+        };
+        let mut dissipated = self.evaluate_scalars(&motion, place);
+        let mut work = V::zero();
+        for ball in &self.plan.balls {
+            let vector = stages.rotation_vector(ball.first).times(place.moved);
+            let tilt = Tilt::of(vector);
+            let axes: [Vector<V>; 3] = std::array::from_fn(|axis| Vector::splat(&start.axes[ball.first + axis]));
+            let mut turning = Vector::zero();
+            for (axis, direction) in axes.iter().enumerate() {
+                let freedom = ball.first + axis;
+                turning = direction
+                    .times_plus(motion.rate(place, stages.displacement[freedom], start.rates[freedom]), turning);
+            }
+            let spin = tilt.of_axis(turning);
+            let mut torque = Vector::zero();
+            for (axis, direction) in axes.iter().enumerate() {
+                let rate = direction.dot(spin);
+                let braking = rate * V::splat(ball.coefficients[axis]);
+                let driving = V::splat(ball.efforts[axis]);
+                torque = direction.times_plus(driving - braking, torque);
+                dissipated = braking.mul_add(rate, dissipated);
+                work = driving.mul_add(rate, work);
+            }
+            for (axis, direction) in axes.iter().enumerate() {
+                let along = if end { *direction } else { tilt.of_axis(*direction) };
+                self.efforts[ball.first + axis] = along.dot(torque);
+            }
+        }
+
+        if !self.plan.lines.is_empty() || !self.plan.wrenches.is_empty() {
+            self.wrenches.fill((Vector::zero(), Vector::zero()));
+        }
+        for (line, known) in self.plan.lines.iter().zip(&start.applied.lines) {
+            let swings = [(line.a, &known.arms[0]), (line.b, &known.arms[1])].map(|(body, arm)| match body {
+                Some(body) => swing(&stages.poses[body], arm),
+                None => (Vector::zero(), Vector::zero()),
+            });
+            let change = swings[1].1.minus(swings[0].1);
+            let separation = Vector::splat(&known.separation);
+            let stretched = separation.plus(change);
+            let square = stretched.dot_plus(stretched, V::splat(NO_LENGTH));
+            let along = separation.plus(stretched).dot(change);
+            let taut = line.law.stretched(&motion, place, square, along, (known.length, known.rate));
+            dissipated = taut.braking.mul_add(taut.rate, dissipated);
+            let pull = change.times_plus(place.moved, separation).times(taut.per_length).times(taut.tension);
+            let ends = [(line.a, 0, pull), (line.b, 1, pull.times(V::splat(-1.0)))];
+            for (body, end, force) in ends {
+                if let Some(body) = body {
+                    let wrench = &mut self.wrenches[body];
+                    wrench.0 = wrench.0.plus(force);
+                    let arm = swings[end].0.times_plus(place.moved, Vector::splat(&known.arms[end]));
+                    wrench.1 = arm.cross_plus(force, wrench.1);
+                }
+            }
+        }
+        for (wrench, arm) in self.plan.wrenches.iter().zip(&start.applied.arms) {
+            let pose = &stages.poses[wrench.body];
+            let lever = swing(pose, arm).0.times_plus(place.moved, Vector::splat(arm));
+            let (force, torque) = (Vector::splat(&wrench.force), Vector::splat(&wrench.torque));
+            let sum = &mut self.wrenches[wrench.body];
+            sum.0 = sum.0.plus(force);
+            sum.1 = lever.cross_plus(force, sum.1.plus(torque));
+            if account && wrench.torque != [0.0; 3] {
+                let spin = Vector::splat(&start.bodies[wrench.body].spin);
+                work = torque.dot_plus(angular_velocity(pose, spin, times, inverse, place), work);
+            }
+        }
+        if account {
+            Exchange { dissipated: (dissipated * place.weights).sum(), work: (work * place.weights).sum() }
+        } else {
+            Exchange::default()
+        }
+    }
+}
+
+/// How the rotation since the start moves an arm from the anchor, and how far its end moves in all.
+#[inline(always)]
+fn swing<V: Lanes>(pose: &StagePose<V>, arm: &[f64; 3]) -> (Vector<V>, Vector<V>) {
+    let turned = rotate_increment(pose.w, pose.u, Vector::splat(arm));
+    (turned, turned.plus(pose.anchor))
+}
+
+/// `½ vee(Ω (1 + N)ᵀ − (1 + N) Ωᵀ)` with `Ω = ω̂₀ + h⁻¹ Σ_i (Ā B)_ji (N_i − h c_i ω̂₀)`: the angular velocity at the
+/// places, exact where Ω (1 + N)ᵀ is skew.
+#[inline(always)]
+fn angular_velocity<V: Lanes>(
+    pose: &StagePose<V>,
+    start: Vector<V>,
+    times: V,
+    inverse: V,
+    place: &Place<V>,
+) -> Vector<V> {
+    let turned = pose.turned();
+    let turn = turned.matrix().times(place.moved);
+    let mix = |value: V| value.mix(&place.velocity) * inverse;
+    let ahead = start.times_minus(times, Vector(turned.vector));
+    let rates = Turned { products: turned.products.map(mix), vector: ahead.0.map(mix) }.matrix();
+    let rates = {
+        // ω̂₀ joins the skew part.
+        let ([[a, b, c], [d, e, f], [g, h, i]], [p, q, r]) = (rates.0, start.0);
+        Matrix([[a, b - r, c + q], [d + r, e, f - p], [g - q, h + p, i]])
+    };
+    let (rows, turned_rows) = (rates.rows(), turn.rows());
+    // Entry (i, j) of Ω (1 + N)ᵀ is row i of Ω against row j of 1 + N.
+    let entry = |i: usize, j: usize| rows[i].dot_plus(turned_rows[j], rates.0[i][j]);
+    let half = V::splat(0.5);
+    Vector([(entry(2, 1) - entry(1, 2)) * half, (entry(0, 2) - entry(2, 0)) * half, (entry(1, 0) - entry(0, 1)) * half])
+}

@@ -1,0 +1,35 @@
+//! One step of the method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
+//!
+//! The rooms are in the order in which a step is computed:
+//!
+//! | room | what is in it |
+//! |---|---|
+//! | [`numbers`], [`vectors`] | one number for each stage; the vectors of the processors |
+//! | [`tableau`] | coefficients, stability, dense output |
+//! | [`plan`] | what is known before the first step |
+//! | [`stages`] | start, poses and rows of all stages, first guess |
+//! | [`equations`] | the residuals of (2.5.11) |
+//! | [`solve`] | the simplified Newton iteration over the tree |
+//! | [`ending`] | momenta and velocities at the end (2.5.11h) |
+//! | [`coupled`] | the exact Newton step, for closed loops |
+//! | [`planar`] | the equations in a plane |
+//! | [`step`] | the step as a whole |
+//! | [`instants`] | samples of a motion |
+//! | [`literal`] | the oracle of the tests |
+
+// Allowed in one file: `vectors/x86.rs`.
+#![deny(unsafe_code)]
+
+pub mod coupled;
+pub mod ending;
+pub mod equations;
+pub mod instants;
+pub mod literal;
+pub mod numbers;
+pub mod plan;
+pub mod planar;
+pub mod solve;
+pub mod stages;
+pub mod step;
+pub mod tableau;
+pub mod vectors;

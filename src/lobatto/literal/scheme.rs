@@ -1,0 +1,287 @@
+//! The scheme (2.5.11) word for word: every coordinate, every constraint, every multiplier, one dense Newton iteration.
+//!
+//! This is the oracle of the tests, not a way to simulate: a step of n bodies costs O((s n)³). The fast solver
+//! eliminates most of what is written out here and must give the same step to rounding.
+//!
+//! The coordinates of a body are `(x, R) ∈ R³ × R^{3×3} = R¹²` (the columns of R one after the other), so that with the
+//! second-moment matrix `Σ = ½ tr(J) 1 − J` the kinetic energy is `½ m |ẋ|² + ½ tr(Ṙ Σ Ṙᵀ) = ½ q̇ᵀ M q̇` with a
+//! constant diagonal M, and `p = M q̇` is `(m ẋ, Ṙ Σ)`. With the potential `V = −Σ m gᵀ x` and forces F besides
+//! gravity, which depend on the stages' positions and rates ([`crate::literal::forces`]),
+//!
+//! ```text
+//!     Q̇_i = M⁻¹ P_i                                  (2.5.11a)        Q_i = q + h Σ_j a_ij Q̇_j      (2.5.11d)
+//!     Ṗ_i = F_i − ∂V/∂q − Dg(Q_i)ᵀ Λ_i               (2.5.11b)        P_i = p + h Σ_j ā_ij Ṗ_j      (2.5.11e)
+//!     0   = g(Q_i)                                   (2.5.11c)        q̄ = q + h Σ_i b_i Q̇_i         (2.5.11f)
+//!     0   = Dg(q̄) M⁻¹ p̄                              (2.5.11h)        p̄ = p + h Σ_i b_i Ṗ_i         (2.5.11g)
+//! ```
+//!
+//! for i = 1..s. Newton's unknowns are the increments `Q_i − q` (i = 2..s) and `Λ_k` (k = 1..s−1); the other stage
+//! values follow from them by the linear equations above, and Λ_s from (2.5.11h), which is linear.
+//!
+//! | symbol | meaning                                                                 | size, unit                   |
+//! |--------|-------------------------------------------------------------------------|------------------------------|
+//! | q, Q_i | positions and rotation matrices of all n bodies                         | 12 n; m and 1                |
+//! | p, P_i | `(m ẋ, Ṙ Σ)` of all bodies                                              | 12 n; kg m/s and kg m²/s     |
+//! | g      | `RᵀR = 1` (6 a body), then the joint's rows (6 − degrees of freedom)     | d; m and 1                   |
+//! | Λ_i    | multipliers                                                             | d; N and N m                 |
+//!
+//! Every row of g is a polynomial of degree two, so its Jacobian and second derivative are exact and come from the
+//! same list of coefficients. Σ must be positive definite here, because (2.5.11a) divides by it; the elimination of
+//! `RᵀR = 1` that the fast solver uses only divides by J.
+
+use crate::literal::constraints::{Quadratic, constraints};
+use crate::literal::coordinates::{BODY_COORDINATES, body_states, coordinates};
+use crate::literal::forces::stage_forces;
+use crate::tableau::butcher::Tableau;
+use catena_mechanism::description::body_state::BodyState;
+use catena_mechanism::description::mechanism::Mechanism;
+use nalgebra::{DMatrix, DVector, Vector3};
+/// Newton's method converges in about six iterations; many more mean that the step is too long for it.
+const MAXIMUM_ITERATIONS: usize = 50;
+/// A correction this small (metres, or entries of a rotation matrix) that stops shrinking is rounding.
+const ROUNDING_LEVEL: f64 = 1e-10;
+
+/// Why the literal scheme could not be set up or could not make a step.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LiteralError {
+    /// The mass matrix in R¹² is singular or indefinite, so (2.5.11a) cannot be formed.
+    #[error(
+        "body {body:?}: mass {mass} kg and second moments {moments:?} kg m² must all be positive for the literal scheme"
+    )]
+    Mass { body: String, mass: f64, moments: [f64; 3] },
+    /// Newton's matrix is singular.
+    #[error("the stage equations are singular for a step of {step} s")]
+    Singular { step: f64 },
+    /// Newton's iteration did not reach rounding.
+    #[error("Newton's iteration did not converge for a step of {step} s (last correction {correction:.1e})")]
+    NotConverged { step: f64, correction: f64 },
+}
+
+/// One step of the scheme with all its stages.
+#[derive(Clone, Debug)]
+pub struct LiteralStep {
+    /// The next state.
+    pub bodies: Vec<BodyState>,
+    /// `p`, the momentum the step started with (12 n).
+    pub start_momentum: DVector<f64>,
+    /// `p̄`, the momentum it ended with (12 n).
+    pub end_momentum: DVector<f64>,
+    /// `Q_1 … Q_s`, each 12 n; the first is the start and the last the end of the step.
+    pub stage_coordinates: Vec<DVector<f64>>,
+    /// `P_1 … P_s`, each 12 n.
+    pub stage_momenta: Vec<DVector<f64>>,
+    /// `Λ_1 … Λ_s`, each d.
+    pub multipliers: Vec<DVector<f64>>,
+    /// Newton iterations.
+    pub iterations: usize,
+}
+
+/// The literal scheme for one mechanism and one tableau.
+#[derive(Clone, Debug)]
+pub struct Literal<'a> {
+    pub(crate) mechanism: &'a Mechanism,
+    pub(crate) tableau: &'a Tableau,
+    /// Diagonal of M (12 n).
+    pub(crate) mass: DVector<f64>,
+    /// `−∂V/∂q` (12 n), constant for gravity.
+    force: DVector<f64>,
+    /// The rows of g.
+    pub(crate) constraints: Vec<Quadratic>,
+}
+
+impl<'a> Literal<'a> {
+    /// Writes out the mass matrix and every constraint.
+    ///
+    /// # Errors
+    /// [`LiteralError::Mass`] if a mass or a second moment of a body is not positive.
+    pub fn new(mechanism: &'a Mechanism, tableau: &'a Tableau) -> Result<Self, LiteralError> {
+        let size = BODY_COORDINATES * mechanism.bodies.len();
+        let (mut mass, mut force) = (DVector::zeros(size), DVector::zeros(size));
+        for (index, body) in mechanism.bodies.iter().enumerate() {
+            let moments = Vector3::repeat(0.5 * body.inertia.sum()) - body.inertia;
+            if body.mass <= 0.0 || moments.min() <= 0.0 {
+                let body_name = body.name.clone();
+                return Err(LiteralError::Mass { body: body_name, mass: body.mass, moments: moments.into() });
+            }
+            let first = BODY_COORDINATES * index;
+            for row in 0..3 {
+                mass[first + row] = body.mass;
+                force[first + row] = body.mass * mechanism.gravity[row];
+                for column in 0..3 {
+                    mass[first + 3 + 3 * column + row] = moments[column];
+                }
+            }
+        }
+        Ok(Literal { mechanism, tableau, mass, force, constraints: constraints(mechanism) })
+    }
+
+    /// Diagonal of the mass matrix M (12 n).
+    pub fn mass(&self) -> &DVector<f64> {
+        &self.mass
+    }
+
+    /// `−∂V/∂q` (12 n): the weight of every body.
+    pub fn force(&self) -> &DVector<f64> {
+        &self.force
+    }
+
+    /// `g(q)` (d).
+    pub fn constraint(&self, q: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.constraints.len(), self.constraints.iter().map(|row| row.value(q)))
+    }
+
+    /// `g(q + increment) − g(q)` (d), without cancellation.
+    fn constraint_change(&self, q: &DVector<f64>, increment: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.constraints.len(), self.constraints.iter().map(|row| row.change(q, increment)))
+    }
+
+    /// `Dg(q)` (d × 12 n).
+    pub fn constraint_jacobian(&self, q: &DVector<f64>) -> DMatrix<f64> {
+        let mut jacobian = DMatrix::zeros(self.constraints.len(), q.len());
+        for (index, row) in self.constraints.iter().enumerate() {
+            row.add_gradient(q, |column, entry| jacobian[(index, column)] += entry);
+        }
+        jacobian
+    }
+
+    /// One step of length `step` (s), which may be negative, from a state that satisfies all constraints.
+    ///
+    /// `g(Q_i) = 0` is imposed as `g(Q_i) − g(q) = 0`, which is the same because (2.5.11) assumes `g(q) = 0`: the defect that
+    /// rounding leaves in q, some 1e-16, would otherwise be pushed out within one step, at a speed of 1e-16/h, and spoil
+    /// the comparison of velocities. In a long run of literal steps these defects add up like a random walk.
+    ///
+    /// # Errors
+    /// [`LiteralError::NotConverged`] or [`LiteralError::Singular`] if the step is too long for Newton's method from
+    /// the start `Q_i = q + h c_i q̇`.
+    pub fn step(&self, bodies: &[BodyState], step: f64) -> Result<LiteralStep, LiteralError> {
+        let (q, velocity) = coordinates(bodies);
+        let p = self.mass.component_mul(&velocity);
+        let (s, n, d) = (self.tableau.stages, q.len(), self.constraints.len());
+        let scale = self.multiplier_scale(&q) / (step * step);
+        // Zero increments from q and zero multipliers would do; the straight line saves an iteration.
+        let mut increments: Vec<DVector<f64>> = self.tableau.nodes.iter().map(|c| &velocity * (step * c)).collect();
+        let mut multipliers = vec![DVector::zeros(d); s];
+
+        let mut last_correction = f64::INFINITY;
+        for iteration in 1..=MAXIMUM_ITERATIONS {
+            let stage_coordinates: Vec<DVector<f64>> = increments.iter().map(|increment| &q + increment).collect();
+            let jacobians: Vec<DMatrix<f64>> =
+                stage_coordinates.iter().map(|stage| self.constraint_jacobian(stage)).collect();
+            let forces = self.forces(&q, &velocity, &increments, step);
+            let (_, collocated) = self.stage_values(&p, step, &forces, &jacobians, &multipliers);
+            let mut residual = DVector::zeros((s - 1) * (n + d));
+            for i in 1..s {
+                residual.rows_mut((i - 1) * n, n).copy_from(&(&increments[i] - &collocated[i]));
+                residual.rows_mut((s - 1) * n + (i - 1) * d, d).copy_from(&self.constraint_change(&q, &increments[i]));
+            }
+            let mut newton_matrix = self.newton_matrix(step, &jacobians, &multipliers, &scale);
+            self.add_force_derivatives(&q, &velocity, &increments, step, &forces, &mut newton_matrix);
+            let correction = newton_matrix.lu().solve(&residual).ok_or(LiteralError::Singular { step })?;
+            for i in 1..s {
+                increments[i] -= correction.rows((i - 1) * n, n);
+                multipliers[i - 1] -= correction.rows((s - 1) * n + (i - 1) * d, d).component_mul(&scale);
+            }
+            // The largest entry; a NaN, which `amax` would lose, is the largest of all.
+            let size = correction.iter().map(|entry| entry.abs()).max_by(f64::total_cmp).unwrap_or(0.0);
+            if !size.is_finite() {
+                return Err(LiteralError::NotConverged { step, correction: size });
+            }
+            if size < ROUNDING_LEVEL && size > 0.25 * last_correction || size == 0.0 {
+                return self.finish(&q, &velocity, step, &increments, multipliers, iteration);
+            }
+            last_correction = size;
+        }
+        Err(LiteralError::NotConverged { step, correction: last_correction })
+    }
+
+    /// The forces of all stages, gravity included.
+    pub(crate) fn forces(
+        &self,
+        q: &DVector<f64>,
+        velocity: &DVector<f64>,
+        increments: &[DVector<f64>],
+        step: f64,
+    ) -> Vec<DVector<f64>> {
+        let mut forces = stage_forces(self.mechanism, self.tableau, q, velocity, increments, step);
+        forces.iter_mut().for_each(|force| *force += &self.force);
+        forces
+    }
+
+    /// `P_i` by (2.5.11b, e), and `Q_i − q` by (2.5.11a, d), from the multipliers and `Dg(Q_i)` of all stages.
+    fn stage_values(
+        &self,
+        p: &DVector<f64>,
+        step: f64,
+        forces: &[DVector<f64>],
+        jacobians: &[DMatrix<f64>],
+        multipliers: &[DVector<f64>],
+    ) -> (Vec<DVector<f64>>, Vec<DVector<f64>>) {
+        let s = self.tableau.stages;
+        let momentum_rates: Vec<DVector<f64>> =
+            (0..s).map(|i| &forces[i] - jacobians[i].tr_mul(&multipliers[i])).collect();
+        let momenta: Vec<DVector<f64>> = (0..s)
+            .map(|i| (0..s).fold(p.clone(), |sum, j| sum + &momentum_rates[j] * (step * self.tableau.a_bar[i * s + j])))
+            .collect();
+        let rates: Vec<DVector<f64>> = momenta.iter().map(|momentum| momentum.component_div(&self.mass)).collect();
+        let increments = (0..s)
+            .map(|i| {
+                (0..s).fold(DVector::zeros(p.len()), |sum, j| sum + &rates[j] * (step * self.tableau.a[i * s + j]))
+            })
+            .collect();
+        (momenta, increments)
+    }
+
+    /// The last multiplier by the projection (2.5.11h), and the end of the step.
+    fn finish(
+        &self,
+        q: &DVector<f64>,
+        velocity: &DVector<f64>,
+        step: f64,
+        increments: &[DVector<f64>],
+        mut multipliers: Vec<DVector<f64>>,
+        iterations: usize,
+    ) -> Result<LiteralStep, LiteralError> {
+        let (s, b) = (self.tableau.stages, &self.tableau.weights);
+        let stage_coordinates: Vec<DVector<f64>> = increments.iter().map(|increment| q + increment).collect();
+        let jacobians: Vec<DMatrix<f64>> =
+            stage_coordinates.iter().map(|stage| self.constraint_jacobian(stage)).collect();
+        let p = self.mass.component_mul(velocity);
+        let forces = self.forces(q, velocity, increments, step);
+        let (stage_momenta, _) = self.stage_values(&p, step, &forces, &jacobians, &multipliers);
+        let mut end_momentum = p.clone();
+        for i in 0..s {
+            end_momentum += (&forces[i] - jacobians[i].tr_mul(&multipliers[i])) * (step * b[i]);
+        }
+        // Twice, so that what rounding leaves of the first solution is projected away too.
+        for _ in 0..2 {
+            let correction = self.project(&jacobians[s - 1], &end_momentum).ok_or(LiteralError::Singular { step })?;
+            end_momentum -= jacobians[s - 1].tr_mul(&correction);
+            multipliers[s - 1] += correction / (step * b[s - 1]);
+        }
+        let velocity = end_momentum.component_div(&self.mass);
+        Ok(LiteralStep {
+            bodies: body_states(&stage_coordinates[s - 1], &velocity),
+            start_momentum: p,
+            end_momentum,
+            stage_coordinates,
+            stage_momenta,
+            multipliers,
+            iterations,
+        })
+    }
+
+    /// The impulse μ with `Dg M⁻¹ (p − Dgᵀ μ) = 0`; none if the rows of Dg depend on each other.
+    fn project(&self, jacobian: &DMatrix<f64>, momentum: &DVector<f64>) -> Option<DVector<f64>> {
+        let mut weighted = jacobian.transpose();
+        for (mut row, mass) in weighted.row_iter_mut().zip(self.mass.iter()) {
+            row /= *mass;
+        }
+        let right = weighted.tr_mul(momentum);
+        Some((jacobian * weighted).cholesky()?.solve(&right))
+    }
+
+    /// The mechanism this scheme was written out for.
+    pub fn mechanism(&self) -> &Mechanism {
+        self.mechanism
+    }
+}

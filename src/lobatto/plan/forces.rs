@@ -1,0 +1,170 @@
+//! What the forces on a mechanism are made of, sorted for the sweeps, and what they need of the start of a step.
+
+use catena_mechanism::description::body_state::BodyState;
+use catena_mechanism::description::forces::PointSpring;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::point_spring::Line;
+use catena_mechanism::forces::total::scalar_coordinate;
+use catena_mechanism::ground::matrices::times;
+use catena_mechanism::motion::state::State;
+
+/// The constant data of all forces, by what they need.
+pub(crate) struct AppliedPlan {
+    /// Freedom and coefficient.
+    pub(crate) dampers: Vec<(usize, f64)>,
+    /// Freedom and stiffness; the displacement of its start is in [`AppliedStart`].
+    pub(crate) springs: Vec<(usize, f64)>,
+    /// Freedom and effort.
+    pub(crate) loads: Vec<(usize, f64)>,
+    pub(crate) balls: Vec<Ball>,
+    pub(crate) lines: Vec<LinePlan>,
+    pub(crate) wrenches: Vec<WrenchPlan>,
+}
+
+/// Dampers and loads about the axes of a ball joint.
+pub(crate) struct Ball {
+    pub(crate) first: usize,
+    pub(crate) coefficients: [f64; 3],
+    pub(crate) efforts: [f64; 3],
+}
+
+/// What a spring with a damper does for its length and rate.
+#[derive(Clone, Copy)]
+pub(crate) struct SpringLaw {
+    /// N/m.
+    pub(crate) stiffness: f64,
+    /// N s/m.
+    pub(crate) damping: f64,
+    /// m.
+    pub(crate) rest_length: f64,
+}
+
+impl SpringLaw {
+    /// That of a spring between points.
+    pub(crate) fn of(spring: &PointSpring) -> Self {
+        let &PointSpring { stiffness, damping, rest_length, .. } = spring;
+        SpringLaw { stiffness, damping, rest_length }
+    }
+}
+
+pub(crate) struct LinePlan {
+    pub(crate) a: Option<usize>,
+    pub(crate) b: Option<usize>,
+    pub(crate) law: SpringLaw,
+}
+
+pub(crate) struct WrenchPlan {
+    pub(crate) body: usize,
+    pub(crate) force: [f64; 3],
+    pub(crate) torque: [f64; 3],
+}
+
+/// What the forces need of the start of a step.
+#[derive(Default)]
+pub struct AppliedStart {
+    /// Extension of each joint spring (rad or m).
+    pub(crate) extensions: Vec<f64>,
+    pub(crate) lines: Vec<LineStart>,
+    /// From the anchor to the point of each wrench, in world axes (m).
+    pub(crate) arms: Vec<[f64; 3]>,
+}
+
+#[derive(Clone, Copy, Default)]
+pub(crate) struct LineStart {
+    /// From the anchors of the two bodies to the ends (m).
+    pub(crate) arms: [[f64; 3]; 2],
+    /// From a to b (m).
+    pub(crate) separation: [f64; 3],
+    pub(crate) length: f64,
+    pub(crate) rate: f64,
+}
+
+impl AppliedStart {
+    /// Room for the start of a step.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let forces = &mechanism.forces;
+        AppliedStart {
+            extensions: vec![0.0; forces.joint_springs.len()],
+            lines: vec![LineStart::default(); forces.point_springs.len()],
+            arms: vec![[0.0; 3]; forces.wrenches.len()],
+        }
+    }
+
+    /// Takes the state at the start of a step, with the bodies it places. Does not allocate.
+    pub fn set(&mut self, mechanism: &Mechanism, state: &State, bodies: &[BodyState]) {
+        let forces = &mechanism.forces;
+        for (extension, spring) in self.extensions.iter_mut().zip(&forces.joint_springs) {
+            let slot = spring.coordinate.position;
+            *extension = state.position[slot] - spring.rest + state.compensation[slot];
+        }
+        // From the anchor of a body to a point in its frame.
+        let arm = |body: usize, point: &nalgebra::Vector3<f64>| {
+            times(&bodies[body].rotation, &(point - mechanism.bodies[body].joint.on_child.translation.vector))
+        };
+        for (start, spring) in self.lines.iter_mut().zip(&forces.point_springs) {
+            let ends = [&spring.a, &spring.b];
+            let [(from, from_rate), (to, to_rate)] = ends.map(|end| end.point(bodies));
+            let line = Line::new(to - from, &(to_rate - from_rate));
+            *start = LineStart {
+                arms: ends.map(|end| end.body.map_or([0.0; 3], |body| arm(body, &end.frame.translation.vector).into())),
+                separation: line.separation.into(),
+                length: line.length,
+                rate: line.rate,
+            };
+        }
+        for (start, wrench) in self.arms.iter_mut().zip(&forces.wrenches) {
+            *start = arm(wrench.body, &wrench.point).into();
+        }
+    }
+}
+
+impl AppliedPlan {
+    pub(crate) fn new(mechanism: &Mechanism) -> Self {
+        let forces = &mechanism.forces;
+        let mut plan = AppliedPlan {
+            dampers: Vec::new(),
+            springs: forces.joint_springs.iter().map(|spring| (spring.coordinate.freedom, spring.stiffness)).collect(),
+            loads: Vec::new(),
+            balls: Vec::new(),
+            lines: Vec::new(),
+            wrenches: Vec::new(),
+        };
+        for damper in &forces.joint_dampers {
+            match scalar_coordinate(mechanism, damper.freedom) {
+                Some(_) => plan.dampers.push((damper.freedom, damper.coefficient)),
+                None => {
+                    let (ball, axis) = plan.ball(mechanism, damper.freedom);
+                    ball.coefficients[axis] += damper.coefficient;
+                }
+            }
+        }
+        for load in &forces.joint_loads {
+            match scalar_coordinate(mechanism, load.freedom) {
+                Some(_) => plan.loads.push((load.freedom, load.effort)),
+                None => {
+                    let (ball, axis) = plan.ball(mechanism, load.freedom);
+                    ball.efforts[axis] += load.effort;
+                }
+            }
+        }
+        for spring in &forces.point_springs {
+            plan.lines.push(LinePlan { a: spring.a.body, b: spring.b.body, law: SpringLaw::of(spring) });
+        }
+        for wrench in &forces.wrenches {
+            let (body, force, torque) = (wrench.body, wrench.force.into(), wrench.torque.into());
+            plan.wrenches.push(WrenchPlan { body, force, torque });
+        }
+        plan
+    }
+
+    /// The entry of the ball joint that a freedom belongs to, and which of its axes it is.
+    fn ball(&mut self, mechanism: &Mechanism, freedom: usize) -> (&mut Ball, usize) {
+        let owner = mechanism.bodies.iter().rev().find(|body| body.joint.velocity_index <= freedom);
+        let first = owner.map_or(0, |body| body.joint.velocity_index + body.joint.kind.translation_axes().len());
+        let index = self.balls.iter().position(|ball| ball.first == first).unwrap_or_else(|| {
+            self.balls.push(Ball { first, coefficients: [0.0; 3], efforts: [0.0; 3] });
+            self.balls.len() - 1
+        });
+        (&mut self.balls[index], freedom - first)
+    }
+}

@@ -1,0 +1,176 @@
+//! Springs between points and wrenches on bodies in a plane, and what they need of the start of a step.
+//!
+//! Only what lies in the plane moves anything: of a force its projection, of a torque the part about the normal, of a line
+//! between two points its projection `d`, while its height z, the difference of their places along the normal, is
+//! constant: `ℓ² = |d|² + z²`.
+
+use crate::planar::body::{PlanarBody, turned};
+use nalgebra::Vector3;
+
+use crate::plan::forces::SpringLaw;
+use catena_mechanism::description::body_state::BodyState;
+use catena_mechanism::description::closure::Attachment;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::point_spring::NO_LENGTH;
+use catena_mechanism::forces::total::{Stored, scalar_coordinate};
+use catena_mechanism::motion::state::State;
+use catena_mechanism::structure::plane::Plane;
+
+/// The constant data of all forces that do not act in joints.
+pub(crate) struct ForcesPlan {
+    pub lines: Vec<LinePlan>,
+    pub wrenches: Vec<WrenchPlan>,
+}
+
+/// A spring between two points.
+pub(crate) struct LinePlan {
+    pub ends: [End; 2],
+    /// z (m).
+    height: f64,
+    pub law: SpringLaw,
+}
+
+/// A point of a body, or of the world.
+pub(crate) struct End {
+    pub body: Option<usize>,
+    /// From the anchor of the body at zero displacement, or from the origin of the world (m).
+    pub arm: [f64; 2],
+}
+
+/// Finds points of bodies that are placed so at zero displacement.
+pub(crate) struct Ends<'m> {
+    pub mechanism: &'m Mechanism,
+    pub plane: &'m Plane,
+    pub zero: &'m [BodyState],
+}
+
+impl Ends<'_> {
+    /// The arm of a point of a body from its anchor.
+    fn arm_of(&self, body: usize, point: &Vector3<f64>) -> [f64; 2] {
+        let anchor = self.mechanism.bodies[body].joint.on_child.translation.vector;
+        self.plane.flat(&(self.zero[body].rotation * (point - anchor)))
+    }
+
+    /// Where an end is.
+    pub fn end(&self, at: &Attachment) -> End {
+        let point = at.frame.translation.vector;
+        End { body: at.body, arm: at.body.map_or(self.plane.flat(&point), |body| self.arm_of(body, &point)) }
+    }
+
+    /// How high it is (m).
+    pub fn height(&self, at: &Attachment) -> f64 {
+        self.plane.normal().dot(&at.place(self.zero).0)
+    }
+}
+
+/// A constant wrench.
+pub(crate) struct WrenchPlan {
+    pub body: usize,
+    /// From the anchor to where it acts, at zero displacement (m).
+    arm: [f64; 2],
+    pub force: [f64; 2],
+    pub torque: f64,
+    /// Potential of the force at the height where it acts (J).
+    offset: f64,
+}
+
+/// What forces need of the start of a step.
+pub(crate) struct ForcesStart {
+    /// Extension of each joint spring (rad or m).
+    pub extensions: Vec<f64>,
+    pub lines: Vec<LineStart>,
+    /// From the anchor to the point of each wrench (m).
+    pub arms: Vec<[f64; 2]>,
+}
+
+#[derive(Clone, Copy, Default)]
+pub(crate) struct LineStart {
+    /// From the anchors of the two bodies to the ends (m).
+    pub arms: [[f64; 2]; 2],
+    /// d, from a to b (m).
+    pub separation: [f64; 2],
+    /// z².
+    pub square: f64,
+    /// ℓ and its rate.
+    pub length: f64,
+    pub rate: f64,
+}
+
+impl ForcesPlan {
+    /// Projects the forces, for bodies that are placed so at zero displacement.
+    pub fn new(mechanism: &Mechanism, plane: &Plane, zero: &[BodyState]) -> Self {
+        let (ends, normal) = (Ends { mechanism, plane, zero }, plane.normal());
+        let height =
+            |body: usize, point: &Vector3<f64>| normal.dot(&(zero[body].position + zero[body].rotation * point));
+        let lines = mechanism.forces.point_springs.iter().map(|spring| LinePlan {
+            ends: [ends.end(&spring.a), ends.end(&spring.b)],
+            height: ends.height(&spring.b) - ends.height(&spring.a),
+            law: SpringLaw::of(spring),
+        });
+        let wrenches = mechanism.forces.wrenches.iter().map(|wrench| WrenchPlan {
+            body: wrench.body,
+            arm: ends.arm_of(wrench.body, &wrench.point),
+            force: plane.flat(&wrench.force),
+            torque: normal.dot(&wrench.torque),
+            offset: -normal.dot(&wrench.force) * height(wrench.body, &wrench.point),
+        });
+        ForcesPlan { lines: lines.collect(), wrenches: wrenches.collect() }
+    }
+
+    /// Whether there are any.
+    pub fn is_empty(&self) -> bool {
+        self.lines.is_empty() && self.wrenches.is_empty()
+    }
+}
+
+impl ForcesStart {
+    /// Room for the start of a step.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let forces = &mechanism.forces;
+        ForcesStart {
+            extensions: vec![0.0; forces.joint_springs.len()],
+            lines: vec![LineStart::default(); forces.point_springs.len()],
+            arms: vec![[0.0; 2]; forces.wrenches.len()],
+        }
+    }
+
+    /// Takes the state at the start of a step, with the bodies it places; returns the energy stored. Does not allocate.
+    pub fn set(&mut self, plan: &ForcesPlan, mechanism: &Mechanism, state: &State, bodies: &[PlanarBody]) -> Stored {
+        let forces = &mechanism.forces;
+        let mut stored = Stored::default();
+        for (extension, spring) in self.extensions.iter_mut().zip(&forces.joint_springs) {
+            let slot = spring.coordinate.position;
+            *extension = state.position[slot] - spring.rest + state.compensation[slot];
+            stored.spring += spring.energy(state.position[slot]);
+        }
+        for load in &forces.joint_loads {
+            if let Some(coordinate) = scalar_coordinate(mechanism, load.freedom) {
+                stored.load += load.potential(state.position[coordinate.position]);
+            }
+        }
+        // Arm, place and velocity of a point of a body.
+        let point = |body: &PlanarBody, arm: &[f64; 2]| {
+            let arm = turned(&body.turn, arm);
+            let place = [body.position[0] + arm[0], body.position[1] + arm[1]];
+            (arm, place, [body.velocity[0] - body.spin * arm[1], body.velocity[1] + body.spin * arm[0]])
+        };
+        for ((start, line), spring) in self.lines.iter_mut().zip(&plan.lines).zip(&forces.point_springs) {
+            let [(a_arm, a, a_rate), (b_arm, b, b_rate)] = [0, 1].map(|side: usize| {
+                let End { body, arm } = &line.ends[side];
+                body.map_or(([0.0; 2], *arm, [0.0; 2]), |body| point(&bodies[body], arm))
+            });
+            let separation = [b[0] - a[0], b[1] - a[1]];
+            let square = line.height * line.height;
+            let length = (separation[0] * separation[0] + separation[1] * separation[1] + square + NO_LENGTH).sqrt();
+            let rate = separation[0] * (b_rate[0] - a_rate[0]) + separation[1] * (b_rate[1] - a_rate[1]);
+            *start = LineStart { arms: [a_arm, b_arm], separation, square, length, rate: rate / length };
+            stored.spring += spring.energy(length);
+        }
+        for (start, wrench) in self.arms.iter_mut().zip(&plan.wrenches) {
+            let (arm, place, _) = point(&bodies[wrench.body], &wrench.arm);
+            *start = arm;
+            stored.load += wrench.offset - (wrench.force[0] * place[0] + wrench.force[1] * place[1]);
+        }
+        stored
+    }
+}

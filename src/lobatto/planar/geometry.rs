@@ -1,0 +1,189 @@
+//! The coupled system of [`crate::coupled::system`] in a plane: twists `η = (v, φ)` of three components about a common origin.
+//!
+//! ```text
+//!     D_ki = B_ki [ m           m J x_i                                            ]
+//!                 [ m (J x_k)ᵀ  I_c ((1 + κ_i)(1 + κ_k) + σ_i σ_k) + m x_k · x_i   ]         [kg], [kg m], [kg m²]
+//!
+//!     s_i = (−J p_i, 1) of a rotation about the point p, (e_i, 0) of a translation along e
+//! ```
+//!
+//! with the centre of mass x (m), the moment of inertia I_c about it, and the turn `(κ, σ)` since the start of the step: what
+//! [`crate::coupled::space::Space`] has in its first, second and last component.
+
+use crate::coupled::front::{Fronts, Screws};
+use crate::coupled::system::{Geometry, Mixing, Screw};
+use crate::numbers::lanes::Lanes;
+use crate::plan::elimination::TWIST;
+use crate::plan::tree::Plan;
+use crate::planar::algebra::Vector2;
+use crate::planar::loops::{Moved, PlanarClosure};
+use crate::planar::start::{PlanarPlan, PlanarStart};
+use crate::planar::workspace::PlanarStages;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::state::State;
+use catena_mechanism::structure::plane::Plane;
+use std::ops::Range;
+
+/// Where bodies and closures are in the plane.
+pub(crate) struct Flat<V> {
+    /// The loops, then the lines of the springs.
+    closures: Vec<PlanarClosure>,
+    loops: usize,
+    origin: [f64; 2],
+    /// Every body since the start of the step, at the columns' and at the rows' stages.
+    moved: Vec<[Moved<V>; 2]>,
+    /// Zero where a row has the geometry of the start.
+    mask: V,
+}
+
+impl<V: Lanes> Flat<V> {
+    /// The closures of a mechanism in its plane, with or without the lines of its springs; `mask` is zero where a row has the
+    /// geometry of the start.
+    pub fn new(mechanism: &Mechanism, plane: &Plane, mask: V, springs: bool) -> Self {
+        Flat {
+            closures: PlanarClosure::all(mechanism, plane, springs),
+            loops: mechanism.loops.len(),
+            origin: [0.0; 2],
+            moved: vec![[Moved::not(); 2]; mechanism.bodies.len()],
+            mask,
+        }
+    }
+
+    /// The bodies at all stages, after [`PlanarStages::sweep_paths`] and [`PlanarStages::sweep_anchors`].
+    #[inline(always)]
+    pub fn move_bodies(&mut self, stages: &PlanarStages<V>) {
+        let mask = self.mask;
+        for ((moved, turned), &anchor) in self.moved.iter_mut().zip(&stages.turned).zip(&stages.anchors) {
+            let (cosine, sine) = (turned.cosine, turned.sine);
+            *moved = [
+                Moved { cosine, sine, anchor },
+                Moved { cosine: cosine * mask, sine: sine * mask, anchor: anchor.times(mask) },
+            ];
+        }
+    }
+
+    /// Where an anchor is at the columns' (0) or the rows' (1) stages, from the common origin.
+    #[inline(always)]
+    pub fn anchor(&self, start: &PlanarStart, body: usize, side: usize) -> Vector2<V> {
+        let position = &start.bodies[body].position;
+        let from_origin = [position[0] - self.origin[0], position[1] - self.origin[1]];
+        Vector2::splat(&from_origin).plus(self.moved[body][side].anchor)
+    }
+}
+
+impl<V: Lanes> Geometry<V> for Flat<V> {
+    type Plan = PlanarPlan;
+    type Start = PlanarStart;
+    const WIDTH: usize = 3;
+
+    fn tree(plan: &PlanarPlan) -> &Plan {
+        &plan.tree
+    }
+
+    fn start(mechanism: &Mechanism) -> PlanarStart {
+        PlanarStart::new(mechanism)
+    }
+
+    fn place(plan: &PlanarPlan, start: &mut PlanarStart, mechanism: &Mechanism, state: &State) {
+        start.set(plan, mechanism, state);
+    }
+
+    fn mimic_gaps(start: &PlanarStart) -> &[f64] {
+        &start.mimic_gaps
+    }
+
+    fn rows(&self) -> Vec<usize> {
+        self.closures[..self.loops].iter().map(PlanarClosure::rows).collect()
+    }
+
+    fn begin(&mut self, _: &PlanarPlan, start: &PlanarStart) {
+        self.origin = start.bodies.first().map_or([0.0; 2], |body| body.position);
+        for closure in &mut self.closures {
+            closure.begin(&start.bodies, &self.origin);
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, rows_of_loop: &[Range<usize>], gaps: &mut [V], gradients: &mut [[Screw<V>; 2]]) {
+        let zero = V::zero();
+        for (closure, rows) in self.closures.iter().zip(rows_of_loop) {
+            for side in 0..2 {
+                closure.evaluate(
+                    &self.moved,
+                    side,
+                    #[inline(always)]
+                    |number, value| {
+                        let [x, y] = value.force.0;
+                        gradients[rows.start + number][side] = [x, y, value.torque, zero, zero, zero];
+                        if side == 0 {
+                            gaps[rows.start + number] = value.gap;
+                        }
+                    },
+                );
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn screws(&self, plan: &PlanarPlan, start: &PlanarStart, _: &[V], body: usize, freedom: usize) -> Screws<V> {
+        let tree = &plan.tree.bodies[body];
+        let mut sides = [[V::zero(); TWIST]; 2];
+        for (side, screw) in sides.iter_mut().enumerate() {
+            if freedom < tree.first_axis + tree.translations {
+                let axis = &start.axes[freedom];
+                let along = tree.parent.map_or(Vector2::splat(axis), |parent| self.moved[parent][side].turn(axis));
+                [screw[0], screw[1]] = along.0;
+            } else {
+                let sign = V::splat(plan.bodies[body].sign);
+                let [x, y] = self.anchor(start, body, side).times(sign).0;
+                [screw[0], screw[1], screw[2]] = [y, -x, sign];
+            }
+        }
+        Screws { columns: sides[0], rows: sides[1] }
+    }
+
+    #[inline(always)]
+    fn own(&self, start: &PlanarStart, body: usize, mixing: &Mixing<V>, fronts: &mut Fronts<V>, level: usize) {
+        let known = &start.bodies[body];
+        let [columns, rows] = &self.moved[body];
+        let anchors = [self.anchor(start, body, 0), self.anchor(start, body, 1)];
+        // Mass times the arm of the centre of mass from the anchor, and from the origin.
+        let mass = V::splat(known.mass);
+        let heavy = columns.turn(&known.heavy);
+        let moment = anchors[0].times_plus(mass, heavy);
+        let row_heavy = rows.turn(&known.heavy);
+        let row_moment = anchors[1].times_plus(mass, row_heavy);
+        let one = V::splat(1.0);
+        let (cosine, sine) = (columns.cosine + one, columns.sine);
+        let (anchor, arm, lever) = (arrays(anchors[1]), arrays(row_heavy), arrays(row_moment));
+        let inertia = V::splat(known.inertia);
+        let turn = arrays(Vector2([(rows.cosine + one) * inertia, rows.sine * inertia]));
+        for k in 0..mixing.active {
+            let weight = mixing.mass[k];
+            // About the anchor I cos(φ_i − φ_k), and what the anchor's own place adds.
+            let ([along, across], [mx, my]) = (of_row::<V>(&turn, k).0, of_row::<V>(&lever, k).0);
+            let turning = across.mul_add(sine, along * cosine);
+            let carried = of_row(&anchor, k).dot_plus(moment, of_row(&arm, k).dot_plus(anchors[0], turning));
+            for axis in 0..2 {
+                fronts.add(level, axis, axis, k, weight * mass);
+            }
+            fronts.add(level, 0, 2, k, -(weight * moment.0[1]));
+            fronts.add(level, 1, 2, k, weight * moment.0[0]);
+            fronts.add(level, 2, 0, k, -(weight * my));
+            fronts.add(level, 2, 1, k, weight * mx);
+            fronts.add(level, 2, 2, k, weight * carried);
+        }
+    }
+}
+
+/// A vector as arrays over the stages.
+#[inline(always)]
+fn arrays<V: Lanes>(vector: Vector2<V>) -> [V::Array; 2] {
+    [vector.0[0].to_array(), vector.0[1].to_array()]
+}
+
+/// The vector of one row, in every lane.
+#[inline(always)]
+fn of_row<V: Lanes>(arrays: &[V::Array; 2], k: usize) -> Vector2<V> {
+    Vector2([V::splat(arrays[0].as_ref()[k]), V::splat(arrays[1].as_ref()[k])])
+}

@@ -1,0 +1,87 @@
+//! What a step is asked for and what became of it: when its iteration ends, what it begins from, and how an attempt at it ended.
+
+/// Steps iterated further than this use the coefficients' second half of digits: rounded to a double they are
+/// those of a scheme that is not quite symplectic, and the energy drifts by 2e-16 of itself a step.
+pub(crate) const REFINED_BELOW: f64 = 1e-14;
+
+/// When to stop iterating and when to give up.
+#[derive(Clone, Copy, Debug)]
+pub struct StopRule {
+    /// The iteration ends when no joint increment is larger than this (relative to 1 rad or 1 m).
+    pub increment: f64,
+    /// Increments below this that no longer fall are rounding: the iteration ends.
+    pub rounding: f64,
+    /// Largest number of iterations.
+    pub iterations: usize,
+    /// An attempt whose top Legendre coefficient is well above this is not worth finishing.
+    pub legendre: f64,
+    /// Whether the first iterates, too, are asked whether that is so.
+    pub early: bool,
+    /// Whether first iterations may be in single precision ([`crate::solve::single_precision`]).
+    pub rough: bool,
+    /// Whether the exact Newton method follows where the simplified iteration does not converge.
+    pub exactly: bool,
+}
+
+impl StopRule {
+    /// Iterate to rounding.
+    pub const ROUNDING: StopRule = StopRule {
+        increment: 2e-16,
+        rounding: 1e-11,
+        iterations: 60,
+        legendre: f64::INFINITY,
+        early: false,
+        rough: false,
+        exactly: true,
+    };
+}
+
+/// How an attempt at a step ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Attempt {
+    /// The stage equations are solved; `legendre` is `E`, the largest top Legendre coefficient of any joint displacement
+    /// and of any body's rotation matrix over the step; zero if the rule does not limit it.
+    /// `exact` if it was the exact Newton method that solved them.
+    /// `turn` is the largest rotation of a joint (rad), or zero if none is near what can be represented.
+    Converged { iterations: usize, legendre: f64, turn: f64, exact: bool },
+    /// The iteration was broken off, because the step is too long for the wanted accuracy.
+    Inaccurate { iterations: usize, legendre: f64 },
+    /// A rotation within the step is too large to be represented.
+    TurnedTooFar { iterations: usize, freedom: usize },
+    /// No convergence: the iterations spent, the degree of freedom that was worst, and its last increment.
+    Failed { iterations: usize, freedom: usize, increment: f64 },
+}
+
+impl Attempt {
+    /// The same attempt after iterations that led nowhere.
+    pub(crate) fn after(mut self, spent: usize) -> Self {
+        match &mut self {
+            Attempt::Converged { iterations, .. }
+            | Attempt::Inaccurate { iterations, .. }
+            | Attempt::TurnedTooFar { iterations, .. }
+            | Attempt::Failed { iterations, .. } => *iterations += spent,
+        }
+        self
+    }
+
+    /// The iterations spent.
+    pub fn iterations(&self) -> usize {
+        match *self {
+            Attempt::Converged { iterations, .. }
+            | Attempt::Inaccurate { iterations, .. }
+            | Attempt::TurnedTooFar { iterations, .. }
+            | Attempt::Failed { iterations, .. } => iterations,
+        }
+    }
+}
+
+/// What a guess is made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Guess {
+    /// The step before; where there is none, the velocities alone.
+    Past,
+    /// The velocities alone.
+    Plain,
+    /// The last attempt at this step, which was longer: of so many seconds.
+    Longer(f64),
+}

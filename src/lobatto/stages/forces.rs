@@ -1,0 +1,84 @@
+//! The workspace of the forces at the stages of a step: efforts along the freedoms, wrenches on the bodies, and what both are made of.
+//! The equations are in [`crate::equations::forces`].
+
+use crate::numbers::algebra::Vector;
+use crate::numbers::lanes::{Lanes, MAX_LANES};
+use crate::plan::forces::AppliedPlan;
+use crate::stages::coefficients::row_stage;
+use crate::stages::force_motion::Place;
+use crate::tableau::butcher::Tableau;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
+use nalgebra::DMatrix;
+/// The forces on a mechanism at the stages of a step.
+pub struct Applied<V> {
+    /// Effort on each degree of freedom, conjugate to its displacement [N m or N]: it enters the row of that freedom.
+    pub efforts: Vec<V>,
+    /// Force (N) and torque about the anchor [N m] on each body, in world axes, of all that does not act in joints.
+    pub wrenches: Vec<(Vector<V>, Vector<V>)>,
+    /// `κ c` of the dampers along each degree of freedom: times h, what they add to its inertia.
+    pub resistance: Vec<f64>,
+    /// What the finished step dissipated, and the work put into it (J).
+    pub exchange: Exchange,
+    pub(crate) plan: AppliedPlan,
+    /// Where the rows take their velocities from.
+    pub(crate) rows: Place<V>,
+    /// The same with the end of the step in the last lane.
+    pub(crate) end: Place<V>,
+}
+
+impl<V: Lanes> Applied<V> {
+    /// Room for the forces of a mechanism; none if there are none.
+    pub fn new(mechanism: &Mechanism, tableau: &Tableau) -> Option<Box<Self>> {
+        if mechanism.forces.is_empty() {
+            return None;
+        }
+        let active = tableau.stages - 1;
+        let place = |stage_of_lane: &dyn Fn(usize) -> usize, weight_of_lane: &dyn Fn(usize) -> f64| {
+            let lanes = |value: &dyn Fn(usize) -> f64| V::from_slice(&(0..active).map(value).collect::<Vec<f64>>());
+            let mut velocity = [V::zero(); MAX_LANES];
+            for (column, lane_values) in velocity.iter_mut().enumerate().take(active) {
+                *lane_values = lanes(&|lane| tableau.velocity[stage_of_lane(lane) * active + column]);
+            }
+            let moved = lanes(&|lane| if stage_of_lane(lane) == 0 { 0.0 } else { 1.0 });
+            Place { velocity, moved, weights: lanes(weight_of_lane) }
+        };
+        let row_stage = |lane: usize| row_stage(lane, active);
+        let end_weight = |lane: usize| if lane + 1 == active { tableau.weights[active] } else { 0.0 };
+        let share = damper_share(tableau);
+        let mut resistance = vec![0.0; mechanism.velocity_count];
+        for damper in &mechanism.forces.joint_dampers {
+            resistance[damper.freedom] += share * damper.coefficient;
+        }
+        Some(Box::new(Applied {
+            efforts: vec![V::zero(); mechanism.velocity_count],
+            wrenches: vec![(Vector::zero(), Vector::zero()); mechanism.bodies.len()],
+            resistance,
+            exchange: Exchange::default(),
+            plan: AppliedPlan::new(mechanism),
+            rows: place(&row_stage, &|lane| tableau.weights[row_stage(lane)]),
+            end: place(&|lane| lane + 1, &end_weight),
+        }))
+    }
+}
+
+/// κ: the largest `|μ|² / Re μ` of the eigenvalues μ of `Â Ā B`, which all have positive real parts.
+fn damper_share(tableau: &Tableau) -> f64 {
+    let n = tableau.stages - 1;
+    let velocity = DMatrix::from_row_slice(n, n, &tableau.velocity[..n * n]);
+    let eigenvalues = (DMatrix::from_row_slice(n, n, &tableau.a_hat) * velocity).complex_eigenvalues();
+    eigenvalues.iter().map(|value| value.norm_sqr() / value.re).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::damper_share;
+    use crate::tableau::butcher::Tableau;
+
+    #[test]
+    fn share_of_a_damper_in_the_inertia_is_exact_for_two_stages_and_falls_with_their_number() {
+        let shares: Vec<f64> = (2..=16).map(|stages| damper_share(Tableau::of(stages).unwrap())).collect();
+        assert!((shares[0] - 0.5).abs() < 1e-15 && (shares[1] - 1.0 / 3.0).abs() < 1e-14, "{shares:?}");
+        assert!(shares.windows(2).all(|pair| 0.0 < pair[1] && pair[1] < pair[0]), "{shares:?}");
+    }
+}

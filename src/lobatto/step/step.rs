@@ -1,0 +1,42 @@
+//! What a step is to those who string steps together: when its iteration ends, how an attempt at it ended, and what can be asked
+//! of it. In space it is made by [`crate::step::kernel`], in a plane by [`crate::step::planar_kernel`].
+
+use crate::stages::attempt::{Attempt, Guess, StopRule};
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
+use catena_mechanism::motion::energy::Energy;
+use catena_mechanism::motion::state::State;
+
+/// A step of the scheme for one number of lanes; what the integrator sees of it.
+pub trait Step: Send {
+    /// Steps iterated as far as `stop` (rad, m) are to come: makes room for what only they need.
+    fn expect(&mut self, _mechanism: &Mechanism, _stop: f64) {}
+    /// Takes a state as the start of the next step, when it is not where the last step ended.
+    fn begin(&mut self, mechanism: &Mechanism, state: &State);
+    /// Energy at the start of the step.
+    fn energy(&self) -> Energy;
+    /// Whether there is a step before this one to guess from: without, every guess is a plain one.
+    fn has_past(&self) -> bool;
+    /// Solves the stage equations of a step of length `step` from the start and a guess.
+    fn attempt(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, guess: Guess) -> Attempt;
+    /// Projects the momentum at the end of the solved step (2.5.11h): moves `state` there; returns its energy.
+    fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy;
+    /// Energy dissipated in the finished step, and work put into it, by the quadrature of the scheme (J).
+    fn exchange(&self) -> Exchange;
+    /// How many iterations have kept the factors of an earlier one since this was asked last.
+    fn take_kept(&mut self) -> usize;
+    /// Number of equations of the closures that the others imply at the end of the finished step; `None` without closures, and where
+    /// nothing had to be projected there.
+    fn redundant(&self) -> Option<usize>;
+    /// Brings positions and velocities near the closures, if there are any, on them.
+    fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]);
+    /// Keeps the finished step: its end is the start of the next one.
+    fn accept(&mut self);
+    /// Of each degree of freedom two weighted sums of its displacements at the stages 2 … s of the last solved step.
+    fn weigh_displacements(&self, weights: [&[f64]; 2], sums: &mut [[f64; 2]]);
+    /// Displacement of a degree of freedom at the last stage of the last solved step.
+    fn last_displacement(&self, freedom: usize) -> f64;
+    /// Rough second derivatives of the displacements at the start, from one iteration of a step of this length (s). Zero for the freedoms that
+    /// need no iteration ([`Plan::known`](crate::plan::tree::Plan::known)): no step is shorter for these.
+    fn accelerations(&mut self, step: f64, out: &mut [f64]);
+}

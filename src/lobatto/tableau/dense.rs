@@ -1,0 +1,129 @@
+//! Dense output: the motion inside a step, from the collocation polynomial.
+//!
+//! Each joint displacement is interpolated by the polynomial that meets it at all nodes and has the step's velocities
+//! at both ends; poses rebuilt from it satisfy every joint to rounding. With the interpolant `L` of the nodes alone
+//! and `ω(x) = Π (x − c_i)`,
+//!
+//! ```text
+//!     p(x) = L(x) + ω(x) (α + β x),    α = (h v₀ − L'(0)) / ω'(0),    α + β = (h v₁ − L'(1)) / ω'(1)
+//! ```
+
+use crate::numbers::lanes::MAX_LANES;
+use crate::tableau::butcher::Tableau;
+
+/// The first stage has no lane.
+const MAX_STAGES: usize = MAX_LANES + 1;
+
+/// The interpolation rule of a tableau: all that does not depend on the point of the step.
+#[derive(Clone, Debug)]
+pub struct DenseRule {
+    nodes: Vec<f64>,
+    /// Product of the distances of each node from the others.
+    scales: Vec<f64>,
+    /// Differentiation rows of the nodal interpolant at both ends.
+    derivative_at_start: Vec<f64>,
+    derivative_at_end: Vec<f64>,
+    /// ω' at both ends.
+    slope_at_start: f64,
+    slope_at_end: f64,
+}
+
+/// Values and slopes at one point as linear combinations of nodal displacements and end velocities.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DenseWeights {
+    value: [f64; MAX_STAGES],
+    slope: [f64; MAX_STAGES],
+    /// Weights of `h v₀` and `h v₁` in the value and in the slope.
+    value_ends: [f64; 2],
+    slope_ends: [f64; 2],
+}
+
+impl DenseRule {
+    /// The rule of a scheme.
+    pub fn new(tableau: &Tableau) -> Self {
+        let nodes = tableau.nodes.clone();
+        let (count, scales) = (nodes.len(), scales(&nodes));
+        let slopes = |x: f64| nodal(&nodes, &scales, x).slopes[..count].to_vec();
+        let (derivative_at_start, derivative_at_end) = (slopes(0.0), slopes(1.0));
+        let (slope_at_start, slope_at_end) = (scales[0], scales[count - 1]);
+        DenseRule { nodes, scales, derivative_at_start, derivative_at_end, slope_at_start, slope_at_end }
+    }
+
+    /// The weights for the point `x` of the step, from 0 to 1. Does not allocate.
+    pub fn weights(&self, x: f64) -> DenseWeights {
+        let Nodal { values: mut value, slopes: mut slope, omega: (omega, omega_slope) } =
+            nodal(&self.nodes, &self.scales, x);
+        // p = L + ω (1 − x) a₀ + ω x a₁ with a₀ = (h v₀ − L'(0))/ω'(0) and a₁ = (h v₁ − L'(1))/ω'(1).
+        let start = [omega * (1.0 - x), omega_slope * (1.0 - x) - omega].map(|factor| factor / self.slope_at_start);
+        let end = [omega * x, omega_slope * x + omega].map(|factor| factor / self.slope_at_end);
+        for k in 0..self.nodes.len() {
+            value[k] -= start[0] * self.derivative_at_start[k] + end[0] * self.derivative_at_end[k];
+            slope[k] -= start[1] * self.derivative_at_start[k] + end[1] * self.derivative_at_end[k];
+        }
+        DenseWeights { value, slope, value_ends: [start[0], end[0]], slope_ends: [start[1], end[1]] }
+    }
+}
+
+impl DenseWeights {
+    /// The weights of the displacements at the nodes 2 … s, of which there are `inner`, in the value and in the slope.
+    pub fn of_stages(&self, inner: usize) -> [&[f64]; 2] {
+        [&self.value[1..=inner], &self.slope[1..=inner]]
+    }
+
+    /// Displacement and its derivative by x, from those two sums over the nodes and `h v` at both ends.
+    pub fn apply(&self, [value, slope]: [f64; 2], start: f64, end: f64) -> (f64, f64) {
+        (
+            value + self.value_ends[0] * start + self.value_ends[1] * end,
+            slope + self.slope_ends[0] * start + self.slope_ends[1] * end,
+        )
+    }
+}
+
+/// The product of the distances of each node from all others.
+pub(crate) fn scales(nodes: &[f64]) -> Vec<f64> {
+    let scale = |j: usize| (0..nodes.len()).filter(|&k| k != j).map(|k| nodes[j] - nodes[k]).product();
+    (0..nodes.len()).map(scale).collect()
+}
+
+/// The nodal polynomials at a point.
+struct Nodal {
+    /// Lagrange polynomials and their first derivatives.
+    values: [f64; MAX_STAGES],
+    slopes: [f64; MAX_STAGES],
+    /// ω and ω'.
+    omega: (f64, f64),
+}
+
+/// The nodal polynomials at `x`.
+///
+/// All products of differences are taken from the first node to the last; those up to a node that is left out are shared by all
+/// that leave it out.
+fn nodal(nodes: &[f64], scales: &[f64], x: f64) -> Nodal {
+    let count = nodes.len();
+    let mut distances = [0.0; MAX_STAGES];
+    for (distance, node) in distances.iter_mut().zip(nodes) {
+        *distance = x - node;
+    }
+    let distances = &distances[..count];
+    let rest = |start: f64, from: usize| distances[from..].iter().fold(start, |product, distance| product * distance);
+    let (mut values, mut slopes) = ([0.0; MAX_STAGES], [0.0; MAX_STAGES]);
+    let (mut before, mut omega_slope) = (1.0, 0.0);
+    for j in 0..count {
+        let left = rest(before, j + 1);
+        values[j] = left / scales[j];
+        omega_slope += left;
+        // Leaving out a pair of nodes counts for the slopes of both.
+        let mut between = before;
+        for k in j + 1..count {
+            let left = rest(between, k + 1);
+            slopes[j] += left;
+            slopes[k] += left;
+            between *= distances[k];
+        }
+        before *= distances[j];
+    }
+    for (slope, scale) in slopes.iter_mut().zip(scales) {
+        *slope /= scale;
+    }
+    Nodal { values, slopes, omega: (before, omega_slope) }
+}

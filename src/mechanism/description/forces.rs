@@ -1,0 +1,90 @@
+//! Smooth forces: what pushes, pulls and brakes besides gravity. A mechanism without forces has five empty lists.
+//!
+//! The data is here, the physics of each force in a file of its own: [`joint_damper`], [`joint_spring`],
+//! [`joint_load`], [`point_spring`], [`wrench`]. [`total`] sums them up for a state; the scheme has its own evaluation
+//! for all stages at once ([`catena_lobatto::equations::forces`]).
+
+use crate::description::closure::{Attachment, Coordinate};
+use nalgebra::Vector3;
+
+/// Every force on a mechanism besides gravity.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Forces {
+    /// Viscous dampers in joints.
+    pub joint_dampers: Vec<JointDamper>,
+    /// Linear springs in joints.
+    pub joint_springs: Vec<JointSpring>,
+    /// Constant efforts in joints.
+    pub joint_loads: Vec<JointLoad>,
+    /// Springs with dampers between two points.
+    pub point_springs: Vec<PointSpring>,
+    /// Constant wrenches on bodies.
+    pub wrenches: Vec<Wrench>,
+}
+
+/// `τ = −coefficient · q̇` along one degree of freedom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointDamper {
+    /// Entry of the velocity vector.
+    pub freedom: usize,
+    /// N m s/rad or N s/m, not negative.
+    pub coefficient: f64,
+}
+
+/// `τ = −stiffness · (q − rest)` along one scalar joint coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointSpring {
+    /// The coordinate.
+    pub coordinate: Coordinate,
+    /// N m/rad or N/m.
+    pub stiffness: f64,
+    /// Where it is free of force (rad or m).
+    pub rest: f64,
+}
+
+/// A constant effort along one degree of freedom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointLoad {
+    /// Entry of the velocity vector.
+    pub freedom: usize,
+    /// N m or N.
+    pub effort: f64,
+}
+
+/// A spring and damper between the origins of two frames, `u = (P_b − P_a)/ℓ`: the force on b is
+/// `−(stiffness (ℓ − rest_length) + damping ℓ̇) u`, on a its opposite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointSpring {
+    /// Its name.
+    pub name: String,
+    /// One end.
+    pub a: Attachment,
+    /// The other end.
+    pub b: Attachment,
+    /// N/m.
+    pub stiffness: f64,
+    /// N s/m.
+    pub damping: f64,
+    /// m.
+    pub rest_length: f64,
+}
+
+/// A constant wrench on a body, with the directions of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wrench {
+    /// The body.
+    pub body: usize,
+    /// Where the force acts, in the body frame (m).
+    pub point: Vector3<f64>,
+    /// The force, in the world (N).
+    pub force: Vector3<f64>,
+    /// The torque, in the world (N m).
+    pub torque: Vector3<f64>,
+}
+
+impl Forces {
+    /// Whether nothing acts.
+    pub fn is_empty(&self) -> bool {
+        *self == Forces::default()
+    }
+}

@@ -1,0 +1,120 @@
+//! The mechanism: the constant data of what is simulated, and nothing that changes.
+//!
+//! A tree of rigid bodies, numbered depth first: a parent comes before its children and a subtree is contiguous.
+//! Each body's frame sits at its centre of mass with its axes along the principal axes of inertia, so that the
+//! body inertia is `J = diag(J₁, J₂, J₃)` [kg m²] and `Σ = ½ tr(J) 1 − J` is diagonal too.
+
+use crate::description::closure::{JointLimit, LoopJoint, Mimic};
+use crate::description::forces::Forces;
+use crate::description::joint::Joint;
+use nalgebra::Vector3;
+
+/// A rigid body and the joint to its parent.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Name of the link that heads this body.
+    pub name: String,
+    /// Index of the parent body; `None` is the world.
+    pub parent: Option<usize>,
+    /// Mass (kg).
+    pub mass: f64,
+    /// Principal moments of inertia about the centre of mass [kg m²].
+    pub inertia: Vector3<f64>,
+    /// The joint to the parent.
+    pub joint: Joint,
+}
+
+/// The constant description of bodies, their joints, and the forces on them.
+#[derive(Clone, Debug)]
+pub struct Mechanism {
+    /// Name of the robot or scene.
+    pub name: String,
+    /// Acceleration of gravity in the world [m/s²].
+    pub gravity: Vector3<f64>,
+    /// The bodies, depth first.
+    pub bodies: Vec<Body>,
+    /// Joints that close loops of the tree.
+    pub loops: Vec<LoopJoint>,
+    /// Joint coordinates that follow others.
+    pub mimics: Vec<Mimic>,
+    /// Forces besides gravity.
+    pub forces: Forces,
+    /// Limits of joints, which the assembly of closed loops respects; the motion does not.
+    pub limits: Vec<JointLimit>,
+    /// Length of the position vector.
+    pub position_count: usize,
+    /// Number of degrees of freedom: length of the velocity vector.
+    pub velocity_count: usize,
+}
+
+/// Why a list of bodies is not a mechanism.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum MechanismError {
+    /// The numbering is not depth first.
+    #[error("body {body:?} (number {index}): its parent must come before it, and every subtree must be contiguous")]
+    Order { body: String, index: usize },
+    /// A mass or moment of inertia is negative or not finite.
+    #[error("body {body:?}: mass {mass} kg and principal inertia {inertia:?} kg m² must be finite and not negative")]
+    Inertia { body: String, mass: f64, inertia: [f64; 3] },
+}
+
+impl Mechanism {
+    /// Numbers the joints' places in the state vectors and checks the order of the bodies.
+    ///
+    /// # Errors
+    /// [`MechanismError::Order`] if the bodies are not depth first, [`MechanismError::Inertia`] for impossible masses.
+    pub fn new(name: &str, gravity: Vector3<f64>, mut bodies: Vec<Body>) -> Result<Self, MechanismError> {
+        let (mut position_count, mut velocity_count) = (0, 0);
+        let mut branch: Vec<usize> = Vec::new();
+        for (index, body) in bodies.iter_mut().enumerate() {
+            while branch.last().copied() != body.parent && branch.pop().is_some() {}
+            if branch.last().copied() != body.parent {
+                return Err(MechanismError::Order { body: body.name.clone(), index });
+            }
+            branch.push(index);
+            let numbers = [body.mass, body.inertia.x, body.inertia.y, body.inertia.z];
+            if numbers.iter().any(|value| !value.is_finite()) || body.mass < 0.0 {
+                return Err(MechanismError::Inertia {
+                    body: body.name.clone(),
+                    mass: body.mass,
+                    inertia: body.inertia.into(),
+                });
+            }
+            body.joint.position_index = position_count;
+            body.joint.velocity_index = velocity_count;
+            position_count += body.joint.kind.position_count();
+            velocity_count += body.joint.kind.velocity_count();
+        }
+        Ok(Mechanism {
+            name: name.to_string(),
+            gravity,
+            bodies,
+            loops: Vec::new(),
+            mimics: Vec::new(),
+            forces: Forces::default(),
+            limits: Vec::new(),
+            position_count,
+            velocity_count,
+        })
+    }
+
+    /// Whether the tree of joints under gravity is all there is.
+    pub fn is_plain_tree(&self) -> bool {
+        self.loops.is_empty() && self.mimics.is_empty() && self.forces.is_empty()
+    }
+
+    /// Whether there are equations between coordinates that the tree does not have.
+    pub fn has_closures(&self) -> bool {
+        !self.loops.is_empty() || !self.mimics.is_empty()
+    }
+
+    /// The body whose joint has this name.
+    pub fn body_of_joint(&self, joint: &str) -> Option<usize> {
+        self.bodies.iter().position(|body| body.joint.name == joint)
+    }
+
+    /// Total mass of the moving bodies (kg).
+    pub fn total_mass(&self) -> f64 {
+        self.bodies.iter().map(|body| body.mass).sum()
+    }
+}

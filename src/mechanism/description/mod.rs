@@ -1,0 +1,8 @@
+//! The mechanism as it was built: bodies, joints, closures and forces. All of it is constant.
+
+pub mod body_state;
+pub mod closure;
+pub mod forces;
+pub mod joint;
+pub mod mechanism;
+pub mod rules;

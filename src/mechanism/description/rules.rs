@@ -1,0 +1,96 @@
+//! The rules by which a run does less than the whole mechanism asks for, and that can be switched off by name.
+//!
+//! A run without a rule is the full model, against which the rule is tested. The rules of [`crate::model::ReductionRule`], by
+//! which links are no bodies of their own, cannot be switched off: a joint that leaves nothing free is no joint here.
+
+use std::str::FromStr;
+
+/// A rule that can be switched off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// Parts of the mechanism that nothing connects are simulated apart.
+    Islands,
+    /// An island at rest in equilibrium is not simulated.
+    Sleep,
+    /// What moves in a plane is simulated with three coordinates a body.
+    Planar,
+    /// A body that never turns has no rotation.
+    Translation,
+    /// A body whose mass is at a point has no rotational inertia.
+    Points,
+    /// A body with the same inertia about all axes has one moment of inertia.
+    Spheres,
+    /// A body on a hinge that the world holds has one equation.
+    Pivots,
+    /// A body that floats freely has no equations but those of its rotation.
+    Tumblers,
+}
+
+/// There is no such rule.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no rule {0:?} that can be switched off; there are {list}", list = Rule::ALL.map(Rule::name).join(", "))]
+pub struct UnknownRule(pub String);
+
+impl Rule {
+    /// All of them, in the order in which they are tried.
+    pub const ALL: [Rule; 8] = [
+        Rule::Islands,
+        Rule::Sleep,
+        Rule::Planar,
+        Rule::Translation,
+        Rule::Points,
+        Rule::Spheres,
+        Rule::Pivots,
+        Rule::Tumblers,
+    ];
+
+    /// The name, for the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Rule::Islands => "islands",
+            Rule::Sleep => "sleep",
+            Rule::Planar => "planar",
+            Rule::Translation => "translation",
+            Rule::Points => "points",
+            Rule::Spheres => "spheres",
+            Rule::Pivots => "pivots",
+            Rule::Tumblers => "tumblers",
+        }
+    }
+
+    /// When it applies, for people.
+    pub fn condition(self) -> &'static str {
+        match self {
+            Rule::Islands => "no joint, loop, mimic relation or spring connects the parts",
+            Rule::Sleep => "starts at rest, and nothing accelerates",
+            Rule::Planar => "all hinges about one direction, all slides across it, loops too",
+            Rule::Translation => "in space, nothing but slides between body and world",
+            Rule::Points => "in space, no inertia about the center of mass",
+            Rule::Spheres => "in space, under gravity alone, the same inertia about all axes",
+            Rule::Pivots => "in space, under gravity alone, on a hinge that the world holds",
+            Rule::Tumblers => "in space, under gravity alone, a body that floats and carries nothing",
+        }
+    }
+
+    /// What it saves, for people.
+    pub fn saving(self) -> &'static str {
+        match self {
+            Rule::Islands => "each with its own steps, on several cores, small ones together",
+            Rule::Sleep => "not simulated",
+            Rule::Planar => "three coordinates each instead of six",
+            Rule::Translation => "three equations each instead of six",
+            Rule::Points => "no angular momentum",
+            Rule::Spheres => "one moment of inertia instead of six",
+            Rule::Pivots => "one equation instead of six",
+            Rule::Tumblers => "a parabola, and three equations instead of six",
+        }
+    }
+}
+
+impl FromStr for Rule {
+    type Err = UnknownRule;
+
+    fn from_str(name: &str) -> Result<Self, UnknownRule> {
+        Rule::ALL.into_iter().find(|rule| rule.name() == name).ok_or_else(|| UnknownRule(name.to_string()))
+    }
+}

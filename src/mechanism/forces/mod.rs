@@ -1,0 +1,10 @@
+//! The physics of each force, and all of them together ([`total`]). The data is in [`crate::description::forces`].
+
+#[cfg(test)]
+mod differences;
+pub mod joint_damper;
+pub mod joint_load;
+pub mod joint_spring;
+pub mod point_spring;
+pub mod total;
+pub mod wrench;

@@ -1,0 +1,169 @@
+//! What an integrator is to the loop: something that makes steps, fails with a reason, and can be asked for any instant of its last
+//! step.
+
+use crate::description::mechanism::Mechanism;
+use crate::forces::total::Exchange;
+use crate::ground::words::short;
+use crate::motion::state::State;
+
+/// What an integrator is and how it has stepped so far; goes into reports and logs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodDescription {
+    /// Short name: `lobatto`, `dop853`, `rk4`, `euler`.
+    pub name: String,
+    /// Number of stages of the scheme.
+    pub stages: usize,
+    /// Order of convergence.
+    pub order: usize,
+    /// The fixed step, or the mean accepted step of an adaptive run (s).
+    pub step: f64,
+    /// Whether the step is chosen from a tolerance.
+    pub adaptive: bool,
+    /// The tolerance the step is chosen from.
+    pub tolerance: Option<f64>,
+    /// The nearest that any step came to the limit of linear stability, as far as it was looked at.
+    pub frequency_step: Option<FrequencyStep>,
+    /// The first step that was too long to stop a motion that dampers stop.
+    pub ringing: Option<Ringing>,
+    /// Where the closures were nearest to saying less than elsewhere, as far as ends of steps show it.
+    pub singular: Option<SingularPosition>,
+    /// Decimal digits that steps are solved to: 16, or 32.
+    pub digits: u32,
+    /// How often the symmetry of reversible steps was broken; `None` for steps that are not.
+    pub reversible_resets: Option<usize>,
+}
+
+impl MethodDescription {
+    /// Of a method with steps of `step` seconds and 16 digits, of which there is nothing else to tell.
+    pub fn fixed(name: &str, stages: usize, order: usize, step: f64) -> Self {
+        MethodDescription {
+            name: name.to_string(),
+            stages,
+            order,
+            step,
+            adaptive: false,
+            tolerance: None,
+            frequency_step: None,
+            ringing: None,
+            singular: None,
+            digits: 16,
+            reversible_resets: None,
+        }
+    }
+}
+
+/// An end of a step within about a milliradian of a singular position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SingularPosition {
+    /// When (s).
+    pub time: f64,
+    /// How many more equations are redundant there than elsewhere in the run.
+    pub extra: usize,
+}
+
+/// A motion that dampers stop, in a step that leaves most of it: it rings on, from step to step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ringing {
+    /// How fast they stop it [1/s].
+    pub decay: f64,
+    /// The step (s).
+    pub step: f64,
+    /// About the longest step that stops it (s).
+    pub longest: f64,
+    /// When (s).
+    pub time: f64,
+}
+
+/// The nearest that a run has come to the limit of stability, or the first step beyond it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrequencyStep {
+    /// `h ω`: step times frequency of the fastest mode.
+    pub product: f64,
+    /// Where the scheme becomes unstable.
+    pub limit: f64,
+    /// The step (s).
+    pub step: f64,
+    /// When (s).
+    pub time: f64,
+}
+
+impl FrequencyStep {
+    /// Whether a step was beyond the limit.
+    pub fn is_unstable(&self) -> bool {
+        self.product > self.limit
+    }
+
+    /// The longest stable step where this one was made (s); infinite where nothing is stiff.
+    pub fn longest(&self) -> f64 {
+        self.step * self.limit / self.product
+    }
+}
+
+/// What one accepted step cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepOutcome {
+    /// Length of the step (s).
+    pub step: f64,
+    /// Iterations of the nonlinear solve, or evaluations of the right-hand side.
+    pub iterations: usize,
+    /// Those of the iterations that kept the factors of an earlier one.
+    pub kept: usize,
+    /// Attempts that were thrown away before this step was accepted.
+    pub rejected: usize,
+    /// Whether the stage equations were solved by the exact Newton method, with all stages coupled.
+    pub exact: bool,
+    /// Energy dissipated in the step, and work put into the mechanism (J).
+    pub exchange: Exchange,
+}
+
+/// Why a step could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// The stage equations could not be solved, even after the step was shortened again and again.
+    #[error(
+        "at t = {} s the step from joint {joint:?} did not converge (last increment {increment:.1e}), not even with \
+         a step of {step:.1e} s; choose a smaller --tolerance, or with --step a smaller one or more --stages",
+        short(*.time)
+    )]
+    NotConverged { time: f64, step: f64, joint: String, increment: f64 },
+    /// The stage equations could not be solved, and the step was beyond what the scheme is stable for.
+    #[error(
+        "at t = {} s a step of {step:.1e} s is beyond the stability limit of {stages} stages and does not converge; use \
+         --step below {longest:.1e} s, more --stages, or --tolerance",
+        short(*.time)
+    )]
+    Unstable { time: f64, step: f64, stages: usize, longest: f64 },
+    /// A joint turns by more than half a revolution within the shortest step.
+    #[error(
+        "at t = {} s joint {joint:?} turns by more than half a revolution within a step of {step:.1e} s; choose a smaller --step, or --tolerance",
+        short(*.time)
+    )]
+    TurnedTooFar { time: f64, step: f64, joint: String },
+    /// Every step changes the energy by more than the tolerance allows, or to that of another motion, however short.
+    #[error(
+        "at t = {} s no step is accurate enough, not even {step:.1e} s; choose a larger --tolerance, or with --step more --stages",
+        short(*.time)
+    )]
+    NotAccurate { time: f64, step: f64 },
+    /// The state is not finite any more.
+    #[error(
+        "at t = {} s the velocity of joint {joint:?} is not finite after a step of {step:.1e} s: the motion is too violent for it, or starts with more than doubles hold",
+        short(*.time)
+    )]
+    NotFinite { time: f64, step: f64, joint: String },
+}
+
+/// A way of advancing the state of a mechanism.
+pub trait Integrator {
+    /// Makes one step that ends at or before `until`, and exactly at `until` if the step reaches it.
+    ///
+    /// # Errors
+    /// [`StepError`] when no step could be made; the state is then that of the last accepted step.
+    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError>;
+
+    /// Positions and velocities at a `time` inside the last step, from its dense output.
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]);
+
+    /// What this integrator is.
+    fn description(&self) -> MethodDescription;
+}

@@ -1,0 +1,8 @@
+//! The state, and what follows from it at one instant: poses, gaps of the closures, energy and momentum, distances; and what an integrator is.
+
+pub mod distance;
+pub mod energy;
+pub mod gaps;
+pub mod integrator;
+pub mod kinematics;
+pub mod state;

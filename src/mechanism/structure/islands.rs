@@ -1,0 +1,244 @@
+//! Islands: parts of a mechanism that nothing connects, each a mechanism of its own.
+//!
+//! The trees of the mechanism are the nodes of a graph, and every loop joint, mimic relation and point spring between two
+//! of them is an edge; the islands are its connected components. The world connects nothing, because it does not move, and
+//! neither do gravity and loads: no body feels through them where another one is.
+//!
+//! Islands are numbered by their first bodies, and keep the order of bodies, closures and forces within them, so that an
+//! island is the mechanism one would have got without the others.
+
+use crate::description::closure::{Attachment, Coordinate};
+use crate::description::mechanism::{Body, Mechanism};
+use crate::motion::state::State;
+use std::ops::Range;
+
+/// A part of a mechanism that nothing connects with the rest.
+#[derive(Clone, Debug)]
+pub struct Island {
+    /// The part alone.
+    pub mechanism: Mechanism,
+    /// Where its bodies and their coordinates are in the whole, one piece after another.
+    pub pieces: Vec<Piece>,
+}
+
+/// Whole trees that follow each other in the mechanism and belong to the same island.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Piece {
+    /// The bodies, in the whole.
+    pub bodies: Range<usize>,
+    /// Their entries of the position vector of the whole.
+    pub positions: Range<usize>,
+    /// Their entries of the velocity vector of the whole.
+    pub velocities: Range<usize>,
+}
+
+/// The islands of a mechanism; none if nothing moves.
+pub fn islands(mechanism: &Mechanism) -> Vec<Island> {
+    let of_body = island_of_each_body(mechanism);
+    let count = of_body.iter().max().map_or(0, |last| last + 1);
+    if count == 1 {
+        return vec![Island::whole(mechanism)];
+    }
+    let mut pieces: Vec<Vec<Piece>> = vec![Vec::new(); count];
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        let (positions, velocities) = (body.joint.position_range(), body.joint.velocity_range());
+        match pieces[of_body[index]].last_mut() {
+            Some(piece) if piece.bodies.end == index => {
+                piece.bodies.end = index + 1;
+                piece.positions.end = positions.end;
+                piece.velocities.end = velocities.end;
+            }
+            _ => pieces[of_body[index]].push(Piece { bodies: index..index + 1, positions, velocities }),
+        }
+    }
+    pieces
+        .into_iter()
+        .enumerate()
+        .map(|(number, pieces)| Island::cut_out(mechanism, pieces, &of_body, number))
+        .collect()
+}
+
+/// The number of the island of every body.
+fn island_of_each_body(mechanism: &Mechanism) -> Vec<usize> {
+    // Every body points to an earlier one of its island; one that points to itself is the first.
+    let mut earlier: Vec<usize> =
+        mechanism.bodies.iter().enumerate().map(|(index, body)| body.parent.unwrap_or(index)).collect();
+    let ends = |a: &Attachment, b: &Attachment| a.body.zip(b.body);
+    let loops = mechanism.loops.iter().filter_map(|joint| ends(&joint.a, &joint.b));
+    let mimics = mechanism.mimics.iter().map(|mimic| (mimic.follower.body, mimic.leader.body));
+    let springs = mechanism.forces.point_springs.iter().filter_map(|spring| ends(&spring.a, &spring.b));
+    for (one, other) in loops.chain(mimics).chain(springs) {
+        let (one, other) = (first_of(&mut earlier, one), first_of(&mut earlier, other));
+        earlier[one.max(other)] = one.min(other);
+    }
+    let mut numbers = vec![0; earlier.len()];
+    let mut count = 0;
+    for index in 0..earlier.len() {
+        let first = first_of(&mut earlier, index);
+        if first == index {
+            numbers[index] = count;
+            count += 1;
+        } else {
+            numbers[index] = numbers[first];
+        }
+    }
+    numbers
+}
+
+/// The first body of the island; shortens the way there for the next time.
+fn first_of(earlier: &mut [usize], mut body: usize) -> usize {
+    while earlier[body] != body {
+        earlier[body] = earlier[earlier[body]];
+        body = earlier[body];
+    }
+    body
+}
+
+impl Island {
+    /// The whole mechanism as its only island.
+    pub fn whole(mechanism: &Mechanism) -> Self {
+        let piece = Piece {
+            bodies: 0..mechanism.bodies.len(),
+            positions: 0..mechanism.position_count,
+            velocities: 0..mechanism.velocity_count,
+        };
+        Island { mechanism: mechanism.clone(), pieces: vec![piece] }
+    }
+
+    /// Several islands of a mechanism as one, to be run together.
+    pub fn together(whole: &Mechanism, islands: &[Island]) -> Self {
+        let mut all: Vec<Piece> = islands.iter().flat_map(|island| island.pieces.clone()).collect();
+        all.sort_by_key(|piece| piece.bodies.start);
+        let mut pieces: Vec<Piece> = Vec::with_capacity(all.len());
+        for piece in all {
+            match pieces.last_mut() {
+                Some(last) if last.bodies.end == piece.bodies.start => {
+                    last.bodies.end = piece.bodies.end;
+                    last.positions.end = piece.positions.end;
+                    last.velocities.end = piece.velocities.end;
+                }
+                _ => pieces.push(piece),
+            }
+        }
+        // The first body is of the first island.
+        let number = usize::from(pieces.first().is_some_and(|piece| piece.bodies.start > 0));
+        let mut of_body = vec![number + 1; whole.bodies.len()];
+        pieces.iter().for_each(|piece| of_body[piece.bodies.clone()].fill(number));
+        Island::cut_out(whole, pieces, &of_body, number)
+    }
+
+    fn cut_out(whole: &Mechanism, pieces: Vec<Piece>, of_body: &[usize], number: usize) -> Self {
+        let here = |body: usize| of_body[body] == number;
+        // What has both ends in the world moves nobody; the first island keeps it.
+        let touches = |a: &Attachment, b: &Attachment| a.body.or(b.body).map_or(number == 0, here);
+        let of_freedom = |freedom: usize| whole.bodies.partition_point(|body| body.joint.velocity_index <= freedom) - 1;
+        let into = Into { pieces: &pieces };
+        let bodies: Vec<Body> = pieces
+            .iter()
+            .flat_map(|piece| piece.bodies.clone())
+            .map(|index| {
+                let mut body = whole.bodies[index].clone();
+                body.parent = body.parent.map(|parent| into.body(parent));
+                body.joint.position_index = into.position(body.joint.position_index);
+                body.joint.velocity_index = into.freedom(body.joint.velocity_index);
+                body
+            })
+            .collect();
+        let mut mechanism = Mechanism {
+            name: whole.name.clone(),
+            gravity: whole.gravity,
+            bodies,
+            loops: whole.loops.iter().filter(|joint| touches(&joint.a, &joint.b)).cloned().collect(),
+            mimics: whole.mimics.iter().filter(|mimic| here(mimic.follower.body)).cloned().collect(),
+            limits: whole.limits.iter().filter(|limit| here(limit.coordinate.body)).cloned().collect(),
+            forces: whole.forces.clone(),
+            position_count: pieces.iter().map(|piece| piece.positions.len()).sum(),
+            velocity_count: pieces.iter().map(|piece| piece.velocities.len()).sum(),
+        };
+        let forces = &mut mechanism.forces;
+        forces.joint_dampers.retain(|damper| here(of_freedom(damper.freedom)));
+        forces.joint_springs.retain(|spring| here(spring.coordinate.body));
+        forces.joint_loads.retain(|load| here(of_freedom(load.freedom)));
+        forces.point_springs.retain(|spring| touches(&spring.a, &spring.b));
+        forces.wrenches.retain(|wrench| here(wrench.body));
+
+        let loop_ends = mechanism.loops.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b]);
+        let spring_ends = forces.point_springs.iter_mut().flat_map(|spring| [&mut spring.a, &mut spring.b]);
+        for end in loop_ends.chain(spring_ends) {
+            end.body = end.body.map(|body| into.body(body));
+        }
+        for mimic in &mut mechanism.mimics {
+            mimic.follower = into.coordinate(mimic.follower);
+            mimic.leader = into.coordinate(mimic.leader);
+        }
+        mechanism.limits.iter_mut().for_each(|limit| limit.coordinate = into.coordinate(limit.coordinate));
+        forces.joint_dampers.iter_mut().for_each(|damper| damper.freedom = into.freedom(damper.freedom));
+        forces.joint_springs.iter_mut().for_each(|spring| spring.coordinate = into.coordinate(spring.coordinate));
+        forces.joint_loads.iter_mut().for_each(|load| load.freedom = into.freedom(load.freedom));
+        forces.wrenches.iter_mut().for_each(|wrench| wrench.body = into.body(wrench.body));
+        Island { mechanism, pieces }
+    }
+
+    /// The names of the bodies that hang on the world.
+    pub fn roots(&self) -> impl Iterator<Item = &str> {
+        self.mechanism.bodies.iter().filter(|body| body.parent.is_none()).map(|body| body.name.as_str())
+    }
+
+    /// The state of the island in that of the whole.
+    pub fn state(&self, whole: &State) -> State {
+        let mut state = State::zero(&self.mechanism);
+        state.time = whole.time;
+        let mut next = 0;
+        for Piece { positions, .. } in &self.pieces {
+            let own = next..next + positions.len();
+            state.position[own.clone()].copy_from_slice(&whole.position[positions.clone()]);
+            state.compensation[own].copy_from_slice(&whole.compensation[positions.clone()]);
+            next += positions.len();
+        }
+        let mut next = 0;
+        for Piece { velocities, .. } in &self.pieces {
+            state.velocity[next..next + velocities.len()].copy_from_slice(&whole.velocity[velocities.clone()]);
+            next += velocities.len();
+        }
+        state
+    }
+
+    /// Copies entries of the island to their places in the whole; `range` says which range of a piece is meant.
+    pub fn put<T: Copy>(&self, own: &[T], whole: &mut [T], range: impl Fn(&Piece) -> &Range<usize>) {
+        let mut rest = own;
+        for place in self.pieces.iter().map(range) {
+            let (here, later) = rest.split_at(place.len());
+            whole[place.clone()].copy_from_slice(here);
+            rest = later;
+        }
+    }
+}
+
+/// From the numbering of the whole into that of an island.
+struct Into<'p> {
+    pieces: &'p [Piece],
+}
+
+impl Into<'_> {
+    /// The index within the island; the pieces are in order of any of their ranges.
+    fn index(&self, of_whole: usize, range: impl Fn(&Piece) -> &Range<usize>) -> usize {
+        let before = self.pieces.iter().map(range).take_while(|place| place.start <= of_whole);
+        before.map(|place| place.end.min(of_whole) - place.start).sum()
+    }
+
+    fn body(&self, body: usize) -> usize {
+        self.index(body, |piece| &piece.bodies)
+    }
+
+    fn position(&self, position: usize) -> usize {
+        self.index(position, |piece| &piece.positions)
+    }
+
+    fn freedom(&self, freedom: usize) -> usize {
+        self.index(freedom, |piece| &piece.velocities)
+    }
+
+    fn coordinate(&self, Coordinate { body, position, freedom }: Coordinate) -> Coordinate {
+        Coordinate { body: self.body(body), position: self.position(position), freedom: self.freedom(freedom) }
+    }
+}

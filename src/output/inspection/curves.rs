@@ -1,0 +1,237 @@
+//! The curves of a log: joint positions and velocities, energy error, constraint violation, reactions.
+//!
+//! ```text
+//!     energy error  |E − E₀ + D − W| / max T          no unit; E₀ at the start, D dissipated, W work put in since,
+//!                                                      T the kinetic energy of all steps in the log
+//! ```
+//!
+//! Long logs are thinned: of every interval of time the smallest and the largest value are drawn.
+
+use crate::drawing::picture::{Figure, Panel, Picture, Scale, Series};
+use crate::drawing::style::curve;
+use crate::output::inspection::joint_values::{JointKinds, Quantity, joint_values, wrenches};
+use crate::output::inspection::summary::short;
+use crate::output::log::frames::{Figures, Frame, Visitor, visit};
+use crate::output::log::records::ReadError;
+use crate::output::log::seconds;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// Most curves in one picture; more can neither be told apart nor named.
+const MOST_CURVES: usize = 12;
+
+/// Intervals of time whose smallest and largest values are drawn.
+const INTERVALS: usize = 1200;
+
+/// Values below this are drawn here on logarithmic axes: nothing smaller means anything in a double.
+const LEAST: f64 = 1e-17;
+
+struct Gatherer<'k> {
+    kinds: &'k JointKinds,
+    /// By quantity, in the order of the figure, curves in the order of the log.
+    curves: Vec<(Quantity, Vec<Curve>)>,
+    initial: Option<f64>,
+    largest_kinetic: f64,
+    robot: String,
+    method: String,
+}
+
+struct Curve {
+    label: String,
+    points: Vec<(f64, f64)>,
+}
+
+impl Gatherer<'_> {
+    fn add(&mut self, quantity: Quantity, label: &str, time: f64, value: f64) {
+        let found = self.curves.iter_mut().position(|(known, _)| *known == quantity);
+        let place = found.unwrap_or_else(|| {
+            self.curves.push((quantity, Vec::new()));
+            self.curves.len() - 1
+        });
+        let curves = &mut self.curves[place].1;
+        match curves.iter_mut().find(|curve| curve.label == label) {
+            Some(curve) => curve.points.push((time, value)),
+            None => curves.push(Curve { label: label.to_string(), points: vec![(time, value)] }),
+        }
+    }
+}
+
+impl Visitor for Gatherer<'_> {
+    fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
+        let time = frame.time();
+        for value in joint_values(frame, self.kinds) {
+            // Reactions are drawn below, by their size; efforts are parts of them.
+            if matches!(value.quantity, Quantity::Force | Quantity::Torque | Quantity::Effort) {
+                continue;
+            }
+            let label =
+                if value.component.is_empty() { value.joint } else { format!("{} {}", value.joint, value.component) };
+            self.add(value.quantity, &label, time, value.value);
+        }
+        let norm = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        for (joint, (force, torque)) in wrenches(&frame.reactions) {
+            self.add(Quantity::Force, joint, time, norm(force));
+            self.add(Quantity::Torque, joint, time, norm(torque));
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn figures(&mut self, figures: &Figures) {
+        let time = seconds(figures.nanoseconds);
+        if let (Some([kinetic, ..]), Some(balance)) = (figures.energy, figures.balance()) {
+            let initial = *self.initial.get_or_insert(balance);
+            self.largest_kinetic = self.largest_kinetic.max(kinetic);
+            self.add(Quantity::EnergyError, "energy", time, (balance - initial).abs());
+        }
+        if let Some([position, velocity]) = figures.violation {
+            self.add(Quantity::Violation, "position [m]", time, position);
+            self.add(Quantity::Violation, "velocity [m/s]", time, velocity);
+        }
+    }
+
+    fn metadata(&mut self, name: &str, entries: &std::collections::BTreeMap<String, String>) {
+        if name == "simulation" {
+            let entry = |name: &str| entries.get(name).filter(|text| !text.is_empty());
+            self.robot = entry("robot").cloned().unwrap_or_default();
+            self.method = [("method", ""), ("stages", " stages"), ("tolerance", " m tolerance"), ("step", " s step")]
+                .iter()
+                .filter_map(|(name, unit)| Some(format!("{}{unit}", short(entry(name)?))))
+                .collect::<Vec<_>>()
+                .join(", ");
+        }
+    }
+}
+
+/// The curves of a log as a figure.
+///
+/// # Errors
+/// [`ReadError`] if it is not a log.
+pub fn curves(log: &Path, kinds: &JointKinds) -> Result<Figure, ReadError> {
+    let mut gatherer = Gatherer {
+        kinds,
+        curves: Vec::new(),
+        initial: None,
+        largest_kinetic: 0.0,
+        robot: String::new(),
+        method: String::new(),
+    };
+    let completeness = visit(log, &mut gatherer)?;
+    let scale = if gatherer.largest_kinetic > 0.0 { gatherer.largest_kinetic } else { 1.0 };
+    let all_points = || gatherer.curves.iter().flat_map(|(_, curves)| curves).flat_map(|curve| &curve.points);
+    let end = all_points().map(|point| point.0).fold(0.0, f64::max);
+    let mut sorted = std::mem::take(&mut gatherer.curves);
+    sorted.sort_by_key(|(quantity, _)| *quantity);
+    let last = sorted.len().saturating_sub(1);
+    let pictures = sorted.into_iter().enumerate().map(|(index, (quantity, mut curves))| {
+        if quantity == Quantity::EnergyError {
+            curves.iter_mut().flat_map(|curve| &mut curve.points).for_each(|point| point.1 /= scale);
+        }
+        picture(quantity, curves, end, index == last)
+    });
+    let incomplete = match completeness {
+        Some(completeness) if completeness.is_complete() => "",
+        Some(completeness) if completeness.damaged => " (the log is damaged)",
+        _ => " (the log is truncated)",
+    };
+    Ok(Figure {
+        title: format!("{}{incomplete}", gatherer.robot),
+        subtitle: gatherer.method.clone(),
+        pictures: pictures.collect(),
+    })
+}
+
+fn picture(quantity: Quantity, curves: Vec<Curve>, end: f64, is_last: bool) -> Picture {
+    // The note that there are more takes the room of two.
+    let most = if curves.len() > MOST_CURVES { MOST_CURVES - 2 } else { MOST_CURVES };
+    let hidden = curves.len().saturating_sub(most);
+    let shown = curves.into_iter().take(most).enumerate();
+    let series: Vec<Series> = shown
+        .map(|(index, found)| Series {
+            label: shortened(&found.label),
+            look: curve(index),
+            points: thinned(&found.points, end)
+                .into_iter()
+                .map(|(time, value)| (time, if quantity.is_logarithmic() { value.max(LEAST) } else { value }))
+                .collect(),
+            markers_every: usize::MAX,
+        })
+        .collect();
+    let label = quantity.unit().to_string();
+    let y = if quantity.is_logarithmic() {
+        Scale::Log { label, least: LEAST, most: f64::MAX }
+    } else {
+        let values =
+            || series.iter().flat_map(|series| &series.points).map(|point| point.1).filter(|value| value.is_finite());
+        let (low, high) =
+            values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
+        // Something that does not move is a line in the middle.
+        let size = low.abs().max(high.abs());
+        let air = if size > 0.0 { (0.06 * (high - low)).max(1e-3 * size) } else { 1.0 };
+        Scale::Linear { label, range: (low - air, high + air) }
+    };
+    Picture {
+        title: quantity.title().to_string(),
+        subtitle: String::new(),
+        x: Scale::Linear {
+            label: if is_last { "simulated time [s]".to_string() } else { String::new() },
+            range: (0.0, if end > 0.0 { end } else { 1.0 }),
+        },
+        y,
+        bands: Vec::new(),
+        panels: vec![Panel { heading: String::new(), series }],
+        notes: if hidden > 0 { vec![format!("and {hidden} more, see --csv")] } else { Vec::new() },
+    }
+}
+
+/// What fits into the legend: the beginning, and the end, by which joints of one robot and coordinates of one joint differ.
+fn shortened(label: &str) -> String {
+    const LETTERS: usize = 20;
+    const LAST: usize = 11;
+    let count = label.chars().count();
+    if count <= LETTERS {
+        return label.to_string();
+    }
+    label.chars().take(LETTERS - 1 - LAST).chain(['…']).chain(label.chars().skip(count - LAST)).collect()
+}
+
+/// Of every interval of time the first of the smallest and of the largest values, in order of time.
+fn thinned(points: &[(f64, f64)], end: f64) -> Vec<(f64, f64)> {
+    if points.len() <= 2 * INTERVALS {
+        return points.to_vec();
+    }
+    let interval = |point: &(f64, f64)| ((point.0 / end) * INTERVALS as f64) as usize;
+    let mut thin = Vec::with_capacity(2 * INTERVALS + 2);
+    for chunk in points.chunk_by(|a, b| interval(a) == interval(b)) {
+        let extreme = |sign: f64| {
+            chunk
+                .iter()
+                .enumerate()
+                .min_by(|(_, a), (_, b)| (sign * a.1).total_cmp(&(sign * b.1)))
+                .map_or(0, |(place, _)| place)
+        };
+        let (low, high) = (extreme(1.0), extreme(-1.0));
+        thin.push(chunk[low.min(high)]);
+        if low != high {
+            thin.push(chunk[low.max(high)]);
+        }
+    }
+    thin
+}
+
+#[cfg(test)]
+mod tests {
+    use super::INTERVALS;
+    use super::thinned;
+
+    #[test]
+    fn thinning_keeps_every_peak_and_the_order_of_time() {
+        let mut points: Vec<(f64, f64)> = (0..100_000).map(|k| (f64::from(k), 0.0)).collect();
+        points[77_777].1 = 5.0;
+        points[33_333].1 = -3.0;
+        let thin = thinned(&points, 99_999.0);
+        assert!(thin.len() <= 2 * INTERVALS + 2, "{}", thin.len());
+        assert!(thin.contains(&(77_777.0, 5.0)) && thin.contains(&(33_333.0, -3.0)));
+        assert!(thin.is_sorted_by(|a, b| a.0 < b.0));
+    }
+}

@@ -1,0 +1,181 @@
+//! Encodes and writes the log on a thread of its own, because that need not hold up the simulation, and a disk may let it wait.
+//!
+//! The simulation puts samples into a piece that both threads know, as positions and velocities; the thread takes the piece when
+//! it is large, or a tenth of a second has passed, whatever the simulation does meanwhile. If it is too large, the simulation
+//! waits too. What the file becomes does not depend on when pieces were taken.
+
+use crate::output::log::encoder::SampleEncoder;
+use crate::output::log::file::{Ending, LogError, LogFile};
+use crate::output::log::queue::Piece;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// The thread is woken when there is a large piece, and looks by itself this often, so that a killed run leaves little unsaid.
+const INTERVAL: Duration = Duration::from_millis(100);
+
+/// A log file that is written by another thread.
+pub(crate) struct BackgroundFile {
+    path: PathBuf,
+    current: PathBuf,
+    is_beside: bool,
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<Result<PathBuf, LogError>>>,
+}
+
+#[derive(Default)]
+struct Shared {
+    waiting: Mutex<Waiting>,
+    /// There is something for the thread.
+    news: Condvar,
+    /// There is room for the simulation.
+    room: Condvar,
+}
+
+#[derive(Default)]
+struct Waiting {
+    piece: Piece,
+    ending: Option<Ending>,
+    /// The thread cannot write any more.
+    failed: bool,
+    /// The simulation is gone without an ending.
+    abandoned: bool,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, Waiting> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl BackgroundFile {
+    /// Goes on writing `file` on a new thread, with the messages of `encoder`.
+    ///
+    /// # Errors
+    /// [`LogError::Write`] if there can be no thread.
+    pub(crate) fn new(path: &Path, file: LogFile, encoder: SampleEncoder) -> Result<Self, LogError> {
+        let shared = Arc::new(Shared::default());
+        let current = file.current().to_path_buf();
+        let is_beside = file.is_beside();
+        let theirs = shared.clone();
+        let thread = std::thread::Builder::new().name("log".to_string()).spawn(move || write(file, encoder, &theirs));
+        let thread = thread.map_err(|reason| LogError::Write { path: path.to_path_buf(), reason })?;
+        Ok(BackgroundFile { path: path.to_path_buf(), current, is_beside, shared, thread: Some(thread) })
+    }
+
+    /// Where the file is while it is written.
+    pub(crate) fn current(&self) -> &Path {
+        &self.current
+    }
+
+    /// Whether that is beside its output.
+    pub(crate) fn is_beside(&self) -> bool {
+        self.is_beside
+    }
+
+    /// Lets `add` add to what the thread will take; returns whether [`BackgroundFile::settle`] has something to say.
+    pub(crate) fn add(&self, add: impl FnOnce(&mut Piece)) -> bool {
+        let mut waiting = self.shared.lock();
+        let was_large = waiting.piece.is_large();
+        add(&mut waiting.piece);
+        let (is_large, stop) = (waiting.piece.is_large(), waiting.failed || waiting.piece.is_too_large());
+        drop(waiting);
+        if is_large && !was_large {
+            self.shared.news.notify_one();
+        }
+        stop
+    }
+
+    /// Waits until there is room.
+    ///
+    /// # Errors
+    /// [`LogError::Write`] if earlier messages could not be written.
+    pub(crate) fn settle(&mut self) -> Result<(), LogError> {
+        let mut waiting = self.shared.lock();
+        while waiting.piece.is_too_large() && !waiting.failed {
+            waiting = self.shared.room.wait(waiting).unwrap_or_else(PoisonError::into_inner);
+        }
+        let failed = waiting.failed;
+        drop(waiting);
+        if failed { self.join().map(drop) } else { Ok(()) }
+    }
+
+    /// Waits for the thread, which completes the file.
+    fn join(&mut self) -> Result<PathBuf, LogError> {
+        let lost = || {
+            let reason = std::io::Error::other("the thread that writes the log has ended");
+            Err(LogError::Write { path: self.path.clone(), reason })
+        };
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(ended)) => ended,
+            Some(Err(_)) | None => lost(),
+        }
+    }
+
+    /// Has everything written and the file completed. Returns where it is.
+    ///
+    /// # Errors
+    /// [`LogError::Write`], also for earlier messages.
+    pub(crate) fn finish(mut self, ending: Ending) -> Result<PathBuf, LogError> {
+        self.settle()?;
+        self.shared.lock().ending = Some(ending);
+        self.shared.news.notify_one();
+        self.join()
+    }
+}
+
+impl Drop for BackgroundFile {
+    /// Without an ending the file stays as a killed run leaves it.
+    fn drop(&mut self) {
+        if let Some(thread) = self.thread.take() {
+            self.shared.lock().abandoned = true;
+            self.shared.news.notify_one();
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The thread: writes until there is no more, and completes the file.
+fn write(mut file: LogFile, encoder: SampleEncoder, shared: &Shared) -> Result<PathBuf, LogError> {
+    let _gone = Gone(shared);
+    let ended = write_all(&mut file, encoder, shared);
+    if ended.is_err() {
+        shared.lock().failed = true;
+        file.salvage();
+    }
+    ended
+}
+
+/// However the thread ends, nobody waits for it afterwards.
+struct Gone<'s>(&'s Shared);
+
+impl Drop for Gone<'_> {
+    fn drop(&mut self) {
+        self.0.lock().failed = true;
+        self.0.room.notify_one();
+    }
+}
+
+fn write_all(file: &mut LogFile, mut encoder: SampleEncoder, shared: &Shared) -> Result<PathBuf, LogError> {
+    let mut taken = Piece::default();
+    loop {
+        let is_idle =
+            |waiting: &mut Waiting| !waiting.piece.is_large() && waiting.ending.is_none() && !waiting.abandoned;
+        let waited = shared.news.wait_timeout_while(shared.lock(), INTERVAL, is_idle);
+        let (mut waiting, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        taken.clear();
+        std::mem::swap(&mut taken, &mut waiting.piece);
+        let (ending, abandoned) = (waiting.ending.take(), waiting.abandoned);
+        drop(waiting);
+        shared.room.notify_one();
+        encoder.encode(&taken, file)?;
+        if let Some(ending) = ending {
+            return file.finish(&ending);
+        }
+        file.save_if_due()?;
+        if abandoned {
+            return Ok(file.current().to_path_buf());
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! Makes messages of samples (the table of [`crate::output::log`]).
+//!
+//! Everything that does not change is prepared once: names, message layouts, buffers. Samples are looked at several at once
+//! ([`crate::instant::snapshots`]); what is in a message does not depend on which samples its own was looked at with.
+
+use crate::instant::snapshots::instants;
+use crate::lobatto::instants::instants::{INSTANTS, Instants, LinkPlace, Snapshots};
+use crate::mechanism::description::joint::Pose;
+use crate::model::{LinkFrame, Model};
+use crate::output::log::file::{LogError, MessageSink};
+use crate::output::log::joints::JointMessages;
+use crate::output::log::queue::{Between, Figures, Piece};
+use crate::output::log::ros::{Template, ros_channel};
+use crate::output::log::transforms::TransformsEncoder;
+use crate::output::log::{nanoseconds, ros};
+use foxglove::messages::{self, FrameTransforms};
+use foxglove::{Encode, Schema};
+
+/// The frame all poses are given in, unless a moving link has taken the name.
+const WORLD_FRAME: &str = "world";
+
+/// Makes messages of the samples of one run.
+pub(crate) struct SampleEncoder {
+    log: u16,
+    transforms_channel: u16,
+    /// Energies, violation and work.
+    figures: [(u16, Template); 3],
+    transforms: TransformsEncoder,
+    joints: JointMessages,
+    instants: Box<dyn Instants>,
+    snapshots: Snapshots,
+    position_count: usize,
+    velocity_count: usize,
+}
+
+impl SampleEncoder {
+    /// Adds the channels of a run of this model.
+    pub(crate) fn new(sink: &mut dyn MessageSink, model: &Model) -> Result<Self, LogError> {
+        let (mechanism, links) = (&model.mechanism, drawn_links(&model.links));
+        let world = world_frame(&model.links);
+        let places: Vec<LinkPlace> = links.iter().map(|link| (link.body, link.in_body)).collect();
+        let log = foxglove_channel::<messages::Log>(sink, "/log")?;
+        let transforms_channel = foxglove_channel::<FrameTransforms>(sink, "/tf")?;
+        let mut figures = |topic: &str, label: &str, count: usize| -> Result<_, LogError> {
+            Ok((ros_channel(sink, topic, ros::FLOAT64_MULTI_ARRAY)?, Template::figures(label, count)))
+        };
+        Ok(SampleEncoder {
+            log,
+            transforms_channel,
+            figures: [
+                figures("/energy", "kinetic, potential, total; since the start: dissipated, work put in [J]", 5)?,
+                figures("/constraint", "position [m, rad], velocity [m/s, rad/s]", 2)?,
+                figures("/solver", "last step [s], stages; since before: steps, iterations, rejected steps", 5)?,
+            ],
+            transforms: TransformsEncoder::new(world, links.iter().map(|link| link.name.as_str())),
+            joints: JointMessages::new(sink, model, world)?,
+            instants: instants(mechanism, &places),
+            snapshots: Snapshots::new(mechanism, places.len()),
+            position_count: mechanism.position_count,
+            velocity_count: mechanism.velocity_count,
+        })
+    }
+
+    /// Adds an encoded line of `/log`.
+    pub(crate) fn line(&self, sink: &mut dyn MessageSink, nanoseconds: u64, line: &[u8]) -> Result<(), LogError> {
+        sink.message(self.log, nanoseconds, line).map(drop)
+    }
+
+    /// Adds the messages of everything in a piece. Does not allocate.
+    pub(crate) fn encode(&mut self, piece: &Piece, sink: &mut dyn MessageSink) -> Result<(), LogError> {
+        let mut between = piece.between.iter().peekable();
+        for (group, times) in piece.times.chunks(INSTANTS).enumerate() {
+            let first = group * INSTANTS;
+            let positions = &piece.positions[first * self.position_count..][..times.len() * self.position_count];
+            let velocities = &piece.velocities[first * self.velocity_count..][..times.len() * self.velocity_count];
+            self.instants.look(positions, velocities, times.len(), &mut self.snapshots);
+            for (instant, &time) in times.iter().enumerate() {
+                while let Some((_, what)) = between.next_if(|(before, _)| *before <= first + instant) {
+                    self.encode_between(what, sink)?;
+                }
+                let stamp = nanoseconds(time);
+                let poses = self.snapshots.poses.iter().map(|[x, y, z, qw, qx, qy, qz]| {
+                    ([x[instant], y[instant], z[instant]], [qw[instant], qx[instant], qy[instant], qz[instant]])
+                });
+                let message = sink.message(self.transforms_channel, stamp, self.transforms.prepare(stamp))?;
+                self.transforms.fill(message, poses);
+                let position = &positions[instant * self.position_count..][..self.position_count];
+                let velocity = &velocities[instant * self.velocity_count..][..self.velocity_count];
+                self.joints.write((position, velocity), (&self.snapshots, instant), stamp, sink)?;
+            }
+        }
+        between.try_for_each(|(_, what)| self.encode_between(what, sink))
+    }
+
+    fn encode_between(&self, what: &Between, sink: &mut dyn MessageSink) -> Result<(), LogError> {
+        let (stamp, Figures { energies, violation, work }) = match what {
+            Between::Line(stamp, line) => return self.line(sink, *stamp, line),
+            Between::Figures(stamp, figures) => (*stamp, figures),
+        };
+        for ((channel, template), numbers) in self.figures.iter().zip([&energies[..], violation, work]) {
+            template.fill(sink.message(*channel, stamp, template.encoded())?, 0, numbers.iter().copied());
+        }
+        Ok(())
+    }
+}
+
+/// The links that get a transform: all, save a link that is the world frame itself.
+fn drawn_links(links: &[LinkFrame]) -> Vec<LinkFrame> {
+    let is_world =
+        |link: &LinkFrame| link.name == WORLD_FRAME && link.body.is_none() && link.in_body == Pose::identity();
+    links.iter().filter(|link| !is_world(link)).cloned().collect()
+}
+
+/// The name of the frame of the world.
+fn world_frame(links: &[LinkFrame]) -> &'static str {
+    // A link may be called `world` and still move; its transform must not have itself as the parent.
+    if drawn_links(links).iter().any(|link| link.name == WORLD_FRAME) { "simulation_world" } else { WORLD_FRAME }
+}
+
+/// Adds a channel for messages of foxglove's own.
+pub(crate) fn foxglove_channel<M: Encode>(sink: &mut dyn MessageSink, topic: &str) -> Result<u16, LogError> {
+    // All of foxglove's own messages have a schema.
+    let schema = M::get_schema().unwrap_or_else(|| Schema::new("", "", Vec::new()));
+    sink.channel(topic, (&schema.name, &schema.encoding, &schema.data), &M::get_message_encoding())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::motion::state::State;
+    use crate::model::{Base, ModelOptions};
+    use crate::output::log::batch::Batch;
+    use crate::scene::{PackagePath, read_scene, read_urdf};
+    use allocation_counter::measure;
+    use std::path::{Path, PathBuf};
+
+    /// Messages in memory.
+    #[derive(Default)]
+    struct Memory {
+        channels: u16,
+        messages: Batch,
+    }
+
+    impl MessageSink for Memory {
+        fn channel(&mut self, _: &str, _: (&str, &str, &[u8]), _: &str) -> Result<u16, LogError> {
+            self.channels += 1;
+            Ok(self.channels)
+        }
+
+        fn message(&mut self, channel: u16, nanoseconds: u64, template: &[u8]) -> Result<&mut [u8], LogError> {
+            Ok(self.messages.push(channel, nanoseconds, template))
+        }
+    }
+
+    /// Samples of every joint moving at a pace of its own, loops torn, with the figures of a step and a line before each. Nothing is
+    /// simulated for them, so that the unit tests are built without the kernels of all vectors.
+    fn samples(model: &Model, mut state: State) -> Piece {
+        const INTERVAL: f64 = 0.01;
+        let mechanism = &model.mechanism;
+        let pace = |freedom: usize| 0.3 + 0.1 * freedom as f64;
+        let displacement: Vec<f64> = (0..mechanism.velocity_count).map(|freedom| INTERVAL * pace(freedom)).collect();
+        state.velocity = (0..mechanism.velocity_count).map(pace).collect();
+        let mut piece = Piece::default();
+        // More than a second, since stamps are longer from then on.
+        for sample in 0..=110 {
+            let time = INTERVAL * f64::from(sample);
+            let stamp = nanoseconds(time);
+            let figures = Figures { energies: [1.0; 5], violation: [2.0; 2], work: [3.0; 5] };
+            piece.push_between(Between::Figures(stamp, figures));
+            piece.push_between(Between::Line(stamp, vec![1, 2, 3]));
+            piece.push(time, &state.position, &state.velocity);
+            state.displace(mechanism, &displacement);
+        }
+        piece
+    }
+
+    fn robots(file: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(file)
+    }
+
+    fn urdf(file: &str, base: Base) -> (Model, State) {
+        let robot = read_urdf(&robots(file), &PackagePath::default()).expect("a robot");
+        let model = Model::new(robot, &ModelOptions { base, ..ModelOptions::default() }).expect("a model");
+        let state = model.zero_state();
+        (model, state)
+    }
+
+    #[test]
+    fn encoding_samples_allocates_nothing_whatever_the_joints_and_loops() {
+        let scene = read_scene(&robots("slider_crank.toml"), &PackagePath::default()).expect("a scene");
+        let (closed, start) = Model::from_scene(&scene).expect("a model");
+        let at_start = closed.initial_state(&start.positions, &start.velocities, None).expect("a state");
+        let all = [
+            urdf("arm7.urdf", Base::Fixed),
+            urdf("humanoid.urdf", Base::Floating),
+            urdf("planar_slider.urdf", Base::Fixed),
+            (closed, at_start),
+        ];
+        for (model, state) in all {
+            let mechanism = &model.mechanism;
+            let mut sink = Memory::default();
+            let mut encoder = SampleEncoder::new(&mut sink, &model).expect("memory");
+            let samples = samples(&model, state);
+            let mut encode = || {
+                sink.messages.clear();
+                encoder.encode(&samples, &mut sink).expect("memory");
+                sink.messages.count()
+            };
+            // The first time lets the buffers grow to their size.
+            let count = encode();
+            assert!(count >= 111 * 6, "{}: {count} messages", mechanism.name);
+            // Counts on this thread alone.
+            let allocations = measure(|| assert_eq!(encode(), count));
+            assert_eq!(allocations.count_total, 0, "{}: {allocations:?}", mechanism.name);
+        }
+    }
+}

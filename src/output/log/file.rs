@@ -1,0 +1,259 @@
+//! The MCAP file under the log: batches of messages, and a file that is readable whenever the process is killed.
+//!
+//! Messages are collected in memory and written as one chunk ([`Container`]) whenever the next would not fit into [`CHUNK_SIZE`]. Where
+//! chunks end depends on the messages alone, which makes equal runs give equal files. A run that is slow would then leave
+//! little behind when it is killed; so twice a second what is new in the batch that is still open is written as a
+//! provisional chunk, until the batch is complete and its chunk takes their place ([`Tail`]):
+//!
+//! ```text
+//!     magic  header  metadata  attachment | chunk | chunk | … | chunk | provisional chunks       a running simulation
+//!     magic  header  metadata  attachment | chunk | chunk | … | chunk | metadata  summary  magic   a finished file
+//! ```
+//!
+//! Only regular files have such a provisional end; into pipes and devices nothing is written that is not final. When a
+//! write fails because the disk is full, what is whole is kept and closed with an end that needs no summary.
+
+use crate::output::log::batch::Batch;
+use crate::output::log::container::{Container, encode_provisional_chunk};
+use crate::output::log::output::{END, FINISHED, OUTCOME, Output};
+use crate::output::log::place::{FilePlace, Tail};
+use mcap::records::Metadata;
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// With this begins what a log of ours says of the program that wrote it.
+pub(crate) const LIBRARY: &str = "catena ";
+
+/// What it says.
+pub(crate) const LIBRARY_VERSION: &str = concat!("catena ", env!("CARGO_PKG_VERSION"));
+
+/// Largest size of a chunk of several messages; what a disk that fills up loses, too.
+const CHUNK_SIZE: usize = 1 << 18;
+
+/// Between two provisional chunks; with the time messages wait before and the write itself, less than a second of the
+/// run is lost when the process is killed.
+const PROVISIONAL_INTERVAL: Duration = Duration::from_millis(500);
+
+/// Why the log could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum LogError {
+    /// The file could not be created; nothing was changed.
+    #[error("cannot create {}: {reason}", path.display())]
+    Create { path: PathBuf, reason: io::Error },
+    /// Another run is writing the file; nothing was changed.
+    #[error("cannot write {}: another run is writing it; choose another --output", path.display())]
+    Busy { path: PathBuf },
+    /// Writing failed: a full disk, a closed pipe.
+    #[error("cannot write {}: {reason}", path.display())]
+    Write { path: PathBuf, reason: io::Error },
+}
+
+/// How a run ended, for the last record of its log.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ending {
+    /// The way it ended.
+    pub outcome: Outcome,
+    /// Figures of the whole run, by name.
+    pub figures: BTreeMap<String, String>,
+}
+
+/// The ways a run ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Outcome {
+    /// It reached its end.
+    #[default]
+    Finished,
+    /// The user ended it.
+    Interrupted,
+    /// It could not go on.
+    Failed,
+}
+
+impl Outcome {
+    /// The word in the log.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Finished => FINISHED,
+            Outcome::Interrupted => "interrupted",
+            Outcome::Failed => "failed",
+        }
+    }
+}
+
+/// An MCAP file being written.
+pub(crate) struct LogFile {
+    /// The output as the user named it.
+    path: PathBuf,
+    output: Output,
+    tail: Tail<FilePlace>,
+    is_regular: bool,
+    container: Container,
+    /// The messages that are in no final chunk yet.
+    batch: Batch,
+    /// How many of them are in provisional chunks.
+    provisional: usize,
+    /// The provisional chunk that is being encoded.
+    buffer: Vec<u8>,
+    saved: Instant,
+    /// Whether something was written that may still be lost in a power failure.
+    unsynced: bool,
+}
+
+impl LogFile {
+    /// Creates a file for the output `path` ([`Output`]).
+    ///
+    /// # Errors
+    /// [`LogError::Create`] and [`LogError::Busy`] if that is not possible, [`LogError::Write`] if its first bytes
+    /// cannot be written.
+    pub(crate) fn create(path: &Path) -> Result<Self, LogError> {
+        let (output, file, is_regular) = Output::create(path)?;
+        let container = Container::new(LIBRARY_VERSION);
+        let container = container.map_err(|error| cannot_encode(path, error))?;
+        Ok(LogFile {
+            path: path.to_path_buf(),
+            output,
+            tail: Tail::new(FilePlace::new(file, is_regular)),
+            is_regular,
+            container,
+            batch: Batch::default(),
+            provisional: 0,
+            buffer: Vec::new(),
+            saved: Instant::now(),
+            unsynced: false,
+        })
+    }
+
+    /// Where the file is now.
+    pub(crate) fn current(&self) -> &Path {
+        self.output.current()
+    }
+
+    /// Whether that is beside its output.
+    pub(crate) fn is_beside(&self) -> bool {
+        self.output.protects()
+    }
+
+    /// Ends what never changes: writes it, and lets the file take its place if nothing there must stay.
+    pub(crate) fn begin(&mut self) -> Result<(), LogError> {
+        self.close_batch()?;
+        self.output.settle(false).map_err(|reason| self.cannot_write(reason))
+    }
+
+    /// Adds a metadata record.
+    pub(crate) fn metadata(&mut self, name: &str, metadata: BTreeMap<String, String>) -> Result<(), LogError> {
+        let record = Metadata { name: name.to_string(), metadata };
+        self.container.metadata(&record).map_err(|error| cannot_encode(&self.path, error))
+    }
+
+    /// Adds an attachment.
+    pub(crate) fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> Result<(), LogError> {
+        let attached = self.container.attach(name, media_type, data);
+        attached.map_err(|error| cannot_encode(&self.path, error))
+    }
+
+    /// Writes what has been collected as a final chunk, through to the operating system.
+    fn close_batch(&mut self) -> Result<(), LogError> {
+        self.move_to_file()?;
+        let chunk = self.container.chunk(&mut self.batch).map_err(|error| cannot_encode(&self.path, error))?;
+        let written = self.tail.extend(chunk);
+        written.map_err(|reason| self.cannot_write(reason))?;
+        self.batch.clear();
+        self.provisional = 0;
+        Ok(())
+    }
+
+    fn move_to_file(&mut self) -> Result<(), LogError> {
+        self.unsynced = true;
+        let LogFile { container, tail, .. } = self;
+        container.take(|bytes| tail.extend(bytes)).map_err(|reason| self.cannot_write(reason))
+    }
+
+    fn cannot_write(&self, reason: io::Error) -> LogError {
+        LogError::Write { path: self.path.clone(), reason }
+    }
+
+    /// Makes everything up to now safe, if that was last done long enough ago.
+    pub(crate) fn save_if_due(&mut self) -> Result<(), LogError> {
+        if self.is_regular && self.saved.elapsed() >= PROVISIONAL_INTERVAL {
+            self.save()?;
+            self.saved = Instant::now();
+        }
+        Ok(())
+    }
+
+    fn save(&mut self) -> Result<(), LogError> {
+        if self.batch.count() > self.provisional {
+            self.buffer.clear();
+            let encoded = encode_provisional_chunk(&self.batch, self.provisional, &mut self.buffer);
+            encoded.map_err(|error| cannot_encode(&self.path, error))?;
+            self.tail.extend_provisionally(&self.buffer).map_err(|reason| self.cannot_write(reason))?;
+            self.provisional = self.batch.count();
+            self.unsynced = true;
+        }
+        if std::mem::take(&mut self.unsynced) {
+            self.tail.sync().map_err(|reason| self.cannot_write(reason))?;
+        }
+        Ok(())
+    }
+
+    /// Completes the file: everything collected, how the run ended, the summary, and nothing provisional after it; then
+    /// lets it take its place. Returns where it is.
+    ///
+    /// # Errors
+    /// [`LogError::Write`], as for every message.
+    pub(crate) fn finish(&mut self, ending: &Ending) -> Result<PathBuf, LogError> {
+        if self.batch.count() > 0 {
+            self.close_batch()?;
+        }
+        let mut entries = ending.figures.clone();
+        entries.insert(OUTCOME.to_string(), ending.outcome.name().to_string());
+        self.metadata(END, entries)?;
+        self.container.finish().map_err(|error| cannot_encode(&self.path, error))?;
+        self.move_to_file()?;
+        // A short run ends within the second that may be lost, unless it replaces what must not be lost.
+        let finished = ending.outcome == Outcome::Finished;
+        let is_due = self.saved.elapsed() >= PROVISIONAL_INTERVAL || self.output.protects();
+        let synced = if is_due { self.tail.sync() } else { Ok(()) };
+        synced.and_then(|()| self.output.settle(finished)).map_err(|reason| self.cannot_write(reason))?;
+        Ok(self.current().to_path_buf())
+    }
+
+    /// After an error: keeps what is whole in the file and completes it as well as that goes.
+    pub(crate) fn salvage(&mut self) {
+        if self.is_regular {
+            // The error that led here is the one to report.
+            let _ = self.tail.end_short();
+        }
+    }
+}
+
+/// Something that messages are for: a file, or the log they are held against.
+pub(crate) trait MessageSink {
+    /// Adds a channel for messages of the `schema` (name, encoding, data) and returns its identifier.
+    fn channel(&mut self, topic: &str, schema: (&str, &str, &[u8]), encoding: &str) -> Result<u16, LogError>;
+
+    /// Adds a message like `template`; returns its data.
+    fn message(&mut self, channel: u16, nanoseconds: u64, template: &[u8]) -> Result<&mut [u8], LogError>;
+}
+
+impl MessageSink for LogFile {
+    fn channel(&mut self, topic: &str, schema: (&str, &str, &[u8]), encoding: &str) -> Result<u16, LogError> {
+        let channel = self.container.channel(topic, schema, encoding, &mut self.batch);
+        let channel = channel.map_err(|error| cannot_encode(&self.path, error))?;
+        channel.ok_or_else(|| self.cannot_write(io::Error::other("there are more topics than a log can have")))
+    }
+
+    /// Writes a chunk whenever one is full.
+    fn message(&mut self, channel: u16, nanoseconds: u64, template: &[u8]) -> Result<&mut [u8], LogError> {
+        if self.batch.count() > 0 && self.batch.size_with(template) > CHUNK_SIZE {
+            self.close_batch()?;
+        }
+        Ok(self.batch.push(channel, nanoseconds, template))
+    }
+}
+
+fn cannot_encode(path: &Path, error: binrw::Error) -> LogError {
+    LogError::Write { path: path.to_path_buf(), reason: io::Error::other(error) }
+}

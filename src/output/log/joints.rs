@@ -1,0 +1,142 @@
+//! The joints' part of a sample: the whole state, in the coordinates of the URDF ([`Model::joint_user_coordinates`]).
+//!
+//! Joints of one number go into `sensor_msgs/msg/JointState`, the others into `sensor_msgs/msg/MultiDOFJointState`,
+//! both in the joint's frame on the parent:
+//!
+//! | joint     | transform                                        | twist                        |
+//! |-----------|--------------------------------------------------|------------------------------|
+//! | floating  | the child link's frame                           | of its origin                |
+//! | spherical | the rotation                                     | the angular velocity         |
+//! | planar    | in a frame whose z is the axis: x, y, angle about z | their rates               |
+//!
+//! The effort of a joint of one number is what the parent exerts on the child along the axis: zero where nothing drives
+//! the joint, up to rounding. `/reactions` has all of what joints carry, at the origin of the joint's frame on the child
+//! in the axes of the world: what `catena simulate --json` calls `reaction_force` and `reaction_torque`.
+
+use crate::lobatto::instants::instants::{Row, Snapshots};
+use crate::mechanism::description::joint::JointKind;
+use crate::mechanism::motion::state::quaternion_exponential;
+use crate::model::Model;
+use crate::output::log::file::{LogError, MessageSink};
+use crate::output::log::ros;
+use crate::output::log::ros::{Template, ros_channel};
+
+/// Writes the joint messages of samples.
+pub(crate) struct JointMessages {
+    /// The mechanism and its joints alone.
+    model: Model,
+    channel: u16,
+    template: Template,
+    /// The bodies that the joints of one number move.
+    bodies: Vec<usize>,
+    others: Option<OtherJoints>,
+    loads: Loads,
+}
+
+/// What the joints carry.
+struct Loads {
+    channel: u16,
+    template: Template,
+    /// The bodies of all joints that move, save a floating base, which nothing holds.
+    bodies: Vec<usize>,
+}
+
+/// The joints of several numbers.
+struct OtherJoints {
+    channel: u16,
+    template: Template,
+    /// Their numbers among the joints of the model.
+    joints: Vec<usize>,
+}
+
+impl JointMessages {
+    /// Adds the channels that the joints of the model need; reactions are in the frame `world`.
+    pub(crate) fn new(file: &mut dyn MessageSink, model: &Model, world: &str) -> Result<Self, LogError> {
+        let name = |&joint: &usize| model.joints[joint].name.as_str();
+        let joint_of = |joint: usize| Some(&model.mechanism.bodies[model.joints[joint].body?].joint);
+        let moving = (0..model.joints.len()).filter(|&joint| joint_of(joint).is_some());
+        let (scalar, other): (Vec<usize>, Vec<usize>) =
+            moving.partition(|&joint| joint_of(joint).is_some_and(|joint| joint.kind.position_count() == 1));
+        let body_of = |&joint: &usize| model.joints[joint].body;
+        let holds = |joint: &usize| joint_of(*joint).is_some_and(|joint| joint.kind != JointKind::Floating);
+        let held: Vec<usize> = (0..model.joints.len()).filter(holds).collect();
+        let loops = model.mechanism.loops.iter().map(|joint| joint.name.as_str());
+        let carriers: Vec<&str> = held.iter().map(name).chain(loops).collect();
+        let loads = Loads {
+            channel: ros_channel(file, "/reactions", ros::MULTI_DOF_JOINT_STATE)?,
+            template: Template::wrenches(world, carriers.into_iter()),
+            bodies: held.iter().filter_map(body_of).collect(),
+        };
+        Ok(JointMessages {
+            model: Model {
+                mechanism: model.mechanism.clone(),
+                joints: model.joints.clone(),
+                links: Vec::new(),
+                reductions: Vec::new(),
+                warnings: Vec::new(),
+                robots: Vec::new(),
+                scene: None,
+            },
+            channel: ros_channel(file, "/joint_states", ros::JOINT_STATE)?,
+            template: Template::joint_state("", scalar.iter().map(name)),
+            bodies: scalar.iter().filter_map(body_of).collect(),
+            loads,
+            others: if other.is_empty() {
+                None
+            } else {
+                let channel = ros_channel(file, "/multi_dof_joint_states", ros::MULTI_DOF_JOINT_STATE)?;
+                let template = Template::multi_dof("", other.iter().map(name));
+                Some(OtherJoints { channel, template, joints: other })
+            },
+        })
+    }
+
+    /// Adds the messages of a sample: its positions and velocities, and which of the snapshots it is.
+    pub(crate) fn write(
+        &self,
+        (position, velocity): (&[f64], &[f64]),
+        (snapshots, instant): (&Snapshots, usize),
+        stamp: u64,
+        sink: &mut dyn MessageSink,
+    ) -> Result<(), LogError> {
+        let bodies = &self.model.mechanism.bodies;
+        let message = sink.message(self.channel, stamp, self.template.encoded())?;
+        self.template.fill_stamp(message, stamp);
+        self.template.fill(message, 0, self.bodies.iter().map(|&body| position[bodies[body].joint.position_index]));
+        self.template.fill(message, 1, self.bodies.iter().map(|&body| velocity[bodies[body].joint.velocity_index]));
+        self.template.fill(message, 2, self.bodies.iter().map(|&body| snapshots.efforts[body][instant]));
+        let Loads { channel, template, bodies } = &self.loads;
+        let message = sink.message(*channel, stamp, template.encoded())?;
+        template.fill_stamp(message, stamp);
+        let carried = bodies.iter().map(|&body| &snapshots.wrenches[body]).chain(&snapshots.loops);
+        let wrench = |[fx, fy, fz, tx, ty, tz]: &[Row; 6]| {
+            [fx[instant], fy[instant], fz[instant], tx[instant], ty[instant], tz[instant]]
+        };
+        template.fill_structures(message, 0, carried.map(wrench));
+        let Some(OtherJoints { channel, template, joints }) = &self.others else { return Ok(()) };
+        let message = sink.message(*channel, stamp, template.encoded())?;
+        template.fill_stamp(message, stamp);
+        let coordinates = joints.iter().map(|&joint| self.model.joint_coordinates(joint, position, velocity));
+        let numbers = coordinates.map(|joint| transform_and_twist(joint.position(), joint.velocity()));
+        let transforms = |([x, y, z, qw, qx, qy, qz], _): ([f64; 7], _)| [x, y, z, qx, qy, qz, qw];
+        template.fill_structures(message, 0, numbers.clone().map(transforms));
+        template.fill_structures(message, 1, numbers.map(|(_, twist)| twist));
+        Ok(())
+    }
+}
+
+/// The transform (x, y, z, quaternion w, x, y, z) and the twist (linear, angular) of a joint's reported coordinates.
+fn transform_and_twist(position: &[f64], velocity: &[f64]) -> ([f64; 7], [f64; 6]) {
+    match (position, velocity) {
+        (&[x, y, z, qw, qx, qy, qz], &[vx, vy, vz, wx, wy, wz]) => {
+            ([x, y, z, qw, qx, qy, qz], [vx, vy, vz, wx, wy, wz])
+        }
+        (&[qw, qx, qy, qz], &[wx, wy, wz]) => ([0.0, 0.0, 0.0, qw, qx, qy, qz], [0.0, 0.0, 0.0, wx, wy, wz]),
+        (&[x, y, angle], &[vx, vy, rate]) => {
+            let [qw, qx, qy, qz] = quaternion_exponential(&[0.0, 0.0, angle]);
+            ([x, y, 0.0, qw, qx, qy, qz], [vx, vy, 0.0, 0.0, 0.0, rate])
+        }
+        // No joint has other counts.
+        _ => ([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], [0.0; 6]),
+    }
+}

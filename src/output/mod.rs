@@ -1,0 +1,5 @@
+//! What is left of a run: the log, the report, and looks at logs.
+
+pub mod inspection;
+pub mod log;
+pub mod report;

@@ -1,0 +1,237 @@
+//! How a run was integrated, how accurate it is expected to be, and what the user should know of it.
+
+use crate::mechanism::ground::words::{counted, rounded};
+use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
+use crate::simulation::accuracy::Calibration;
+use serde::Serialize;
+
+/// The scheme of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct MethodReport {
+    /// Name of the scheme; part of the lines for people alone.
+    #[serde(skip)]
+    pub name: String,
+    /// Number of stages.
+    pub stages: usize,
+    /// Order of convergence.
+    pub order: usize,
+    /// The step, or the mean step of an adaptive run (s).
+    pub step: f64,
+    /// Whether the step is chosen from a tolerance.
+    pub adaptive: bool,
+    /// The tolerance it is chosen from.
+    pub tolerance: Option<f64>,
+    /// The nearest that any step came to the limit of linear stability; null where nobody looked, as in a run of a few steps.
+    pub max_frequency_step: Option<FrequencyReport>,
+    /// Decimal digits that steps were solved to: 16, or 32.
+    pub digits: u32,
+    /// How often reversible steps had to be set anew, which turning time round would not repeat; null for other steps.
+    pub reversible_resets: Option<usize>,
+}
+
+/// How near a step came to the limit of linear stability.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FrequencyReport {
+    /// Step times frequency of the fastest mode (rad).
+    pub value: f64,
+    /// Where the scheme becomes unstable (rad).
+    pub limit: f64,
+    /// The step (s).
+    pub step: f64,
+    /// When (s).
+    pub time: f64,
+}
+
+impl MethodReport {
+    /// The method as an integrator describes itself.
+    pub fn new(description: &MethodDescription) -> Self {
+        MethodReport {
+            name: description.name.clone(),
+            stages: description.stages,
+            order: description.order,
+            step: description.step,
+            adaptive: description.adaptive,
+            tolerance: description.tolerance,
+            max_frequency_step: description.frequency_step.map(|seen| FrequencyReport {
+                value: seen.product,
+                limit: seen.limit,
+                step: seen.step,
+                time: seen.time,
+            }),
+            digits: description.digits,
+            reversible_resets: description.reversible_resets,
+        }
+    }
+
+    /// What the user should know, if a step was beyond the limit of stability.
+    pub fn warning(description: &MethodDescription) -> Option<String> {
+        let seen = description.frequency_step.filter(FrequencyStep::is_unstable)?;
+        let longest = rounded(seen.longest());
+        let remedy = if description.adaptive {
+            "the steps after it are shorter, but fast motions have grown in it; use a smaller --tolerance if they matter".to_string()
+        } else {
+            format!("fast motions grow without bound; use --step below {longest} s, more --stages, or --tolerance")
+        };
+        Some(format!(
+            "a step of {} s is beyond the stability limit of {} at t = {} s, where the fastest motion turns by {} rad in it \
+             and {} rad is the limit: {remedy}",
+            rounded(seen.step),
+            counted(description.stages, "stage", "stages"),
+            rounded(seen.time),
+            rounded(seen.product),
+            rounded(seen.limit)
+        ))
+    }
+}
+
+/// What the user should know, if dampers were to stop a motion that the steps were too long to stop.
+pub fn ringing_warning(description: &MethodDescription) -> Option<String> {
+    let Ringing { decay, step, longest, time } = description.ringing?;
+    let remedy = if description.adaptive {
+        "no step that counts beside the time resolves that".to_string()
+    } else {
+        format!("use --step below {} s, or --tolerance", rounded(longest))
+    };
+    Some(format!(
+        "near t = {} s dampers stop a motion within {} s, and steps of {} s do not: its velocities and efforts ring on from step to \
+         step, though positions hardly do; {remedy}",
+        rounded(time),
+        rounded(1.0 / decay),
+        rounded(step)
+    ))
+}
+
+/// What the user should know, if closures said less somewhere in the run than elsewhere.
+pub fn singular_warning(description: &MethodDescription) -> Option<String> {
+    let SingularPosition { time, extra } = description.singular?;
+    let (equations, are) = if extra == 1 { ("constraint", "is") } else { ("constraints", "are") };
+    Some(format!(
+        "near t = {} s the mechanism passes a singular position, where {extra} more {equations} {are} redundant and inertia alone \
+         decides the branch",
+        rounded(time)
+    ))
+}
+
+/// Energy errors beyond this part of the kinetic energy are said to the user: a digit or two are right at best.
+pub const COARSE: f64 = 1e-2;
+
+/// What the user should know, if the energy does not balance.
+pub fn energy_warning(description: &MethodDescription, relative_error: f64) -> Option<String> {
+    // What is not a number does not balance either.
+    if relative_error <= COARSE {
+        return None;
+    }
+    let remedy =
+        if description.adaptive { "a smaller --tolerance" } else { "a smaller --step, more --stages, or --tolerance" };
+    if !relative_error.is_finite() {
+        return Some(format!(
+            "energies are beyond what a double holds, so nothing is known of the accuracy; use {remedy}"
+        ));
+    }
+    Some(format!(
+        "the energy balance is off by {} % of the largest kinetic energy: the steps are too long for this motion; use {remedy}",
+        rounded(100.0 * relative_error)
+    ))
+}
+
+/// The accuracy to expect of a run, from pilot runs.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct AccuracyReport {
+    /// The accuracy asked for (m).
+    pub wanted: f64,
+    /// The largest error to expect at the end of any step of the run (m). What is interpolated inside a step, as for a log, is less
+    /// accurate: by up to four times the accuracy asked for in the robots and scenes that were measured.
+    pub estimated: f64,
+    /// The instant up to which the wanted accuracy is expected to hold (s).
+    pub holds_until: f64,
+    /// Whether that is the end of the run.
+    pub reached: bool,
+    /// Number of pilot runs.
+    pub pilots: usize,
+    /// Whether the run ends anywhere: no pilot runs stay together.
+    #[serde(skip)]
+    parts: bool,
+    /// Whether pilot runs can tell at all.
+    #[serde(skip)]
+    can_tell: bool,
+}
+
+/// Where a motion amplifies errors more than [`CALM`] times, finer accuracies than this (m) are among the roundings of the run, and of the
+/// pilot runs alike (benches/README.md, "Is the accuracy what was asked for?").
+const FINEST: f64 = 1e-11;
+/// Error at the end over the stop of the iteration.
+const CALM: f64 = 100.0;
+
+impl AccuracyReport {
+    /// What a calibration found for a run that ends at `end`.
+    pub fn new(wanted: f64, end: f64, found: &Calibration) -> Self {
+        AccuracyReport {
+            wanted,
+            estimated: found.estimate,
+            holds_until: found.holds_until,
+            reached: found.holds_until >= end,
+            pilots: found.pilots,
+            parts: found.parted,
+            can_tell: wanted >= 0.99 * FINEST || found.estimate <= CALM * found.stop,
+        }
+    }
+
+    /// What the calibrations of islands say of the whole, in a run that ends at `end`: nothing if one of them says nothing.
+    /// What sleeps is where it should be.
+    pub fn together(wanted: f64, end: f64, islands: &[Option<AccuracyReport>]) -> Option<Self> {
+        let all: Vec<AccuracyReport> = islands.iter().copied().collect::<Option<_>>()?;
+        Some(AccuracyReport {
+            wanted,
+            estimated: all.iter().map(|one| one.estimated).fold(0.0, f64::max),
+            holds_until: all.iter().map(|one| one.holds_until).fold(end, f64::min),
+            reached: all.iter().all(|one| one.reached),
+            pilots: all.iter().map(|one| one.pilots).sum(),
+            parts: all.iter().any(|one| one.parts),
+            can_tell: all.iter().all(|one| one.can_tell),
+        })
+    }
+
+    /// What the user should know, if the accuracy does not hold to the end, or if that cannot be told.
+    pub fn warning(&self) -> Option<String> {
+        let wanted = self.wanted;
+        if !self.reached {
+            let until = rounded(self.holds_until);
+            let holds = format!(
+                "the motion amplifies every error: the accuracy of {wanted:e} m is expected to hold until t = {until} s only"
+            );
+            return Some(if self.parts {
+                format!(
+                    "{holds}; after that the run is one of many possible motions, with the right energy and constraints"
+                )
+            } else {
+                format!("{holds}; after that rounding leaves up to {:.1e} m", self.estimated)
+            });
+        }
+        (!self.can_tell).then(|| {
+            format!(
+                "the motion amplifies every error, roundings too: pilot runs cannot tell whether the accuracy of {wanted:e} m is \
+                 reached; the end may be a hundred times further off"
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stepping::stage_choice::StageChoice;
+
+    #[test]
+    fn accuracies_among_the_roundings_of_a_motion_that_amplifies_them_are_not_said_to_be_reached_without_a_word() {
+        let warning = |wanted: f64, amplification: f64| {
+            let stop = 1e-15;
+            let stages = StageChoice::Filling;
+            let estimate = amplification * stop;
+            let found = Calibration { stop, stages, estimate, holds_until: 2.0, parted: false, pilots: 2 };
+            AccuracyReport::new(wanted, 2.0, &found).warning()
+        };
+        assert!(warning(1e-12, 2e4).is_some_and(|words| words.contains("cannot tell")));
+        assert_eq!(warning(1e-12, 3.0), None, "a calm motion");
+        assert_eq!(warning(1e-11, 2e4), None, "an accuracy that can be told");
+    }
+}

@@ -1,0 +1,124 @@
+//! Where links, joints and loops are in a state, how they move, and what they carry.
+
+use crate::instant::reactions::{LoopReaction, Reactions};
+use crate::mechanism::description::closure::LoopJoint;
+use crate::mechanism::description::joint::wxyz_from_rotation;
+use crate::mechanism::motion::gaps::loop_gaps;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::model::{JointRecord, LinkFrame, Model};
+use serde::Serialize;
+
+/// A link in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LinkReport {
+    /// Origin of the link's frame (m).
+    pub position: [f64; 3],
+    /// Orientation of the link's frame, as w, x, y, z.
+    pub orientation: [f64; 4],
+    /// Centre of mass of the link itself (m).
+    pub center_of_mass: [f64; 3],
+    /// Velocity of the centre of mass [m/s].
+    pub linear_velocity: [f64; 3],
+    /// Angular velocity [rad/s].
+    pub angular_velocity: [f64; 3],
+}
+
+/// A joint: positions and velocities in its frame on the parent, and what it transmits.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JointReport {
+    /// Position; turns are given as the quaternion w, x, y, z, after the translation.
+    pub position: Numbers,
+    /// Velocity; that of the child frame's origin before the angular velocity.
+    pub velocity: Numbers,
+    /// Force of the parent on the child at the joint, in the world (N).
+    pub reaction_force: [f64; 3],
+    /// Torque of the parent on the child about the joint, in the world [N m].
+    pub reaction_torque: [f64; 3],
+}
+
+/// What a loop joint carries at the end of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct LoopReport {
+    /// Largest gap between its ends (m, or sine of an angle).
+    pub gap: f64,
+    /// Force of the first end on the second, in the world (N).
+    pub reaction_force: [f64; 3],
+    /// Torque of the first end on the second about the point of the second, in the world [N m].
+    pub reaction_torque: [f64; 3],
+}
+
+/// One number for joints of one degree of freedom, an array for all others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Numbers {
+    /// The only number.
+    One(f64),
+    /// All numbers.
+    Many(Vec<f64>),
+}
+
+impl From<Vec<f64>> for Numbers {
+    fn from(numbers: Vec<f64>) -> Self {
+        match numbers[..] {
+            [number] => Numbers::One(number),
+            _ => Numbers::Many(numbers),
+        }
+    }
+}
+
+/// Every link of a model in a state, in the order of the URDF.
+pub fn link_reports(model: &Model, state: &State) -> Vec<(String, LinkReport)> {
+    let bodies = body_states(&model.mechanism, state);
+    let report = |(index, link): (usize, &LinkFrame)| {
+        let link_state = model.link_state(&bodies, index);
+        let report = LinkReport {
+            position: link_state.position.into(),
+            orientation: wxyz_from_rotation(&link_state.rotation),
+            center_of_mass: link_state.center_of_mass.into(),
+            linear_velocity: link_state.linear_velocity.into(),
+            angular_velocity: link_state.angular_velocity.into(),
+        };
+        (link.name.clone(), report)
+    };
+    model.links.iter().enumerate().map(report).collect()
+}
+
+/// Every joint of a model that moves, in the order of the URDF; a floating base comes first.
+pub fn joint_reports(model: &Model, state: &State) -> Vec<(String, JointReport)> {
+    let mechanism = &model.mechanism;
+    let mut carried = Reactions::new(mechanism);
+    let (reactions, _) = carried.at(&state.position, &state.velocity);
+    let report = |(index, record): (usize, &JointRecord)| {
+        let reaction = reactions[record.body?];
+        let (position, velocity) = model.joint_user_coordinates(index, &state.position, &state.velocity);
+        let report = JointReport {
+            position: position.into(),
+            velocity: velocity.into(),
+            reaction_force: reaction.force.into(),
+            reaction_torque: reaction.torque.into(),
+        };
+        Some((record.name.clone(), report))
+    };
+    model.joints.iter().enumerate().filter_map(report).collect()
+}
+
+/// Every loop joint of a model.
+pub fn loop_reports(model: &Model, state: &State) -> Vec<(String, LoopReport)> {
+    let mechanism = &model.mechanism;
+    if mechanism.loops.is_empty() {
+        return Vec::new();
+    }
+    let bodies = body_states(mechanism, state);
+    let mut carried = Reactions::new(mechanism);
+    let (_, reactions) = carried.of_placed(&state.position, &state.velocity, &bodies);
+    let report = |(joint, reaction): (&LoopJoint, &LoopReaction)| {
+        let report = LoopReport {
+            gap: loop_gaps(joint, &bodies).largest().0,
+            reaction_force: reaction.force.into(),
+            reaction_torque: reaction.torque.into(),
+        };
+        (joint.name.clone(), report)
+    };
+    mechanism.loops.iter().zip(reactions).map(report).collect()
+}

@@ -1,0 +1,122 @@
+//! The report as lines for people.
+
+use crate::mechanism::ground::words::{counted, decimals, rounded};
+use crate::output::report::Report;
+use std::fmt;
+
+/// More warnings than this are only counted in the lines for people.
+const SHOWN_WARNINGS: usize = 10;
+
+impl fmt::Display for Report {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let speed = if self.wall_seconds > 0.0 { self.duration / self.wall_seconds } else { f64::INFINITY };
+        writeln!(
+            out,
+            "{}: {} s simulated in {:.3} s, {} times real time",
+            self.scene,
+            // Sums of steps carry roundings that nobody wants to read.
+            (self.duration * 1e6).round() / 1e6,
+            self.wall_seconds,
+            rounded(speed)
+        )?;
+        let model = &self.model;
+        write!(
+            out,
+            "  model       {}, {}, {}",
+            counted(model.links, "link", "links"),
+            counted(model.bodies, "moving body", "moving bodies"),
+            counted(model.degrees_of_freedom, "degree of freedom", "degrees of freedom")
+        )?;
+        match (model.loops, model.redundant_constraints) {
+            (0, _) => writeln!(out)?,
+            (loops, redundant) => {
+                writeln!(
+                    out,
+                    ", {}, {}",
+                    counted(loops, "loop", "loops"),
+                    counted(redundant, "redundant constraint", "redundant constraints")
+                )?;
+            }
+        }
+        match (model.islands, model.sleeping_islands) {
+            (0 | 1, 0) => {}
+            (1, _) => writeln!(out, "  islands     at rest in equilibrium: not simulated")?,
+            (islands, 0) => writeln!(out, "  islands     {islands}")?,
+            (islands, all) if islands == all => {
+                writeln!(out, "  islands     {islands}, all at rest in equilibrium: not simulated")?
+            }
+            (islands, asleep) => {
+                writeln!(out, "  islands     {islands}, of which {asleep} at rest in equilibrium: not simulated")?;
+            }
+        }
+        let method = &self.method;
+        write!(
+            out,
+            "  method      {}, {}, order {}, ",
+            method.name,
+            counted(method.stages, "stage", "stages"),
+            method.order
+        )?;
+        let step = rounded(1e3 * method.step);
+        match (method.tolerance, method.reversible_resets) {
+            (Some(tolerance), _) => writeln!(out, "tolerance {tolerance:e}, mean step {step} ms")?,
+            (None, Some(resets)) => {
+                writeln!(out, "reversible steps, mean {step} ms, {}", counted(resets, "reset", "resets"))?;
+            }
+            (None, None) if method.digits > 16 => writeln!(out, "step {step} ms, {} digits", method.digits)?,
+            (None, None) => writeln!(out, "step {step} ms")?,
+        }
+        if let Some(accuracy) = &self.accuracy {
+            writeln!(
+                out,
+                "  accuracy    {:.1e} m expected where steps end, give or take a factor of ten; {} pilot runs",
+                accuracy.estimated, accuracy.pilots
+            )?;
+        }
+        write!(out, "  steps       {}, {}", self.steps, counted(self.iterations, "iteration", "iterations"))?;
+        if self.steps > 0 {
+            write!(out, " ({:.1} a step", self.iterations as f64 / self.steps as f64)?;
+            match 100 * self.kept_factor_iterations / self.iterations.max(1) {
+                0 => write!(out, ")")?,
+                share => write!(out, ", {share} % with kept factors)")?,
+            }
+        }
+        write!(out, ", {} rejected", self.rejected_steps)?;
+        match self.exact_newton_steps {
+            0 => writeln!(out)?,
+            all if all == self.steps => writeln!(out, ", by the exact Newton method")?,
+            some => writeln!(out, ", {some} by the exact Newton method")?,
+        }
+        writeln!(
+            out,
+            "  energy      {} J at the start, largest relative error {:.1e}",
+            decimals(self.energy.initial),
+            self.energy.max_relative_error
+        )?;
+        let energy = &self.energy;
+        if energy.dissipated != 0.0 || energy.work != 0.0 {
+            writeln!(
+                out,
+                "              {} J dissipated, {} J put in, {} J left in springs",
+                rounded(energy.dissipated),
+                rounded(energy.work),
+                rounded(energy.parts.spring)
+            )?;
+        }
+        writeln!(
+            out,
+            "  constraint  largest violation {:.1e} m, {:.1e} m/s",
+            self.constraint.max_position, self.constraint.max_velocity
+        )?;
+        if let Some(log) = &self.log {
+            writeln!(out, "  log         {}", log.display())?;
+        }
+        for warning in self.warnings.iter().take(SHOWN_WARNINGS) {
+            writeln!(out, "  warning     {warning}")?;
+        }
+        if self.warnings.len() > SHOWN_WARNINGS {
+            writeln!(out, "  warning     and {} more", self.warnings.len() - SHOWN_WARNINGS)?;
+        }
+        Ok(())
+    }
+}

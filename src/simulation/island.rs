@@ -1,0 +1,121 @@
+//! One island of a run: its own loop, and what it has shown until the others have come as far.
+
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::structure::islands::Island;
+use crate::simulation::{Course, Observer, ObserverError, RunError, RunOptions, Sample, StepEnd};
+use crate::stepping::integrator::Lobatto;
+use std::collections::VecDeque;
+
+/// An island and how it is run.
+pub(crate) struct Part {
+    pub(crate) island: Island,
+    pub(crate) state: State,
+    /// `None` if it sleeps.
+    pub(crate) awake: Option<Lobatto>,
+    pub(crate) course: Option<Course>,
+    /// What it has shown and nobody has taken yet.
+    pub(crate) shown: Shown,
+    /// Its kinetic energy, and what its energy balance is off by, at the last step that was taken (J).
+    pub(crate) kinetic: f64,
+    pub(crate) deviation: f64,
+    /// Its total energy at the start (J).
+    initial: f64,
+    /// Energy dissipated since the start of the run, and work put in, up to that step (J).
+    pub(crate) exchange: Exchange,
+    /// Steps that were taken, and their iterations.
+    pub(crate) steps: usize,
+    pub(crate) iterations: usize,
+    failed: Option<RunError>,
+}
+
+/// Samples and steps of one island, in order.
+#[derive(Default)]
+pub(crate) struct Shown {
+    pub(crate) samples: VecDeque<Kept>,
+    pub(crate) steps: VecDeque<StepEnd>,
+}
+
+/// A sample of one island.
+pub(crate) struct Kept {
+    pub(crate) time: f64,
+    pub(crate) position: Vec<f64>,
+    pub(crate) velocity: Vec<f64>,
+}
+
+impl Observer for Shown {
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        let (position, velocity) = (sample.position.to_vec(), sample.velocity.to_vec());
+        self.samples.push_back(Kept { time: sample.time, position, velocity });
+        Ok(())
+    }
+
+    fn step(&mut self, end: &StepEnd) {
+        self.steps.push_back(*end);
+    }
+}
+
+impl Part {
+    pub(crate) fn new(island: Island, whole: &State) -> Self {
+        Part {
+            state: island.state(whole),
+            island,
+            awake: None,
+            course: None,
+            shown: Shown::default(),
+            kinetic: 0.0,
+            deviation: 0.0,
+            initial: 0.0,
+            exchange: Exchange::default(),
+            steps: 0,
+            iterations: 0,
+            failed: None,
+        }
+    }
+
+    /// Prepares a run from where it is.
+    pub(crate) fn begin(&mut self, duration: f64, rate: f64) -> Result<(), RunError> {
+        if self.awake.is_none() {
+            return Ok(());
+        }
+        let mut course = Course::new(&self.island.mechanism, &self.state, duration, Some(rate));
+        let initial = course.summary().initial_energy;
+        (self.kinetic, self.deviation, self.initial) = (initial.kinetic, 0.0, initial.total());
+        (self.exchange, self.steps, self.iterations, self.failed) = (Exchange::default(), 0, 0, None);
+        self.shown = Shown::default();
+        course.begin(&mut [&mut self.shown])?;
+        self.course = Some(course);
+        Ok(())
+    }
+
+    /// Makes steps until one ends at or after `horizon`; a failure is kept.
+    pub(crate) fn proceed(&mut self, horizon: f64, options: &RunOptions) {
+        let Part { island, state, awake: Some(lobatto), course: Some(course), shown, failed, .. } = self else {
+            return;
+        };
+        let ended = course.proceed(&island.mechanism, state, lobatto, horizon, options.interrupt, &mut [shown]);
+        *failed = ended.err();
+    }
+
+    /// Takes over the figures of its next step.
+    pub(crate) fn take(&mut self, end: &StepEnd) {
+        self.kinetic = end.energy.kinetic;
+        self.exchange = end.exchange;
+        self.deviation = end.energy.total() - self.initial + (end.exchange.dissipated - end.exchange.work);
+        self.steps += 1;
+        self.iterations += end.outcome.iterations;
+    }
+}
+
+/// Up to where all islands that are awake have come (s).
+pub(crate) fn frontier(awake: &[&mut Part]) -> f64 {
+    awake.iter().map(|part| part.state.time).fold(f64::INFINITY, f64::min)
+}
+
+/// The failure at the earliest time; an interruption counts only if nothing failed.
+pub(crate) fn first_error(awake: &mut [&mut Part]) -> Option<RunError> {
+    let interrupted = |part: &Part| matches!(part.failed, Some(RunError::Interrupted { .. }));
+    let failed = awake.iter_mut().filter(|part| part.failed.is_some());
+    let first = failed.min_by(|a, b| interrupted(a).cmp(&interrupted(b)).then(a.state.time.total_cmp(&b.state.time)));
+    first.and_then(|part| part.failed.take())
+}

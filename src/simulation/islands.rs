@@ -1,0 +1,319 @@
+//! Runs of independent mechanisms side by side: each island with its own integrator, and those at rest not at all.
+//!
+//! Nothing couples the islands ([`crate::mechanism::structure::islands`]), so each is run as if it were alone, by the same loop
+//! ([`crate::simulation`]), with its own steps; what they show is put together afterwards in order of time:
+//!
+//! - a sample of the whole is one of every island at the same instant, from its own dense output;
+//! - the figures of a run add up over the ends of all steps of all islands: the energy balance at an instant is the sum of the
+//!   balances at each island's last step;
+//! - the figures that go with a sample are of that instant, because no step of all islands ends there.
+//!
+//! Small islands are better run together ([`Plan::grouped`]). Islands advance in windows of simulated time, several at once on as
+//! many threads as there are. An island sees neither the windows nor the others, and the order of putting together is that of time
+//! and number; so every result is the same, bit for bit, whatever the windows and the number of threads.
+
+use crate::instant::rest::is_at_rest;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::energy::energy_with_forces;
+use crate::mechanism::motion::integrator::{FrequencyStep, Integrator, MethodDescription};
+use crate::mechanism::motion::kinematics::place_bodies;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::structure::islands::{Island, islands};
+use crate::mechanism::structure::plane::Plane;
+use crate::simulation::island::{Part, first_error, frontier};
+use crate::simulation::merged::Whole;
+use crate::simulation::threads::{Threads, spread};
+use crate::simulation::{Observer, RunError, RunOptions, Summary};
+use crate::stepping::integrator::Lobatto;
+use std::time::Instant;
+
+/// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
+const WINDOW: f64 = 0.02;
+/// Where nobody wants samples the run is sampled so often all the same, so that one that fails has a last state.
+const CHECKPOINTS: f64 = 16.0;
+
+/// What a mechanism falls into.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The islands, and whether each sleeps.
+    pub islands: Vec<(Island, bool)>,
+    /// The rules that are switched off.
+    pub kept: Vec<Rule>,
+}
+
+impl Plan {
+    /// Applies the rules, except for those that are switched off.
+    pub fn new(mechanism: &Mechanism, state: &State, switched_off: &[Rule]) -> Self {
+        let all =
+            if switched_off.contains(&Rule::Islands) { vec![Island::whole(mechanism)] } else { islands(mechanism) };
+        let sleeps = |island: &Island| {
+            !switched_off.contains(&Rule::Sleep) && is_at_rest(&island.mechanism, &island.state(state))
+        };
+        let with_sleep = |island: Island| {
+            let asleep = sleeps(&island);
+            (island, asleep)
+        };
+        Plan { islands: all.into_iter().map(with_sleep).collect(), kept: switched_off.to_vec() }
+    }
+
+    /// Puts islands that move and have fewer bodies than `smallest` together until they have as many: a step has a cost of its own,
+    /// which small islands share when they step together. What is left over joins the last that were put together. Those that move
+    /// in parallel planes stay among themselves, trees and closed loops each, if they are enough.
+    pub fn grouped(self, mechanism: &Mechanism, smallest: usize) -> Self {
+        let (small, mut parts): (Vec<_>, Vec<_>) =
+            self.islands.into_iter().partition(|(island, asleep)| !asleep && island.mechanism.bodies.len() < smallest);
+        let small = small.into_iter().map(|(island, _)| island).collect();
+        for class in alike(small, smallest, &self.kept) {
+            parts.extend(groups(class, smallest).into_iter().map(|group| match <[Island; 1]>::try_from(group) {
+                Ok([alone]) => (alone, false),
+                Err(group) => (Island::together(mechanism, &group), false),
+            }));
+        }
+        parts.sort_by_key(|(island, _)| island.pieces.first().map(|piece| piece.bodies.start));
+        Plan { islands: parts, kept: self.kept }
+    }
+
+    /// The islands that move, each in a plane of its own.
+    pub fn planar(&self) -> impl Iterator<Item = &Island> {
+        self.awake().filter(|island| Plane::of(&island.mechanism).is_some())
+    }
+
+    /// The islands that move in space, or are `kept` from their planes.
+    pub fn spatial(&self, kept: &[Rule]) -> impl Iterator<Item = &Island> {
+        let planes = !kept.contains(&Rule::Planar);
+        self.awake().filter(move |island| !planes || Plane::of(&island.mechanism).is_none())
+    }
+
+    fn awake(&self) -> impl Iterator<Item = &Island> {
+        self.islands.iter().filter(|(_, asleep)| !asleep).map(|(island, _)| island)
+    }
+
+    /// Whether no rule applies: the mechanism is one, and it moves.
+    pub fn is_whole(&self) -> bool {
+        self.islands.len() < 2 && self.sleeping() == 0
+    }
+
+    /// How many islands sleep.
+    pub fn sleeping(&self) -> usize {
+        self.islands.iter().filter(|(_, asleep)| *asleep).count()
+    }
+}
+
+/// Islands that are best put together with each other alone: those in parallel planes, trees apart from closed loops, whose steps are
+/// dearer, where they have `smallest` bodies; and all others.
+fn alike(islands: Vec<Island>, smallest: usize, kept: &[Rule]) -> Vec<Vec<Island>> {
+    if kept.contains(&Rule::Planar) {
+        return vec![islands];
+    }
+    let mut planes: Vec<(Plane, bool, usize)> = Vec::new();
+    let plane_of: Vec<Option<usize>> = islands
+        .iter()
+        .map(|Island { mechanism, .. }| {
+            let (plane, closed) = (Plane::of(mechanism)?, mechanism.has_closures());
+            let same = |(other, loops, _): &(Plane, bool, usize)| other.is_parallel(&plane) && *loops == closed;
+            let number = planes.iter().position(same).unwrap_or_else(|| {
+                planes.push((plane, closed, 0));
+                planes.len() - 1
+            });
+            planes[number].2 += mechanism.bodies.len();
+            Some(number)
+        })
+        .collect();
+    let mut classes: Vec<Vec<Island>> = vec![Vec::new(); planes.len() + 1];
+    for (island, plane) in islands.into_iter().zip(plane_of) {
+        let enough = plane.filter(|&number| planes[number].2 >= smallest);
+        classes[enough.map_or(0, |number| number + 1)].push(island);
+    }
+    classes
+}
+
+/// Groups of islands with no fewer bodies than `smallest` each, if there are as many.
+fn groups(islands: Vec<Island>, smallest: usize) -> Vec<Vec<Island>> {
+    let mut groups: Vec<Vec<Island>> = Vec::new();
+    let mut bodies = smallest;
+    for island in islands {
+        if bodies >= smallest {
+            groups.push(Vec::new());
+            bodies = 0;
+        }
+        bodies += island.mechanism.bodies.len();
+        if let Some(group) = groups.last_mut() {
+            group.push(island);
+        }
+    }
+    if bodies < smallest
+        && groups.len() > 1
+        && let (Some(rest), Some(last)) = (groups.pop(), groups.last_mut())
+    {
+        last.extend(rest);
+    }
+    groups
+}
+
+/// The integrators of all islands of a mechanism.
+pub struct Islands {
+    parts: Vec<Part>,
+    threads: Threads,
+}
+
+/// What a run did, for the report.
+pub struct IslandFigures<'i> {
+    /// The island.
+    pub island: &'i Island,
+    /// How it was integrated; `None` if it slept.
+    pub method: Option<MethodDescription>,
+    /// Accepted steps.
+    pub steps: usize,
+    /// Their iterations.
+    pub iterations: usize,
+}
+
+/// An island, whether it sleeps, and what came of making its integrator.
+type Job<N, E> = (Part, bool, Option<Result<N, E>>);
+
+impl Islands {
+    /// Makes the integrators of the islands that are awake, each with a note for the caller; the notes are in the order of these
+    /// islands. `expected` is about how long that will take (s), which decides whether it is done on several threads.
+    ///
+    /// # Errors
+    /// The first error of `make`, in the order of the islands.
+    pub fn new<N: Send, E: Send>(
+        plan: Plan,
+        state: &State,
+        threads: Threads,
+        expected: f64,
+        make: impl Fn(&Mechanism, &State) -> Result<(Lobatto, N), E> + Sync,
+    ) -> Result<(Self, Vec<N>), E> {
+        let mut jobs: Vec<Job<N, E>> =
+            plan.islands.into_iter().map(|(island, asleep)| (Part::new(island, state), asleep, None)).collect();
+        spread(&mut jobs, threads.for_work_of(expected), |(part, asleep, note)| {
+            if *asleep {
+                return;
+            }
+            *note = Some(make(&part.island.mechanism, &part.state).map(|(lobatto, note)| {
+                part.awake = Some(lobatto);
+                note
+            }));
+        });
+        let mut parts = Vec::with_capacity(jobs.len());
+        let mut notes = Vec::new();
+        for (part, _, note) in jobs {
+            if let Some(note) = note {
+                notes.push(note?);
+            }
+            parts.push(part);
+        }
+        Ok((Islands { parts, threads }, notes))
+    }
+
+    /// What the islands that are awake are integrated with, together; `None` if all sleep.
+    ///
+    /// Stages are the most that any has, the step is the mean over all, and the nearest to the limit of stability counts.
+    pub fn description(&self) -> Option<MethodDescription> {
+        let mut all = self.parts.iter().filter_map(|part| Some((part.awake.as_ref()?.description(), part.steps)));
+        let (mut together, mut steps) = all.next()?;
+        let mut stepped = together.step * steps as f64;
+        for (one, count) in all {
+            together.stages = together.stages.max(one.stages);
+            together.order = together.order.max(one.order);
+            steps += count;
+            stepped += one.step * count as f64;
+            let share = |seen: &FrequencyStep| seen.product / seen.limit;
+            together.frequency_step = together
+                .frequency_step
+                .into_iter()
+                .chain(one.frequency_step)
+                .max_by(|a, b| share(a).total_cmp(&share(b)));
+            together.ringing = together.ringing.or(one.ringing);
+            together.singular = together.singular.into_iter().chain(one.singular).max_by_key(|seen| seen.extra);
+            together.reversible_resets = together.reversible_resets.zip(one.reversible_resets).map(|(a, b)| a + b);
+        }
+        if steps > 0 {
+            together.step = stepped / steps as f64;
+        }
+        Some(together)
+    }
+
+    /// What each island did.
+    pub fn figures(&self) -> impl Iterator<Item = IslandFigures<'_>> {
+        self.parts.iter().map(|part| IslandFigures {
+            island: &part.island,
+            method: part.awake.as_ref().map(Integrator::description),
+            steps: part.steps,
+            iterations: part.iterations,
+        })
+    }
+
+    /// Runs all islands from where they are for `options.duration`, and shows the whole to the observers.
+    ///
+    /// `state` is moved to the end of the run, or, if it ends early, to the last sample that all islands have reached. The summary
+    /// is filled in up to there.
+    pub fn run(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+    ) -> (Summary, Result<(), RunError>) {
+        let mut whole = Whole::new(mechanism, state, options);
+        self.parts.iter_mut().for_each(|part| part.state = part.island.state(state));
+        let ended = self.drive(mechanism, options, observers, &mut whole);
+        let times = self.parts.iter().filter_map(|part| Some(part.course.as_ref()?.summary().solve_cpu_seconds));
+        // A sum of nothing would be −0.
+        whole.summary.solve_cpu_seconds = times.fold(0.0, |sum, time| sum + time);
+        if ended.is_ok() {
+            for Part { island, state: own, .. } in &self.parts {
+                island.put(&own.position, &mut state.position, |piece| &piece.positions);
+                island.put(&own.compensation, &mut state.compensation, |piece| &piece.positions);
+                island.put(&own.velocity, &mut state.velocity, |piece| &piece.velocities);
+            }
+            state.time = whole.end;
+        } else {
+            state.copy_from(&whole.state);
+        }
+        place_bodies(mechanism, state, &mut whole.bodies);
+        whole.summary.final_energy = energy_with_forces(mechanism, &state.position, &whole.bodies);
+        (whole.summary, ended)
+    }
+
+    fn drive(
+        &mut self,
+        mechanism: &Mechanism,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+        whole: &mut Whole,
+    ) -> Result<(), RunError> {
+        let rate = options.rate.unwrap_or(CHECKPOINTS / options.duration);
+        for part in &mut self.parts {
+            part.begin(options.duration, rate)?;
+        }
+        let mut awake: Vec<&mut Part> = self.parts.iter_mut().filter(|part| part.awake.is_some()).collect();
+        if awake.is_empty() {
+            return whole.show_rest(mechanism, options, observers);
+        }
+        whole.take(mechanism, &mut awake, observers)?;
+        // At first one step each: nobody knows yet how long that takes.
+        let (mut window, mut took) = (0.0_f64, 0.0);
+        while frontier(&awake) < whole.end {
+            let begin = frontier(&awake);
+            let horizon = (begin + window).max(begin.next_up());
+            let clock = Instant::now();
+            let threads = self.threads.for_work_of(took);
+            // The largest first, so that none of them is left for the end.
+            awake.sort_by_key(|part| std::cmp::Reverse(part.island.mechanism.bodies.len()));
+            spread(&mut awake, threads, |part| part.proceed(horizon, options));
+            awake.sort_by_key(|part| part.island.pieces.first().map(|piece| piece.bodies.start));
+            took = clock.elapsed().as_secs_f64();
+            whole.take(mechanism, &mut awake, observers)?;
+            if let Some(error) = first_error(&mut awake) {
+                return Err(match error {
+                    RunError::Interrupted { .. } => RunError::Interrupted { time: whole.state.time },
+                    error => error,
+                });
+            }
+            window = window.max(frontier(&awake) - begin) * (WINDOW / took).clamp(0.25, 4.0);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,169 @@
+//! The run of the whole, put together from those of the islands in order of time.
+
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::energy::{energy_with_forces, violation};
+use crate::mechanism::motion::gaps::worse;
+use crate::mechanism::motion::integrator::StepOutcome;
+use crate::mechanism::motion::kinematics::{body_states, place_bodies};
+use crate::mechanism::motion::state::State;
+use crate::simulation::island::{Part, frontier};
+use crate::simulation::{Counts, Observer, RunError, RunOptions, Sample, StepEnd, Summary, show};
+use std::sync::atomic::Ordering;
+
+/// The run of the whole, put together from those of the islands.
+pub(crate) struct Whole {
+    start: f64,
+    pub(crate) end: f64,
+    /// Whether samples inside the run are wanted.
+    sampled: bool,
+    /// The last sample. Samples are without what rounding has cut off their positions.
+    pub(crate) state: State,
+    pub(crate) bodies: Vec<BodyState>,
+    pub(crate) summary: Summary,
+    /// Sums over the islands at the last step that was taken (J).
+    kinetic: f64,
+    deviation: f64,
+    exchange: Exchange,
+    largest_kinetic: f64,
+    largest_deviation: f64,
+    /// What the steps since the last sample have cost together, and how many steps had been made up to there.
+    since: StepOutcome,
+    steps_before: usize,
+    /// Steps to be taken, with the numbers of their islands.
+    waiting: Vec<(StepEnd, usize)>,
+}
+
+impl Whole {
+    pub(crate) fn new(mechanism: &Mechanism, state: &State, options: &RunOptions) -> Self {
+        let bodies = body_states(mechanism, state);
+        let initial = energy_with_forces(mechanism, &state.position, &bodies);
+        Whole {
+            start: state.time,
+            end: state.time + options.duration,
+            sampled: options.rate.is_some(),
+            state: State { compensation: vec![0.0; state.position.len()], ..state.clone() },
+            summary: Summary {
+                initial_energy: initial,
+                final_energy: initial,
+                max_violation: violation(mechanism, state, &bodies),
+                ..Summary::default()
+            },
+            bodies,
+            kinetic: initial.kinetic,
+            deviation: 0.0,
+            exchange: Exchange::default(),
+            largest_kinetic: initial.kinetic,
+            largest_deviation: 0.0,
+            since: StepOutcome::default(),
+            steps_before: 0,
+            waiting: Vec::new(),
+        }
+    }
+
+    /// Takes everything up to where all islands have come, in order of time.
+    pub(crate) fn take(
+        &mut self,
+        mechanism: &Mechanism,
+        awake: &mut [&mut Part],
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), RunError> {
+        loop {
+            let ready = awake.iter().all(|part| !part.shown.samples.is_empty());
+            let until = match awake.first().and_then(|part| part.shown.samples.front()) {
+                Some(sample) if ready => sample.time,
+                _ => frontier(awake),
+            };
+            self.take_steps(awake, until);
+            if !ready {
+                return Ok(());
+            }
+            for Part { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
+                let Some(sample) = shown.samples.pop_front() else { continue };
+                island.put(&sample.position, &mut self.state.position, |piece| &piece.positions);
+                island.put(&sample.velocity, &mut self.state.velocity, |piece| &piece.velocities);
+            }
+            place_bodies(mechanism, &self.state, &mut self.bodies);
+            self.state.time = until;
+            self.show(mechanism, observers)?;
+        }
+    }
+
+    /// Takes all steps that end at or before `until`.
+    fn take_steps(&mut self, awake: &mut [&mut Part], until: f64) {
+        for (number, part) in awake.iter_mut().enumerate() {
+            let steps = &mut part.shown.steps;
+            let count = steps.partition_point(|end| end.time <= until);
+            self.waiting.extend(steps.drain(..count).map(|end| (end, number)));
+        }
+        // Stable: what ends at the same time stays in the order of the islands.
+        self.waiting.sort_by(|(a, _), (b, _)| a.time.total_cmp(&b.time));
+        for (index, (end, number)) in self.waiting.iter().enumerate() {
+            let part = &mut awake[*number];
+            let before = (part.kinetic, part.deviation, part.exchange);
+            part.take(end);
+            self.kinetic += part.kinetic - before.0;
+            self.deviation += part.deviation - before.1;
+            self.exchange.dissipated += part.exchange.dissipated - before.2.dissipated;
+            self.exchange.work += part.exchange.work - before.2.work;
+            self.summary.count(&end.outcome, end.violation);
+            self.since.step += end.outcome.step;
+            self.since.iterations += end.outcome.iterations;
+            self.since.rejected += end.outcome.rejected;
+            self.since.exchange.dissipated += end.outcome.exchange.dissipated;
+            self.since.exchange.work += end.outcome.exchange.work;
+            // Balances belong together when all that end at the same time have been taken.
+            if self.waiting.get(index + 1).is_none_or(|(next, _)| next.time > end.time) {
+                self.largest_kinetic = self.largest_kinetic.max(self.kinetic);
+                self.largest_deviation = worse(self.largest_deviation, self.deviation.abs());
+            }
+        }
+        self.waiting.clear();
+        let scale = if self.largest_kinetic > 0.0 { self.largest_kinetic } else { 1.0 };
+        self.summary.max_relative_energy_error = self.largest_deviation / scale;
+        self.summary.exchange = self.exchange;
+    }
+
+    /// Shows the last sample, if it is wanted, with the figures of its instant.
+    fn show(&mut self, mechanism: &Mechanism, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
+        let time = self.state.time;
+        let wanted = self.sampled || time == self.start || time == self.end;
+        if observers.is_empty() || !wanted {
+            return Ok(());
+        }
+        let mut outcome = std::mem::take(&mut self.since);
+        let Summary { steps, iterations, rejected_steps: rejected, .. } = self.summary;
+        outcome.step /= (steps - std::mem::replace(&mut self.steps_before, steps)).max(1) as f64;
+        let step = StepEnd {
+            time,
+            energy: energy_with_forces(mechanism, &self.state.position, &self.bodies),
+            exchange: self.exchange,
+            violation: violation(mechanism, &self.state, &self.bodies),
+            outcome,
+            so_far: Counts { steps, iterations, rejected },
+        };
+        let State { position, velocity, .. } = &self.state;
+        show(observers, &Sample { time, position, velocity, step: &step })
+    }
+
+    /// Shows a run in which nothing moves.
+    pub(crate) fn show_rest(
+        &mut self,
+        mechanism: &Mechanism,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), RunError> {
+        self.show(mechanism, observers)?;
+        let mut samples = 0_u64;
+        while self.state.time < self.end {
+            if options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+                return Err(RunError::Interrupted { time: self.state.time });
+            }
+            samples += 1;
+            self.state.time = options.rate.map_or(self.end, |rate| (self.start + samples as f64 / rate).min(self.end));
+            self.show(mechanism, observers)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,56 @@
+//! Independent work on several threads.
+
+use std::num::NonZero;
+use std::sync::{Mutex, OnceLock, PoisonError};
+use std::thread::available_parallelism;
+
+/// Work that takes less than this (s) does not pay for threads, each of which takes some 50 µs to start and join.
+const WORTH_THREADS: f64 = 1e-3;
+
+/// How many there are; asking takes as long as a short run.
+static PROCESSORS: OnceLock<usize> = OnceLock::new();
+
+/// On how many threads islands are run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Threads {
+    /// As many as there are processors, where the work pays for them.
+    WherePaid,
+    /// So many, always.
+    Exactly(usize),
+}
+
+impl Threads {
+    pub(crate) fn at_most(self) -> usize {
+        match self {
+            Threads::WherePaid => *PROCESSORS.get_or_init(|| available_parallelism().map_or(1, NonZero::get)),
+            Threads::Exactly(count) => count,
+        }
+    }
+
+    /// For work that is expected to take so many seconds on one of them.
+    pub(crate) fn for_work_of(self, seconds: f64) -> usize {
+        if self == Threads::WherePaid && seconds < WORTH_THREADS { 1 } else { self.at_most() }
+    }
+}
+
+/// Does the work on every item, on so many threads at most.
+pub(crate) fn spread<T: Send>(items: &mut [T], threads: usize, work: impl Fn(&mut T) + Sync) {
+    if threads.min(items.len()) < 2 {
+        items.iter_mut().for_each(work);
+        return;
+    }
+    let helpers = threads.min(items.len()) - 1;
+    let queue = Mutex::new(items.iter_mut());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let drain = || {
+        while let Some(item) = next() {
+            work(item);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..helpers {
+            scope.spawn(drain);
+        }
+        drain();
+    });
+}

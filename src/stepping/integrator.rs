@@ -1,0 +1,267 @@
+//! The integrator: steps of the scheme strung together.
+//!
+//! A step is made, judged and kept in [`crate::stepping::stepper`]; how long it is comes from [`crate::stepping::fixed`], [`crate::stepping::control`] or
+//! [`crate::stepping::reversible`].
+
+use crate::kernels::{precise_step_for, step_for};
+use crate::lobatto::numbers::lanes::Isa;
+use crate::lobatto::stages::attempt::StopRule;
+use crate::lobatto::step::make::MOST_PRECISE_STAGES;
+use crate::lobatto::step::step::Step;
+use crate::lobatto::tableau::butcher::{Tableau, TableauError};
+use crate::lobatto::tableau::dense::DenseRule;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::state::State;
+use crate::stepping::control::Control;
+use crate::stepping::fixed::FixedSteps;
+use crate::stepping::reversible::Reversible;
+use crate::stepping::stage_choice::StageChoice;
+use crate::stepping::stepper::Stepper;
+
+/// The constrained Lobatto IIIA–IIIB scheme as an [`Integrator`].
+///
+/// ```
+/// use catena::stepping::integrator::Lobatto;
+/// use catena::mechanism::description::mechanism::{Body, Mechanism};
+/// use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+/// use catena::mechanism::motion::integrator::Integrator;
+/// use catena::mechanism::motion::state::State;
+/// use nalgebra::{Translation3, Vector3};
+///
+/// // A rod of 1 m and 1 kg on a hinge, released from the horizontal.
+/// let hinge = Joint::new("hinge", JointKind::Revolute, Pose::identity(), Translation3::new(-0.5, 0.0, 0.0).into());
+/// let rod = Body { name: "rod".into(), parent: None, mass: 1.0, inertia: Vector3::new(0.0, 1.0 / 12.0, 1.0 / 12.0), joint: hinge };
+/// let mechanism = Mechanism::new("pendulum", Vector3::new(0.0, -9.81, 0.0), vec![rod])?;
+/// let mut state = State::zero(&mechanism);
+/// let mut lobatto = Lobatto::fixed(&mechanism, 9, 0.1)?;
+/// while state.time < 1.0 {
+///     lobatto.advance(&mechanism, &mut state, 1.0)?;
+/// }
+/// let energy = 0.5 / 3.0 * state.velocity[0].powi(2) + 0.5 * 9.81 * state.position[0].sin();
+/// assert!(energy.abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Lobatto {
+    stepper: Stepper,
+    mode: Mode,
+    isa: Isa,
+    /// Whether steps are solved to 32 digits.
+    precise: bool,
+    dense: DenseRule,
+    /// Room for what dense output sums over the stages.
+    dense_sums: Vec<[f64; 2]>,
+}
+
+/// How the lengths of the steps come about.
+enum Mode {
+    Fixed(FixedSteps),
+    Chosen(Control),
+    Reversible(Reversible),
+}
+
+/// A step that a run can be made of (s).
+fn usable(step: f64) -> Result<f64, MethodError> {
+    if step > 0.0 && step.is_finite() { Ok(step) } else { Err(MethodError::Step { step }) }
+}
+
+/// Why a method cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MethodError {
+    /// The number of stages.
+    #[error(transparent)]
+    Tableau(#[from] TableauError),
+    /// The length of the steps.
+    #[error("a step of {step} s: steps must be longer than zero, and finite")]
+    Step {
+        /// What was asked for (s).
+        step: f64,
+    },
+    /// Reversible steps need a motion that is reversible itself and whose pace is known.
+    #[error("reversible steps are for trees of joints under gravity alone; this one has loops, mimic joints or forces")]
+    NotReversible,
+    /// Steps with 32 digits know no more than gravity.
+    #[error(
+        "steps with 32 digits are for trees of joints under gravity alone; this one has loops, mimic joints or forces"
+    )]
+    NotPlain,
+    /// Steps with 32 digits have eight lanes.
+    #[error("steps with 32 digits have at most {MOST_PRECISE_STAGES} stages, not {stages}")]
+    TooManyStages {
+        /// What was asked for.
+        stages: usize,
+    },
+}
+
+impl Lobatto {
+    /// Fixed steps of `step` seconds with `stages` stages, iterated to rounding.
+    ///
+    /// # Errors
+    /// [`MethodError`] if the number of stages is not from 2 to 16, or the step not longer than zero.
+    pub fn fixed(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
+        Self::fixed_with(mechanism, stages, step, StopRule::ROUNDING, Isa::detect())
+    }
+
+    /// Fixed steps with a stop rule and vector instructions of one's own choice (for experiments and tests).
+    ///
+    /// # Errors
+    /// As of [`Lobatto::fixed`].
+    pub fn fixed_with(
+        mechanism: &Mechanism,
+        stages: usize,
+        step: f64,
+        rule: StopRule,
+        isa: Isa,
+    ) -> Result<Self, MethodError> {
+        let mode = Mode::Fixed(FixedSteps::new(usable(step)?, rule));
+        Ok(Self::with_tableau(mechanism, Tableau::of(stages)?, mode, isa))
+    }
+
+    /// Fixed steps of `step` seconds, solved to 32 digits ([`crate::lobatto::step::precise`]): conserved quantities do not drift by rounding.
+    ///
+    /// # Errors
+    /// [`MethodError`] if the number of stages is not from 2 to 9, if the step is not longer than zero, or if there is more than a tree under gravity.
+    pub fn precise(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
+        let tableau = Tableau::of(stages)?;
+        if !mechanism.is_plain_tree() {
+            return Err(MethodError::NotPlain);
+        }
+        if stages > MOST_PRECISE_STAGES {
+            return Err(MethodError::TooManyStages { stages });
+        }
+        let mode = Mode::Fixed(FixedSteps::new(usable(step)?, StopRule::ROUNDING));
+        let kernel = precise_step_for(mechanism, tableau, &[]);
+        Ok(Lobatto { precise: true, ..Self::with_kernel(mechanism, tableau, kernel, mode, Isa::detect()) })
+    }
+
+    /// Steps of varying length for very long runs, the first of `step` seconds, iterated to rounding: a run that is turned
+    /// round retraces itself ([`crate::stepping::reversible`]).
+    ///
+    /// # Errors
+    /// [`MethodError`] if the number of stages is not from 2 to 16, if the step is not longer than zero, or if there is more than a tree under gravity.
+    pub fn reversible(mechanism: &Mechanism, stages: usize, step: f64) -> Result<Self, MethodError> {
+        let tableau = Tableau::of(stages)?;
+        if !mechanism.is_plain_tree() {
+            return Err(MethodError::NotReversible);
+        }
+        Ok(Self::with_tableau(mechanism, tableau, Mode::Reversible(Reversible::new(usable(step)?)), Isa::detect()))
+    }
+
+    /// Steps chosen for a wanted position accuracy [m or rad], with the iteration stop that suits motions of moderate
+    /// amplification; [`crate::simulation::accuracy`] finds the one for the motion at hand.
+    pub fn adaptive(mechanism: &Mechanism, tolerance: f64) -> Self {
+        Self::adaptive_with_stop(mechanism, tolerance, 1e-4 * tolerance)
+    }
+
+    /// Steps chosen for an iteration stop, the local accuracy of joint displacements [m or rad]; `tolerance` bounds the
+    /// change of the energy relative to the kinetic energy. The number of stages is the one for this tolerance.
+    pub fn adaptive_with_stop(mechanism: &Mechanism, tolerance: f64, stop: f64) -> Self {
+        Self::adaptive_with_stages(mechanism, tolerance, stop, StageChoice::of(mechanism, tolerance))
+    }
+
+    /// The same with another choice of stages.
+    pub fn adaptive_with_stages(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice) -> Self {
+        let isa = Isa::detect();
+        let control = Control::new(mechanism, tolerance, stop, stages, isa);
+        Self::with_tableau(mechanism, stages.tableau(isa), Mode::Chosen(control), isa)
+    }
+
+    /// Whether a step that was to be chosen for its accuracy was shortened for the stability of the scheme.
+    pub fn was_held_by_stability(&self) -> bool {
+        matches!(&self.mode, Mode::Chosen(control) if control.was_held())
+    }
+
+    fn with_tableau(mechanism: &Mechanism, tableau: &'static Tableau, mode: Mode, isa: Isa) -> Self {
+        Self::with_kernel(mechanism, tableau, step_for(mechanism, tableau, isa, &[]), mode, isa)
+    }
+
+    fn with_kernel(
+        mechanism: &Mechanism,
+        tableau: &'static Tableau,
+        kernel: Box<dyn Step>,
+        mode: Mode,
+        isa: Isa,
+    ) -> Self {
+        let mut lobatto = Lobatto {
+            dense: DenseRule::new(tableau),
+            dense_sums: vec![[0.0; 2]; mechanism.velocity_count],
+            stepper: Stepper::new(mechanism, tableau, kernel),
+            mode,
+            isa,
+            precise: false,
+        };
+        lobatto.prepare(mechanism);
+        lobatto
+    }
+
+    /// Makes room, before the first step, for what only coarse stops need.
+    fn prepare(&mut self, mechanism: &Mechanism) {
+        if let Mode::Chosen(control) = &self.mode {
+            self.stepper.kernel.expect(mechanism, control.rule().increment);
+        }
+    }
+
+    /// The same without some rules by which it would do less: without [`Rule::Planar`] every body has six coordinates, without
+    /// [`Rule::Translation`], [`Rule::Points`], [`Rule::Spheres`], [`Rule::Pivots`] and [`Rule::Tumblers`] all of their equations.
+    #[must_use]
+    pub fn keeping(mut self, mechanism: &Mechanism, switched_off: &[Rule]) -> Self {
+        if !switched_off.is_empty() {
+            let tableau = self.stepper.tableau;
+            self.stepper.replace_kernel(if self.precise {
+                precise_step_for(mechanism, tableau, switched_off)
+            } else {
+                step_for(mechanism, tableau, self.isa, switched_off)
+            });
+            self.prepare(mechanism);
+        }
+        self
+    }
+}
+
+impl Integrator for Lobatto {
+    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+        if self.stepper.meet(mechanism, state) {
+            match &mut self.mode {
+                Mode::Fixed(fixed) => fixed.begin_at(state.time),
+                Mode::Chosen(control) => control.forget(),
+                // A run that somebody turns round goes back in the same steps.
+                Mode::Reversible(_) => {}
+            }
+        }
+        match &mut self.mode {
+            Mode::Fixed(fixed) => fixed.advance(&mut self.stepper, mechanism, state, until),
+            Mode::Chosen(control) => control.advance(&mut self.stepper, mechanism, state, until),
+            Mode::Reversible(reversible) => reversible.advance(&mut self.stepper, mechanism, state, until),
+        }
+    }
+
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        let last = self.stepper.last_step();
+        let weights = self.dense.weights((time - last.origin.time) / last.length);
+        last.sample(mechanism, &weights, &mut self.dense_sums, position, velocity);
+        self.stepper.kernel.close(mechanism, position, velocity);
+    }
+
+    fn description(&self) -> MethodDescription {
+        let stepper = &self.stepper;
+        let (adaptive, tolerance, step, resets) = match &self.mode {
+            Mode::Fixed(fixed) => (false, None, fixed.step(), None),
+            Mode::Chosen(control) => (true, Some(control.tolerance()), stepper.mean_step(), None),
+            Mode::Reversible(reversible) => (false, None, stepper.mean_step(), Some(reversible.resets())),
+        };
+        MethodDescription {
+            name: "lobatto".to_string(),
+            stages: stepper.tableau.stages,
+            order: stepper.tableau.order(),
+            step,
+            adaptive,
+            tolerance,
+            frequency_step: stepper.watch.nearest(),
+            ringing: stepper.watch.ringing(),
+            singular: stepper.singular(),
+            digits: if self.precise { 32 } else { 16 },
+            reversible_resets: resets,
+        }
+    }
+}

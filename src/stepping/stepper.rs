@@ -1,0 +1,251 @@
+//! Steps of the scheme, one after the other: attempted, finished, accepted or failed. How long they are is decided elsewhere.
+//!
+//! ```text
+//!     state ──attempt(h)──▶ solved stages ──finish──▶ end, energies ──accept──▶ state, the next start
+//! ```
+//!
+//! Between `finish` and `accept` the state has not moved, so that a step can still be thrown away.
+
+use crate::lobatto::stages::attempt::{Attempt, Guess};
+use crate::lobatto::step::step::Step;
+use crate::lobatto::tableau::butcher::Tableau;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::integrator::{SingularPosition, StepError, StepOutcome};
+use crate::mechanism::motion::state::State;
+use crate::stepping::modes::Modes;
+use crate::stepping::reversible::Pace;
+use crate::stepping::sampling::LastStep;
+use crate::stepping::watch::{FIRST_LOOK, Watch};
+
+/// Whatever makes a step shorter does so at most this often before it gives up.
+pub(crate) const HALVINGS: u32 = 14;
+
+/// A step that is not longer than what is left.
+pub(crate) struct Stride {
+    /// Its length (s).
+    pub length: f64,
+    /// Where it ends (s).
+    pub end: f64,
+    /// Whether that is where the run ends.
+    pub reaches: bool,
+}
+
+impl Stride {
+    /// From `time` as far as `step`, but exactly to `until` where that is nearer, or further by a rounding.
+    pub fn towards(until: f64, time: f64, step: f64) -> Self {
+        let remaining = until - time;
+        if step >= remaining * (1.0 - 1e-9) {
+            Stride { length: remaining, end: until, reaches: true }
+        } else {
+            Stride { length: step, end: time + step, reaches: false }
+        }
+    }
+}
+
+/// Energies at the end of a finished step (J).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Energies {
+    /// Change of the total energy over the step, but for what was dissipated and put in.
+    pub change: f64,
+    /// Kinetic energy at the end.
+    pub kinetic: f64,
+    /// Size of the potential energies at the end.
+    pub potential: f64,
+}
+
+/// A mechanism on its way through time.
+pub(crate) struct Stepper {
+    /// Solves the stage equations.
+    pub kernel: Box<dyn Step>,
+    /// The scheme.
+    pub tableau: &'static Tableau,
+    /// Looks now and then how near the steps are to the limit of stability.
+    pub watch: Watch,
+    /// What it looks at.
+    modes: Modes,
+    /// Where the last step started, for dense output.
+    origin: State,
+    /// Where a step is finished before it is accepted, and where the last one ended.
+    end: State,
+    length: f64,
+    ranks: Ranks,
+    steps: usize,
+    stepped_time: f64,
+    /// What the last step left behind; anything else means that somebody moved the state.
+    left_at: Option<f64>,
+}
+
+impl Stepper {
+    /// A stepper that has not seen a state yet.
+    pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kernel: Box<dyn Step>) -> Self {
+        Stepper {
+            kernel,
+            watch: Watch::new(tableau, !mechanism.forces.is_empty()),
+            tableau,
+            modes: Modes::new(mechanism),
+            origin: State::zero(mechanism),
+            end: State::zero(mechanism),
+            length: 0.0,
+            ranks: Ranks::default(),
+            steps: 0,
+            stepped_time: 0.0,
+            left_at: None,
+        }
+    }
+
+    /// Goes on with another kernel of the same scheme, which has no past.
+    pub fn replace_kernel(&mut self, kernel: Box<dyn Step>) {
+        self.kernel = kernel;
+        self.left_at = None;
+    }
+
+    /// Starts anew where the state is not what the last step left; returns whether that was so.
+    pub fn meet(&mut self, mechanism: &Mechanism, state: &State) -> bool {
+        let moved = self.left_at != Some(state.time) || *state != self.end;
+        if moved {
+            self.kernel.begin(mechanism, state);
+            self.watch.forget();
+            self.modes.forget();
+        }
+        moved
+    }
+
+    /// What the first attempt at a step begins from.
+    pub fn first_guess(&self) -> Guess {
+        if self.kernel.has_past() { Guess::Past } else { Guess::Plain }
+    }
+
+    /// Finishes the solved step, without moving `state`; returns the energies at its end, with the change that nothing
+    /// accounts for.
+    pub fn finish(&mut self, mechanism: &Mechanism, state: &State) -> Energies {
+        let before = self.kernel.energy();
+        self.end.copy_from(state);
+        let after = self.kernel.finish(mechanism, &mut self.end);
+        let exchange = self.kernel.exchange();
+        Energies {
+            change: after.total() - before.total() + (exchange.dissipated - exchange.work),
+            kinetic: after.kinetic,
+            potential: after.potential.abs() + after.spring + after.load.abs(),
+        }
+    }
+
+    /// Accepts the finished step of `length` seconds: moves `state` to its end, at time `time`, and completes its `outcome`.
+    ///
+    /// # Errors
+    /// [`StepError::NotFinite`], without moving the state, if a velocity at the end is not a number.
+    pub fn accept(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        length: f64,
+        time: f64,
+        outcome: &mut StepOutcome,
+    ) -> Result<(), StepError> {
+        if let Some(freedom) = self.end.velocity.iter().position(|rate| !rate.is_finite()) {
+            let joint = joint_of_freedom(mechanism, freedom);
+            return Err(StepError::NotFinite { time: state.time, step: length, joint });
+        }
+        outcome.step = length;
+        outcome.exchange = self.kernel.exchange();
+        outcome.kept = self.kernel.take_kept();
+        if let Some(redundant) = self.kernel.redundant() {
+            self.ranks.see(redundant, time);
+        }
+        self.kernel.accept();
+        self.origin.copy_from(state);
+        self.end.time = time;
+        state.copy_from(&self.end);
+        self.length = length;
+        self.steps += 1;
+        self.stepped_time += length;
+        self.left_at = Some(time);
+        if let Some(iterations) = self.watch.due() {
+            self.look(mechanism, state, iterations, length);
+        }
+        Ok(())
+    }
+
+    /// Looks how near a step of this length is to the limit of stability, after a step that did not converge.
+    pub fn look_after_failure(&mut self, mechanism: &Mechanism, state: &State, length: f64) {
+        self.look(mechanism, state, FIRST_LOOK, length);
+    }
+
+    fn look(&mut self, mechanism: &Mechanism, state: &State, iterations: usize, length: f64) {
+        let mode = self.modes.fastest(mechanism, state, iterations);
+        self.watch.see(mode, length, state.time);
+        if self.watch.listens()
+            && let Some(transient) = self.modes.transient(mechanism, state)
+        {
+            self.watch.hear(transient, length, state.time);
+        }
+    }
+
+    /// Why a step failed: because of its length alone, if that is beyond the limit of stability.
+    pub fn failure(&self, mechanism: &Mechanism, time: f64, step: f64, attempt: &Attempt) -> StepError {
+        if let Some(seen) = self.watch.latest().filter(|seen| seen.is_unstable() && seen.time == time) {
+            let longest = seen.longest();
+            return StepError::Unstable { time, step: seen.step, stages: self.tableau.stages, longest };
+        }
+        let joint = |freedom| joint_of_freedom(mechanism, freedom);
+        match *attempt {
+            Attempt::Converged { .. } | Attempt::Inaccurate { .. } => StepError::NotAccurate { time, step },
+            Attempt::TurnedTooFar { freedom, .. } => StepError::TurnedTooFar { time, step, joint: joint(freedom) },
+            Attempt::Failed { freedom, increment, .. } => {
+                StepError::NotConverged { time, step, joint: joint(freedom), increment }
+            }
+        }
+    }
+
+    /// The pace of the motion at the end of the last step; `None` with forces and closures, which it does not know.
+    pub fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace> {
+        self.modes.pace(mechanism, state)
+    }
+
+    /// The last step, for dense output.
+    pub fn last_step(&self) -> LastStep<'_> {
+        LastStep {
+            kernel: self.kernel.as_ref(),
+            inner: self.tableau.stages - 1,
+            origin: &self.origin,
+            end: &self.end,
+            length: self.length,
+        }
+    }
+
+    /// Mean length of the steps so far (s).
+    pub fn mean_step(&self) -> f64 {
+        self.stepped_time / self.steps.max(1) as f64
+    }
+
+    /// Where equations of the loops were redundant that elsewhere were not.
+    pub fn singular(&self) -> Option<SingularPosition> {
+        self.ranks.singular()
+    }
+}
+
+/// Numbers of redundant equations at ends of steps.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ranks {
+    fewest: Option<usize>,
+    most: usize,
+    most_at: f64,
+}
+
+impl Ranks {
+    fn see(&mut self, redundant: usize, time: f64) {
+        self.fewest = Some(self.fewest.map_or(redundant, |fewest| fewest.min(redundant)));
+        if redundant > self.most {
+            (self.most, self.most_at) = (redundant, time);
+        }
+    }
+
+    fn singular(&self) -> Option<SingularPosition> {
+        let extra = self.most.saturating_sub(self.fewest?);
+        (extra > 0).then_some(SingularPosition { time: self.most_at, extra })
+    }
+}
+
+fn joint_of_freedom(mechanism: &Mechanism, freedom: usize) -> String {
+    let moves = |body: &&crate::mechanism::description::mechanism::Body| body.joint.velocity_range().contains(&freedom);
+    mechanism.bodies.iter().find(moves).map_or_else(String::new, |body| body.joint.name.clone())
+}

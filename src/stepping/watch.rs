@@ -1,0 +1,153 @@
+//! What a run keeps an eye on: how near its steps are to the limit of stability ([`crate::lobatto::tableau::stability`]), and what they leave ringing.
+//!
+//! ```text
+//!     h ω ≤ 0.8 limit      of the fastest mode, at the first steps and every 40, every 8 once h ω > ½ limit
+//!     h γ ≤ 2 s (s − 1)    of what dampers stop at the rate γ, or steps of s/γ stop it
+//! ```
+
+use crate::lobatto::tableau::butcher::Tableau;
+use crate::lobatto::tableau::stability::{NEAR, limit_for};
+use crate::mechanism::motion::integrator::{FrequencyStep, Ringing};
+
+/// Steps between two looks at the frequency, each of which costs about half a step.
+const INTERVAL: usize = 40;
+/// Steps between two looks where a step is near to the limit.
+const CLOSE_INTERVAL: usize = 8;
+/// Power iterations of a look that knows nothing of the mode yet, because the first direction is only a guess; and of one at a step that has
+/// failed, which has cost more.
+pub const FIRST_LOOK: usize = 4;
+/// Part of the limit that chosen steps keep to.
+const SAFE: f64 = 0.8;
+
+/// Shorter steps than this part of the time (s) are not made to stop what rings.
+const SHORTEST: f64 = 1e-9;
+
+/// A mode of the linearised motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mode {
+    /// ω [rad/s].
+    pub frequency: f64,
+    /// ζ.
+    pub damping: f64,
+}
+
+/// A motion that dampers are about to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transient {
+    /// γ [1/s].
+    pub decay: f64,
+    /// The largest rate of any coordinate in it, w [rad/s, m/s].
+    pub rate: f64,
+}
+
+/// When to look at the frequency, and what has been seen.
+pub struct Watch {
+    tableau: &'static Tableau,
+    /// Steps until the first look,
+    first: usize,
+    /// and until the next.
+    wait: usize,
+    latest: Option<FrequencyStep>,
+    nearest: Option<FrequencyStep>,
+    /// What was seen to ring first.
+    ringing: Option<Ringing>,
+    /// The longest step that stops it (s), and its largest rate, until it is taken.
+    settling: Option<(f64, f64)>,
+    /// Whether anybody wants to know what rings.
+    listens: bool,
+}
+
+impl Watch {
+    /// A watch for a scheme. The first look is after some steps, because a run of few steps has no time for it; with `forces`
+    /// at once, because springs may leave nothing to look at after a few.
+    pub fn new(tableau: &'static Tableau, forces: bool) -> Self {
+        let first = if forces { 1 } else { CLOSE_INTERVAL };
+        Watch { tableau, first, wait: first, latest: None, nearest: None, ringing: None, settling: None, listens: true }
+    }
+
+    /// Forgets the last look: the motion goes on from somewhere else.
+    pub fn forget(&mut self) {
+        self.latest = None;
+        self.wait = self.first;
+        self.listens = true;
+    }
+
+    /// Counts an accepted step; returns the number of power iterations to look with, if it is time to.
+    pub fn due(&mut self) -> Option<usize> {
+        self.wait -= 1;
+        (self.wait == 0).then(|| self.iterations())
+    }
+
+    /// The number of power iterations to look with.
+    pub fn iterations(&self) -> usize {
+        if self.latest.is_some() { 1 } else { FIRST_LOOK }
+    }
+
+    /// Takes a look: the fastest mode at `time`, where steps of `step` are being made.
+    pub fn see(&mut self, mode: Mode, step: f64, time: f64) {
+        self.wait = INTERVAL;
+        let product = step * mode.frequency;
+        let limit = limit_for(self.tableau, product, mode.damping);
+        let seen = FrequencyStep { product, limit, step, time };
+        if product > NEAR * limit {
+            self.wait = CLOSE_INTERVAL;
+        }
+        self.latest = Some(seen);
+        // Beyond the limit the motion is soon none that would tell anything: the first such step counts.
+        if self.nearest.is_none_or(|nearest| seen.product > nearest.product && !nearest.is_unstable()) {
+            self.nearest = Some(seen);
+        }
+    }
+
+    /// Whether to look for what dampers are about to stop.
+    pub fn listens(&self) -> bool {
+        self.listens
+    }
+
+    /// Notes at `time` what dampers are about to stop, if it rings in steps of `step`.
+    ///
+    /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (benches/README.md).
+    pub fn hear(&mut self, Transient { decay, rate }: Transient, step: f64, time: f64) {
+        let s = self.tableau.stages as f64;
+        if step * decay > 2.0 * s * (s - 1.0) {
+            let longest = s / decay;
+            self.ringing = self.ringing.or(Some(Ringing { decay, step, longest, time }));
+            self.settling = Some((longest, rate));
+            self.listens = false;
+        }
+    }
+
+    /// What was seen to ring first.
+    pub fn ringing(&self) -> Option<Ringing> {
+        self.ringing
+    }
+
+    /// Takes the next step (s) that stops what rings, after the first step of a motion: steps that are chosen grow again from it, with nothing
+    /// left to ring. What rings later is not the motion but what iterations leave, which is as large in short steps; and what is slower than
+    /// the `tolerance` (m, rad) in a second is nothing to a run that wants no more.
+    pub fn take_settling(&mut self, time: f64, tolerance: f64) -> Option<f64> {
+        self.listens = false;
+        let (settling, rate) = self.settling.take()?;
+        let matters = rate > tolerance;
+        if matters && settling <= SHORTEST * time {
+            return None;
+        }
+        self.ringing = None;
+        matters.then_some(settling)
+    }
+
+    /// The longest step that is safely stable as far as is known (s).
+    pub fn safe_step(&self) -> f64 {
+        self.latest.map_or(f64::INFINITY, |seen| SAFE * seen.longest())
+    }
+
+    /// What was seen last.
+    pub fn latest(&self) -> Option<FrequencyStep> {
+        self.latest
+    }
+
+    /// The nearest to the limit so far, or the first beyond it.
+    pub fn nearest(&self) -> Option<FrequencyStep> {
+        self.nearest
+    }
+}

@@ -1,0 +1,30 @@
+//! Work–precision charts: what accuracy costs, ours against others, for any scene.
+//!
+//! A [`Scene`] is run by every [`Method`] down a ladder of settings ([`ladder`]); each run gives a [`Measurement`] of
+//! CPU seconds per simulated second ([`timing`]) and of the distance of its end from a [`Reference`] that two
+//! formulations agree on ([`crate::mechanism::motion::distance`], [`mod@reference`]). Out of the measurements come the ratios at fixed accuracies
+//! ([`ratio`]), the pictures ([`work_precision`], [`energy`]), the CSV ([`table`]) and the page ([`page`]).
+//!
+//! ```text
+//!     Scene → reference → measure (method × ladder → timing → distance) → ratio ─┐
+//!                                    └→ energy                                   ├→ picture → SVG, PNG → page (HTML)
+//!                                    └→ table (CSV) ← measurements of others ────┘
+//! ```
+
+pub mod energy;
+pub mod ladder;
+pub mod measure;
+pub mod method;
+pub(crate) mod page;
+pub mod ratio;
+pub mod reference;
+pub mod report;
+pub mod table;
+pub mod timing;
+pub mod work_precision;
+
+pub use measure::{Scene, SceneChart, measure};
+pub use method::{Method, Setting};
+pub use reference::Reference;
+pub use table::{Measurement, read_csv, write_csv};
+pub use timing::Ended;

@@ -1,0 +1,117 @@
+//! What comes out: for every scene two pictures as SVG and PNG, for all of them one CSV, one page and one text table.
+
+use crate::drawing::error::ChartError;
+use crate::drawing::files::{write_text, write_with};
+use crate::study::chart::energy::energy_picture;
+use crate::study::chart::measure::SceneChart;
+use crate::study::chart::page::page;
+use crate::study::chart::ratio::{Best, Comparison, LEVELS, Reach};
+use crate::study::chart::table::{Measurement, write_csv};
+use crate::study::chart::work_precision::work_precision_picture;
+use std::path::Path;
+
+/// What the name of a scene's second picture has after that of its first.
+pub const ENERGY: &str = "_energy";
+
+/// The measured scenes, and what other programs need for the same.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// The scenes, in the order of the input.
+    pub scenes: Vec<SceneChart>,
+    /// Measurements of other programs.
+    pub foreign: Vec<Measurement>,
+    /// The processor, for the page.
+    pub machine: String,
+}
+
+impl Report {
+    /// Writes every file into a folder that exists, each whole or not at all.
+    ///
+    /// # Errors
+    /// [`ChartError::Write`] or [`ChartError::Draw`].
+    pub fn write(&self, folder: &Path) -> Result<(), ChartError> {
+        let mut pictures = Vec::new();
+        for chart in &self.scenes {
+            let work = work_precision_picture(chart, &self.foreign);
+            let energy = energy_picture(&chart.name, chart.duration, &chart.energies, &chart.measurements);
+            let mut drawn = Vec::new();
+            for (picture, ending) in [(work, ""), (energy, ENERGY)] {
+                let file = |kind: &str| folder.join(format!("{}{ending}.{kind}", chart.name));
+                let svg = picture.svg()?;
+                write_text(&file("svg"), &svg)?;
+                write_with(&file("png"), |path| picture.write_png(path))?;
+                drawn.push(svg);
+            }
+            pictures.push(drawn);
+        }
+        write_text(&folder.join("measurements.csv"), &write_csv(&self.measurements()))?;
+        write_text(&folder.join("index.html"), &page(self, &pictures))
+    }
+
+    /// Everything that was measured, other programs last.
+    pub fn measurements(&self) -> Vec<Measurement> {
+        let own = self.scenes.iter().flat_map(|chart| &chart.measurements);
+        let known = |one: &&Measurement| self.scenes.iter().any(|chart| chart.name == one.scene);
+        own.chain(self.foreign.iter().filter(known)).cloned().collect()
+    }
+
+    /// The ratios as text for a terminal.
+    pub fn summary(&self) -> String {
+        let mut text = format!(
+            "{:<24} {:>7}  {:>26}  {:>26}  {:>7}  {:>9}\n",
+            "scene", "error", "best of RK4, DOP853", "best of catena", "ratio", "tolerance"
+        );
+        for chart in &self.scenes {
+            for level in LEVELS {
+                let comparison = Comparison::of(chart, level);
+                let ratio = |ratio: Option<f64>| ratio.map_or("-".to_string(), |ratio| format!("{ratio:.2}"));
+                text += &format!(
+                    "{:<24} {level:>7.0e}  {:>26}  {:>26}  {:>7}  {:>9}\n",
+                    chart.name,
+                    words(comparison.rival),
+                    words(comparison.ours),
+                    ratio(comparison.ratio()),
+                    ratio(comparison.tolerance_ratio()),
+                );
+            }
+            text += &format!("{:<24} {}\n", "", trust(chart));
+        }
+        text
+    }
+}
+
+/// Method and cost, or why there is none.
+pub fn words(best: Option<Best>) -> String {
+    match best {
+        None => "no run".to_string(),
+        Some(Best { method, reach: Reach::Cost(cost) }) => format!("{}, {} /s", method.id(), seconds(cost)),
+        Some(Best { reach: Reach::Floor(floor), .. }) => format!("not reached: floor {floor:.0e}"),
+        Some(Best { reach: Reach::Nothing, .. }) => "no run".to_string(),
+    }
+}
+
+/// How far the reference can be trusted.
+pub fn trust(chart: &SceneChart) -> String {
+    let reference = &chart.reference;
+    let both = match reference.agreement {
+        Some(agreement) => format!("the two formulations agree to {agreement:.1e} m"),
+        None => "only one formulation reached the end".to_string(),
+    };
+    let cut = if chart.interrupted {
+        "; interrupted"
+    } else if chart.out_of_budget {
+        "; the budget ran out"
+    } else {
+        ""
+    };
+    format!("{both}; reference: {}, scatter {:.1e} m{cut}", reference.source, reference.scatter)
+}
+
+/// A time with a unit that suits its size.
+pub fn seconds(seconds: f64) -> String {
+    match seconds {
+        s if s >= 1.0 => format!("{s:.2} s"),
+        s if s >= 1e-3 => format!("{:.3} ms", 1e3 * s),
+        s => format!("{:.2} µs", 1e6 * s),
+    }
+}

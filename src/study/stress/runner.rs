@@ -1,0 +1,229 @@
+//! A run of any of the methods, one step at a time, with names for the ways in which it can fail.
+
+use crate::instant::assembly::{AssemblyError, assemble};
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::energy::energy_with_forces;
+use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::output::report::{AccuracyReport, energy_warning};
+use crate::simulation::accuracy::{CalibrationError, calibrate};
+use crate::study::chart::{Method as ChartMethod, Setting};
+use crate::study::stress::baumgarte::{Baumgarte, BaumgarteError};
+use crate::study::stress::method::Method;
+use crate::study::stress::problem::Case;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// How a run failed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// The kind of error.
+    pub name: &'static str,
+    /// When (s); where the run began if it never did.
+    pub time: f64,
+    /// What the user is told.
+    pub message: String,
+}
+
+/// Why there is no run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refused {
+    /// The method does not know such a mechanism.
+    NotApplicable(&'static str),
+    /// The start was refused.
+    Failed(Failure),
+    /// The pilot runs of a tolerance cost too much.
+    TooSlow,
+    /// The user asked to stop.
+    Interrupted,
+}
+
+/// A method at work.
+pub struct Runner<'m> {
+    mechanism: &'m Mechanism,
+    work: Work<'m>,
+    /// What a unit of the method's work takes, very roughly (s).
+    unit: f64,
+    /// What the user is told before the run.
+    foretold: Option<String>,
+}
+
+/// The pilot runs of a tolerance may cost so many times the budget of the run.
+const PILOTS: f64 = 2.5;
+
+enum Work<'m> {
+    Joint { integrator: Box<dyn Integrator>, state: State, lost: Exchange },
+    Maximal { integrator: Box<Baumgarte<'m>>, position: Vec<f64> },
+}
+
+impl<'m> Runner<'m> {
+    /// Sets up a method; ours close all loops first and calibrate a tolerance, as `catena simulate` does.
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub fn new(case: &'m Case, method: Method, setting: Setting, interrupt: &AtomicBool) -> Result<Self, Refused> {
+        let mut runner = Self::uncalibrated(&case.mechanism, &case.start, method, setting)?;
+        if let (
+            Method::Chart(ChartMethod::LobattoTolerance),
+            Setting::Tolerance(tolerance),
+            Work::Joint { integrator, state, .. },
+        ) = (method, setting, &mut runner.work)
+        {
+            let (mut spent, unit) = (0.0, runner.unit);
+            let go_on = &mut |outcome: &StepOutcome| {
+                spent += unit * outcome.iterations.max(1) as f64;
+                spent < PILOTS * case.budget && !interrupt.load(Ordering::Relaxed)
+            };
+            match calibrate(&case.mechanism, state, case.duration, tolerance, &[], go_on) {
+                Ok(found) => {
+                    *integrator = Box::new(found.integrator(&case.mechanism, tolerance));
+                    let end = state.time + case.duration;
+                    runner.foretold = AccuracyReport::new(tolerance, end, &found).warning();
+                }
+                Err(CalibrationError::Interrupted) if interrupt.load(Ordering::Relaxed) => {
+                    return Err(Refused::Interrupted);
+                }
+                Err(CalibrationError::Interrupted) => return Err(Refused::TooSlow),
+                // The run will fail where the pilot did.
+                Err(CalibrationError::Step(_)) => {}
+            }
+        }
+        Ok(runner)
+    }
+
+    /// Sets up a method without pilot runs.
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub fn uncalibrated(
+        mechanism: &'m Mechanism,
+        start: &State,
+        method: Method,
+        setting: Setting,
+    ) -> Result<Self, Refused> {
+        let bodies = mechanism.bodies.len() as f64;
+        let method = match (method, setting) {
+            (Method::Chart(method), _) => method,
+            (Method::Baumgarte, Setting::Step(step)) => {
+                let integrator = Baumgarte::new(mechanism, start, step).map_err(Refused::NotApplicable)?;
+                let rows = integrator.rows() as f64;
+                let unit = 4.0 * (2e-6 * bodies + 1e-9 * rows * rows * (rows + 6.0 * bodies));
+                let work = Work::Maximal { integrator: Box::new(integrator), position: start.position.clone() };
+                return Ok(Runner { mechanism, work, unit, foretold: None });
+            }
+            (Method::Baumgarte, Setting::Tolerance(_)) => {
+                return Err(Refused::NotApplicable("it has fixed steps only"));
+            }
+        };
+        if !method.is_ours() && mechanism.has_closures() {
+            return Err(Refused::NotApplicable("joint coordinates of a tree know no closed loops"));
+        }
+        let mut state = start.clone();
+        assemble(mechanism, &mut state)
+            .map_err(|error| Refused::Failed(Failure { time: start.time, ..Failure::of_start(&error) }))?;
+        let Some(integrator) = method.integrator(mechanism, setting) else {
+            return Err(Refused::NotApplicable("the method does not know such a setting"));
+        };
+        // An iteration or evaluation. With forces or loops the stages are coupled, which costs ten times as much.
+        let equations: usize = mechanism.loops.iter().map(|joint| joint.kind.rows()).sum();
+        let coupled = method.is_ours() && !mechanism.is_plain_tree();
+        let unit = 1e-6 + if coupled { 4e-6 * (bodies + equations as f64) } else { 2.5e-7 * bodies };
+        let work = Work::Joint { integrator, state, lost: Exchange::default() };
+        Ok(Runner { mechanism, work, unit, foretold: None })
+    }
+
+    /// One step towards `until` (s); returns a rough measure of its work (s), the same on every machine.
+    ///
+    /// # Errors
+    /// [`Failure`].
+    pub fn advance(&mut self, until: f64) -> Result<f64, Failure> {
+        match &mut self.work {
+            Work::Joint { integrator, state, lost } => {
+                let outcome = integrator.advance(self.mechanism, state, until).map_err(|error| Failure::of(&error))?;
+                lost.dissipated += outcome.exchange.dissipated;
+                lost.work += outcome.exchange.work;
+                Ok(self.unit * outcome.iterations.max(1) as f64)
+            }
+            Work::Maximal { integrator, .. } => {
+                integrator.advance(until).map_err(|error| Failure::of_textbook(&error))?;
+                Ok(self.unit)
+            }
+        }
+    }
+
+    /// The time reached (s).
+    pub fn time(&self) -> f64 {
+        match &self.work {
+            Work::Joint { state, .. } => state.time,
+            Work::Maximal { integrator, .. } => integrator.time(),
+        }
+    }
+
+    /// The bodies there.
+    pub fn bodies(&self) -> Vec<BodyState> {
+        match &self.work {
+            Work::Joint { state, .. } => body_states(self.mechanism, state),
+            Work::Maximal { integrator, .. } => integrator.bodies(),
+        }
+    }
+
+    /// Kinetic energy, and what should be constant: all energy with what went out and without what came in (J).
+    pub fn energy(&self) -> (f64, f64) {
+        let (position, lost) = match &self.work {
+            Work::Joint { state, lost, .. } => (&state.position, *lost),
+            Work::Maximal { integrator, position } => (position, integrator.exchange()),
+        };
+        let energy = energy_with_forces(self.mechanism, position, &self.bodies());
+        (energy.kinetic, energy.total() + lost.dissipated - lost.work)
+    }
+
+    /// What the user would be warned of.
+    pub fn warning(&self) -> Option<String> {
+        let Work::Joint { integrator, .. } = &self.work else { return None };
+        let unstable = integrator.description().frequency_step.filter(|seen| seen.is_unstable()).map(|seen| {
+            let (product, limit, time) = (seen.product, seen.limit, seen.time);
+            format!("unstable: step times frequency {product:.1} at t = {time} s, limit {limit:.2}")
+        });
+        unstable.or_else(|| self.foretold.clone())
+    }
+
+    /// What the user of ours would be warned of for an energy error relative to the largest kinetic energy.
+    pub fn energy_warning(&self, relative_error: f64) -> Option<String> {
+        let Work::Joint { integrator, .. } = &self.work else { return None };
+        let description = integrator.description();
+        (description.name == "lobatto").then(|| energy_warning(&description, relative_error)).flatten()
+    }
+}
+
+impl Failure {
+    fn of(error: &StepError) -> Self {
+        let (name, time) = match *error {
+            StepError::NotConverged { time, .. } => ("NotConverged", time),
+            StepError::Unstable { time, .. } => ("Unstable", time),
+            StepError::TurnedTooFar { time, .. } => ("TurnedTooFar", time),
+            StepError::NotAccurate { time, .. } => ("NotAccurate", time),
+            StepError::NotFinite { time, .. } => ("NotFinite", time),
+        };
+        Failure { name, time, message: error.to_string() }
+    }
+
+    fn of_textbook(error: &BaumgarteError) -> Self {
+        let (name, time) = match *error {
+            BaumgarteError::Singular { time } => ("Singular", time),
+            BaumgarteError::NotFinite { time, .. } => ("NotFinite", time),
+        };
+        Failure { name, time, message: error.to_string() }
+    }
+
+    fn of_start(error: &AssemblyError) -> Self {
+        let name = match error {
+            AssemblyError::Open { .. } => "Open",
+            AssemblyError::Undecided { .. } => "Undecided",
+            AssemblyError::Contradiction { .. } => "Contradiction",
+            AssemblyError::Limited { .. } => "Limited",
+        };
+        Failure { name, time: 0.0, message: error.to_string() }
+    }
+}
