@@ -292,23 +292,6 @@ fn pose([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Pose {
     Pose::from_parts(Translation3::new(x, y, z), Rotation3::from_euler_angles(roll, pitch, yaw))
 }
 
-/// Exactly `N` finite numbers, separated by commas.
-pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let numbers: Vec<f64> = finite_numbers(text)?;
-    let count = numbers.len();
-    numbers.try_into().map_err(|_| format!("{N} numbers separated by commas are needed, not {count}"))
-}
-
-/// Finite numbers, separated by commas.
-pub fn finite_numbers(text: &str) -> Result<Vec<f64>, String> {
-    text.split(',')
-        .map(|word| match word.trim().parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(number),
-            _ => Err(format!("{word:?} is not a finite number")),
-        })
-        .collect()
-}
-
 /// `NAME=DIR`. Whether there is such a folder is asked where it is needed: a log can be read without.
 fn package(text: &str) -> Result<(String, PathBuf), String> {
     match text.split_once('=') {

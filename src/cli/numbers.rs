@@ -1,6 +1,5 @@
 //! Numbers on the command line: positive ones and `NAME=NUMBERS`.
 
-use crate::cli::input::finite_numbers;
 use std::str::FromStr;
 
 /// One finite number.
@@ -48,6 +47,23 @@ impl FromStr for Assignment {
             _ => Err("must be JOINT=VALUE".to_string()),
         }
     }
+}
+
+/// Exactly `N` finite numbers, separated by commas.
+pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let numbers: Vec<f64> = finite_numbers(text)?;
+    let count = numbers.len();
+    numbers.try_into().map_err(|_| format!("{N} numbers separated by commas are needed, not {count}"))
+}
+
+/// Finite numbers, separated by commas.
+pub fn finite_numbers(text: &str) -> Result<Vec<f64>, String> {
+    text.split(',')
+        .map(|word| match word.trim().parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            _ => Err(format!("{word:?} is not a finite number")),
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -1,9 +1,6 @@
 //! A picture as data: axes, curves, shaded regions and legend. Drawing it is [`mod@crate::drawing::render`]'s.
 
-use crate::drawing::error::ChartError;
-use crate::drawing::render;
 use crate::drawing::style::Look;
-use std::path::Path;
 
 /// Everything that is in a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,24 +30,6 @@ pub struct Figure {
     pub subtitle: String,
     /// The pictures from top to bottom; those without a subtitle have small titles.
     pub pictures: Vec<Picture>,
-}
-
-impl Figure {
-    /// The figure as the text of an SVG file.
-    ///
-    /// # Errors
-    /// [`ChartError::Draw`] if the drawing library fails.
-    pub fn svg(&self) -> Result<String, ChartError> {
-        render::stacked_svg(self)
-    }
-
-    /// Writes the figure as a PNG file.
-    ///
-    /// # Errors
-    /// [`ChartError::Draw`] if the drawing library fails or the file cannot be written.
-    pub fn write_png(&self, path: &Path) -> Result<(), ChartError> {
-        render::stacked_png(self, path)
-    }
 }
 
 /// An axis.
@@ -105,22 +84,4 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
     /// A marker at every so-many-th point.
     pub markers_every: usize,
-}
-
-impl Picture {
-    /// The picture as the text of an SVG file.
-    ///
-    /// # Errors
-    /// [`ChartError::Draw`] if the drawing library fails.
-    pub fn svg(&self) -> Result<String, ChartError> {
-        render::svg(self)
-    }
-
-    /// Writes the picture as a PNG file.
-    ///
-    /// # Errors
-    /// [`ChartError::Draw`] if the drawing library fails or the file cannot be written.
-    pub fn write_png(&self, path: &Path) -> Result<(), ChartError> {
-        render::png(self, path)
-    }
 }

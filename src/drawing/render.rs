@@ -80,25 +80,61 @@ impl Page {
     }
 }
 
+impl Figure {
+    /// The figure as the text of an SVG file.
+    ///
+    /// # Errors
+    /// [`ChartError::Draw`] if the drawing library fails.
+    pub fn svg(&self) -> Result<String, ChartError> {
+        stacked_svg(self)
+    }
+
+    /// Writes the figure as a PNG file.
+    ///
+    /// # Errors
+    /// [`ChartError::Draw`] if the drawing library fails or the file cannot be written.
+    pub fn write_png(&self, path: &Path) -> Result<(), ChartError> {
+        stacked_png(self, path)
+    }
+}
+
+impl Picture {
+    /// The picture as the text of an SVG file.
+    ///
+    /// # Errors
+    /// [`ChartError::Draw`] if the drawing library fails.
+    pub fn svg(&self) -> Result<String, ChartError> {
+        svg(self)
+    }
+
+    /// Writes the picture as a PNG file.
+    ///
+    /// # Errors
+    /// [`ChartError::Draw`] if the drawing library fails or the file cannot be written.
+    pub fn write_png(&self, path: &Path) -> Result<(), ChartError> {
+        png(self, path)
+    }
+}
+
 /// The picture as SVG.
-pub fn svg(picture: &Picture) -> Result<String, ChartError> {
+fn svg(picture: &Picture) -> Result<String, ChartError> {
     let page = Page::new(picture);
     svg_of(&picture.title, page.size(), |area| draw(area, page, picture))
 }
 
 /// The picture as a PNG file.
-pub fn png(picture: &Picture, path: &Path) -> Result<(), ChartError> {
+fn png(picture: &Picture, path: &Path) -> Result<(), ChartError> {
     let page = Page::new(picture);
     png_of(&picture.title, page.size(), path, |area| draw(area, page, picture))
 }
 
 /// Several pictures one below the other, as SVG.
-pub fn stacked_svg(figure: &Figure) -> Result<String, ChartError> {
+fn stacked_svg(figure: &Figure) -> Result<String, ChartError> {
     svg_of(&figure.title, stacked_size(figure), |area| draw_stack(area, figure))
 }
 
 /// Several pictures one below the other, as a PNG file.
-pub fn stacked_png(figure: &Figure, path: &Path) -> Result<(), ChartError> {
+fn stacked_png(figure: &Figure, path: &Path) -> Result<(), ChartError> {
     png_of(&figure.title, stacked_size(figure), path, |area| draw_stack(area, figure))
 }
 

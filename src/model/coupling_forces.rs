@@ -2,8 +2,8 @@
 
 use crate::mechanism::description::forces::{JointDamper, JointLoad, JointSpring, PointSpring, Wrench};
 use crate::mechanism::description::joint::Pose;
+use crate::model::coupling_builder::Builder;
 use crate::model::coupling_error::CouplingProblem;
-use crate::model::couplings::Builder;
 use crate::model::model_error::ModelError;
 use crate::scene::{Element, LoadKind, Point, SceneLoad, SceneSpring, SpringPlace};
 use nalgebra::{Rotation3, Translation3, Vector3};

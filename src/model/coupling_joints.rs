@@ -2,8 +2,8 @@
 
 use crate::mechanism::description::closure::{JointLimit, Mimic};
 use crate::mechanism::description::forces::JointDamper;
+use crate::model::coupling_builder::{Builder, Stand};
 use crate::model::coupling_error::CouplingProblem;
-use crate::model::couplings::{Builder, Stand};
 use crate::model::model_error::ModelError;
 use crate::scene::{Element, UrdfJoint, UrdfJointKind, Warning};
 use std::path::Path;

@@ -4,6 +4,7 @@ mod assemble;
 mod composite;
 mod constant_followers;
 mod coordinates;
+mod coupling_builder;
 mod coupling_error;
 mod coupling_forces;
 mod coupling_joints;

@@ -7,8 +7,9 @@ use crate::scene::mesh_files::MeshFiles;
 use crate::scene::numbers::{normalised, unit};
 use crate::scene::robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Shape, UrdfJoint, UrdfJointKind,
-    UrdfLoop, WORLD_LINK,
+    UrdfLoop,
 };
+use crate::scene::schema::WORLD_LINK;
 use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3, Vector4};
 use std::path::Path;
 

@@ -5,9 +5,10 @@ use crate::scene::coupling::{
 };
 use crate::scene::error::{Element, Problem, SceneError, Warning};
 use crate::scene::numbers::unit;
-use crate::scene::robot::{LoopType, WORLD_LINK};
-use crate::scene::scene_file::{SceneRobot, vector};
-use crate::scene::scene_schema::{EndTable, Finite, LoadTable, LoopTable, NotNegative, SpringTable};
+use crate::scene::robot::LoopType;
+use crate::scene::scene::SceneRobot;
+use crate::scene::scene_schema::{EndTable, Finite, LoadTable, LoopTable, NotNegative, SpringTable, vector};
+use crate::scene::schema::WORLD_LINK;
 use crate::scene::toml_text::TomlText;
 use toml::Spanned;
 

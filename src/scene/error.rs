@@ -169,7 +169,7 @@ pub enum Problem {
     #[error("the scene has no [[robot]]")]
     NoRobots,
     /// A name that cannot be told from another.
-    #[error("the name of a robot must not be empty, {WORLD_LINK:?} or contain \"/\"", WORLD_LINK = crate::scene::robot::WORLD_LINK)]
+    #[error("the name of a robot must not be empty, {WORLD_LINK:?} or contain \"/\"", WORLD_LINK = crate::scene::schema::WORLD_LINK)]
     RobotName,
     /// A link or joint that no robot has.
     #[error("there is no {what} {name:?}{}", hint(*robots))]

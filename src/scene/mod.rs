@@ -10,17 +10,18 @@
 
 mod clean;
 mod convert;
-mod coupling;
+pub mod coupling;
 mod coupling_reader;
 mod element;
-mod error;
+pub mod error;
 mod mesh_files;
 mod numbers;
 pub mod package_path;
-mod robot;
+pub mod robot;
+mod scene;
 mod scene_file;
 mod scene_schema;
-mod schema;
+pub mod schema;
 mod text;
 mod toml_text;
 mod tree;
@@ -35,7 +36,9 @@ pub use error::{Element, Problem, SceneError, Warning};
 pub use package_path::PackagePath;
 pub use robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, UrdfJoint, UrdfJointKind,
-    UrdfLoop, WORLD_LINK,
+    UrdfLoop,
 };
-pub use scene_file::{JointValues, Scene, SceneRobot, SimulationSettings, read_scene, scene_from_text};
+pub use scene::{JointValues, Scene, SceneRobot, SimulationSettings};
+pub use scene_file::{read_scene, scene_from_text};
+pub use schema::WORLD_LINK;
 pub use urdf::{read_urdf, robot_from_text, robot_without_meshes};

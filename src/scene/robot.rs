@@ -3,14 +3,12 @@
 //! Units: m, rad, kg, kg m², N m. A [`Pose`] `X` places a child frame in its parent: `p_parent = X p_child`.
 
 use crate::scene::error::Warning;
+use crate::scene::schema::WORLD_LINK;
 use nalgebra::{IsometryMatrix3, Matrix3, Vector3};
 use std::path::PathBuf;
 
 /// A rigid placement: rotation matrix and translation (m).
 pub type Pose = IsometryMatrix3<f64>;
-
-/// The name of the link that stands for the fixed world when it is the root, declared or not.
-pub const WORLD_LINK: &str = "world";
 
 /// A URDF, validated: the links and joints form one tree and every number is finite.
 #[derive(Clone, Debug)]

@@ -12,89 +12,20 @@
 //! Units: m, rad, s, kg, N. Links and joints are called `robot/name`; where there is one robot, `name` is enough. The link
 //! `world` is the world. Names are resolved here; where links are is for the model to find out.
 
-use crate::scene::coupling::{SceneLoad, SceneLoop, SceneSpring};
 use crate::scene::coupling_reader::CouplingReader;
-use crate::scene::error::{Element, Problem, SceneError, Warning};
+use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::package_path::PackagePath;
-use crate::scene::robot::{Pose, Robot, WORLD_LINK};
-use crate::scene::scene_schema::{BaseKey, FileTable, JointNumbers, RobotTable, SimulationTable};
+use crate::scene::robot::{Pose, Robot};
+use crate::scene::scene::{JointValues, Scene, SceneRobot, SimulationSettings};
+use crate::scene::scene_schema::{BaseKey, FileTable, JointNumbers, RobotTable, SimulationTable, vector};
+use crate::scene::schema::WORLD_LINK;
 use crate::scene::text::read_text;
 use crate::scene::toml_text::TomlText;
 use crate::scene::urdf::read_urdf;
-use nalgebra::{Rotation3, Translation3, Vector3};
+use nalgebra::{Rotation3, Translation3};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml::Spanned;
-
-/// A scene, validated: every number is finite and every name refers to something.
-#[derive(Clone, Debug)]
-pub struct Scene {
-    /// Its name; that of the file unless it gives one.
-    pub name: String,
-    /// The file.
-    pub path: PathBuf,
-    /// The text of the file.
-    pub source: String,
-    /// Acceleration of gravity in the world [m/s²], if given.
-    pub gravity: Option<Vector3<f64>>,
-    /// The robots, at least one.
-    pub robots: Vec<SceneRobot>,
-    /// The joints that close loops.
-    pub loops: Vec<SceneLoop>,
-    /// The springs.
-    pub springs: Vec<SceneSpring>,
-    /// The loads.
-    pub loads: Vec<SceneLoad>,
-    /// How to run it.
-    pub simulation: SimulationSettings,
-    /// What was repaired in the scene file; the robots have their own.
-    pub warnings: Vec<Warning>,
-}
-
-/// A robot of a scene, and how it starts.
-#[derive(Clone, Debug)]
-pub struct SceneRobot {
-    /// Name, unique in the scene.
-    pub name: String,
-    /// The URDF.
-    pub robot: Robot,
-    /// Whether the root link moves freely.
-    pub floating: bool,
-    /// The frame of the root link in the world.
-    pub pose: Pose,
-    /// Velocity of the origin of a floating root link's frame in the world (linear, angular), and its line.
-    pub velocity: Option<([f64; 6], usize)>,
-    /// Initial joint positions, as users give them.
-    pub positions: Vec<JointValues>,
-    /// Initial joint velocities, as users give them.
-    pub velocities: Vec<JointValues>,
-    /// Line of the `[[robot]]`.
-    pub line: usize,
-}
-
-/// Numbers given for a joint of a robot.
-#[derive(Clone, Debug, PartialEq)]
-pub struct JointValues {
-    /// Name of the joint in its robot.
-    pub joint: String,
-    /// The numbers.
-    pub values: Vec<f64>,
-    /// Their line.
-    pub line: usize,
-}
-
-/// How a scene wants to be run; what is not given is for the caller to choose.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SimulationSettings {
-    /// Simulated time (s).
-    pub duration: Option<f64>,
-    /// Wanted accuracy of positions (m).
-    pub tolerance: Option<f64>,
-    /// Number of stages and step (s), instead of a tolerance.
-    pub fixed: Option<(usize, f64)>,
-    /// Samples in the log per simulated second.
-    pub rate: Option<f64>,
-}
 
 /// Reads and validates a scene file and the URDF files it names.
 ///
@@ -261,9 +192,4 @@ fn simulation(text: &TomlText, table: &Spanned<SimulationTable>) -> Result<Simul
         fixed,
         rate: rate.as_ref().map(|rate| rate.get_ref().0),
     })
-}
-
-/// Three numbers as a vector.
-pub(crate) fn vector(numbers: &[crate::scene::scene_schema::Finite; 3]) -> Vector3<f64> {
-    Vector3::from(numbers.map(|number| number.0))
 }

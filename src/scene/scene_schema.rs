@@ -1,6 +1,7 @@
 //! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` says what they mean.
 
 use crate::scene::robot::LoopType;
+use nalgebra::Vector3;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -207,4 +208,9 @@ impl<'de> Deserialize<'de> for JointNumbers {
         }
         deserializer.deserialize_any(OneOrMany)
     }
+}
+
+/// Three numbers as a vector.
+pub(crate) fn vector(numbers: &[Finite; 3]) -> Vector3<f64> {
+    Vector3::from(numbers.map(|number| number.0))
 }

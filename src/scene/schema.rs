@@ -2,6 +2,9 @@
 //!
 //! The table is the whole definition; `clean.rs` applies it. Whatever is not in it is left out, and said so.
 
+/// The name of the link that stands for the fixed world when it is the root, declared or not.
+pub const WORLD_LINK: &str = "world";
+
 /// An element of URDF.
 pub(crate) struct Schema {
     pub name: &'static str,

@@ -5,7 +5,8 @@
 
 use crate::scene::clean::error_at;
 use crate::scene::error::{Element, Problem, SceneError};
-use crate::scene::robot::{Link, UrdfJoint, WORLD_LINK};
+use crate::scene::robot::{Link, UrdfJoint};
+use crate::scene::schema::WORLD_LINK;
 use std::collections::HashMap;
 use std::path::Path;
 

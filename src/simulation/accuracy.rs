@@ -29,9 +29,9 @@
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::distance::size;
-use crate::mechanism::motion::integrator::{StepError, StepOutcome};
+use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::state::State;
-use crate::simulation::trial_run::{Course, GoOn, Pair, Pilot};
+use crate::simulation::trial_run::{CalibrationError, Course, GoOn, Pair, Pilot};
 use crate::stepping::control::COARSEST_STOP;
 use crate::stepping::integrator::Lobatto;
 use crate::stepping::stage_choice::StageChoice;
@@ -77,17 +77,6 @@ pub struct Calibration {
     pub parted: bool,
     /// Number of pilot runs.
     pub pilots: usize,
-}
-
-/// Why there is no calibration.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum CalibrationError {
-    /// A pilot failed, and so will the run.
-    #[error(transparent)]
-    Step(#[from] StepError),
-    /// The caller did not want to go on.
-    #[error("interrupted during the pilot runs that calibrate the tolerance")]
-    Interrupted,
 }
 
 impl Calibration {

@@ -3,12 +3,22 @@
 use crate::lobatto::numbers::lanes::Isa;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::distance::{distance, probes};
-use crate::mechanism::motion::integrator::{Integrator, StepOutcome};
+use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
-use crate::simulation::accuracy::CalibrationError;
 use crate::stepping::integrator::Lobatto;
 use crate::stepping::stage_choice::StageChoice;
 use nalgebra::Vector3;
+
+/// Why there is no calibration.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CalibrationError {
+    /// A pilot failed, and so will the run.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// The caller did not want to go on.
+    #[error("interrupted during the pilot runs that calibrate the tolerance")]
+    Interrupted,
+}
 
 /// Two pilots are compared at no more than so many instants, evenly spread,
 const INSTANTS: f64 = 32.0;

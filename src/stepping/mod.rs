@@ -16,6 +16,7 @@ pub mod integrator;
 pub mod jerks;
 pub mod linearised;
 pub mod modes;
+pub mod pace;
 pub mod reversible;
 pub mod sampling;
 pub mod stage_choice;

@@ -10,7 +10,7 @@ use crate::mechanism::motion::state::State;
 use crate::stepping::dynamics::Dynamics;
 use crate::stepping::fastest_mode::Fastest;
 use crate::stepping::linearised::Linearised;
-use crate::stepping::reversible::Pace;
+use crate::stepping::pace::Pace;
 use crate::stepping::watch::{Mode, Transient};
 
 /// The workspace of all looks at one mechanism.

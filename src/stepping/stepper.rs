@@ -13,7 +13,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::integrator::{SingularPosition, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::stepping::modes::Modes;
-use crate::stepping::reversible::Pace;
+use crate::stepping::pace::Pace;
 use crate::stepping::sampling::LastStep;
 use crate::stepping::watch::{FIRST_LOOK, Watch};
 

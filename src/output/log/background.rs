@@ -5,7 +5,8 @@
 //! waits too. What the file becomes does not depend on when pieces were taken.
 
 use crate::output::log::encoder::SampleEncoder;
-use crate::output::log::file::{Ending, LogError, LogFile};
+use crate::output::log::error::LogError;
+use crate::output::log::file::{Ending, LogFile};
 use crate::output::log::queue::Piece;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};

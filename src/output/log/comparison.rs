@@ -3,7 +3,8 @@
 //! A thread reads the log; what does not depend on the run (descriptions, lines of text) is passed over on both sides.
 
 use crate::output::log::batch::Batch;
-use crate::output::log::file::{LogError, MessageSink};
+use crate::output::log::error::LogError;
+use crate::output::log::file::MessageSink;
 use crate::output::log::reader::{Item, read_log};
 use crate::output::log::seconds;
 use foxglove::Decode;

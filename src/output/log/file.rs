@@ -15,7 +15,9 @@
 
 use crate::output::log::batch::Batch;
 use crate::output::log::container::{Container, encode_provisional_chunk};
-use crate::output::log::output::{END, FINISHED, OUTCOME, Output};
+use crate::output::log::error::LogError;
+use crate::output::log::names::{END, FINISHED, LIBRARY_VERSION, OUTCOME};
+use crate::output::log::output::Output;
 use crate::output::log::place::{FilePlace, Tail};
 use mcap::records::Metadata;
 use std::collections::BTreeMap;
@@ -23,32 +25,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// With this begins what a log of ours says of the program that wrote it.
-pub(crate) const LIBRARY: &str = "catena ";
-
-/// What it says.
-pub(crate) const LIBRARY_VERSION: &str = concat!("catena ", env!("CARGO_PKG_VERSION"));
-
 /// Largest size of a chunk of several messages; what a disk that fills up loses, too.
 const CHUNK_SIZE: usize = 1 << 18;
 
 /// Between two provisional chunks; with the time messages wait before and the write itself, less than a second of the
 /// run is lost when the process is killed.
 const PROVISIONAL_INTERVAL: Duration = Duration::from_millis(500);
-
-/// Why the log could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum LogError {
-    /// The file could not be created; nothing was changed.
-    #[error("cannot create {}: {reason}", path.display())]
-    Create { path: PathBuf, reason: io::Error },
-    /// Another run is writing the file; nothing was changed.
-    #[error("cannot write {}: another run is writing it; choose another --output", path.display())]
-    Busy { path: PathBuf },
-    /// Writing failed: a full disk, a closed pipe.
-    #[error("cannot write {}: {reason}", path.display())]
-    Write { path: PathBuf, reason: io::Error },
-}
 
 /// How a run ended, for the last record of its log.
 #[derive(Clone, Debug, Default, PartialEq)]

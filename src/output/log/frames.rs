@@ -5,7 +5,7 @@
 //! whole one has a message of every topic of [`TOPICS`] that the log has.
 
 use crate::output::log::decode::{JointStates, LinkPose, LogLine, MultiDofStates};
-use crate::output::log::file::LIBRARY;
+use crate::output::log::names::LIBRARY;
 use crate::output::log::reader::{Item, LogChannel, read_log};
 use crate::output::log::records::{Completeness, FROM_SOME_PLACE, ReadError};
 use crate::output::log::{decode, seconds};

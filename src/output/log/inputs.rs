@@ -5,7 +5,8 @@
 //! it was read from, relative to the folder of the main input if it is below that: `HASH PATH`.
 
 use crate::model::Model;
-use crate::output::log::file::{LogError, LogFile};
+use crate::output::log::error::LogError;
+use crate::output::log::file::LogFile;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::Path;

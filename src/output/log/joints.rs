@@ -17,7 +17,8 @@ use crate::lobatto::instants::instants::{Row, Snapshots};
 use crate::mechanism::description::joint::JointKind;
 use crate::mechanism::motion::state::quaternion_exponential;
 use crate::model::Model;
-use crate::output::log::file::{LogError, MessageSink};
+use crate::output::log::error::LogError;
+use crate::output::log::file::MessageSink;
 use crate::output::log::ros;
 use crate::output::log::ros::{Template, ros_channel};
 

@@ -12,22 +12,13 @@
 //! A file that is being written is locked, so that a second run does not write into it and readers know that there
 //! will be more.
 
-use crate::output::log::file::LogError;
+use crate::output::log::error::LogError;
 use crate::output::log::reader::is_unfinished;
 use std::ffi::OsString;
 use std::fs::{File, Metadata, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-/// The name of the metadata record that says how a run ended.
-pub(crate) const END: &str = "end";
-
-/// The entry of [`END`] that says it in a word.
-pub(crate) const OUTCOME: &str = "outcome";
-
-/// The word for a run that reached its end.
-pub(crate) const FINISHED: &str = "finished";
 
 /// The place of a log that is being written.
 pub(crate) struct Output {

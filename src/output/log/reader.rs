@@ -1,7 +1,6 @@
 //! A log as a row of items: channels, messages, metadata and attachments in their order.
 
-use crate::output::log::file::LIBRARY;
-use crate::output::log::output::{END, FINISHED, OUTCOME};
+use crate::output::log::names::{END, FINISHED, LIBRARY, OUTCOME};
 use crate::output::log::records::{Completeness, Found, ReadError, read_records};
 use mcap::records::Record;
 use mcap::sans_io::{SummaryReadEvent, SummaryReader, SummaryReaderOptions};

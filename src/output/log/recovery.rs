@@ -1,6 +1,6 @@
 //! A complete log of all that can be read in one that is not: for viewers that need the index at the end of the file.
 
-use crate::output::log::file::LIBRARY_VERSION;
+use crate::output::log::names::LIBRARY_VERSION;
 use crate::output::log::reader::no_channel;
 use crate::output::log::records::{Found, ReadError, read_records};
 use mcap::records::{MessageHeader, Metadata, Record};

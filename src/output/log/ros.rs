@@ -5,7 +5,8 @@
 
 use crate::output::log::cdr;
 use crate::output::log::cdr::CdrWriter;
-use crate::output::log::file::{LogError, MessageSink};
+use crate::output::log::error::LogError;
+use crate::output::log::file::MessageSink;
 
 /// Adds a channel for messages of one of the definitions below.
 pub(crate) fn ros_channel(

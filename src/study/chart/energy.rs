@@ -13,8 +13,8 @@ use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::energy::energy_with_forces;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
-use crate::study::chart::measure::Scene;
 use crate::study::chart::method::{Method, Setting};
+use crate::study::chart::scene::Scene;
 use crate::study::chart::table::Measurement;
 
 /// The accuracy at which the methods are compared [m].

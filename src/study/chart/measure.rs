@@ -6,7 +6,6 @@
 //! from one to the next; they are all tried.
 
 use crate::drawing::error::ChartError;
-use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::energy::energy_with_forces;
 use crate::mechanism::motion::kinematics::body_states;
@@ -15,23 +14,11 @@ use crate::study::chart::energy::{EnergyHistory, largest_kinetic, representative
 use crate::study::chart::ladder::ladder;
 use crate::study::chart::method::{Method, Setting};
 use crate::study::chart::reference::{Reference, reference};
+use crate::study::chart::scene::Scene;
 use crate::study::chart::table::Measurement;
 use crate::study::chart::timing::{Effort, Ended, TimedRun, timed_run};
 use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// What is simulated.
-#[derive(Clone, Debug)]
-pub struct Scene {
-    /// Its name, which is also that of its files.
-    pub name: String,
-    /// The bodies and joints.
-    pub mechanism: Mechanism,
-    /// Where it starts.
-    pub start: State,
-    /// How long it runs (s).
-    pub duration: f64,
-}
 
 /// How much work to put into a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]

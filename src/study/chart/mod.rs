@@ -12,6 +12,7 @@
 //! ```
 
 pub mod energy;
+mod files;
 pub mod ladder;
 pub mod measure;
 pub mod method;
@@ -19,12 +20,14 @@ pub(crate) mod page;
 pub mod ratio;
 pub mod reference;
 pub mod report;
+mod scene;
 pub mod table;
 pub mod timing;
 pub mod work_precision;
 
-pub use measure::{Scene, SceneChart, measure};
+pub use measure::{SceneChart, measure};
 pub use method::{Method, Setting};
 pub use reference::Reference;
+pub use scene::Scene;
 pub use table::{Measurement, read_csv, write_csv};
 pub use timing::Ended;

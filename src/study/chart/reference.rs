@@ -13,8 +13,8 @@
 
 use crate::drawing::error::ChartError;
 use crate::mechanism::motion::distance::{distance, mean, probes};
-use crate::study::chart::measure::Scene;
 use crate::study::chart::method::{Method, Setting};
+use crate::study::chart::scene::Scene;
 use crate::study::chart::timing::{Effort, Ended, timed_run};
 use nalgebra::Vector3;
 use std::sync::atomic::AtomicBool;

@@ -1,14 +1,8 @@
 //! What comes out: for every scene two pictures as SVG and PNG, for all of them one CSV, one page and one text table.
 
-use crate::drawing::error::ChartError;
-use crate::drawing::files::{write_text, write_with};
-use crate::study::chart::energy::energy_picture;
 use crate::study::chart::measure::SceneChart;
-use crate::study::chart::page::page;
 use crate::study::chart::ratio::{Best, Comparison, LEVELS, Reach};
-use crate::study::chart::table::{Measurement, write_csv};
-use crate::study::chart::work_precision::work_precision_picture;
-use std::path::Path;
+use crate::study::chart::table::Measurement;
 
 /// What the name of a scene's second picture has after that of its first.
 pub const ENERGY: &str = "_energy";
@@ -25,29 +19,6 @@ pub struct Report {
 }
 
 impl Report {
-    /// Writes every file into a folder that exists, each whole or not at all.
-    ///
-    /// # Errors
-    /// [`ChartError::Write`] or [`ChartError::Draw`].
-    pub fn write(&self, folder: &Path) -> Result<(), ChartError> {
-        let mut pictures = Vec::new();
-        for chart in &self.scenes {
-            let work = work_precision_picture(chart, &self.foreign);
-            let energy = energy_picture(&chart.name, chart.duration, &chart.energies, &chart.measurements);
-            let mut drawn = Vec::new();
-            for (picture, ending) in [(work, ""), (energy, ENERGY)] {
-                let file = |kind: &str| folder.join(format!("{}{ending}.{kind}", chart.name));
-                let svg = picture.svg()?;
-                write_text(&file("svg"), &svg)?;
-                write_with(&file("png"), |path| picture.write_png(path))?;
-                drawn.push(svg);
-            }
-            pictures.push(drawn);
-        }
-        write_text(&folder.join("measurements.csv"), &write_csv(&self.measurements()))?;
-        write_text(&folder.join("index.html"), &page(self, &pictures))
-    }
-
     /// Everything that was measured, other programs last.
     pub fn measurements(&self) -> Vec<Measurement> {
         let own = self.scenes.iter().flat_map(|chart| &chart.measurements);

@@ -2,7 +2,6 @@
 
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
-use crate::study::stress::problems;
 
 /// Rough work after which a run of most cases is too slow (s).
 pub const BUDGET: f64 = 0.2;
@@ -65,24 +64,6 @@ impl Case {
 }
 
 impl Problem {
-    /// Every problem, in the order of the page.
-    pub fn all() -> Vec<Problem> {
-        vec![
-            problems::mass_ratio::problem(),
-            problems::chain_length::problem(),
-            problems::spin_rate::problem(),
-            problems::stiff_spring::problem(),
-            problems::stiff_damper::problem(),
-            problems::singular_positions::problem(),
-            problems::over_constraint::problem(),
-            problems::inertia::problem(),
-            problems::gimbal_lock::problem(),
-            problems::long_time::problem(),
-            problems::inconsistent_start::problem(),
-            problems::violent_motion::problem(),
-        ]
-    }
-
     /// The problem with fewer rows and columns: every `rows`-th difficulty from the easiest, and so on.
     #[must_use]
     pub fn thinned(mut self, rows: usize, columns: usize) -> ThinnedProblem {

@@ -17,7 +17,28 @@ use crate::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
+use crate::study::stress::problem::Problem;
 use nalgebra::{Rotation3, Translation3, Vector3};
+
+impl Problem {
+    /// Every problem, in the order of the page.
+    pub fn all() -> Vec<Problem> {
+        vec![
+            mass_ratio::problem(),
+            chain_length::problem(),
+            spin_rate::problem(),
+            stiff_spring::problem(),
+            stiff_damper::problem(),
+            singular_positions::problem(),
+            over_constraint::problem(),
+            inertia::problem(),
+            gimbal_lock::problem(),
+            long_time::problem(),
+            inconsistent_start::problem(),
+            violent_motion::problem(),
+        ]
+    }
+}
 
 /// Standard gravity downwards [m/s²].
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);

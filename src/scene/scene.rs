@@ -1,0 +1,76 @@
+//! A scene as it was read: robots, what couples them, and how to run them.
+
+use crate::scene::coupling::{SceneLoad, SceneLoop, SceneSpring};
+use crate::scene::error::Warning;
+use crate::scene::robot::{Pose, Robot};
+use nalgebra::Vector3;
+use std::path::PathBuf;
+/// A scene, validated: every number is finite and every name refers to something.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Its name; that of the file unless it gives one.
+    pub name: String,
+    /// The file.
+    pub path: PathBuf,
+    /// The text of the file.
+    pub source: String,
+    /// Acceleration of gravity in the world [m/s²], if given.
+    pub gravity: Option<Vector3<f64>>,
+    /// The robots, at least one.
+    pub robots: Vec<SceneRobot>,
+    /// The joints that close loops.
+    pub loops: Vec<SceneLoop>,
+    /// The springs.
+    pub springs: Vec<SceneSpring>,
+    /// The loads.
+    pub loads: Vec<SceneLoad>,
+    /// How to run it.
+    pub simulation: SimulationSettings,
+    /// What was repaired in the scene file; the robots have their own.
+    pub warnings: Vec<Warning>,
+}
+
+/// A robot of a scene, and how it starts.
+#[derive(Clone, Debug)]
+pub struct SceneRobot {
+    /// Name, unique in the scene.
+    pub name: String,
+    /// The URDF.
+    pub robot: Robot,
+    /// Whether the root link moves freely.
+    pub floating: bool,
+    /// The frame of the root link in the world.
+    pub pose: Pose,
+    /// Velocity of the origin of a floating root link's frame in the world (linear, angular), and its line.
+    pub velocity: Option<([f64; 6], usize)>,
+    /// Initial joint positions, as users give them.
+    pub positions: Vec<JointValues>,
+    /// Initial joint velocities, as users give them.
+    pub velocities: Vec<JointValues>,
+    /// Line of the `[[robot]]`.
+    pub line: usize,
+}
+
+/// Numbers given for a joint of a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointValues {
+    /// Name of the joint in its robot.
+    pub joint: String,
+    /// The numbers.
+    pub values: Vec<f64>,
+    /// Their line.
+    pub line: usize,
+}
+
+/// How a scene wants to be run; what is not given is for the caller to choose.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SimulationSettings {
+    /// Simulated time (s).
+    pub duration: Option<f64>,
+    /// Wanted accuracy of positions (m).
+    pub tolerance: Option<f64>,
+    /// Number of stages and step (s), instead of a tolerance.
+    pub fixed: Option<(usize, f64)>,
+    /// Samples in the log per simulated second.
+    pub rate: Option<f64>,
+}
