@@ -1,5 +1,6 @@
 //! What makes the steps of `catena simulate` and `catena replay`: the integrators, for the whole or for each island.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use crate::cli::Failure;
 use crate::cli::simulate::StepChoice;
 use catena::mechanism::description::mechanism::Mechanism;
@@ -7,12 +8,12 @@ use catena::mechanism::description::rules::Rule;
 use catena::mechanism::motion::integrator::{Integrator, MethodDescription};
 use catena::mechanism::motion::state::State;
 use catena::output::report::{AccuracyReport, IslandReport};
-use catena::simulation::accuracy::{CalibrationError, calibrate};
+use catena::simulation::accuracy::calibrate;
+use catena::simulation::trial_run::CalibrationError;
 use catena::simulation::islands::{Islands, Plan};
 use catena::simulation::threads::Threads;
 use catena::simulation::{Observer, RunError, RunOptions, Summary, run as run_simulation};
 use catena::stepping::integrator::Lobatto;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// About what a pilot run takes for each body and simulated second (s): no less than that, for want of knowing it.
 const PILOT_SECONDS: f64 = 5e-6;

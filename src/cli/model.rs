@@ -1,5 +1,7 @@
 //! `catena model`: what was read, what was left out and why, and what will be simulated.
 
+use serde_json::{Value, json};
+use std::fmt::Write as _;
 use crate::cli::input::InputArgs;
 use crate::cli::table::{Table, number, triple};
 use crate::cli::{Failure, couplings, print, print_json, rules};
@@ -11,8 +13,6 @@ use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names
 use catena::output::report::ModelReport;
 use catena::scene::Warning;
 use catena::simulation::islands::Plan;
-use serde_json::{Value, json};
-use std::fmt::Write as _;
 
 /// Show what was read, what was left out and why, and what will be simulated
 #[derive(Clone, Debug, clap::Args)]

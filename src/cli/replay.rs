@@ -2,16 +2,16 @@
 //!
 //! A log that was cut off or whose run was interrupted is compared up to its end; one that is damaged is not the same as any run.
 
+use anyhow::anyhow;
+use clap::Args;
+use std::path::PathBuf;
 use crate::cli::engine::Engine;
 use crate::cli::recorded::Recorded;
 use crate::cli::simulate::Setup;
 use crate::cli::{Failure, print};
-use anyhow::anyhow;
 use catena::output::log::{Difference, Recorder};
 use catena::simulation::islands::Plan;
 use catena::simulation::{RunError, RunOptions};
-use clap::Args;
-use std::path::PathBuf;
 
 /// The options of `catena replay`.
 #[derive(Args, Debug)]

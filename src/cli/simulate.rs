@@ -3,13 +3,13 @@
 //! The output is opened last, when nothing in the input can be wrong any more: a bad input leaves an existing log as
 //! it was. Every way out of the run completes the log.
 
+use anyhow::{Context, anyhow};
 use crate::cli::engine::Engine;
-use crate::cli::input::{InputArgs, Loaded, numbers};
-use crate::cli::numbers::{Assignment, positive, rate};
+use crate::cli::input::{InputArgs, Loaded};
+use crate::cli::numbers::{Assignment, numbers, positive, rate};
 use crate::cli::progress::{PilotsShown, Progress};
 use crate::cli::run_log::{description, finish, log_failure};
 use crate::cli::{Failure, check_place, print, print_json};
-use anyhow::{Context, anyhow};
 use catena::instant::assembly::redundancy;
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
@@ -18,14 +18,14 @@ use catena::output::report::{
     AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, energy_warning, joint_reports,
     link_reports, loop_reports, ringing_warning, singular_warning,
 };
-use catena::scene::SimulationSettings;
-use catena::simulation::islands::Plan;
-use catena::simulation::{Observer, RunOptions};
 use clap::{Args, value_parser};
 use cpu_time::ProcessTime;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use catena::scene::SimulationSettings;
+use catena::simulation::islands::Plan;
+use catena::simulation::{Observer, RunOptions};
 
 const DEFAULT_DURATION: f64 = 10.0;
 const DEFAULT_TOLERANCE: f64 = 1e-6;

@@ -13,6 +13,7 @@
 //! The quaternion equation keeps |q|, and the accelerations do not depend on it, so rounding and truncation errors in
 //! |q| do no harm between the renormalisations at the ends of the steps.
 
+use std::ops::Range;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::FreeRotation;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -20,7 +21,6 @@ use crate::mechanism::forces::total::{BodyWrench, Exchange, body_wrenches, joint
 use crate::mechanism::motion::kinematics::forward_kinematics;
 use crate::mechanism::motion::state::{State, quaternion_product};
 use crate::reduced::articulated_body::ArticulatedBody;
-use std::ops::Range;
 
 /// The right-hand side of the first-order system of one mechanism.
 #[derive(Clone, Debug)]

@@ -7,11 +7,11 @@
 //!
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, Springer 1993, table II.1.2.
 
+use std::cell::RefCell;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::reduced::ode::{ReducedOde, joint_of_entry, next_time};
-use std::cell::RefCell;
 
 /// Classical Runge–Kutta with a fixed step.
 #[derive(Clone, Debug)]

@@ -1,5 +1,8 @@
 //! A run as it goes along: steps, samples inside them, and what is shown to whom.
 
+use cpu_time::ThreadTime;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::integrator::{Integrator, StepError};
@@ -8,9 +11,6 @@ use crate::mechanism::motion::state::State;
 use crate::simulation::observer::show;
 use crate::simulation::summary::Bookkeeper;
 use crate::simulation::{Observer, ObserverError, Sample, Summary};
-use cpu_time::ThreadTime;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
 
 /// What to run and how to watch it.
 pub struct RunOptions<'o> {

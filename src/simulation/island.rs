@@ -1,11 +1,11 @@
 //! One island of a run: its own loop, and what it has shown until the others have come as far.
 
+use std::collections::VecDeque;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::Island;
 use crate::simulation::{Course, Observer, ObserverError, RunError, RunOptions, Sample, StepEnd};
 use crate::stepping::integrator::Lobatto;
-use std::collections::VecDeque;
 
 /// An island and how it is run.
 pub(crate) struct Part {

@@ -12,6 +12,7 @@
 //! many threads as there are. An island sees neither the windows nor the others, and the order of putting together is that of time
 //! and number; so every result is the same, bit for bit, whatever the windows and the number of threads.
 
+use std::time::Instant;
 use crate::instant::rest::is_at_rest;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
@@ -26,7 +27,6 @@ use crate::simulation::merged::Whole;
 use crate::simulation::threads::{Threads, spread};
 use crate::simulation::{Observer, RunError, RunOptions, Summary};
 use crate::stepping::integrator::Lobatto;
-use std::time::Instant;
 
 /// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
 const WINDOW: f64 = 0.02;

@@ -1,5 +1,6 @@
 //! The run of the whole, put together from those of the islands in order of time.
 
+use std::sync::atomic::Ordering;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
@@ -10,7 +11,6 @@ use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::simulation::island::{Part, frontier};
 use crate::simulation::{Counts, Observer, RunError, RunOptions, Sample, StepEnd, Summary, show};
-use std::sync::atomic::Ordering;
 
 /// The run of the whole, put together from those of the islands.
 pub(crate) struct Whole {

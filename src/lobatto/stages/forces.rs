@@ -1,6 +1,7 @@
 //! The workspace of the forces at the stages of a step: efforts along the freedoms, wrenches on the bodies, and what both are made of.
 //! The equations are in [`crate::equations::forces`].
 
+use nalgebra::DMatrix;
 use crate::numbers::algebra::Vector;
 use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::plan::forces::AppliedPlan;
@@ -9,7 +10,6 @@ use crate::stages::force_motion::Place;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
-use nalgebra::DMatrix;
 /// The forces on a mechanism at the stages of a step.
 pub struct Applied<V> {
     /// Effort on each degree of freedom, conjugate to its displacement [N m or N]: it enters the row of that freedom.

@@ -4,8 +4,8 @@
 //! [`joint_load`], [`point_spring`], [`wrench`]. [`total`] sums them up for a state; the scheme has its own evaluation
 //! for all stages at once ([`catena_lobatto::equations::forces`]).
 
-use crate::description::closure::{Attachment, Coordinate};
 use nalgebra::Vector3;
+use crate::description::closure::{Attachment, Coordinate};
 
 /// Every force on a mechanism besides gravity.
 #[derive(Clone, Debug, Default, PartialEq)]

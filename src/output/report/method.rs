@@ -1,9 +1,9 @@
 //! How a run was integrated, how accurate it is expected to be, and what the user should know of it.
 
+use serde::Serialize;
 use crate::mechanism::ground::words::{counted, rounded};
 use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
 use crate::simulation::accuracy::Calibration;
-use serde::Serialize;
 
 /// The scheme of a run.
 #[derive(Clone, Debug, Serialize)]

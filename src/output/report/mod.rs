@@ -12,12 +12,12 @@ pub use method::{
 };
 pub use places::{JointReport, LinkReport, LoopReport, Numbers, joint_reports, link_reports, loop_reports};
 
+use serde::{Serialize, Serializer};
+use std::path::PathBuf;
 use crate::instant::assembly::Redundancy;
 use crate::model::Model;
 use crate::simulation::Summary;
 use crate::simulation::islands::{IslandFigures, Plan};
-use serde::{Serialize, Serializer};
-use std::path::PathBuf;
 
 /// Everything `catena simulate` has to say about a run.
 #[derive(Clone, Debug, Serialize)]
