@@ -3,20 +3,20 @@
 //! Everything that can be wrong with the input is found before the folder is made. After every scene all files are
 //! written anew, each whole; Ctrl-C ends with what has been measured up to then.
 
-use anyhow::{Context, anyhow};
-use clap::Args;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::IsTerminal;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 use crate::cli::input::{Loaded, WorldArgs};
 use crate::cli::numbers::{Assignment, numbers, positive};
 use crate::cli::{Failure, print, warn};
+use anyhow::{Context, anyhow};
 use catena::drawing::error::ChartError;
 use catena::model::Model;
 use catena::study::chart::measure::Plan;
 use catena::study::chart::report::{ENERGY, Report};
 use catena::study::chart::{Measurement, Scene, measure, read_csv};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
 const DEFAULT_DURATION: f64 = 2.0;
 const DEFAULT_BUDGET: f64 = 120.0;

@@ -1,13 +1,13 @@
 //! The part of `catena model` about what the tree does not say: several robots, loops, mimic relations and forces.
 
-use serde_json::{Value, json};
-use std::fmt::Write as _;
 use crate::cli::table::{Table, number, triple};
 use catena::instant::assembly::Redundancy;
 use catena::mechanism::description::closure::{Attachment, Coordinate, LoopKind};
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::ground::words::counted;
 use catena::model::Model;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
 
 /// The couplings as entries of the JSON report.
 pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Value)> {

@@ -3,10 +3,8 @@
 //! What the command line says goes before what a scene file says, and that before the defaults; [`WorldArgs::load`] is
 //! where they meet.
 
-use anyhow::{Context, bail};
-use nalgebra::{Rotation3, Translation3, Vector3};
-use std::path::{Path, PathBuf};
 use crate::cli::numbers::{Assignment, numbers};
+use anyhow::{Context, bail};
 use catena::instant::assembly::assemble;
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::description::rules::Rule;
@@ -15,6 +13,8 @@ use catena::mechanism::motion::state::State;
 use catena::model::{Base, Model, ModelError, ModelOptions, Start};
 use catena::output::report::{Numbers, joint_reports};
 use catena::scene::{PackagePath, Robot, Scene, SimulationSettings, Warning, read_scene, read_urdf};
+use nalgebra::{Rotation3, Translation3, Vector3};
+use std::path::{Path, PathBuf};
 
 /// The robot or scene, and where it stands.
 #[derive(Clone, Debug, clap::Args)]

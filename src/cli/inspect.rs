@@ -3,10 +3,10 @@
 //! Everything is read from the log; what the samples do not hold (velocities of links) is worked out with the model
 //! that the log carries. Of a log that was cut off or damaged all is shown that can be read, with a warning on standard error.
 
-use anyhow::anyhow;
 use crate::cli::inspect_files::{check_absent, check_ending, check_outputs, draw, kinds, recover_into, write_csv};
 use crate::cli::recorded::Recorded;
 use crate::cli::{Failure, print, print_json, print_while_read, warn};
+use anyhow::anyhow;
 use catena::mechanism::ground::words::decimals;
 use catena::output::inspection::compare::compare;
 use catena::output::inspection::curves::curves;

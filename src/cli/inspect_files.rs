@@ -1,18 +1,18 @@
 //! The files that `catena inspect` makes of a log: tables, plots, and complete logs.
 
-use anyhow::{Context, bail};
-use std::cell::Cell;
-use std::fs::File;
-use std::io::{BufWriter, Write as _};
-use std::path::Path;
 use crate::cli::recorded::Recorded;
 use crate::cli::{Failure, check_place, folder_of, warn};
+use anyhow::{Context, bail};
 use catena::drawing::files::write_with;
 use catena::drawing::picture::Figure;
 use catena::output::inspection::joint_values::{JointKinds, joint_kinds};
 use catena::output::inspection::summary::Summary;
 use catena::output::inspection::table::write_table;
 use catena::output::log::recovery::recover;
+use std::cell::Cell;
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
 
 /// What is written must replace neither what it is made from nor what else is written, and needs a folder to be in.
 pub(crate) fn check_outputs(log: &Path, outputs: &[&Path]) -> anyhow::Result<()> {

@@ -11,7 +11,6 @@
 
 mod chart;
 mod couplings;
-mod engine;
 mod input;
 mod inspect;
 mod inspect_files;

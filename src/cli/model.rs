@@ -1,7 +1,5 @@
 //! `catena model`: what was read, what was left out and why, and what will be simulated.
 
-use serde_json::{Value, json};
-use std::fmt::Write as _;
 use crate::cli::input::InputArgs;
 use crate::cli::table::{Table, number, triple};
 use crate::cli::{Failure, couplings, print, print_json, rules};
@@ -13,6 +11,8 @@ use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names
 use catena::output::report::ModelReport;
 use catena::scene::Warning;
 use catena::simulation::islands::Plan;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
 
 /// Show what was read, what was left out and why, and what will be simulated
 #[derive(Clone, Debug, clap::Args)]
@@ -125,7 +125,7 @@ fn as_json(model: &Model, redundancy: &Redundancy, plan: &Plan, kept: &[Rule]) -
         "input": model.path().display().to_string(),
         "robot": mechanism.name,
         "gravity": mechanism.gravity.as_slice(),
-        "model": ModelReport::new(model, redundancy, plan),
+        "model": ModelReport::new(model, redundancy, (plan.islands.len(), plan.sleeping())),
         "moving_mass": mechanism.total_mass(),
         "bodies": bodies,
         "joints": joints,

@@ -1,8 +1,8 @@
 //! What is shown on a terminal while a run is made: that there are pilot runs; then simulated time, speed against real time, time left.
 
+use catena::simulation::{Observer, ObserverError, Sample};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
-use catena::simulation::{Observer, ObserverError, Sample};
 
 /// Pauses between two looks of the bar; terminals show no more.
 const INTERVAL: Duration = Duration::from_millis(100);

@@ -3,15 +3,15 @@
 //! The files are read from the log's own bytes and no other file is touched, whatever paths the log has: the robots of a scene are
 //! the attachments after it, in their order, and meshes, on which no motion depends, are left out.
 
-use anyhow::{Context, anyhow, bail};
-use std::collections::BTreeMap;
-use std::ops::ControlFlow;
-use std::path::Path;
 use crate::cli::input::{Loaded, WorldArgs, is_scene};
 use crate::cli::{simulate, simulate_arguments};
+use anyhow::{Context, anyhow, bail};
 use catena::output::log::reader::{Item, read_log};
 use catena::output::log::{INPUTS, sha256};
 use catena::scene::{Problem, SceneError, robot_without_meshes, scene_from_text};
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::Path;
 
 /// The run of a log.
 pub struct Recorded {

@@ -2,16 +2,14 @@
 //!
 //! A log that was cut off or whose run was interrupted is compared up to its end; one that is damaged is not the same as any run.
 
+use crate::cli::recorded::Recorded;
+use crate::cli::simulate::{Setup, setup_failure};
+use crate::cli::{Failure, print};
 use anyhow::anyhow;
+use catena::output::log::{Difference, Recorder};
+use catena::simulation::{RunError, Simulation, SimulationOptions};
 use clap::Args;
 use std::path::PathBuf;
-use crate::cli::engine::Engine;
-use crate::cli::recorded::Recorded;
-use crate::cli::simulate::Setup;
-use crate::cli::{Failure, print};
-use catena::output::log::{Difference, Recorder};
-use catena::simulation::islands::Plan;
-use catena::simulation::{RunError, RunOptions};
 
 /// The options of `catena replay`.
 #[derive(Args, Debug)]
@@ -33,16 +31,20 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let log = &arguments.log;
     let mut recorded = Recorded::open(log).map_err(Failure::input)?;
     let setup = Setup::new(&recorded.arguments, &mut recorded.loaded).map_err(Failure::input)?;
-    let Setup { mut state, choice, duration, rate } = setup;
+    let Setup { state, choice, duration, rate } = setup;
     let made_by = recorded.simulation.get("version").map_or("?", String::as_str);
     let model = &recorded.loaded.model;
     let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
-    let plan = Plan::new(&model.mechanism, &state, &recorded.arguments.input.keep);
-    let (mut engine, _) = Engine::new(&model.mechanism, &state, duration, choice, plan, &interrupted)?;
-    let stages = engine.description().stages as f64;
-    let mut recorder = Recorder::compare(log, model, stages).map_err(Failure::run)?;
-    let options = RunOptions { duration, rate: Some(rate), interrupt: Some(&interrupted) };
-    let (_, ended) = engine.run(&model.mechanism, &mut state, &options, &mut [&mut recorder]);
+    let switched_off = &recorded.arguments.input.keep[..];
+    let options = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
+    let mut recorder;
+    let mut simulation = Simulation::new(&model.mechanism, state, options).map_err(setup_failure)?;
+    let stages = simulation.description().stages as f64;
+    recorder = Recorder::compare(log, model, stages).map_err(Failure::run)?;
+    simulation.sample_at(rate);
+    simulation.observe(&mut recorder);
+    let ended = simulation.run();
+    drop(simulation);
     let (compared, result) = recorder.compared();
     match ended {
         Err(error @ RunError::Interrupted { .. }) => return Err(Failure::interrupted(error)),

@@ -8,9 +8,9 @@ use catena::mechanism::structure::islands::Island;
 use catena::mechanism::structure::special_bodies::{
     pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies, tumbling_bodies,
 };
-use serde_json::{Value, json};
 use catena::model::{Model, ReductionRule};
 use catena::simulation::islands::Plan;
+use serde_json::{Value, json};
 
 /// What a rule does here.
 struct Applied {

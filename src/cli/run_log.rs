@@ -1,15 +1,14 @@
 //! The log of a run: what it says about how the run was made, and how it is completed, whatever ended the run.
 
-use anyhow::anyhow;
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use crate::cli::Failure;
-use crate::cli::simulate::StepChoice;
+use anyhow::anyhow;
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::motion::integrator::MethodDescription;
 use catena::model::{Model, PlacedRobot};
 use catena::output::log::{Ending, LogError, Outcome, Recorder, Severity};
-use catena::simulation::{RunError, Summary};
+use catena::simulation::{RunError, StepChoice, Summary};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// What the log says about how the run was made.
 pub fn description(

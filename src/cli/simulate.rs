@@ -3,29 +3,27 @@
 //! The output is opened last, when nothing in the input can be wrong any more: a bad input leaves an existing log as
 //! it was. Every way out of the run completes the log.
 
-use anyhow::{Context, anyhow};
-use crate::cli::engine::Engine;
 use crate::cli::input::{InputArgs, Loaded};
 use crate::cli::numbers::{Assignment, numbers, positive, rate};
 use crate::cli::progress::{PilotsShown, Progress};
 use crate::cli::run_log::{description, finish, log_failure};
 use crate::cli::{Failure, check_place, print, print_json};
+use anyhow::{Context, anyhow};
 use catena::instant::assembly::redundancy;
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
 use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
 use catena::output::report::{
-    AccuracyReport, ConstraintReport, EnergyReport, MethodReport, ModelReport, Report, energy_warning, joint_reports,
-    link_reports, loop_reports, ringing_warning, singular_warning,
+    AccuracyReport, ConstraintReport, EnergyReport, IslandReport, MethodReport, ModelReport, Report, energy_warning,
+    joint_reports, link_reports, loop_reports, ringing_warning, singular_warning,
 };
+use catena::scene::SimulationSettings;
+use catena::simulation::{Finished, Simulation, SimulationError, SimulationOptions, StepChoice};
 use clap::{Args, value_parser};
 use cpu_time::ProcessTime;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use catena::scene::SimulationSettings;
-use catena::simulation::islands::Plan;
-use catena::simulation::{Observer, RunOptions};
 
 const DEFAULT_DURATION: f64 = 10.0;
 const DEFAULT_TOLERANCE: f64 = 1e-6;
@@ -96,61 +94,6 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// How steps are chosen.
-#[derive(Clone, Copy, Debug)]
-pub enum StepChoice {
-    /// Stages and step from the wanted accuracy.
-    Tolerance(f64),
-    /// As the user said.
-    Fixed { stages: usize, step: f64 },
-    /// With the pace of the motion, from the step the user said.
-    Reversible { stages: usize, step: f64 },
-    /// As the user said, to 32 digits.
-    Precise { stages: usize, step: f64 },
-}
-
-impl StepChoice {
-    /// What the command line says, or else the file.
-    fn new(arguments: &Arguments, file: &SimulationSettings) -> Self {
-        let given = arguments.stages.zip(arguments.step).map(|(stages, step)| (stages.into(), step));
-        let fixed = given.or(file.fixed.filter(|_| arguments.tolerance.is_none()));
-        match fixed {
-            Some((stages, step)) if arguments.reversible => StepChoice::Reversible { stages, step },
-            Some((stages, step)) if arguments.precise => StepChoice::Precise { stages, step },
-            Some((stages, step)) => StepChoice::Fixed { stages, step },
-            None => StepChoice::Tolerance(arguments.tolerance.or(file.tolerance).unwrap_or(DEFAULT_TOLERANCE)),
-        }
-    }
-
-    /// The same for a run of this duration (s), in which no fixed step is longer.
-    fn within(self, duration: f64) -> Self {
-        match self {
-            StepChoice::Fixed { stages, step } => StepChoice::Fixed { stages, step: step.min(duration) },
-            StepChoice::Precise { stages, step } => StepChoice::Precise { stages, step: step.min(duration) },
-            // The step that the user said is a measure of those that are made.
-            StepChoice::Tolerance(_) | StepChoice::Reversible { .. } => self,
-        }
-    }
-
-    /// The wanted accuracy, where steps are chosen from it [m].
-    pub fn tolerance(self) -> Option<f64> {
-        match self {
-            StepChoice::Tolerance(tolerance) => Some(tolerance),
-            StepChoice::Fixed { .. } | StepChoice::Reversible { .. } | StepChoice::Precise { .. } => None,
-        }
-    }
-
-    /// The step that the user said, as far as the run is as long [s].
-    pub fn step(self) -> Option<f64> {
-        match self {
-            StepChoice::Tolerance(_) => None,
-            StepChoice::Fixed { step, .. } | StepChoice::Reversible { step, .. } | StepChoice::Precise { step, .. } => {
-                Some(step)
-            }
-        }
-    }
-}
-
 /// A run before its first step.
 pub struct Setup {
     pub state: State,
@@ -172,10 +115,31 @@ impl Setup {
         let duration = arguments.duration.or(file.duration).unwrap_or(DEFAULT_DURATION);
         Ok(Setup {
             state,
-            choice: StepChoice::new(arguments, file).within(duration),
+            choice: step_choice(arguments, file).within(duration),
             duration,
             rate: arguments.rate.or(file.rate).unwrap_or(DEFAULT_RATE),
         })
+    }
+}
+
+/// How steps are chosen: what the command line says, or else the file.
+fn step_choice(arguments: &Arguments, file: &SimulationSettings) -> StepChoice {
+    let given = arguments.stages.zip(arguments.step).map(|(stages, step)| (stages.into(), step));
+    let fixed = given.or(file.fixed.filter(|_| arguments.tolerance.is_none()));
+    match fixed {
+        Some((stages, step)) if arguments.reversible => StepChoice::Reversible { stages, step },
+        Some((stages, step)) if arguments.precise => StepChoice::Precise { stages, step },
+        Some((stages, step)) => StepChoice::Fixed { stages, step },
+        None => StepChoice::Tolerance(arguments.tolerance.or(file.tolerance).unwrap_or(DEFAULT_TOLERANCE)),
+    }
+}
+
+/// Who is to blame for a run that cannot begin: the command line, or nobody.
+pub fn setup_failure(error: SimulationError) -> Failure {
+    match error {
+        SimulationError::Method(error) => Failure::input(error),
+        SimulationError::Interrupted(error) => Failure::interrupted(error),
+        SimulationError::Mechanism(error) => Failure::run(error),
     }
 }
 
@@ -186,7 +150,7 @@ impl Setup {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = output(arguments).map_err(Failure::input)?;
     let mut loaded = arguments.input.load().map_err(Failure::input)?;
-    let Setup { mut state, choice, duration, rate } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
+    let Setup { state, choice, duration, rate } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
     let model = &loaded.model;
     output.iter().try_for_each(|output| check_apart(output, model)).map_err(Failure::input)?;
     if output.is_some() && duration > LONGEST {
@@ -201,37 +165,38 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // The run ends after the step it is in.
     let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
     let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
-    let plan = Plan::new(mechanism, &state, &arguments.input.keep);
-    let model_report = ModelReport::new(model, &redundancy, &plan);
     let shows = !arguments.quiet && std::io::stderr().is_terminal();
     let pilots = (shows && choice.tolerance().is_some()).then(PilotsShown::new);
-    let (mut engine, accuracy) = Engine::new(mechanism, &state, duration, choice, plan, &interrupted)?;
+    let switched_off = &arguments.input.keep[..];
+    let options = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
+    // They outlive the run, which they watch.
+    let (mut recorder, mut progress);
+    let mut simulation = Simulation::new(mechanism, state, options).map_err(setup_failure)?;
     drop(pilots);
+    let model_report = ModelReport::new(model, &redundancy, simulation.parts());
+    let accuracy = AccuracyReport::of(&simulation);
     let unreached = accuracy.as_ref().and_then(AccuracyReport::warning);
-    let mut recorder = match &output {
+    recorder = match &output {
         Some(path) => {
-            let simulation = description(model, duration, rate, choice, engine.description());
+            let simulation = description(model, duration, rate, choice, simulation.description());
             let mut recorder = Recorder::create(path, model, simulation).map_err(log_failure)?;
             unreached.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
             Some(recorder)
         }
         None => None,
     };
-    let mut progress = shows.then(|| Progress::new(duration));
+    progress = shows.then(|| Progress::new(duration));
     // Without a log and without a bar nobody looks at samples.
-    let options = RunOptions {
-        duration,
-        rate: (recorder.is_some() || progress.is_some()).then_some(rate),
-        interrupt: Some(&interrupted),
-    };
-    let mut observers: Vec<&mut dyn Observer> = Vec::new();
-    observers.extend(recorder.iter_mut().map(|recorder| recorder as &mut dyn Observer));
-    observers.extend(progress.iter_mut().map(|progress| progress as &mut dyn Observer));
-    let (summary, ended) = engine.run(mechanism, &mut state, &options, &mut observers);
+    if recorder.is_some() || progress.is_some() {
+        simulation.sample_at(rate);
+    }
+    recorder.iter_mut().for_each(|recorder| simulation.observe(recorder));
+    progress.iter_mut().for_each(|progress| simulation.observe(progress));
+    let ended = simulation.run();
+    let Finished { state, summary, method, islands } = simulation.finish();
     if let Some(progress) = &progress {
         progress.clear();
     }
-    let method = engine.description();
     let of_method: Vec<String> = MethodReport::warning(&method)
         .into_iter()
         .chain(energy_warning(&method, summary.max_relative_energy_error))
@@ -265,7 +230,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         links: link_reports(model, &state),
         joints: joint_reports(model, &state),
         loops: loop_reports(model, &state),
-        islands: engine.islands(),
+        islands: islands.iter().map(IslandReport::new).collect(),
         warnings: model.warnings.iter().map(ToString::to_string).chain(unreached).chain(of_method).collect(),
         accuracy,
         log,

@@ -3,15 +3,15 @@
 //! What is asked for is checked before the folder is made. After every problem all files are written anew, each whole;
 //! Ctrl-C ends with the problems that have been mapped up to then.
 
+use crate::cli::chart::{processor, progress_bar};
+use crate::cli::{Failure, print};
 use anyhow::{Context, anyhow};
+use catena::study::stress::table::summary;
+use catena::study::stress::{Map, Problem, StressError, ThinnedProblem, report};
 use clap::Args;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
-use crate::cli::chart::{processor, progress_bar};
-use crate::cli::{Failure, print};
-use catena::study::stress::table::summary;
-use catena::study::stress::{Map, Problem, StressError, ThinnedProblem, report};
 
 /// The options of `catena stress`.
 #[derive(Args, Debug)]

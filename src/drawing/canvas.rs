@@ -1,5 +1,6 @@
 //! The sheet that every picture is drawn on: the same for SVG and PNG, with a font of its own.
 
+use crate::drawing::error::ChartError;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -8,7 +9,6 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::sync::OnceLock;
-use crate::drawing::error::ChartError;
 
 /// Lines and letters.
 pub const INK: RGBColor = RGBColor(30, 30, 30);

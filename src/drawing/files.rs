@@ -1,8 +1,8 @@
 //! Files that are whole or not there: written beside their place under another name, then renamed.
 
+use crate::drawing::error::ChartError;
 use std::fs;
 use std::path::{Path, PathBuf};
-use crate::drawing::error::ChartError;
 
 /// Writes a text file.
 ///

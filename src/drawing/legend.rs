@@ -1,11 +1,11 @@
 //! The legend beside a picture: how much room it takes, and drawing it.
 
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, VPos};
 use crate::drawing::canvas::{Drawn, INK, QUIET, text, text_at};
 use crate::drawing::picture::Picture;
 use crate::drawing::strokes::{GRID, draw_line, draw_marker};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, VPos};
 
 /// Left edge of the legend.
 pub(crate) const LEGEND: i32 = 976;

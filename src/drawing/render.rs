@@ -2,16 +2,16 @@
 //!
 //! Axes are mapped to pixels here, logarithms included, so that every decade down to 1e-17 is where it belongs.
 
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, VPos};
-use std::path::Path;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{Drawn, INK, QUIET, png_of, svg_of, text, text_at};
 use crate::drawing::error::ChartError;
 use crate::drawing::legend::{LEGEND, draw_legend, legend_extent};
 use crate::drawing::picture::{Figure, Picture, Series};
 use crate::drawing::strokes::{GRID, draw_line, draw_marker};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, VPos};
+use std::path::Path;
 
 /// Smallest size of the picture in pixels; a long legend makes it larger.
 const SIZE: (i32, i32) = (1280, 800);

@@ -1,10 +1,10 @@
 //! Lines and markers of curves, in pixels.
 
+use crate::drawing::canvas::Drawn;
+use crate::drawing::style::{Dash, Look, Marker};
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
-use crate::drawing::canvas::Drawn;
-use crate::drawing::style::{Dash, Look, Marker};
 
 /// Lines across the data area.
 pub(crate) const GRID: RGBColor = RGBColor(210, 210, 210);

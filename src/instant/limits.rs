@@ -11,15 +11,15 @@
 //! equations, because linearised equations and limits may contradict each other far from the solution; each round leaves the part
 //! 1/ρ of a gap, so that the rounds close it.
 
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
-use nalgebra::{DMatrix, DVector};
 use crate::lobatto::coupled::projection::{Projected, Projection};
 use crate::lobatto::stages::start::Start;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::kinematics::forward_kinematics;
 use crate::mechanism::motion::state::State;
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
+use nalgebra::{DMatrix, DVector};
 
 /// Largest number of rounds.
 const ROUNDS: usize = 60;

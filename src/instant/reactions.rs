@@ -10,8 +10,6 @@
 //! unique; the one with the least `Σ s μ²` is taken, s the mobility of each equation, and what a joint of a loop carries
 //! then depends on that choice as it does on nature's.
 
-use nalgebra::Vector3;
-use std::borrow::Borrow;
 use crate::lobatto::coupled::projection::Projection;
 use crate::lobatto::stages::start::Start;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
@@ -21,6 +19,8 @@ use crate::mechanism::motion::gaps::gap_accelerations;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, forward_kinematics};
 use crate::mechanism::motion::state::State;
 use crate::reduced::{Reaction, ReducedOde, reactions_under};
+use nalgebra::Vector3;
+use std::borrow::Borrow;
 
 /// Works out the reactions of one state after another.
 pub struct Reactions<M> {

@@ -4,7 +4,6 @@
 //! closures or forces on bodies one instant after the other, by [`crate::instant::reactions`], which is also what the lanes are held
 //! against in the tests.
 
-use nalgebra::Vector3;
 use crate::instant::reactions::Reactions;
 use crate::kernels::instants_for;
 use crate::lobatto::instants::instants::{Instants, LinkPlace, Row, Snapshots};
@@ -12,6 +11,7 @@ use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::{JointKind, wxyz_from_rotation};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::kinematics::forward_kinematics;
+use nalgebra::Vector3;
 
 /// The fastest way to look at a mechanism and its links.
 pub fn instants(mechanism: &Mechanism, links: &[LinkPlace]) -> Box<dyn Instants> {

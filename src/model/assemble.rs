@@ -3,9 +3,6 @@
 //! The bodies of each robot follow those of the robot before it, all with the world as their root. With several robots
 //! every name of a link, joint or body is `robot/name`; with one they stay plain.
 
-use nalgebra::Vector3;
-use std::collections::HashSet;
-use std::path::Path;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
@@ -13,6 +10,9 @@ use crate::model::model_error::ModelError;
 use crate::model::reduce::{Base, ModelOptions};
 use crate::model::robot_model::{Model, SourceFile};
 use crate::scene::{JointValues, Scene, WORLD_LINK};
+use nalgebra::Vector3;
+use std::collections::HashSet;
+use std::path::Path;
 
 /// Where a scene starts, in the coordinates of its user ([`Model::initial_state`]).
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -6,8 +6,8 @@
 //!     M = Σ m        C = Σ m c / M        J = Σ I + m (|d|² 1 − d dᵀ),   d = c − C        [kg, m, kg m²]
 //! ```
 
-use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 use crate::mechanism::description::joint::Pose;
+use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
 /// A rigid mass: one link, or several composed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,11 +2,11 @@
 //!
 //! A fixed joint is always at zero, so its followers are at `multiplier · 0 + offset`; and so on along chains of followers.
 
-use nalgebra::{Rotation3, Translation3, Unit};
-use std::collections::HashMap;
 use crate::mechanism::description::joint::Pose;
 use crate::model::joint_frame::joint_kind;
 use crate::scene::{Element, Robot, UrdfJoint, UrdfJointKind, Warning};
+use nalgebra::{Rotation3, Translation3, Unit};
+use std::collections::HashMap;
 
 /// Makes every joint that turns about or slides along an axis, and follows a joint that never moves, a fixed one, and says so in
 /// a warning of the robot.
@@ -58,10 +58,10 @@ fn constant_displacement(joint: &UrdfJoint, constant: &HashMap<String, f64>) -> 
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector3;
-    use std::path::Path;
     use crate::model::{Model, ModelOptions};
     use crate::scene::{PackagePath, robot_from_text};
+    use nalgebra::Vector3;
+    use std::path::Path;
 
     #[test]
     fn followers_of_a_fixed_joint_stand_at_their_offset_and_their_followers_in_turn() {

@@ -14,12 +14,12 @@
 //!     X_body = X_link L⁻¹        v_body = v_link + ω × (p_body − p_link)        w = Rⱼᵀ ω        [m, m/s, rad/s]
 //! ```
 
-use nalgebra::{Rotation3, Translation3, Vector3};
 use crate::mechanism::description::joint::{Pose, rotation_from_wxyz, wxyz_from_rotation};
 use crate::mechanism::motion::state::State;
 use crate::model::model_error::ModelError;
 use crate::model::robot_model::{JointRecord, Model};
 use crate::scene::UrdfJointKind;
+use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// The largest angle that a joint may start with (rad). There the next double is 1.5e-8 rad away, as far as anyone may want a
 /// joint to be placed; much further out no step is short enough for the roundings.

@@ -1,6 +1,5 @@
 //! What every coupling of a file looks at while it becomes part of the mechanism: links, frames, coordinates, and where it stands in its file.
 
-use std::path::PathBuf;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::{Attachment, Coordinate};
 use crate::mechanism::description::joint::JointKind;
@@ -12,6 +11,7 @@ use crate::scene::coupling::LinkReference;
 use crate::scene::error::Element;
 use crate::scene::robot::{Pose, UrdfJointKind};
 use crate::scene::schema::WORLD_LINK;
+use std::path::PathBuf;
 /// What all couplings look at.
 pub(crate) struct Builder<'b> {
     pub model: &'b Model,

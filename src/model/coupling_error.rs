@@ -1,7 +1,7 @@
 //! Why a loop, spring, load or mimic relation cannot be part of the mechanism.
 
-use std::path::PathBuf;
 use crate::scene::Element;
+use std::path::PathBuf;
 
 /// What is wrong, and where it stands.
 #[derive(Debug, PartialEq, thiserror::Error)]

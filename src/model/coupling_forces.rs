@@ -1,12 +1,12 @@
 //! The springs and loads of scene files, as forces between frames of bodies and on coordinates of joints.
 
-use nalgebra::{Rotation3, Translation3, Vector3};
 use crate::mechanism::description::forces::{JointDamper, JointLoad, JointSpring, PointSpring, Wrench};
 use crate::mechanism::description::joint::Pose;
 use crate::model::coupling_builder::Builder;
 use crate::model::coupling_error::CouplingProblem;
 use crate::model::model_error::ModelError;
 use crate::scene::{Element, LoadKind, Point, SceneLoad, SceneSpring, SpringPlace};
+use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// A spring of the scene file in the lists of the mechanism.
 pub(crate) enum Spring {

@@ -1,12 +1,12 @@
 //! What a URDF says of its joints besides the tree: `<dynamics damping>` and `<mimic>`.
 
-use std::path::Path;
 use crate::mechanism::description::closure::{JointLimit, Mimic};
 use crate::mechanism::description::forces::JointDamper;
 use crate::model::coupling_builder::{Builder, Stand};
 use crate::model::coupling_error::CouplingProblem;
 use crate::model::model_error::ModelError;
 use crate::scene::{Element, UrdfJoint, UrdfJointKind, Warning};
+use std::path::Path;
 
 impl Builder<'_> {
     /// Every joint of a URDF with its robot.

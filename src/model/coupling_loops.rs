@@ -11,7 +11,6 @@
 //! `<loop_joint>` gives both frames whole; its `world`, if no link has that name, is the one in which the robot's base has its
 //! pose, as for the joints of the tree.
 
-use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::closure::{LoopJoint, LoopKind};
 use crate::mechanism::description::joint::Pose;
@@ -23,6 +22,7 @@ use crate::model::coupling_error::CouplingProblem;
 use crate::model::joint_frame::axis_rotation;
 use crate::model::model_error::ModelError;
 use crate::scene::{Element, LinkReference, LoopEnd, LoopType, SceneLoop};
+use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
 /// A loop is closed if its gap [m, rad] is below this: far above rounding, far below what anyone can build.
 const CLOSED: f64 = 1e-9;

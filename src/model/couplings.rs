@@ -3,7 +3,6 @@
 //! A frame given in a link frame `L` (in its body, [`LinkFrame::in_body`](crate::model::LinkFrame::in_body)) lies at `L X` in the
 //! body, or in the world. What becomes of each kind is in `coupling_loops`, `coupling_forces` and `coupling_joints`.
 
-use std::collections::HashMap;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::coupling_builder::Builder;
@@ -11,6 +10,7 @@ use crate::model::coupling_forces::{Load, Spring};
 use crate::model::model_error::ModelError;
 use crate::model::robot_model::Model;
 use crate::scene::{Scene, UrdfJointKind};
+use std::collections::HashMap;
 
 impl Model {
     /// The one place where what files say of loops, mimic relations and forces becomes part of the mechanism.

@@ -10,9 +10,9 @@
 //! Spherical joints have no axis (`A = 1`); for floating joints `F_child = 1`, so that the joint's coordinates are
 //! the pose of the body's principal frame in the joint frame.
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
 use crate::mechanism::description::joint::{JointKind, Pose};
 use crate::scene::UrdfJointKind;
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// The kind of joint that a URDF type is; `None` for fixed.
 pub fn joint_kind(kind: UrdfJointKind) -> Option<JointKind> {

@@ -1,9 +1,9 @@
 //! Why a robot cannot be simulated, or not as asked.
 
-use std::path::PathBuf;
 use crate::mechanism::description::mechanism::MechanismError;
 use crate::model::coupling_error::CouplingError;
 use crate::scene::Element;
+use std::path::PathBuf;
 
 /// Errors of the reduction and of initial conditions.
 #[derive(Debug, PartialEq, thiserror::Error)]

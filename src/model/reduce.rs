@@ -10,7 +10,6 @@
 //! 5. each body's frame is its principal inertia frame at its centre of mass;
 //! 6. negative moments, and joints that can move without moving mass, are errors.
 
-use nalgebra::Vector3;
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use crate::mechanism::description::mechanism::{Body, Mechanism};
 use crate::mechanism::structure::definiteness::undetermined_body;
@@ -21,6 +20,7 @@ use crate::model::model_error::ModelError;
 use crate::model::rigid_groups::{Carrier, Group, GroupJoint, Groups, LinkTree, Moving, drop_massless_leaves};
 use crate::model::robot_model::{JointRecord, LinkFrame, Model, PlacedRobot, Reduction, ReductionRule};
 use crate::scene::{Element, Robot, UrdfJointKind, WORLD_LINK, Warning};
+use nalgebra::Vector3;
 
 /// A moment whose radius of gyration is below this length [m] is the dust of a computation: zero.
 const NEGLIGIBLE_GYRATION: f64 = 1e-9;

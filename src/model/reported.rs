@@ -1,10 +1,10 @@
 //! From reported joint coordinates back to the [`State`]: the inverse of [`Model::joint_user_coordinates`].
 
-use nalgebra::{Rotation3, Translation3, Vector3};
 use crate::mechanism::description::joint::{Pose, rotation_from_wxyz, wxyz_from_rotation};
 use crate::mechanism::motion::state::State;
 use crate::model::robot_model::Model;
 use crate::scene::UrdfJointKind;
+use nalgebra::{Rotation3, Translation3, Vector3};
 
 impl Model {
     /// The state in which the joints report these positions and velocities. `None` if nothing is said of a joint that moves, or it has other

@@ -3,10 +3,10 @@
 //! A group is a set of links rigidly joined; its head is the link below the moving joint. Groups are numbered depth
 //! first, as the mechanism needs it.
 
-use std::collections::HashMap;
 use crate::mechanism::description::joint::Pose;
 use crate::model::composite::Composite;
 use crate::scene::{Robot, UrdfJointKind};
+use std::collections::HashMap;
 
 /// The links of a robot depth first, with what is above each.
 pub struct LinkTree {

@@ -8,13 +8,13 @@
 //!
 //! with the link frame `L` and the link's own centre of mass `c` in the body frame [m, m/s, rad/s].
 
-use nalgebra::{Matrix3, Vector3};
-use std::ops::Range;
-use std::path::{Path, PathBuf};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::scene::{Geometry, Robot, UrdfJointKind, Warning};
+use nalgebra::{Matrix3, Vector3};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 /// What is simulated, and how the robot of the URDF lies in it.
 #[derive(Clone, Debug)]

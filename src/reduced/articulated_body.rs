@@ -28,12 +28,12 @@
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7 (the recursion) and section
 //! 5.3 (the bias force).
 
-use nalgebra::{Matrix3, Vector3};
 use crate::mechanism::description::joint::JointKind;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::ground::matrices::{Symmetric, column, cross, product, times};
 use crate::reduced::articulated_inertia::{Articulated, Screw};
 use crate::reduced::link::{Link, rotate_about_z, rotation_axis, split_position, split_velocity};
+use nalgebra::{Matrix3, Vector3};
 
 /// Forward dynamics of one mechanism: its constants and the workspace of an evaluation.
 #[derive(Clone, Debug)]
@@ -74,6 +74,11 @@ struct Acceleration {
 }
 
 impl ArticulatedBody {
+    /// Gravity, as it was when the algorithm was set up [m/s²].
+    pub(crate) fn gravity(&self) -> Vector3<f64> {
+        -self.motion[0].acceleration
+    }
+
     /// Sets up the constants and the workspace.
     pub fn new(mechanism: &Mechanism) -> Self {
         let bodies = &mechanism.bodies;

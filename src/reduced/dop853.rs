@@ -15,13 +15,14 @@
 //! sections II.4 (initial step, control), II.6 (dense output) and II.10 (error estimate), with the constants of the
 //! authors' code.
 
-use std::cell::RefCell;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::reduced::dop853_table::{DENSE, DENSE_STAGES, FIFTH_ORDER_ERROR, SOLUTION, STAGES, THIRD_ORDER};
 use crate::reduced::ode::{ReducedOde, joint_of_entry};
 use crate::reduced::weighted_sums::{add_scaled, weighted_sum};
+use std::cell::RefCell;
 
 /// Factor on the step that the error estimate asks for.
 const SAFETY: f64 = 0.9;
@@ -53,6 +54,8 @@ pub struct Dop853 {
     accepted: usize,
     accepted_time: f64,
     /// In a cell because dense output evaluates further slopes, and only when it is asked for.
+    /// What drives the joints.
+    efforts: Vec<f64>,
     work: RefCell<Work>,
 }
 
@@ -102,6 +105,7 @@ impl Dop853 {
             end_time: f64::NAN,
             accepted: 0,
             accepted_time: 0.0,
+            efforts: Vec::new(),
             work: RefCell::new(Work {
                 start: zeros(1),
                 end: zeros(1),
@@ -118,7 +122,22 @@ impl Dop853 {
 }
 
 impl Integrator for Dop853 {
-    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        if let Some(now) = self.work.get_mut().ode.changed(mechanism, inputs) {
+            *self = Dop853::with_control(&now, self.control);
+        }
+        if self.efforts != inputs.efforts {
+            self.efforts = inputs.efforts.to_vec();
+            self.work.get_mut().ode.drive(inputs);
+            // The first slope of the next step is another.
+            self.end_time = f64::NAN;
+        }
         let work = self.work.get_mut();
         work.polynomial_is_current = false;
         work.ode.load(state, &mut work.start);

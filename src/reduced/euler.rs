@@ -9,6 +9,7 @@
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::reduced::ode::{ReducedOde, joint_of_entry, next_time};
@@ -39,7 +40,17 @@ impl Euler {
 }
 
 impl Integrator for Euler {
-    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        if let Some(now) = self.ode.changed(mechanism, inputs) {
+            *self = Euler::new(&now, self.step);
+        }
+        self.ode.drive(inputs);
         let (time, step) = next_time(state.time, self.step, until);
         self.ode.accelerations(&state.position, &state.velocity, &mut self.velocity);
         // As accurate as the method.

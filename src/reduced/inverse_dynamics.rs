@@ -12,12 +12,12 @@
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
-use nalgebra::Vector3;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::{BodyWrench, body_wrenches};
 use crate::mechanism::ground::matrices::{cross, times, transpose_times};
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, forward_kinematics};
+use nalgebra::Vector3;
 
 /// What a parent exerts on its child through their joint, in the axes of the world, at the joint's anchor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

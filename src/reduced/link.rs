@@ -1,9 +1,9 @@
 //! What the articulated-body algorithm knows of a body once and for all, and how a joint's coordinates become a motion.
 
-use nalgebra::{Matrix3, Vector3};
 use crate::mechanism::description::joint::{FreeRotation, JointKind, rotation_from_wxyz};
 use crate::mechanism::description::mechanism::Body;
 use crate::mechanism::ground::matrices::{Symmetric, column, from_columns};
+use nalgebra::{Matrix3, Vector3};
 
 /// The constants of a body, in its joint frame.
 #[derive(Clone, Debug)]

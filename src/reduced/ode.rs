@@ -13,14 +13,15 @@
 //! The quaternion equation keeps |q|, and the accelerations do not depend on it, so rounding and truncation errors in
 //! |q| do no harm between the renormalisations at the ends of the steps.
 
-use std::ops::Range;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::FreeRotation;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::{BodyWrench, Exchange, body_wrenches, joint_efforts, powers};
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::forward_kinematics;
 use crate::mechanism::motion::state::{State, quaternion_product};
 use crate::reduced::articulated_body::ArticulatedBody;
+use std::ops::Range;
 
 /// The right-hand side of the first-order system of one mechanism.
 #[derive(Clone, Debug)]
@@ -43,6 +44,8 @@ struct Forced {
     /// About the centres of mass, then about the anchors.
     wrenches: Vec<BodyWrench>,
     efforts: Vec<f64>,
+    /// Those of them that come from outside.
+    driven: Vec<f64>,
     /// Up to the last state that was stored.
     total: Exchange,
 }
@@ -55,6 +58,7 @@ impl Forced {
             bodies: vec![WORLD; count],
             wrenches: vec![BodyWrench::default(); count],
             efforts: vec![0.0; mechanism.velocity_count],
+            driven: vec![0.0; mechanism.velocity_count],
             total: Exchange::default(),
         })
     }
@@ -62,11 +66,21 @@ impl Forced {
     /// The efforts and wrenches of all forces, where the bodies have been placed.
     fn evaluate(&mut self, position: &[f64], velocity: &[f64]) {
         joint_efforts(&self.mechanism, position, velocity, &mut self.efforts);
+        for (effort, driven) in self.efforts.iter_mut().zip(&self.driven) {
+            *effort += driven;
+        }
         body_wrenches(&self.mechanism, &self.bodies, &mut self.wrenches);
         for ((wrench, body), state) in self.wrenches.iter_mut().zip(&self.mechanism.bodies).zip(&self.bodies) {
             let to_anchor = state.rotation * body.joint.on_child.translation.vector;
             wrench.1 -= to_anchor.cross(&wrench.0);
         }
+    }
+
+    /// The powers (W) of forces without potential and of the efforts from outside.
+    fn powers(&self, velocity: &[f64]) -> Exchange {
+        let mut powers = powers(&self.mechanism, velocity, &self.bodies);
+        powers.work += self.driven.iter().zip(velocity).map(|(effort, rate)| effort * rate).sum::<f64>();
+        powers
     }
 }
 
@@ -98,6 +112,33 @@ impl ReducedOde {
         }
     }
 
+    /// The mechanism that the system has to be set up for anew, because other forces act now or efforts that it does not know; gravity and masses,
+    /// too, may have changed.
+    pub(crate) fn changed(&self, mechanism: &Mechanism, inputs: Inputs) -> Option<Mechanism> {
+        let known = match &self.forced {
+            Some(forced) => {
+                let own = &forced.mechanism;
+                let driven = own.forces.driven || (inputs.is_none() && !mechanism.forces.driven);
+                driven && own.forces.are_those_of(&mechanism.forces) && own.gravity == mechanism.gravity
+            }
+            None => mechanism.forces.is_empty() && inputs.is_none() && self.articulated.gravity() == mechanism.gravity,
+        };
+        (!known).then(|| {
+            let mut now = mechanism.clone();
+            now.forces.driven |=
+                !inputs.is_none() || self.forced.as_ref().is_some_and(|forced| forced.mechanism.forces.driven);
+            now
+        })
+    }
+
+    /// Takes the efforts that drive the joints from now on.
+    pub(crate) fn drive(&mut self, inputs: Inputs) {
+        if let Some(forced) = &mut self.forced {
+            forced.driven.fill(0.0);
+            forced.driven[..inputs.efforts.len()].copy_from_slice(inputs.efforts);
+        }
+    }
+
     /// Length of y.
     pub fn dimension(&self) -> usize {
         self.position_count + self.velocity_count + if self.forced.is_some() { 2 } else { 0 }
@@ -123,7 +164,7 @@ impl ReducedOde {
         }
         self.accelerations(position, velocity, acceleration);
         if let (Some(forced), [dissipated, work]) = (&self.forced, exchange) {
-            let powers = powers(&forced.mechanism, velocity, &forced.bodies);
+            let powers = forced.powers(velocity);
             (*dissipated, *work) = (powers.dissipated, powers.work);
         }
     }
@@ -163,7 +204,7 @@ impl ReducedOde {
 
     /// The powers (W) of forces without potential, of the state whose accelerations were asked for last.
     pub fn powers(&self, velocity: &[f64]) -> Exchange {
-        self.forced.as_ref().map_or(Exchange::default(), |forced| powers(&forced.mechanism, velocity, &forced.bodies))
+        self.forced.as_ref().map_or(Exchange::default(), |forced| forced.powers(velocity))
     }
 
     /// What was dissipated and put in from `start` to `end`.

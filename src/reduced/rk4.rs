@@ -7,11 +7,12 @@
 //!
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, Springer 1993, table II.1.2.
 
-use std::cell::RefCell;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::reduced::ode::{ReducedOde, joint_of_entry, next_time};
+use std::cell::RefCell;
 
 /// Classical Runge–Kutta with a fixed step.
 #[derive(Clone, Debug)]
@@ -46,7 +47,17 @@ impl Rk4 {
 }
 
 impl Integrator for Rk4 {
-    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        if let Some(now) = self.ode.get_mut().changed(mechanism, inputs) {
+            *self = Rk4::new(&now, self.step);
+        }
+        self.ode.get_mut().drive(inputs);
         let (time, step) = next_time(state.time, self.step, until);
         let ode = self.ode.get_mut();
         ode.load(state, &mut self.start);

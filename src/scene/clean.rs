@@ -3,13 +3,13 @@
 //! Where the intent is plain the file is repaired and a warning says so; where it is not, the first error ends the
 //! reading. The result is written out again as XML for `urdf-rs`, whose own errors name neither line nor link.
 
-use roxmltree::Node;
-use std::path::Path;
 use crate::scene::element::{CleanAttribute, CleanElement};
 use crate::scene::error::{Element, Problem, SceneError, Warning};
 use crate::scene::numbers::{numbers, shown};
 use crate::scene::schema::{Attribute, Content, Count, GEOMETRY, Presence, Schema};
 use crate::scene::text::XmlText;
+use roxmltree::Node;
+use std::path::Path;
 
 /// Elements and attributes that are not read, each kind once, in order of appearance.
 pub(crate) struct Ignored {

@@ -9,9 +9,9 @@ use crate::scene::robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Shape, UrdfJoint, UrdfJointKind,
     UrdfLoop,
 };
+use crate::scene::schema::WORLD_LINK;
 use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3, Vector4};
 use std::path::Path;
-use crate::scene::schema::WORLD_LINK;
 
 /// What all conversions need.
 pub(crate) struct Converter<'c> {

@@ -2,8 +2,8 @@
 //!
 //! Units: m, rad, N, N m, s.
 
-use nalgebra::Vector3;
 use crate::scene::robot::LoopType;
+use nalgebra::Vector3;
 
 /// A link of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

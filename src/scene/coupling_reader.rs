@@ -3,7 +3,6 @@
 use crate::scene::coupling::{
     JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
 };
-use toml::Spanned;
 use crate::scene::error::{Element, Problem, SceneError, Warning};
 use crate::scene::numbers::unit;
 use crate::scene::robot::LoopType;
@@ -11,6 +10,7 @@ use crate::scene::scene::SceneRobot;
 use crate::scene::scene_schema::{EndTable, Finite, LoadTable, LoopTable, NotNegative, SpringTable, vector};
 use crate::scene::schema::WORLD_LINK;
 use crate::scene::toml_text::TomlText;
+use toml::Spanned;
 
 /// What all tables need.
 pub(crate) struct CouplingReader<'r> {

@@ -1,8 +1,8 @@
 //! Errors and warnings about the input: each names the file, the line, and the link or joint.
 
+use crate::mechanism::ground::words::counted;
 use std::fmt;
 use std::path::PathBuf;
-use crate::mechanism::ground::words::counted;
 
 /// The part of a robot or scene that a message is about.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

@@ -1,10 +1,10 @@
 //! Finds the mesh files of a robot; the ones that are missing are reported once for each package or folder.
 
-use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
 use crate::scene::element::CleanElement;
 use crate::scene::error::{Element, Warning};
 use crate::scene::package_path::{PackagePath, Resolved};
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
 
 /// The mesh files that were found, by the name the URDF gives them.
 #[derive(Default)]

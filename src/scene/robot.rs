@@ -2,10 +2,10 @@
 //!
 //! Units: m, rad, kg, kg m², N m. A [`Pose`] `X` places a child frame in its parent: `p_parent = X p_child`.
 
-use nalgebra::{IsometryMatrix3, Matrix3, Vector3};
-use std::path::PathBuf;
 use crate::scene::error::Warning;
 use crate::scene::schema::WORLD_LINK;
+use nalgebra::{IsometryMatrix3, Matrix3, Vector3};
+use std::path::PathBuf;
 
 /// A rigid placement: rotation matrix and translation (m).
 pub type Pose = IsometryMatrix3<f64>;

@@ -1,10 +1,10 @@
 //! A scene as it was read: robots, what couples them, and how to run them.
 
-use nalgebra::Vector3;
-use std::path::PathBuf;
 use crate::scene::coupling::{SceneLoad, SceneLoop, SceneSpring};
 use crate::scene::error::Warning;
 use crate::scene::robot::{Pose, Robot};
+use nalgebra::Vector3;
+use std::path::PathBuf;
 /// A scene, validated: every number is finite and every name refers to something.
 #[derive(Clone, Debug)]
 pub struct Scene {

@@ -12,10 +12,6 @@
 //! Units: m, rad, s, kg, N. Links and joints are called `robot/name`; where there is one robot, `name` is enough. The link
 //! `world` is the world. Names are resolved here; where links are is for the model to find out.
 
-use nalgebra::{Rotation3, Translation3};
-use std::collections::BTreeMap;
-use std::path::Path;
-use toml::Spanned;
 use crate::scene::coupling_reader::CouplingReader;
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::package_path::PackagePath;
@@ -26,6 +22,10 @@ use crate::scene::schema::WORLD_LINK;
 use crate::scene::text::read_text;
 use crate::scene::toml_text::TomlText;
 use crate::scene::urdf::read_urdf;
+use nalgebra::{Rotation3, Translation3};
+use std::collections::BTreeMap;
+use std::path::Path;
+use toml::Spanned;
 
 /// Reads and validates a scene file and the URDF files it names.
 ///

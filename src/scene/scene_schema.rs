@@ -1,11 +1,11 @@
 //! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` says what they mean.
 
+use crate::scene::robot::LoopType;
 use nalgebra::Vector3;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
 use std::collections::BTreeMap;
 use std::fmt;
 use toml::Spanned;
-use crate::scene::robot::LoopType;
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]

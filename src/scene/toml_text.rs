@@ -1,10 +1,10 @@
 //! A TOML file as messages need it: the line and the key of every byte.
 
+use crate::scene::error::{Element, Problem, SceneError};
 use serde::de::DeserializeOwned;
 use std::ops::Range;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
-use crate::scene::error::{Element, Problem, SceneError};
 
 /// The text of a TOML file.
 pub(crate) struct TomlText<'t> {

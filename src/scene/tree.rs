@@ -3,12 +3,12 @@
 //! A world that only joints mention (`<parent link="world"/>` without `<link name="world">`, as Drake and
 //! RigidBodyDynamics.jl write it) is a root too.
 
-use std::collections::HashMap;
-use std::path::Path;
 use crate::scene::clean::error_at;
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::robot::{Link, UrdfJoint};
 use crate::scene::schema::WORLD_LINK;
+use std::collections::HashMap;
+use std::path::Path;
 
 /// The root link; `None` is an undeclared world.
 pub(crate) fn find_root(

@@ -1,9 +1,9 @@
 //! What a URDF says that is not simulated: one warning for each kind of thing, never silence.
 
-use std::path::Path;
 use crate::scene::clean::Ignored;
 use crate::scene::error::Warning;
 use crate::scene::robot::{Link, UrdfJoint, UrdfJointKind};
+use std::path::Path;
 
 /// The warnings about a robot's joints, shapes, and elements nobody reads.
 pub(crate) fn unsimulated(file: &Path, links: &[Link], joints: &[UrdfJoint], ignored: &[Ignored]) -> Vec<Warning> {

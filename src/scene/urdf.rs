@@ -1,6 +1,5 @@
 //! Reads a URDF into a [`Robot`].
 
-use std::path::Path;
 use crate::scene::clean::{Cleaned, clean, error_at};
 use crate::scene::convert::Converter;
 use crate::scene::element::CleanElement;
@@ -12,6 +11,7 @@ use crate::scene::schema::ROBOT;
 use crate::scene::text::{XmlText, read_text};
 use crate::scene::tree::find_root;
 use crate::scene::unsimulated::unsimulated;
+use std::path::Path;
 
 const JOINT_TYPES: [&str; 7] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"];
 

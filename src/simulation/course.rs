@@ -1,16 +1,17 @@
 //! A run as it goes along: steps, samples inside them, and what is shown to whom.
 
-use cpu_time::ThreadTime;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, StepError};
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::simulation::observer::show;
 use crate::simulation::summary::Bookkeeper;
 use crate::simulation::{Observer, ObserverError, Sample, Summary};
+use cpu_time::ThreadTime;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// What to run and how to watch it.
 pub struct RunOptions<'o> {
@@ -47,10 +48,24 @@ pub fn run(
     observers: &mut [&mut dyn Observer],
 ) -> (Summary, Result<(), RunError>) {
     let mut course = Course::new(mechanism, state, options.duration, options.rate);
-    let ended = course
-        .begin(observers)
-        .and_then(|()| course.proceed(mechanism, state, integrator, f64::INFINITY, options.interrupt, observers));
+    let ended = course.begin(observers).and_then(|()| {
+        course.proceed(mechanism, Inputs::NONE, state, integrator, Aim::END, options.interrupt, observers)
+    });
     (course.summary(), ended)
+}
+
+/// Where a run goes before it is halted.
+#[derive(Clone, Copy)]
+pub(crate) struct Aim {
+    /// Until a step ends at or after this time (s).
+    pub horizon: f64,
+    /// No step ends after this time (s), and one ends exactly there.
+    pub until: f64,
+}
+
+impl Aim {
+    /// To the end of the run.
+    pub const END: Aim = Aim { horizon: f64::INFINITY, until: f64::INFINITY };
 }
 
 /// A run that can be halted between steps and taken up again.
@@ -104,40 +119,52 @@ impl Course {
         self.show(self.start, observers)
     }
 
-    /// Makes steps from `state`, where the last call left it, until one ends at or after `horizon` or at the end of the run.
+    /// The next sample is the first after `time` (s), of a part of the run that begins to move only then.
+    pub(crate) fn skip_to(&mut self, time: f64) {
+        while self.sample_time(self.sampled) <= time && self.sample_time(self.sampled) < self.end {
+            self.sampled += 1;
+        }
+    }
+
+    /// Makes steps under these inputs from `state`, where the last call left it, as far as the aim or to the end of the run.
+    #[expect(clippy::too_many_arguments, reason = "what is constant, what changes and who watches are apart")]
     pub(crate) fn proceed(
         &mut self,
         mechanism: &Mechanism,
+        inputs: Inputs,
         state: &mut State,
         integrator: &mut dyn Integrator,
-        horizon: f64,
+        aim: Aim,
         interrupt: Option<&AtomicBool>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), RunError> {
         let (processor, wall) = (ThreadTime::now(), Instant::now());
         self.solving = Duration::ZERO;
-        let ended = self.steps(mechanism, state, integrator, horizon, interrupt, observers);
+        let ended = self.steps(mechanism, inputs, state, integrator, aim, interrupt, observers);
         let share = self.solving.as_secs_f64() / wall.elapsed().as_secs_f64().max(f64::MIN_POSITIVE);
         self.bookkeeper.summary.solve_cpu_seconds += share.min(1.0) * processor.elapsed().as_secs_f64();
         ended
     }
 
     /// [`Course::proceed`], with the time spent in the integrator added to `solving`.
+    #[expect(clippy::too_many_arguments, reason = "what is constant, what changes and who watches are apart")]
     fn steps(
         &mut self,
         mechanism: &Mechanism,
+        inputs: Inputs,
         state: &mut State,
         integrator: &mut dyn Integrator,
-        horizon: f64,
+        aim: Aim,
         interrupt: Option<&AtomicBool>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), RunError> {
-        while state.time < self.end && state.time < horizon {
+        let end = self.end.min(aim.until);
+        while state.time < end && state.time < aim.horizon {
             if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
                 return Err(RunError::Interrupted { time: state.time });
             }
             let clock = Instant::now();
-            let outcome = integrator.advance(mechanism, state, self.end);
+            let outcome = integrator.step(mechanism, inputs, state, end);
             self.solving += clock.elapsed();
             let outcome = outcome?;
             place_bodies(mechanism, state, &mut self.bodies);
@@ -163,6 +190,6 @@ impl Course {
 
     fn show(&self, time: f64, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         let Course { position, velocity, .. } = self;
-        show(observers, &Sample { time, position, velocity, step: &self.bookkeeper.last })
+        show(observers, &Sample { time, position, velocity, step: &self.bookkeeper.last }).map_err(RunError::Observer)
     }
 }

@@ -1,16 +1,20 @@
 //! One island of a run: its own loop, and what it has shown until the others have come as far.
 
-use std::collections::VecDeque;
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::Island;
+use crate::simulation::course::Aim;
 use crate::simulation::{Course, Observer, ObserverError, RunError, RunOptions, Sample, StepEnd};
 use crate::stepping::integrator::Lobatto;
+use std::collections::VecDeque;
 
 /// An island and how it is run.
 pub(crate) struct Part {
     pub(crate) island: Island,
     pub(crate) state: State,
+    /// Efforts that drive its joints from outside [N m or N]; none, or one a degree of freedom.
+    pub(crate) efforts: Vec<f64>,
     /// `None` if it sleeps.
     pub(crate) awake: Option<Lobatto>,
     pub(crate) course: Option<Course>,
@@ -60,6 +64,7 @@ impl Part {
         Part {
             state: island.state(whole),
             island,
+            efforts: Vec::new(),
             awake: None,
             course: None,
             shown: Shown::default(),
@@ -88,12 +93,14 @@ impl Part {
         Ok(())
     }
 
-    /// Makes steps until one ends at or after `horizon`; a failure is kept.
-    pub(crate) fn proceed(&mut self, horizon: f64, options: &RunOptions) {
-        let Part { island, state, awake: Some(lobatto), course: Some(course), shown, failed, .. } = self else {
+    /// Makes steps as far as the aim; a failure is kept.
+    pub(crate) fn proceed(&mut self, aim: Aim, options: &RunOptions) {
+        let Part { island, state, efforts, awake: Some(lobatto), course: Some(course), shown, failed, .. } = self
+        else {
             return;
         };
-        let ended = course.proceed(&island.mechanism, state, lobatto, horizon, options.interrupt, &mut [shown]);
+        let inputs = Inputs { efforts };
+        let ended = course.proceed(&island.mechanism, inputs, state, lobatto, aim, options.interrupt, &mut [shown]);
         *failed = ended.err();
     }
 

@@ -12,21 +12,24 @@
 //! many threads as there are. An island sees neither the windows nor the others, and the order of putting together is that of time
 //! and number; so every result is the same, bit for bit, whatever the windows and the number of threads.
 
-use std::time::Instant;
 use crate::instant::rest::is_at_rest;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::energy::energy_with_forces;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{FrequencyStep, Integrator, MethodDescription};
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::{Island, islands};
 use crate::mechanism::structure::plane::Plane;
+use crate::simulation::course::Aim;
 use crate::simulation::island::{Part, first_error, frontier};
 use crate::simulation::merged::Whole;
+use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::{Threads, spread};
 use crate::simulation::{Observer, RunError, RunOptions, Summary};
 use crate::stepping::integrator::Lobatto;
+use std::time::Instant;
 
 /// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
 const WINDOW: f64 = 0.02;
@@ -155,12 +158,19 @@ fn groups(islands: Vec<Island>, smallest: usize) -> Vec<Vec<Island>> {
 pub struct Islands {
     parts: Vec<Part>,
     threads: Threads,
+    /// The window of simulated time that the islands advance in at once, and what the last one took on the wall (s).
+    window: f64,
+    took: f64,
+    kept: Vec<Rule>,
 }
 
 /// What a run did, for the report.
-pub struct IslandFigures<'i> {
-    /// The island.
-    pub island: &'i Island,
+#[derive(Clone, Debug)]
+pub struct IslandFigures {
+    /// The bodies of it that hang on the world.
+    pub roots: Vec<String>,
+    /// Number of its bodies.
+    pub bodies: usize,
     /// How it was integrated; `None` if it slept.
     pub method: Option<MethodDescription>,
     /// Accepted steps.
@@ -185,6 +195,7 @@ impl Islands {
         expected: f64,
         make: impl Fn(&Mechanism, &State) -> Result<(Lobatto, N), E> + Sync,
     ) -> Result<(Self, Vec<N>), E> {
+        let kept = plan.kept;
         let mut jobs: Vec<Job<N, E>> =
             plan.islands.into_iter().map(|(island, asleep)| (Part::new(island, state), asleep, None)).collect();
         spread(&mut jobs, threads.for_work_of(expected), |(part, asleep, note)| {
@@ -204,7 +215,7 @@ impl Islands {
             }
             parts.push(part);
         }
-        Ok((Islands { parts, threads }, notes))
+        Ok((Islands { parts, threads, window: 0.0, took: 0.0, kept }, notes))
     }
 
     /// What the islands that are awake are integrated with, together; `None` if all sleep.
@@ -236,9 +247,10 @@ impl Islands {
     }
 
     /// What each island did.
-    pub fn figures(&self) -> impl Iterator<Item = IslandFigures<'_>> {
+    pub fn figures(&self) -> impl Iterator<Item = IslandFigures> {
         self.parts.iter().map(|part| IslandFigures {
-            island: &part.island,
+            roots: part.island.roots().map(str::to_string).collect(),
+            bodies: part.island.mechanism.bodies.len(),
             method: part.awake.as_ref().map(Integrator::description),
             steps: part.steps,
             iterations: part.iterations,
@@ -257,54 +269,121 @@ impl Islands {
         observers: &mut [&mut dyn Observer],
     ) -> (Summary, Result<(), RunError>) {
         let mut whole = Whole::new(mechanism, state, options);
-        self.parts.iter_mut().for_each(|part| part.state = part.island.state(state));
-        let ended = self.drive(mechanism, options, observers, &mut whole);
+        let ended = self
+            .begin_with(mechanism, state, options, observers, &mut whole)
+            .and_then(|()| self.proceed(mechanism, f64::INFINITY, options, observers, &mut whole));
+        self.settle(mechanism, state, &mut whole, ended.is_ok());
+        (whole.summary, ended)
+    }
+
+    /// Begins a run from a state, and shows it.
+    pub(crate) fn begin(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &State,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<Whole, RunError> {
+        let mut whole = Whole::new(mechanism, state, options);
+        self.begin_with(mechanism, state, options, observers, &mut whole)?;
+        Ok(whole)
+    }
+
+    fn begin_with(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &State,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+        whole: &mut Whole,
+    ) -> Result<(), RunError> {
+        // At first one step each: nobody knows yet how long that takes.
+        (self.window, self.took) = (0.0, 0.0);
+        for part in &mut self.parts {
+            part.state = part.island.state(state);
+            part.begin(options.duration, sampling_rate(options))?;
+        }
+        let mut awake = awake(&mut self.parts);
+        if awake.is_empty() {
+            return whole.show(mechanism, observers);
+        }
+        whole.take(mechanism, &mut awake, observers)
+    }
+
+    /// Hands each island the efforts on its joints, and wakes those that slept until something drove them.
+    pub(crate) fn wake(
+        &mut self,
+        inputs: Inputs,
+        choice: StepChoice,
+        whole: &Whole,
+        options: &RunOptions,
+    ) -> Result<(), RunError> {
+        for part in &mut self.parts {
+            let of_part = part.island.pieces.iter().map(|piece| piece.velocities.clone());
+            part.efforts.clear();
+            if !inputs.is_none() {
+                of_part.for_each(|freedoms| part.efforts.extend_from_slice(&inputs.efforts[freedoms]));
+            }
+            let driven = part.efforts.iter().any(|&effort| effort != 0.0);
+            if part.awake.is_none() && driven {
+                let Ok(lobatto) = choice.integrator(&part.island.mechanism) else { continue };
+                part.awake = Some(lobatto.keeping(&part.island.mechanism, &self.kept));
+                part.state.time = whole.start;
+                part.begin(options.duration, sampling_rate(options))?;
+                part.shown.samples.clear();
+                part.state.time = whole.state.time;
+                if let Some(course) = &mut part.course {
+                    course.skip_to(whole.state.time);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves `state` to where the run is: to where all islands are, or, if it has ended early, to the last sample that all have reached.
+    pub(crate) fn settle(&mut self, mechanism: &Mechanism, state: &mut State, whole: &mut Whole, together: bool) {
         let times = self.parts.iter().filter_map(|part| Some(part.course.as_ref()?.summary().solve_cpu_seconds));
         // A sum of nothing would be −0.
         whole.summary.solve_cpu_seconds = times.fold(0.0, |sum, time| sum + time);
-        if ended.is_ok() {
+        if together {
             for Part { island, state: own, .. } in &self.parts {
                 island.put(&own.position, &mut state.position, |piece| &piece.positions);
                 island.put(&own.compensation, &mut state.compensation, |piece| &piece.positions);
                 island.put(&own.velocity, &mut state.velocity, |piece| &piece.velocities);
             }
-            state.time = whole.end;
+            let moving = self.parts.iter().filter(|part| part.awake.is_some()).map(|part| part.state.time);
+            state.time = moving.reduce(f64::min).unwrap_or(whole.state.time);
         } else {
             state.copy_from(&whole.state);
         }
         place_bodies(mechanism, state, &mut whole.bodies);
         whole.summary.final_energy = energy_with_forces(mechanism, &state.position, &whole.bodies);
-        (whole.summary, ended)
     }
 
-    fn drive(
+    /// Makes steps until all islands are at `until` (s) or at the end of the run, and shows the whole to the observers.
+    pub(crate) fn proceed(
         &mut self,
         mechanism: &Mechanism,
+        until: f64,
         options: &RunOptions,
         observers: &mut [&mut dyn Observer],
         whole: &mut Whole,
     ) -> Result<(), RunError> {
-        let rate = options.rate.unwrap_or(CHECKPOINTS / options.duration);
-        for part in &mut self.parts {
-            part.begin(options.duration, rate)?;
-        }
-        let mut awake: Vec<&mut Part> = self.parts.iter_mut().filter(|part| part.awake.is_some()).collect();
+        let mut awake = awake(&mut self.parts);
         if awake.is_empty() {
-            return whole.show_rest(mechanism, options, observers);
+            return whole.show_rest(mechanism, until, options, observers);
         }
-        whole.take(mechanism, &mut awake, observers)?;
-        // At first one step each: nobody knows yet how long that takes.
-        let (mut window, mut took) = (0.0_f64, 0.0);
-        while frontier(&awake) < whole.end {
+        let end = whole.end.min(until);
+        while frontier(&awake) < end {
             let begin = frontier(&awake);
-            let horizon = (begin + window).max(begin.next_up());
+            let aim = Aim { horizon: (begin + self.window).max(begin.next_up()), until };
             let clock = Instant::now();
-            let threads = self.threads.for_work_of(took);
+            let threads = self.threads.for_work_of(self.took);
             // The largest first, so that none of them is left for the end.
             awake.sort_by_key(|part| std::cmp::Reverse(part.island.mechanism.bodies.len()));
-            spread(&mut awake, threads, |part| part.proceed(horizon, options));
+            spread(&mut awake, threads, |part| part.proceed(aim, options));
             awake.sort_by_key(|part| part.island.pieces.first().map(|piece| piece.bodies.start));
-            took = clock.elapsed().as_secs_f64();
+            self.took = clock.elapsed().as_secs_f64();
             whole.take(mechanism, &mut awake, observers)?;
             if let Some(error) = first_error(&mut awake) {
                 return Err(match error {
@@ -312,8 +391,18 @@ impl Islands {
                     error => error,
                 });
             }
-            window = window.max(frontier(&awake) - begin) * (WINDOW / took).clamp(0.25, 4.0);
+            self.window = self.window.max(frontier(&awake) - begin) * (WINDOW / self.took).clamp(0.25, 4.0);
         }
         Ok(())
     }
+}
+
+/// The islands that move.
+fn awake(parts: &mut [Part]) -> Vec<&mut Part> {
+    parts.iter_mut().filter(|part| part.awake.is_some()).collect()
+}
+
+/// Samples of each island per simulated second.
+fn sampling_rate(options: &RunOptions) -> f64 {
+    options.rate.unwrap_or(CHECKPOINTS / options.duration)
 }

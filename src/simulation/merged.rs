@@ -1,6 +1,5 @@
 //! The run of the whole, put together from those of the islands in order of time.
 
-use std::sync::atomic::Ordering;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
@@ -11,10 +10,11 @@ use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::simulation::island::{Part, frontier};
 use crate::simulation::{Counts, Observer, RunError, RunOptions, Sample, StepEnd, Summary, show};
+use std::sync::atomic::Ordering;
 
 /// The run of the whole, put together from those of the islands.
 pub(crate) struct Whole {
-    start: f64,
+    pub(crate) start: f64,
     pub(crate) end: f64,
     /// Whether samples inside the run are wanted.
     sampled: bool,
@@ -33,6 +33,8 @@ pub(crate) struct Whole {
     steps_before: usize,
     /// Steps to be taken, with the numbers of their islands.
     waiting: Vec<(StepEnd, usize)>,
+    /// Samples after the first that were shown while nothing moved.
+    rested: u64,
 }
 
 impl Whole {
@@ -59,6 +61,7 @@ impl Whole {
             since: StepOutcome::default(),
             steps_before: 0,
             waiting: Vec::new(),
+            rested: 0,
         }
     }
 
@@ -126,7 +129,7 @@ impl Whole {
     }
 
     /// Shows the last sample, if it is wanted, with the figures of its instant.
-    fn show(&mut self, mechanism: &Mechanism, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
+    pub(crate) fn show(&mut self, mechanism: &Mechanism, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         let time = self.state.time;
         let wanted = self.sampled || time == self.start || time == self.end;
         if observers.is_empty() || !wanted {
@@ -144,24 +147,30 @@ impl Whole {
             so_far: Counts { steps, iterations, rejected },
         };
         let State { position, velocity, .. } = &self.state;
-        show(observers, &Sample { time, position, velocity, step: &step })
+        show(observers, &Sample { time, position, velocity, step: &step }).map_err(RunError::Observer)
     }
 
-    /// Shows a run in which nothing moves.
+    /// Shows a run in which nothing moves, up to `until` (s).
     pub(crate) fn show_rest(
         &mut self,
         mechanism: &Mechanism,
+        until: f64,
         options: &RunOptions,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), RunError> {
-        self.show(mechanism, observers)?;
-        let mut samples = 0_u64;
-        while self.state.time < self.end {
+        let end = self.end.min(until);
+        while self.state.time < end {
             if options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
                 return Err(RunError::Interrupted { time: self.state.time });
             }
-            samples += 1;
-            self.state.time = options.rate.map_or(self.end, |rate| (self.start + samples as f64 / rate).min(self.end));
+            let next =
+                options.rate.map_or(self.end, |rate| (self.start + (self.rested + 1) as f64 / rate).min(self.end));
+            if next > end {
+                self.state.time = end;
+                return Ok(());
+            }
+            self.rested += 1;
+            self.state.time = next;
             self.show(mechanism, observers)?;
         }
         Ok(())

@@ -6,16 +6,23 @@
 
 pub mod accuracy;
 mod course;
+mod integrators;
 pub mod island;
 pub mod islands;
 pub mod merged;
 mod observer;
+#[expect(clippy::module_inception, reason = "the run is the one object of this floor")]
+mod simulation;
+mod step_choice;
 mod summary;
 pub mod threads;
 pub mod trial_run;
 
 pub(crate) use course::Course;
 pub use course::{RunError, RunOptions, run};
+pub use integrators::SimulationError;
 pub(crate) use observer::show;
 pub use observer::{Counts, Observer, ObserverError, Sample, StepEnd};
+pub use simulation::{Finished, InputError, Simulation, SimulationOptions};
+pub use step_choice::StepChoice;
 pub use summary::Summary;

@@ -4,7 +4,6 @@ use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::energy::{Energy, Violation};
 
 use crate::mechanism::motion::integrator::StepOutcome;
-use crate::simulation::RunError;
 
 /// The mechanism at one sampled instant.
 pub struct Sample<'s> {
@@ -62,6 +61,6 @@ pub trait Observer {
 }
 
 /// Shows a sample to every observer.
-pub(crate) fn show(observers: &mut [&mut dyn Observer], sample: &Sample) -> Result<(), RunError> {
-    observers.iter_mut().try_for_each(|observer| observer.sample(sample)).map_err(RunError::Observer)
+pub(crate) fn show(observers: &mut [&mut dyn Observer], sample: &Sample) -> Result<(), ObserverError> {
+    observers.iter_mut().try_for_each(|observer| observer.sample(sample))
 }

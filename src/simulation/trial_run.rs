@@ -1,6 +1,5 @@
 //! A run that is made only to be compared with another.
 
-use nalgebra::Vector3;
 use crate::lobatto::numbers::lanes::Isa;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::distance::{distance, probes};
@@ -8,6 +7,7 @@ use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::stepping::integrator::Lobatto;
 use crate::stepping::stage_choice::StageChoice;
+use nalgebra::Vector3;
 
 /// Why there is no calibration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

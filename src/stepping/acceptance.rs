@@ -182,11 +182,11 @@ impl Control {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Vector3;
     use crate::lobatto::numbers::lanes::Isa;
     use crate::mechanism::description::joint::{Joint, JointKind, Pose};
     use crate::mechanism::description::mechanism::{Body, Mechanism};
     use crate::stepping::stage_choice::StageChoice;
+    use nalgebra::Vector3;
 
     fn control() -> Control {
         let joint = Joint::new("hinge", JointKind::Revolute, Pose::identity(), Pose::translation(0.0, 0.0, 0.5));

@@ -151,6 +151,12 @@ impl Control {
         }
     }
 
+    /// Takes note of other forces.
+    pub fn meet(&mut self, mechanism: &Mechanism) {
+        self.telling = mechanism.forces.is_empty();
+        self.patience = if mechanism.is_plain_tree() { PATIENCE } else { 0 };
+    }
+
     /// Forgets the motion: the next step starts from something else.
     pub fn forget(&mut self) {
         self.memory = Memory::default();

@@ -21,7 +21,6 @@
 //!
 //! and in time the same line, differentiated as it stands, gives the rates of the accelerations.
 
-use nalgebra::{Matrix3, Vector3};
 use crate::lobatto::numbers::algebra::{Matrix, Symmetric, Vector};
 use crate::lobatto::numbers::lanes::Lanes;
 use crate::lobatto::plan::tree::{BodyPlan, Plan};
@@ -30,6 +29,7 @@ use crate::lobatto::stages::articulated::{Articulated, Eliminated, Push};
 use crate::lobatto::stages::start::{BodyStart, Start};
 use crate::lobatto::vectors::portable::Portable;
 use crate::mechanism::forces::total::BodyWrench;
+use nalgebra::{Matrix3, Vector3};
 
 /// One number where the step has a lane for each stage.
 type Scalar = Portable<1>;

@@ -12,6 +12,7 @@ use crate::lobatto::tableau::butcher::{Tableau, TableauError};
 use crate::lobatto::tableau::dense::DenseRule;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::stepping::control::Control;
@@ -49,6 +50,8 @@ pub struct Lobatto {
     isa: Isa,
     /// Whether steps are solved to 32 digits.
     precise: bool,
+    /// Rules that leave nothing out.
+    kept: Vec<Rule>,
     dense: DenseRule,
     /// Room for what dense output sums over the stages.
     dense_sums: Vec<[f64; 2]>,
@@ -190,6 +193,7 @@ impl Lobatto {
             mode,
             isa,
             precise: false,
+            kept: Vec::new(),
         };
         lobatto.prepare(mechanism);
         lobatto
@@ -214,13 +218,53 @@ impl Lobatto {
                 step_for(mechanism, tableau, self.isa, switched_off)
             });
             self.prepare(mechanism);
+            self.kept = switched_off.to_vec();
         }
         self
     }
 }
 
+impl Lobatto {
+    /// Makes a kernel for what acts now.
+    fn renew(&mut self, mechanism: &Mechanism, inputs: Inputs, time: f64) -> Result<(), StepError> {
+        let now = self.stepper.learn(mechanism, inputs);
+        let tableau = self.stepper.tableau;
+        let kernel = match &mut self.mode {
+            _ if self.precise && !now.is_plain_tree() => {
+                return Err(StepError::NotPlain { time, method: "steps with 32 digits" });
+            }
+            Mode::Reversible(_) if !now.is_plain_tree() => {
+                return Err(StepError::NotPlain { time, method: "reversible steps" });
+            }
+            _ if self.precise => precise_step_for(&now, tableau, &self.kept),
+            Mode::Chosen(control) => {
+                control.meet(&now);
+                step_for(&now, tableau, self.isa, &self.kept)
+            }
+            Mode::Fixed(_) | Mode::Reversible(_) => step_for(&now, tableau, self.isa, &self.kept),
+        };
+        self.stepper.replace_kernel(kernel);
+        self.prepare(&now);
+        Ok(())
+    }
+}
+
 impl Integrator for Lobatto {
-    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        if !self.stepper.knows(mechanism, inputs) {
+            self.renew(mechanism, inputs, state.time)?;
+        }
+        let driven = self.stepper.driven();
+        let mechanism = driven.as_deref().unwrap_or(mechanism);
+        if mechanism.forces.driven {
+            self.stepper.kernel.drive(inputs.efforts);
+        }
         if self.stepper.meet(mechanism, state) {
             match &mut self.mode {
                 Mode::Fixed(fixed) => fixed.begin_at(state.time),

@@ -7,10 +7,10 @@
 //!     (ω_p × z)·T + z·Ṫ = 0,          (ω_p × t)·F + t·Ḟ = 0
 //! ```
 
-use nalgebra::Vector3;
 use crate::lobatto::plan::tree::Plan;
 use crate::lobatto::stages::start::Start;
 use crate::stepping::dynamics::{Dynamics, joint_motion, spin_inertia};
+use nalgebra::Vector3;
 
 impl Dynamics {
     /// Writes the time derivative of [`Dynamics::accelerations`].

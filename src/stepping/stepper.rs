@@ -9,13 +9,17 @@
 use crate::lobatto::stages::attempt::{Attempt, Guess};
 use crate::lobatto::step::step::Step;
 use crate::lobatto::tableau::butcher::Tableau;
+use crate::mechanism::description::forces::Forces;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{SingularPosition, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::stepping::modes::Modes;
 use crate::stepping::pace::Pace;
 use crate::stepping::sampling::LastStep;
 use crate::stepping::watch::{FIRST_LOOK, Watch};
+use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// Whatever makes a step shorter does so at most this often before it gives up.
 pub(crate) const HALVINGS: u32 = 14;
@@ -73,6 +77,26 @@ pub(crate) struct Stepper {
     stepped_time: f64,
     /// What the last step left behind; anything else means that somebody moved the state.
     left_at: Option<f64>,
+    /// What acts, as far as the kernel knows.
+    outside: Outside,
+}
+
+/// What acts on a mechanism, as a kernel was made for it.
+struct Outside {
+    gravity: Vector3<f64>,
+    forces: Forces,
+    /// The mechanism with forces that are driven, once efforts have been handed to a step.
+    driven: Option<Arc<Mechanism>>,
+}
+
+impl Outside {
+    fn new(mechanism: &Mechanism) -> Self {
+        Outside { gravity: mechanism.gravity, forces: mechanism.forces.clone(), driven: None }
+    }
+
+    fn is_that_of(&self, mechanism: &Mechanism) -> bool {
+        self.gravity == mechanism.gravity && self.forces == mechanism.forces
+    }
 }
 
 impl Stepper {
@@ -90,6 +114,7 @@ impl Stepper {
             steps: 0,
             stepped_time: 0.0,
             left_at: None,
+            outside: Outside::new(mechanism),
         }
     }
 
@@ -97,6 +122,34 @@ impl Stepper {
     pub fn replace_kernel(&mut self, kernel: Box<dyn Step>) {
         self.kernel = kernel;
         self.left_at = None;
+    }
+
+    /// Whether the kernel knows all that acts now: it was made for this gravity and these forces, and for efforts if there are any.
+    pub fn knows(&self, mechanism: &Mechanism, inputs: Inputs) -> bool {
+        let driven = mechanism.forces.driven || self.outside.driven.is_some() || inputs.is_none();
+        driven && self.outside.is_that_of(mechanism)
+    }
+
+    /// What acts has changed: takes note of it, and returns the mechanism that a kernel is to be made for.
+    pub fn learn(&mut self, mechanism: &Mechanism, inputs: Inputs) -> Arc<Mechanism> {
+        let was_driven = self.outside.driven.is_some();
+        self.outside = Outside::new(mechanism);
+        let mut now = mechanism.clone();
+        if was_driven || !inputs.is_none() {
+            now.forces.driven = true;
+        }
+        let now = Arc::new(now);
+        if now.forces.driven && !mechanism.forces.driven {
+            self.outside.driven = Some(now.clone());
+        }
+        self.watch = Watch::new(self.tableau, !now.forces.is_empty());
+        self.modes = Modes::new(&now);
+        now
+    }
+
+    /// The mechanism as the kernel knows it, if that is not the one that the caller has.
+    pub fn driven(&self) -> Option<Arc<Mechanism>> {
+        self.outside.driven.clone()
     }
 
     /// Starts anew where the state is not what the last step left; returns whether that was so.

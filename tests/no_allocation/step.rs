@@ -3,6 +3,7 @@
 use crate::{closed, models};
 use allocation_counter::measure;
 use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::motion::inputs::Inputs;
 use catena::mechanism::motion::integrator::Integrator;
 use catena::stepping::integrator::Lobatto;
 
@@ -40,6 +41,27 @@ fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_l
             // The second is what was allocated less what was freed.
             let counts = (change.count_total, change.count_current);
             assert_eq!(counts, (0, 0), "{}, {:?}: {change:?}", mechanism.name, lobatto.description());
+        }
+    }
+}
+
+#[test]
+fn a_step_that_is_driven_from_outside_allocates_nothing() {
+    for model in [models::floating_tree(), models::planar_chain(4)] {
+        let mechanism = &model.mechanism;
+        for mut lobatto in [Lobatto::fixed(mechanism, 5, 0.01).unwrap(), Lobatto::adaptive(mechanism, 1e-6)] {
+            let mut state = model.state.clone();
+            let mut efforts = vec![0.1; mechanism.velocity_count];
+            // The first step makes the kernel that knows efforts.
+            lobatto.step(mechanism, Inputs { efforts: &efforts }, &mut state, f64::INFINITY).unwrap();
+            lobatto.step(mechanism, Inputs { efforts: &efforts }, &mut state, f64::INFINITY).unwrap();
+            let change = measure(|| {
+                for _ in 0..50 {
+                    efforts[0] += 0.01;
+                    lobatto.step(mechanism, Inputs { efforts: &efforts }, &mut state, f64::INFINITY).unwrap();
+                }
+            });
+            assert_eq!((change.count_total, change.count_current), (0, 0), "{}: {change:?}", mechanism.name);
         }
     }
 }

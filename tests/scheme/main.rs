@@ -12,6 +12,7 @@ mod models;
 mod chord;
 mod first_iterations;
 mod forces;
+mod inputs;
 mod invariants;
 mod literal_equality;
 mod literal_scheme;

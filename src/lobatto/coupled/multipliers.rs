@@ -1,9 +1,9 @@
 //! The closures' side of the coupled system: what the multipliers push with, and rates.
 
-use std::ops::Range;
 use crate::coupled::system::{Coupled, Geometry};
 use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::TWIST;
+use std::ops::Range;
 
 impl<V: Lanes> Coupled<V> {
     /// Starts a step: all multipliers from zero.

@@ -7,7 +7,6 @@
 //!
 //! The proximal term of the solve leaves a part ε of every gap, so that it is repeated, with the same factors, until nothing is left.
 
-use nalgebra::Vector3;
 use crate::coupled::space::Space;
 use crate::coupled::system::{Coupled, Geometry, One, PROXIMAL};
 use crate::numbers::lanes::Lanes;
@@ -15,6 +14,7 @@ use crate::plan::tree::Plan;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
+use nalgebra::Vector3;
 
 /// The number in the only lane.
 fn one(value: One) -> f64 {

@@ -9,7 +9,6 @@
 //!
 //! about the common origin, x the centre of mass [m]; newton.md §4c of the project's method pages.
 
-use std::ops::Range;
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::system::{Geometry, Mixing, Screw};
 use crate::equations::loops::{EndStart, Equation, EquationValue, Moved, equations, evaluate};
@@ -24,6 +23,7 @@ use catena_mechanism::description::closure::Attachment;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
+use std::ops::Range;
 
 /// Where bodies and closures are in space.
 pub struct Space<V> {

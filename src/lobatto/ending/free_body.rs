@@ -49,7 +49,6 @@ impl<E: Arithmetic> Ending<E> {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Rotation3, Translation3, Vector3};
     use crate::ending::velocities::Ending;
     use crate::numbers::lanes::Lanes;
     use crate::plan::tree::Plan;
@@ -60,6 +59,7 @@ mod tests {
     use catena_mechanism::description::mechanism::{Body, Mechanism};
     use catena_mechanism::description::rules::Rule;
     use catena_mechanism::motion::state::State;
+    use nalgebra::{Rotation3, Translation3, Vector3};
 
     /// A body held by a frame that is neither at its centre of mass nor along its axes.
     fn thrown() -> Mechanism {

@@ -126,13 +126,13 @@ impl<E: Arithmetic<Real = f64>> Factors<E> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Rotation3, Translation3, Vector3};
     use crate::numbers::lanes::Lanes;
     use crate::tableau::butcher::Tableau;
     use crate::vectors::in_every_vector;
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
     use catena_mechanism::description::mechanism::{Body, Mechanism};
     use catena_mechanism::motion::state::State;
+    use nalgebra::{Rotation3, Translation3, Vector3};
 
     /// Every way in which a body can be eliminated, on frames that are aligned with nothing.
     fn every_kind_of_body() -> Mechanism {

@@ -60,6 +60,7 @@ impl<V: Lanes> Stages<V> {
                 work += self.step * powers.work;
             }
             if end {
+                work += applied.driven_work(&self.displacement, self.coefficients.active);
                 applied.exchange = Exchange { dissipated, work };
             }
             self.applied = Some(applied);
@@ -84,6 +85,9 @@ impl<V: Lanes> Applied<V> {
             self.efforts[freedom] = extension.neg_mul_add(V::splat(stiffness), self.efforts[freedom]);
         }
         for &(freedom, effort) in &self.plan.loads {
+            self.efforts[freedom] = self.efforts[freedom] + V::splat(effort);
+        }
+        for &(freedom, effort) in &self.plan.driven {
             self.efforts[freedom] = self.efforts[freedom] + V::splat(effort);
         }
         dissipated
@@ -120,7 +124,7 @@ impl<V: Lanes> Applied<V> {
             for (axis, direction) in axes.iter().enumerate() {
                 let rate = direction.dot(spin);
                 let braking = rate * V::splat(ball.coefficients[axis]);
-                let driving = V::splat(ball.efforts[axis]);
+                let driving = V::splat(ball.efforts[axis] + ball.driven[axis]);
                 torque = direction.times_plus(driving - braking, torque);
                 dissipated = braking.mul_add(rate, dissipated);
                 work = driving.mul_add(rate, work);

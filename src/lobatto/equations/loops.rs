@@ -12,13 +12,13 @@
 //!
 //! On a the arm is `P_b` too: the direction `u_a` turns with a, which makes up for the gap.
 
-use nalgebra::Vector3;
 use crate::numbers::algebra::{Matrix, Vector};
 use crate::numbers::lanes::Lanes;
 use crate::stages::start::Start;
 use catena_mechanism::description::closure::{Attachment, LoopKind};
 use catena_mechanism::forces::point_spring::NO_LENGTH;
 use catena_mechanism::ground::matrices::{product, times};
+use nalgebra::Vector3;
 
 /// One equation of a closure.
 #[derive(Clone, Copy, Debug, PartialEq)]

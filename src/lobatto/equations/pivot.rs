@@ -52,7 +52,6 @@ pub fn pivot_torque<V: Arithmetic, R: Rows<V>>(
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Rotation3, Translation3, Vector3};
     use crate::ending::velocities::Ending;
     use crate::numbers::lanes::Lanes;
     use crate::plan::tree::Plan;
@@ -63,6 +62,7 @@ mod tests {
     use catena_mechanism::description::mechanism::{Body, Mechanism};
     use catena_mechanism::description::rules::Rule;
     use catena_mechanism::motion::state::State;
+    use nalgebra::{Rotation3, Translation3, Vector3};
 
     /// Two bodies on the world, one of which carries another, on frames that are aligned with nothing.
     fn two_trees() -> Mechanism {

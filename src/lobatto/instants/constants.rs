@@ -1,8 +1,8 @@
 //! The constants of bodies and links, in the joint frames.
 
-use nalgebra::Matrix3;
 use catena_mechanism::description::joint::{JointKind, Pose, wxyz_from_rotation};
 use catena_mechanism::description::mechanism::Body;
+use nalgebra::Matrix3;
 
 /// A frame on a body's joint frame: translation (m) and unit quaternion.
 pub(crate) struct FixedFrame {

@@ -1,11 +1,11 @@
 //! Joint positions and velocities of the instants, in lanes.
 
-use std::f64::consts::FRAC_1_PI;
 use crate::instants::instants::Row;
 use crate::instants::quaternion::Quaternion;
 use crate::numbers::algebra::Vector;
 use crate::numbers::lanes::Lanes;
 use crate::numbers::series::half_angle;
+use std::f64::consts::FRAC_1_PI;
 
 /// 2π as a sum whose first two terms have 33 bits (Cody and Waite; the parts of π/2 are those of fdlibm's `e_rem_pio2.c`, times four).
 const TURN: [f64; 3] =

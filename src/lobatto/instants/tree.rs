@@ -13,7 +13,6 @@
 //!     n = n₀ + I δα + h × δa + Σ (n_c + r_c × f_c)        f = f₀ + m δa + δα × h + Σ f_c        over the children c
 //! ```
 
-use nalgebra::Vector3;
 use crate::instants::constants::{Constants, FixedFrame};
 use crate::instants::instants::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
 use crate::instants::joints::{Joints, lanes_of};
@@ -25,6 +24,7 @@ use crate::stages::articulated::{Articulated, Eliminated, Push};
 use catena_mechanism::description::joint::{FreeRotation, JointKind};
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::joint_efforts;
+use nalgebra::Vector3;
 
 /// Trees without forces on bodies, in lanes.
 pub struct LaneInstants<V> {

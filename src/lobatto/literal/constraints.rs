@@ -3,10 +3,10 @@
 //! A vector that is fixed in a body is an affine function of its coordinates `(x, R)`, and so is the place of a point; every
 //! row of g is a scalar product of two of them.
 
-use nalgebra::{DVector, Vector3};
 use crate::literal::coordinates::BODY_COORDINATES;
 use catena_mechanism::description::joint::{FreeRotation, Pose};
 use catena_mechanism::description::mechanism::Mechanism;
+use nalgebra::{DVector, Vector3};
 
 /// An affine function of the coordinates.
 #[derive(Clone, Debug)]

@@ -12,7 +12,6 @@
 //! Nothing here shares code with [`crate::equations::forces`], which it is the oracle for. A joint angle is taken between −π and π
 //! at the start of the step, because R¹² does not count turns.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use crate::literal::coordinates::{BODY_COORDINATES, body_states};
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::body_state::{BodyState, WORLD};
@@ -22,6 +21,7 @@ use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::point_spring::Line;
 use catena_mechanism::forces::total::scalar_coordinate;
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// The bodies at all stages of a step, the first of which is its start.
 struct Stages<'a> {

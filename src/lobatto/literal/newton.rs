@@ -9,8 +9,8 @@
 //! so that with `Â_ik = Σ_j a_ij ā_jk` their derivatives are `1 + h² Â_ik M⁻¹ ∂(Dg(Q_k)ᵀ Λ_k − F_k)/∂Q_k`, `h² Â_ik M⁻¹ Dg(Q_k)ᵀ` and
 //! `Dg(Q_i)`: a square matrix of (s − 1) (12 n + d) rows, in the symbols of [`crate::literal::scheme`].
 
-use nalgebra::{DMatrix, DVector};
 use crate::literal::scheme::Literal;
+use nalgebra::{DMatrix, DVector};
 
 /// Step of the differences that give the derivative of the forces in Newton's matrix, which need not be exact.
 const DIFFERENCE: f64 = 1e-6;

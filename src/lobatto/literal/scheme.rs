@@ -29,13 +29,13 @@
 //! same list of coefficients. Σ must be positive definite here, because (2.5.11a) divides by it; the elimination of
 //! `RᵀR = 1` that the fast solver uses only divides by J.
 
-use nalgebra::{DMatrix, DVector, Vector3};
 use crate::literal::constraints::{Quadratic, constraints};
 use crate::literal::coordinates::{BODY_COORDINATES, body_states, coordinates};
 use crate::literal::forces::stage_forces;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
+use nalgebra::{DMatrix, DVector, Vector3};
 /// Newton's method converges in about six iterations; many more mean that the step is too long for it.
 const MAXIMUM_ITERATIONS: usize = 50;
 /// A correction this small (metres, or entries of a rotation matrix) that stops shrinking is rounding.

@@ -9,11 +9,11 @@
 //! The error of a sum is some 2⁻¹⁰⁵ ≈ 2e-32 of the larger operand, not of the sum: what cancels has lost those digits before, as in any
 //! sum of doubles. Source: T. J. Dekker, Numerische Mathematik 18 (1971); Y. Hida, X. Li and D. Bailey, ARITH-15 (2001), section 3.
 
-use std::ops::{Add, Mul, Neg, Sub};
-use std::sync::LazyLock;
 use crate::numbers::arithmetic::{Arithmetic, InLines, Numbers};
 use crate::numbers::extended::Extended;
 use crate::numbers::lanes::Lanes;
+use std::ops::{Add, Mul, Neg, Sub};
+use std::sync::LazyLock;
 
 /// A number of 32 digits in every lane.
 #[derive(Clone, Copy)]

@@ -1,8 +1,8 @@
 //! One lane alone of vectors that do not round a product before they add to it, with their arithmetic, to the bit; of others that is a vector
 //! of one lane.
 
-use std::ops::{Add, Mul, Neg, Sub};
 use crate::numbers::arithmetic::Arithmetic;
+use std::ops::{Add, Mul, Neg, Sub};
 
 /// A number of sixteen digits for one stage.
 #[derive(Clone, Copy)]

@@ -5,8 +5,8 @@
 //! instantiated for the widest vectors the processor has, found at run time ([`Isa::detect`]). The vectors of x86-64 are in a
 //! file of their own, the only one with `unsafe`.
 
-use std::ops::{Add, Mul, Neg, Sub};
 use crate::numbers::arithmetic::InLines;
+use std::ops::{Add, Mul, Neg, Sub};
 
 /// The largest number of lanes any vector type has.
 pub const MAX_LANES: usize = 16;

@@ -19,6 +19,8 @@ pub(crate) struct AppliedPlan {
     pub(crate) balls: Vec<Ball>,
     pub(crate) lines: Vec<LinePlan>,
     pub(crate) wrenches: Vec<WrenchPlan>,
+    /// Freedoms of one scalar coordinate each that are driven from outside, and the effort of the step.
+    pub(crate) driven: Vec<(usize, f64)>,
 }
 
 /// Dampers and loads about the axes of a ball joint.
@@ -26,6 +28,8 @@ pub(crate) struct Ball {
     pub(crate) first: usize,
     pub(crate) coefficients: [f64; 3],
     pub(crate) efforts: [f64; 3],
+    /// Those that drive it from outside in this step.
+    pub(crate) driven: [f64; 3],
 }
 
 /// What a spring with a damper does for its length and rate.
@@ -128,7 +132,16 @@ impl AppliedPlan {
             balls: Vec::new(),
             lines: Vec::new(),
             wrenches: Vec::new(),
+            driven: Vec::new(),
         };
+        for freedom in (0..mechanism.velocity_count).filter(|_| forces.driven) {
+            match scalar_coordinate(mechanism, freedom) {
+                Some(_) => plan.driven.push((freedom, 0.0)),
+                None => {
+                    plan.ball(mechanism, freedom);
+                }
+            }
+        }
         for damper in &forces.joint_dampers {
             match scalar_coordinate(mechanism, damper.freedom) {
                 Some(_) => plan.dampers.push((damper.freedom, damper.coefficient)),
@@ -157,12 +170,23 @@ impl AppliedPlan {
         plan
     }
 
+    /// Takes the efforts that drive the joints in the next step, one entry a degree of freedom; none if there are no entries.
+    pub(crate) fn drive(&mut self, efforts: &[f64]) {
+        let effort = |freedom: usize| efforts.get(freedom).copied().unwrap_or(0.0);
+        for (freedom, own) in &mut self.driven {
+            *own = effort(*freedom);
+        }
+        for ball in &mut self.balls {
+            ball.driven = std::array::from_fn(|axis| effort(ball.first + axis));
+        }
+    }
+
     /// The entry of the ball joint that a freedom belongs to, and which of its axes it is.
     fn ball(&mut self, mechanism: &Mechanism, freedom: usize) -> (&mut Ball, usize) {
         let owner = mechanism.bodies.iter().rev().find(|body| body.joint.velocity_index <= freedom);
         let first = owner.map_or(0, |body| body.joint.velocity_index + body.joint.kind.translation_axes().len());
         let index = self.balls.iter().position(|ball| ball.first == first).unwrap_or_else(|| {
-            self.balls.push(Ball { first, coefficients: [0.0; 3], efforts: [0.0; 3] });
+            self.balls.push(Ball { first, coefficients: [0.0; 3], efforts: [0.0; 3], driven: [0.0; 3] });
             self.balls.len() - 1
         });
         (&mut self.balls[index], freedom - first)

@@ -4,8 +4,8 @@
 //! between two points its projection `d`, while its height z, the difference of their places along the normal, is
 //! constant: `ℓ² = |d|² + z²`.
 
-use nalgebra::Vector3;
 use crate::planar::body::{PlanarBody, turned};
+use nalgebra::Vector3;
 
 use crate::plan::forces::SpringLaw;
 use catena_mechanism::description::body_state::BodyState;

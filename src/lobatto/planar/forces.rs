@@ -31,6 +31,7 @@ impl<V: Lanes> PlanarStages<V> {
             work += self.step * powers.work;
         }
         if end {
+            work += applied.driven_work(&self.displacement, coefficients.active);
             applied.exchange = Exchange { dissipated, work };
         }
         self.applied = Some(applied);

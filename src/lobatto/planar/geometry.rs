@@ -10,7 +10,6 @@
 //! with the centre of mass x (m), the moment of inertia I_c about it, and the turn `(κ, σ)` since the start of the step: what
 //! [`crate::coupled::space::Space`] has in its first, second and last component.
 
-use std::ops::Range;
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::system::{Geometry, Mixing, Screw};
 use crate::numbers::lanes::Lanes;
@@ -23,6 +22,7 @@ use crate::planar::workspace::PlanarStages;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::plane::Plane;
+use std::ops::Range;
 
 /// Where bodies and closures are in the plane.
 pub(crate) struct Flat<V> {

@@ -10,10 +10,10 @@
 //!     line of a spring:      no gap                        f = d / ℓ          t = P_b × d / ℓ,   ℓ² = d·d + z²
 //! ```
 
-use nalgebra::Vector3;
 use crate::planar::algebra::Vector2;
 use crate::planar::body::{PlanarBody, turned};
 use crate::planar::force_plan::{End, Ends};
+use nalgebra::Vector3;
 
 use crate::numbers::lanes::Lanes;
 use catena_mechanism::description::mechanism::Mechanism;

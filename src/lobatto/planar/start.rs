@@ -13,7 +13,6 @@
 //!
 //! where the height along n, `x_n`, never changes.
 
-use nalgebra::Vector3;
 use crate::plan::tree::Plan;
 use crate::planar::body::{PlanarBody, turned};
 use crate::planar::force_plan::{ForcesPlan, ForcesStart};
@@ -24,6 +23,7 @@ use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::kinematics::body_states;
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::plane::Plane;
+use nalgebra::Vector3;
 
 /// The constant part of a body.
 pub(crate) struct BodyPlane {

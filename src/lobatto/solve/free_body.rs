@@ -17,7 +17,6 @@
 //!     J_s (1 + N_s) y = π:     y₀ = J₀⁻¹ (1 + N_s)ᵀ π,   y = y₀ + J₀⁻¹ (1 + N_s)ᵀ (π − J_s (1 + N_s) y₀)           [rad/s]
 //! ```
 
-use std::ops::Range;
 use crate::equations::residual::spin_residual;
 use crate::numbers::algebra::{Matrix, Symmetric, Vector};
 use crate::numbers::arithmetic::{Arithmetic, Numbers};
@@ -28,6 +27,7 @@ use crate::plan::tree::TRANSLATIONS;
 use crate::stages::pose::StagePose;
 use crate::stages::start::Start;
 use crate::stages::workspace::Stages;
+use std::ops::Range;
 
 pub(crate) const ROTATIONS: Range<usize> = 3..6;
 /// Up to this displacement [`FEW`] terms are enough.

@@ -13,7 +13,6 @@
 //!
 //! What follows in double precision may keep the factors of the last such iteration ([`crate::solve::kept_factors`]).
 
-use nalgebra::{Matrix3, Vector3};
 use crate::numbers::algebra::Vector;
 use crate::numbers::arithmetic::Numbers;
 use crate::numbers::lanes::{Lanes, in_lanes};
@@ -27,6 +26,7 @@ use crate::stages::workspace::Stages;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::{Body, Mechanism};
+use nalgebra::{Matrix3, Vector3};
 
 /// Increments above this (rad, m) are followed by another iteration in single precision.
 const LARGE: f64 = 1e-2;
@@ -211,7 +211,6 @@ fn widen_factors<V: Lanes>(own: &mut Eliminated<V>, single: &Eliminated<V::Singl
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;
-    use nalgebra::{Rotation3, Translation3};
     use crate::numbers::arithmetic::Arithmetic;
     use crate::numbers::lanes::Isa;
     use crate::vectors::pair::Pair;
@@ -219,6 +218,7 @@ mod tests {
     use crate::vectors::x86::{Avx256, Single};
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
     use catena_mechanism::motion::state::State;
+    use nalgebra::{Rotation3, Translation3};
 
     /// Two bodies on joints of a kind and one on a hinge, on frames that are aligned with nothing.
     fn chain(kind: JointKind) -> Mechanism {

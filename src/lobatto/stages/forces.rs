@@ -1,15 +1,16 @@
 //! The workspace of the forces at the stages of a step: efforts along the freedoms, wrenches on the bodies, and what both are made of.
 //! The equations are in [`crate::equations::forces`].
 
-use nalgebra::DMatrix;
 use crate::numbers::algebra::Vector;
 use crate::numbers::lanes::{Lanes, MAX_LANES};
+use crate::numbers::reductions::at_end;
 use crate::plan::forces::AppliedPlan;
 use crate::stages::coefficients::row_stage;
 use crate::stages::force_motion::Place;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
+use nalgebra::DMatrix;
 /// The forces on a mechanism at the stages of a step.
 pub struct Applied<V> {
     /// Effort on each degree of freedom, conjugate to its displacement [N m or N]: it enters the row of that freedom.
@@ -59,6 +60,17 @@ impl<V: Lanes> Applied<V> {
             rows: place(&row_stage, &|lane| tableau.weights[row_stage(lane)]),
             end: place(&|lane| lane + 1, &end_weight),
         }))
+    }
+
+    /// Takes the efforts that drive the joints in the next step.
+    pub fn drive(&mut self, efforts: &[f64]) {
+        self.plan.drive(efforts);
+    }
+
+    /// Work of the efforts that drive scalar coordinates over a solved step (J): the effort times the displacement at its end.
+    #[inline(always)]
+    pub(crate) fn driven_work(&self, displacement: &[V], active: usize) -> f64 {
+        self.plan.driven.iter().map(|&(freedom, effort)| effort * at_end(displacement[freedom], active)).sum()
     }
 }
 

@@ -99,7 +99,6 @@ impl<V: Lanes> Predictor<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Translation3, UnitQuaternion, Vector3};
     use crate::stages::attempt::{Attempt, StopRule};
     use crate::stages::coefficients::Coefficients;
     use crate::step::kernel::Kernel;
@@ -108,6 +107,7 @@ mod tests {
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
     use catena_mechanism::description::mechanism::{Body, Mechanism};
     use catena_mechanism::motion::state::State;
+    use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
     #[test]
     fn the_beginning_of_a_longer_attempt_is_that_of_its_polynomial() {

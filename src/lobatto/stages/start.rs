@@ -14,7 +14,6 @@
 //! divided by it does not: the energy then drifts by some 2e-17 of itself a step. In a unit of mass that differs from step to step
 //! all roundings are as good as random.
 
-use nalgebra::{Matrix3, Vector3};
 use crate::numbers::algebra::{Symmetric, Vector};
 use crate::numbers::arithmetic::Arithmetic;
 use crate::numbers::lanes::Lanes;
@@ -30,6 +29,7 @@ use catena_mechanism::motion::gaps::mimic_gap;
 use catena_mechanism::motion::kinematics::{Placed, place};
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::special_bodies::{pivoted_bodies, tumbles};
+use nalgebra::{Matrix3, Vector3};
 
 /// The start-of-step part of a body.
 #[derive(Clone, Copy, Debug, Default)]

@@ -66,6 +66,12 @@ impl<V: Lanes> Step for Kernel<V> {
         self.exact_for = exact_at_first(mechanism);
     }
 
+    fn drive(&mut self, efforts: &[f64]) {
+        if let Some(applied) = &mut self.stages.applied {
+            applied.drive(efforts);
+        }
+    }
+
     fn energy(&self) -> Energy {
         self.stages.start.energy
     }

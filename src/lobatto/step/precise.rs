@@ -204,10 +204,10 @@ impl<V: Lanes> Step for Precise<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Rotation3, Translation3, Vector3};
     use crate::vectors::portable::Portable;
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
     use catena_mechanism::description::mechanism::Body;
+    use nalgebra::{Rotation3, Translation3, Vector3};
 
     const RATES: [f64; 7] = [1.0, -2.0, 0.5, 1.5, -1.0, 0.8, -0.6];
 

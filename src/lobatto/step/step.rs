@@ -13,6 +13,9 @@ pub trait Step: Send {
     fn expect(&mut self, _mechanism: &Mechanism, _stop: f64) {}
     /// Takes a state as the start of the next step, when it is not where the last step ended.
     fn begin(&mut self, mechanism: &Mechanism, state: &State);
+    /// Takes the efforts that drive the joints in the next step, one entry a degree of freedom; without entries none act. Only steps of a mechanism
+    /// whose forces are [driven](catena_mechanism::description::forces::Forces::driven) heed them.
+    fn drive(&mut self, _efforts: &[f64]) {}
     /// Energy at the start of the step.
     fn energy(&self) -> Energy;
     /// Whether there is a step before this one to guess from: without, every guess is a plain one.

@@ -7,9 +7,9 @@
 //! They are computed with about 32 digits ([`exact`]) and rounded once; what that cuts off is kept where it counts
 //! ([`Remainders`]). Source: the constrained scheme (2.5.11).
 
-use std::sync::OnceLock;
 use crate::numbers::extended::Extended;
 use crate::tableau::exact::Exact;
+use std::sync::OnceLock;
 
 /// Fewest stages: two, where the scheme is RATTLE.
 pub const MINIMUM_STAGES: usize = 2;

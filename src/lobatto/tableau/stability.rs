@@ -19,9 +19,9 @@
 //! while no eigenvalue of `(y₀, v₀) → (y₁, v₁)` exceeds 1 in size; for ζ ≥ ½ up to `(s − 1) √(2s)`, which is where the limit for
 //! ζ → ∞ is found to lie, and the least for such ζ within 2·10⁻³ (benches/README.md).
 
+use crate::tableau::butcher::{MAXIMUM_STAGES, Tableau};
 use nalgebra::{DMatrix, DVector, Matrix2};
 use std::sync::OnceLock;
-use crate::tableau::butcher::{MAXIMUM_STAGES, Tableau};
 
 /// Part of the limit from where a step is near to it.
 pub const NEAR: f64 = 0.5;

@@ -1,8 +1,8 @@
 //! Two vectors as one with twice the lanes, for schemes with more stages than a register has lanes.
 
-use std::ops::{Add, Mul, Neg, Sub};
 use crate::numbers::lanes::Lanes;
 use crate::vectors::x86::{Avx256, Avx512, Single, Sse2};
+use std::ops::{Add, Mul, Neg, Sub};
 
 /// Twice the lanes of `V`.
 #[derive(Clone, Copy)]

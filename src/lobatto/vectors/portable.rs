@@ -3,8 +3,8 @@
 //! On x86-64 that is two lanes, for processors that hardly anybody has. Up to five stages have vectors of their own there ([`crate::vectors::x86::Sse2`]);
 //! sixteen lanes written out in place are a megabyte of instructions a sweep, so that an operation of them is a call.
 
-use std::ops::{Add, Mul, Neg, Sub};
 use crate::numbers::lanes::Lanes;
+use std::ops::{Add, Mul, Neg, Sub};
 
 /// `N` lanes in an array.
 #[derive(Clone, Copy)]

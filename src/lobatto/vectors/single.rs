@@ -2,11 +2,11 @@
 //!
 //! Its operations are the same with AVX2 and with AVX-512, to the bit.
 
-use std::ops::{Add, Mul, Neg, Sub};
 use crate::numbers::arithmetic::{Arithmetic, InLines, Numbers};
 use crate::numbers::mixing::{mix_from_memory, mix_stored_before};
 use crate::numbers::series::half_angle_single;
 use crate::vectors::x86::Single;
+use std::ops::{Add, Mul, Neg, Sub};
 
 operators!(Single,);
 

@@ -9,12 +9,12 @@
 //! - **P2** — loads and stores go through arrays of exactly the vector's length, by value or reference, so that
 //!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
 
-use std::arch::x86_64::*;
-use std::ops::{Add, Mul, Neg, Sub};
 use crate::numbers::fused::Fused;
 use crate::numbers::lanes::Lanes;
 use crate::numbers::mixing::{ReadBack, Shuffled};
 use crate::vectors::portable::Portable;
+use std::arch::x86_64::*;
+use std::ops::{Add, Mul, Neg, Sub};
 
 /// Makes the frame of the function that this is inlined into begin at the border of a cache line. The compiler decides on that before it
 /// knows that registers will be kept on the stack: without, it depends on what was called before whether all of those of 512 bits and half

@@ -14,10 +14,10 @@
 //! | fixed       | 6    | `P_b − P_a`, `z_b·x_a`, `z_b·y_a`, `x_b·y_a`                        |
 //! | distance    | 1    | `(|P_b − P_a|² − L²) / 2L`                                          |
 
-use nalgebra::{Matrix3, Vector3};
 use crate::description::body_state::{BodyState, WORLD};
 use crate::description::joint::Pose;
 use crate::ground::matrices::{cross, product, times};
+use nalgebra::{Matrix3, Vector3};
 
 /// A frame fixed in a body or in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,8 +4,8 @@
 //! [`joint_load`], [`point_spring`], [`wrench`]. [`total`] sums them up for a state; the scheme has its own evaluation
 //! for all stages at once ([`catena_lobatto::equations::forces`]).
 
-use nalgebra::Vector3;
 use crate::description::closure::{Attachment, Coordinate};
+use nalgebra::Vector3;
 
 /// Every force on a mechanism besides gravity.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,6 +20,8 @@ pub struct Forces {
     pub point_springs: Vec<PointSpring>,
     /// Constant wrenches on bodies.
     pub wrenches: Vec<Wrench>,
+    /// Whether efforts are handed to every step ([`crate::motion::inputs::Inputs`]): nothing may then be left out that holds under gravity alone.
+    pub driven: bool,
 }
 
 /// `τ = −coefficient · q̇` along one degree of freedom.
@@ -83,6 +85,16 @@ pub struct Wrench {
 }
 
 impl Forces {
+    /// Whether the same forces act, whoever drives them.
+    pub fn are_those_of(&self, other: &Forces) -> bool {
+        let Forces { joint_dampers, joint_springs, joint_loads, point_springs, wrenches, driven: _ } = self;
+        *joint_dampers == other.joint_dampers
+            && *joint_springs == other.joint_springs
+            && *joint_loads == other.joint_loads
+            && *point_springs == other.point_springs
+            && *wrenches == other.wrenches
+    }
+
     /// Whether nothing acts.
     pub fn is_empty(&self) -> bool {
         *self == Forces::default()

@@ -4,10 +4,10 @@
 //! Each body's frame sits at its centre of mass with its axes along the principal axes of inertia, so that the
 //! body inertia is `J = diag(J₁, J₂, J₃)` [kg m²] and `Σ = ½ tr(J) 1 − J` is diagonal too.
 
-use nalgebra::Vector3;
 use crate::description::closure::{JointLimit, LoopJoint, Mimic};
 use crate::description::forces::Forces;
 use crate::description::joint::Joint;
+use nalgebra::Vector3;
 
 /// A rigid body and the joint to its parent.
 #[derive(Clone, Debug)]

@@ -17,9 +17,9 @@
 //! Source: E. J. Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 6.1.4
 //! (translational spring-damper-actuators).
 
-use nalgebra::{Matrix3, Vector3};
 use crate::description::body_state::BodyState;
 use crate::description::forces::PointSpring;
+use nalgebra::{Matrix3, Vector3};
 
 /// Added to ℓ² [m²], so that u is zero, and not undefined, where the points meet; below the rounding of every other ℓ.
 pub const NO_LENGTH: f64 = 1e-300;

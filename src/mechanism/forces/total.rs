@@ -4,11 +4,11 @@
 //! Springs and those loads that have a potential give energy back; dampers dissipate; what a load without a potential
 //! does is work put into the mechanism. So `T + V_gravity + V_spring + V_load + dissipated − work` is constant.
 
-use nalgebra::Vector3;
 use crate::description::body_state::BodyState;
 use crate::description::closure::Coordinate;
 use crate::description::joint::FreeRotation;
 use crate::description::mechanism::Mechanism;
+use nalgebra::Vector3;
 
 /// Energy (J) stored in what has a potential besides gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -10,10 +10,10 @@
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.4.
 
-use nalgebra::{Matrix3, Vector3};
 use crate::description::body_state::BodyState;
 use crate::description::forces::Wrench;
 use crate::ground::matrices::times;
+use nalgebra::{Matrix3, Vector3};
 
 impl Wrench {
     /// Torque about the centre of mass [N m].
@@ -40,9 +40,9 @@ impl Wrench {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Rotation3;
     use crate::description::body_state::WORLD;
     use crate::forces::differences::central_vector;
+    use nalgebra::Rotation3;
 
     fn pushed() -> (Wrench, BodyState) {
         let wrench = Wrench {

@@ -10,11 +10,11 @@
 //! and the distance is the largest over all probes of all bodies (m). The centre of mass alone would not see a body
 //! that only spins; a rotation error of δ rad counts as about ρ δ metres.
 
-use nalgebra::Vector3;
 use crate::description::body_state::BodyState;
 use crate::description::mechanism::Mechanism;
 use crate::motion::kinematics::body_states;
 use crate::motion::state::State;
+use nalgebra::Vector3;
 
 /// Probes of one body.
 pub const PROBES: usize = 4;

@@ -7,7 +7,6 @@
 //!
 //! Springs and loads with a potential add theirs ([`crate::description::forces`]).
 
-use nalgebra::Vector3;
 use crate::description::body_state::{BodyState, WORLD};
 use crate::description::joint::FreeRotation;
 use crate::description::mechanism::Mechanism;
@@ -15,6 +14,7 @@ use crate::forces::total::stored;
 use crate::ground::matrices::{column, product, times, transpose_times};
 use crate::motion::gaps::{loop_gaps, mimic_gap, worse};
 use crate::motion::state::State;
+use nalgebra::Vector3;
 
 /// Kinetic energy, and the potential energies by what holds them (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -8,12 +8,12 @@
 //!     d/dt (d·d − L²)/2L = d · ḋ / L                          [m/s]
 //! ```
 
-use nalgebra::{Matrix3, Vector3};
 use crate::description::body_state::BodyState;
 use crate::description::closure::{Attachment, LoopJoint, LoopKind, Mimic};
 use crate::description::mechanism::Mechanism;
 use crate::motion::kinematics::BodyAcceleration;
 use crate::motion::state::State;
+use nalgebra::{Matrix3, Vector3};
 
 /// The gaps of one closure and their rates; the first `count` entries are in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

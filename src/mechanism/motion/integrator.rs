@@ -4,6 +4,7 @@
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::Exchange;
 use crate::ground::words::short;
+use crate::motion::inputs::Inputs;
 use crate::motion::state::State;
 
 /// What an integrator is and how it has stepped so far; goes into reports and logs.
@@ -151,15 +152,37 @@ pub enum StepError {
         short(*.time)
     )]
     NotFinite { time: f64, step: f64, joint: String },
+    /// The steps are of a kind that knows gravity alone, and now something else acts.
+    #[error(
+        "at t = {} s forces or efforts act, and {method} are for trees of joints under gravity alone; choose --tolerance, or --stages and --step alone",
+        short(*.time)
+    )]
+    NotPlain { time: f64, method: &'static str },
 }
 
 /// A way of advancing the state of a mechanism.
 pub trait Integrator {
-    /// Makes one step that ends at or before `until`, and exactly at `until` if the step reaches it.
+    /// Makes one step under these inputs that ends at or before `until`, and exactly at `until` if the step reaches it.
+    ///
+    /// What acts is what `mechanism` and `inputs` say now: forces and gravity may change from step to step.
     ///
     /// # Errors
     /// [`StepError`] when no step could be made; the state is then that of the last accepted step.
-    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError>;
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError>;
+
+    /// [`Integrator::step`] of a mechanism that nobody drives from outside.
+    ///
+    /// # Errors
+    /// As of [`Integrator::step`].
+    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+        self.step(mechanism, Inputs::NONE, state, until)
+    }
 
     /// Positions and velocities at a `time` inside the last step, from its dense output.
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]);

@@ -13,12 +13,12 @@
 //!     ẍ = ẍ_p + ω̇_p × r + ω_p × (ω_p × r) + 2 ω_p × R_p F_p.R u + R_p F_p.R u̇ − ω̇ × c − ω × (ω × c)
 //! ```
 
-use nalgebra::{Matrix3, Vector3};
 use crate::description::body_state::{BodyState, WORLD};
 use crate::description::joint::{FreeRotation, Joint, JointKind};
 use crate::description::mechanism::Mechanism;
 use crate::ground::matrices::{column, cross, product, product_transposed, times};
 use crate::motion::state::State;
+use nalgebra::{Matrix3, Vector3};
 
 /// Translation rates (in the joint frame on the parent) and rotation rates (in that on the child).
 #[inline(always)]

@@ -3,6 +3,7 @@
 pub mod distance;
 pub mod energy;
 pub mod gaps;
+pub mod inputs;
 pub mod integrator;
 pub mod kinematics;
 pub mod state;

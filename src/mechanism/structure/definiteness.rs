@@ -19,13 +19,13 @@
 //! matrix; factors keep twice the digits. The joints are put at odd displacements, so that only a singularity of the structure
 //! counts, not one of a special position.
 
-use nalgebra::{Matrix6, SMatrix, Vector6};
 use crate::description::body_state::{BodyState, WORLD};
 use crate::description::joint::FreeRotation;
 use crate::description::mechanism::{Body, Mechanism};
 use crate::ground::matrices::cross_matrix;
 use crate::motion::kinematics::{forward_kinematics, place};
 use crate::motion::state::quaternion_exponential;
+use nalgebra::{Matrix6, SMatrix, Vector6};
 
 /// A direction is lost if `|c|` is less than this part of what it is with all joints further out locked: far above rounding, far
 /// below mechanics.

@@ -7,10 +7,10 @@
 //! Islands are numbered by their first bodies, and keep the order of bodies, closures and forces within them, so that an
 //! island is the mechanism one would have got without the others.
 
-use std::ops::Range;
 use crate::description::closure::{Attachment, Coordinate};
 use crate::description::mechanism::{Body, Mechanism};
 use crate::motion::state::State;
+use std::ops::Range;
 
 /// A part of a mechanism that nothing connects with the rest.
 #[derive(Clone, Debug)]

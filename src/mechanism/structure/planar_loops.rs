@@ -20,9 +20,9 @@
 //! and anything else is no motion in the plane. No turn means `u_a·w_b = 0` for directions of the two frames that lie in the plane and
 //! are square to each other where the frames agree, if n is the same direction in both.
 
-use nalgebra::{Matrix3, Vector3};
 use crate::description::body_state::BodyState;
 use crate::description::closure::{LoopJoint, LoopKind};
+use nalgebra::{Matrix3, Vector3};
 
 /// Axes count as parallel, or as being across each other, if their directions are off by no more than this (rad): some thousand
 /// products of rotations, rounded. More would change the motion by as much of itself.

@@ -10,7 +10,6 @@
 //! is carried by the joints and moves nothing. Three coordinates a body say all there is to say; mimic relations are between them,
 //! and of the closures those remain that mean something in the plane ([`crate::structure::planar_loops`]).
 
-use nalgebra::{Matrix3, Vector3};
 use crate::description::body_state::BodyState;
 use crate::description::closure::LoopJoint;
 use crate::description::joint::{FreeRotation, JointKind};
@@ -18,6 +17,7 @@ use crate::description::mechanism::{Body, Mechanism};
 use crate::motion::kinematics::body_states;
 use crate::motion::state::State;
 use crate::structure::planar_loops::{PARALLEL, PlanarEquation, across, planar_equations};
+use nalgebra::{Matrix3, Vector3};
 
 /// The plane to which all bodies of a mechanism move parallel.
 #[derive(Clone, Copy, Debug, PartialEq)]

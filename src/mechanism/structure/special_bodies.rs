@@ -11,9 +11,9 @@
 //! All but the last hold in every state, whatever the forces. Spheres and pivots, too, are made use of only under gravity alone: where the
 //! unit of mass is the same in every step, an inertia that never changes rounds to one side ([`catena_lobatto::stages::start`]).
 
-use nalgebra::Vector3;
 use crate::description::joint::{FreeRotation, JointKind};
 use crate::description::mechanism::{Body, Mechanism};
+use nalgebra::Vector3;
 
 /// For each body whether it never turns.
 pub fn sliding_bodies(mechanism: &Mechanism) -> Vec<bool> {

@@ -6,14 +6,14 @@
 //!
 //! at the instants that both logs have; the largest of each is kept for every link that both have.
 
-use serde::Serialize;
-use std::collections::HashMap;
-use std::fmt;
-use std::path::Path;
 use crate::mechanism::motion::state::quaternion_product;
 use crate::output::log::decode::LinkPose;
 use crate::output::log::frames::Frames;
 use crate::output::log::records::{Completeness, ReadError};
+use serde::Serialize;
+use std::collections::HashMap;
+use std::fmt;
+use std::path::Path;
 
 /// How two logs differ.
 #[derive(Clone, Debug, Default, Serialize)]

@@ -7,8 +7,6 @@
 //!
 //! Long logs are thinned: of every interval of time the smallest and the largest value are drawn.
 
-use std::ops::ControlFlow;
-use std::path::Path;
 use crate::drawing::picture::{Figure, Panel, Picture, Scale, Series};
 use crate::drawing::style::curve;
 use crate::output::inspection::joint_values::{JointKinds, Quantity, joint_values, wrenches};
@@ -16,6 +14,8 @@ use crate::output::inspection::summary::short;
 use crate::output::log::frames::{Figures, Frame, Visitor, visit};
 use crate::output::log::records::ReadError;
 use crate::output::log::seconds;
+use std::ops::ControlFlow;
+use std::path::Path;
 
 /// Most curves in one picture; more can neither be told apart nor named.
 const MOST_CURVES: usize = 12;

@@ -1,10 +1,10 @@
 //! What a log says about joints, number by number: what it is, of which joint, in which unit.
 
-use std::collections::HashMap;
 use crate::model::Model;
 use crate::output::log::decode::MultiDofStates;
 use crate::output::log::frames::Frame;
 use crate::scene::UrdfJointKind;
+use std::collections::HashMap;
 
 /// The kinds of joints by name, which the joint messages do not tell.
 pub type JointKinds = HashMap<String, UrdfJointKind>;

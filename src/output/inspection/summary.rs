@@ -1,10 +1,5 @@
 //! The summary of a log: how the run was made, how it went, and what there is to see.
 
-use serde::Serialize;
-use std::collections::BTreeMap;
-use std::fmt;
-use std::ops::ControlFlow;
-use std::path::Path;
 use crate::mechanism::ground::words;
 use crate::mechanism::ground::words::{counted, decimals};
 use crate::mechanism::motion::gaps::worse;
@@ -14,6 +9,11 @@ use crate::output::log::reader::LogChannel;
 use crate::output::log::records::{Completeness, ReadError};
 use crate::output::log::recovery::{MISSING, RECOVERY};
 use crate::output::log::{is_locked, seconds};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::ControlFlow;
+use std::path::Path;
 
 /// Everything about a log that fits on a screen.
 #[derive(Clone, Debug, Default, Serialize)]

@@ -8,13 +8,13 @@
 //! | `LINK.x [m]`, …, `LINK.qw`, …            | every link frame in the world                                |
 //! | `step_end [s]`, `energy.total [J]`, …    | figures at the end of the last step, which is not later       |
 
-use std::io::{self, Write};
-use std::path::Path;
 use crate::drawing::comma_separated::field;
 use crate::output::inspection::joint_values::{JointKinds, joint_values};
 use crate::output::log::frames::{Frame, Frames};
 use crate::output::log::records::ReadError;
 use crate::output::log::seconds;
+use std::io::{self, Write};
+use std::path::Path;
 
 /// Why there is no table.
 #[derive(Debug, thiserror::Error)]

@@ -4,14 +4,14 @@
 //! it is large, or a tenth of a second has passed, whatever the simulation does meanwhile. If it is too large, the simulation
 //! waits too. What the file becomes does not depend on when pieces were taken.
 
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
-use std::time::Duration;
 use crate::output::log::encoder::SampleEncoder;
 use crate::output::log::error::LogError;
 use crate::output::log::file::{Ending, LogFile};
 use crate::output::log::queue::Piece;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
 
 /// The thread is woken when there is a large piece, and looks by itself this often, so that a killed run leaves little unsaid.
 const INTERVAL: Duration = Duration::from_millis(100);

@@ -2,16 +2,16 @@
 //!
 //! A thread reads the log; what does not depend on the run (descriptions, lines of text) is passed over on both sides.
 
-use foxglove::Decode;
-use foxglove::messages::FrameTransforms;
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, sync_channel};
 use crate::output::log::batch::Batch;
 use crate::output::log::error::LogError;
 use crate::output::log::file::MessageSink;
 use crate::output::log::reader::{Item, read_log};
 use crate::output::log::seconds;
+use foxglove::Decode;
+use foxglove::messages::FrameTransforms;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, sync_channel};
 
 /// Messages that are handed over together.
 const PIECE: usize = 256;

@@ -15,10 +15,10 @@
 //! readers, and those of Python, hold what is written here against the format in `tests/program/log_readback/`. Source: MCAP format
 //! specification (mcap.dev/spec).
 
+use crate::output::log::batch::{Batch, CHUNK_HEADER, Entry, RECORD_HEADER};
 use binrw::{BinResult, BinWrite, Endian};
 use crc32fast::Hasher;
 use mcap::MAGIC;
-use crate::output::log::batch::{Batch, CHUNK_HEADER, Entry, RECORD_HEADER};
 use mcap::records::{
     AttachmentHeader, AttachmentIndex, Channel, ChunkHeader, ChunkIndex, DataEnd, Footer, Header, Metadata,
     MetadataIndex, SchemaHeader, Statistics, SummaryOffset, op,

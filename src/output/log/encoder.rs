@@ -3,8 +3,6 @@
 //! Everything that does not change is prepared once: names, message layouts, buffers. Samples are looked at several at once
 //! ([`crate::instant::snapshots`]); what is in a message does not depend on which samples its own was looked at with.
 
-use foxglove::messages::{self, FrameTransforms};
-use foxglove::{Encode, Schema};
 use crate::instant::snapshots::instants;
 use crate::lobatto::instants::instants::{INSTANTS, Instants, LinkPlace, Snapshots};
 use crate::mechanism::description::joint::Pose;
@@ -16,6 +14,8 @@ use crate::output::log::queue::{Between, Figures, Piece};
 use crate::output::log::ros::{Template, ros_channel};
 use crate::output::log::transforms::TransformsEncoder;
 use crate::output::log::{nanoseconds, ros};
+use foxglove::messages::{self, FrameTransforms};
+use foxglove::{Encode, Schema};
 
 /// The frame all poses are given in, unless a moving link has taken the name.
 const WORLD_FRAME: &str = "world";
@@ -128,12 +128,12 @@ pub(crate) fn foxglove_channel<M: Encode>(sink: &mut dyn MessageSink, topic: &st
 #[cfg(test)]
 mod tests {
     use super::*;
-    use allocation_counter::measure;
-    use std::path::{Path, PathBuf};
     use crate::mechanism::motion::state::State;
     use crate::model::{Base, ModelOptions};
     use crate::output::log::batch::Batch;
     use crate::scene::{PackagePath, read_scene, read_urdf};
+    use allocation_counter::measure;
+    use std::path::{Path, PathBuf};
 
     /// Messages in memory.
     #[derive(Default)]

@@ -13,17 +13,17 @@
 //! Only regular files have such a provisional end; into pipes and devices nothing is written that is not final. When a
 //! write fails because the disk is full, what is whole is kept and closed with an end that needs no summary.
 
-use mcap::records::Metadata;
-use std::collections::BTreeMap;
-use std::io;
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 use crate::output::log::batch::Batch;
 use crate::output::log::container::{Container, encode_provisional_chunk};
 use crate::output::log::error::LogError;
 use crate::output::log::names::{END, FINISHED, LIBRARY_VERSION, OUTCOME};
 use crate::output::log::output::Output;
 use crate::output::log::place::{FilePlace, Tail};
+use mcap::records::Metadata;
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Largest size of a chunk of several messages; what a disk that fills up loses, too.
 const CHUNK_SIZE: usize = 1 << 18;

@@ -4,15 +4,15 @@
 //! that ended at or before it. A sample that lacks messages, because the log ends in it or a chunk is lost, is no frame: in our logs a
 //! whole one has a message of every topic of [`TOPICS`] that the log has.
 
-use std::collections::BTreeMap;
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use crate::output::log::decode::{JointStates, LinkPose, LogLine, MultiDofStates};
 use crate::output::log::names::LIBRARY;
 use crate::output::log::reader::{Item, LogChannel, read_log};
 use crate::output::log::records::{Completeness, FROM_SOME_PLACE, ReadError};
 use crate::output::log::{decode, seconds};
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// One sampled instant.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,12 +4,12 @@
 //! tells which is which. The metadata record `inputs` has for each attachment the SHA-256 of its bytes and, for people, the path
 //! it was read from, relative to the folder of the main input if it is below that: `HASH PATH`.
 
-use sha2::{Digest, Sha256};
-use std::collections::BTreeMap;
-use std::path::Path;
 use crate::model::Model;
 use crate::output::log::error::LogError;
 use crate::output::log::file::LogFile;
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::path::Path;
 
 /// The name of the metadata record.
 pub const INPUTS: &str = "inputs";

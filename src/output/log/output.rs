@@ -12,13 +12,13 @@
 //! A file that is being written is locked, so that a second run does not write into it and readers know that there
 //! will be more.
 
+use crate::output::log::error::LogError;
+use crate::output::log::reader::is_unfinished;
 use std::ffi::OsString;
 use std::fs::{File, Metadata, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use crate::output::log::error::LogError;
-use crate::output::log::reader::is_unfinished;
 
 /// The place of a log that is being written.
 pub(crate) struct Output {

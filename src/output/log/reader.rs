@@ -1,5 +1,7 @@
 //! A log as a row of items: channels, messages, metadata and attachments in their order.
 
+use crate::output::log::names::{END, FINISHED, LIBRARY, OUTCOME};
+use crate::output::log::records::{Completeness, Found, ReadError, read_records};
 use mcap::records::Record;
 use mcap::sans_io::{SummaryReadEvent, SummaryReader, SummaryReaderOptions};
 use mcap::{McapError, parse_record};
@@ -8,8 +10,6 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::ControlFlow;
 use std::path::Path;
-use crate::output::log::names::{END, FINISHED, LIBRARY, OUTCOME};
-use crate::output::log::records::{Completeness, Found, ReadError, read_records};
 
 /// A channel of a log.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -3,10 +3,6 @@
 //! The figures of a step belong to its end, which lies after the samples inside the step; they wait for the first sample
 //! that is not earlier, so that times never go back in the file.
 
-use foxglove::Encode;
-use foxglove::messages::{self, SceneUpdate, Timestamp};
-use std::collections::BTreeMap;
-use std::path::Path;
 use crate::lobatto::instants::instants::INSTANTS;
 use crate::model::Model;
 use crate::output::log::background::BackgroundFile;
@@ -21,6 +17,10 @@ use crate::output::log::standin::{standins, with_standins};
 use crate::output::log::visual::Looks;
 use crate::output::log::{nanoseconds, ros};
 use crate::simulation::{Counts, Observer, ObserverError, Sample, StepEnd};
+use foxglove::Encode;
+use foxglove::messages::{self, SceneUpdate, Timestamp};
+use std::collections::BTreeMap;
+use std::path::Path;
 
 /// How serious a line of `/log` is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

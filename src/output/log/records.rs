@@ -5,6 +5,8 @@
 //! record. Where the file ends inside a chunk there is no telling, since the checksum is of all of it: its whole records are shown, and how
 //! many messages that were is said. The checksum of the whole comes last, when everything has been shown.
 
+use crate::mechanism::ground::words::counted;
+use crate::output::log::seconds;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, parse_record};
@@ -14,8 +16,6 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use crate::mechanism::ground::words::counted;
-use crate::output::log::seconds;
 
 /// Most bytes that are read at once.
 const BLOCK: usize = 1 << 18;

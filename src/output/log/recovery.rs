@@ -1,14 +1,14 @@
 //! A complete log of all that can be read in one that is not: for viewers that need the index at the end of the file.
 
+use crate::output::log::names::LIBRARY_VERSION;
+use crate::output::log::reader::no_channel;
+use crate::output::log::records::{Found, ReadError, read_records};
 use mcap::records::{MessageHeader, Metadata, Record};
 use mcap::{Attachment, McapError, WriteOptions, Writer};
 use std::collections::{BTreeMap, HashMap};
 use std::io::{Seek, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
-use crate::output::log::names::LIBRARY_VERSION;
-use crate::output::log::reader::no_channel;
-use crate::output::log::records::{Found, ReadError, read_records};
 
 /// Largest size of a chunk.
 const CHUNK_SIZE: u64 = 1 << 18;

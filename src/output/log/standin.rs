@@ -9,13 +9,13 @@
 //! A moment that is zero, or larger than the sum of the others, would make an edge of no length; edges are at least a
 //! tenth of the longest, and at least a millimetre. A point mass is a box of 2 cm.
 
+use crate::mechanism::description::joint::Pose;
+use crate::model::{Model, PlacedRobot};
+use crate::scene::Inertial;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use roxmltree::Document;
 use std::collections::HashMap;
 use std::fmt::Write;
-use crate::mechanism::description::joint::Pose;
-use crate::model::{Model, PlacedRobot};
-use crate::scene::Inertial;
 
 /// The colour of what nobody has drawn: a quiet blue.
 pub(crate) const STANDIN_COLOR: [f64; 4] = [0.45, 0.56, 0.69, 1.0];

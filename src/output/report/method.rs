@@ -1,9 +1,10 @@
 //! How a run was integrated, how accurate it is expected to be, and what the user should know of it.
 
-use serde::Serialize;
 use crate::mechanism::ground::words::{counted, rounded};
 use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
+use crate::simulation::Simulation;
 use crate::simulation::accuracy::Calibration;
+use serde::Serialize;
 
 /// The scheme of a run.
 #[derive(Clone, Debug, Serialize)]
@@ -173,6 +174,17 @@ impl AccuracyReport {
             pilots: found.pilots,
             parts: found.parted,
             can_tell: wanted >= 0.99 * FINEST || found.estimate <= CALM * found.stop,
+        }
+    }
+
+    /// What the trial runs of a run say of it; `None` where there were none, or where one of them failed.
+    pub fn of(simulation: &Simulation) -> Option<Self> {
+        let wanted = simulation.choice().tolerance()?;
+        let report = |found: &Calibration| AccuracyReport::new(wanted, simulation.end(), found);
+        let islands: Vec<_> = simulation.calibrations().iter().map(|found| found.as_ref().map(report)).collect();
+        match islands[..] {
+            [alone] if simulation.parts() == (1, 0) => alone,
+            _ => AccuracyReport::together(wanted, simulation.end(), &islands),
         }
     }
 

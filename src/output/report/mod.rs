@@ -12,12 +12,12 @@ pub use method::{
 };
 pub use places::{JointReport, LinkReport, LoopReport, Numbers, joint_reports, link_reports, loop_reports};
 
-use serde::{Serialize, Serializer};
-use std::path::PathBuf;
 use crate::instant::assembly::Redundancy;
 use crate::model::Model;
 use crate::simulation::Summary;
-use crate::simulation::islands::{IslandFigures, Plan};
+use crate::simulation::islands::IslandFigures;
+use serde::{Serialize, Serializer};
+use std::path::PathBuf;
 
 /// Everything `catena simulate` has to say about a run.
 #[derive(Clone, Debug, Serialize)]
@@ -182,8 +182,8 @@ impl ConstraintReport {
 }
 
 impl ModelReport {
-    /// The size of a model whose closures have these redundant equations, and that is simulated after this plan.
-    pub fn new(model: &Model, redundancy: &Redundancy, plan: &Plan) -> Self {
+    /// The size of a model whose closures have these redundant equations, and that falls into so many parts, of which so many sleep.
+    pub fn new(model: &Model, redundancy: &Redundancy, (islands, sleeping_islands): (usize, usize)) -> Self {
         ModelReport {
             links: model.links.len(),
             bodies: model.mechanism.bodies.len(),
@@ -191,8 +191,8 @@ impl ModelReport {
             degrees_of_freedom: redundancy.degrees_of_freedom(&model.mechanism),
             loops: model.mechanism.loops.len(),
             redundant_constraints: redundancy.count(),
-            islands: plan.islands.len(),
-            sleeping_islands: plan.sleeping(),
+            islands,
+            sleeping_islands,
         }
     }
 }
@@ -201,8 +201,8 @@ impl IslandReport {
     /// What an island did in a run.
     pub fn new(figures: &IslandFigures) -> Self {
         IslandReport {
-            roots: figures.island.roots().map(str::to_string).collect(),
-            bodies: figures.island.mechanism.bodies.len(),
+            roots: figures.roots.clone(),
+            bodies: figures.bodies,
             asleep: figures.method.is_none(),
             stages: figures.method.as_ref().map(|method| method.stages),
             step: figures.method.as_ref().map(|method| method.step),

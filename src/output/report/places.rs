@@ -1,6 +1,5 @@
 //! Where links, joints and loops are in a state, how they move, and what they carry.
 
-use serde::Serialize;
 use crate::instant::reactions::{LoopReaction, Reactions};
 use crate::mechanism::description::closure::LoopJoint;
 use crate::mechanism::description::joint::wxyz_from_rotation;
@@ -8,6 +7,7 @@ use crate::mechanism::motion::gaps::loop_gaps;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::{JointRecord, LinkFrame, Model};
+use serde::Serialize;
 
 /// A link in the world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -1,8 +1,8 @@
 //! The report as lines for people.
 
-use std::fmt;
 use crate::mechanism::ground::words::{counted, decimals, rounded};
 use crate::output::report::Report;
+use std::fmt;
 
 /// More warnings than this are only counted in the lines for people.
 const SHOWN_WARNINGS: usize = 10;

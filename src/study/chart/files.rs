@@ -1,6 +1,5 @@
 //! What comes out: for every scene two pictures as SVG and PNG, for all of them one CSV, one page and one text table.
 
-use std::path::Path;
 use crate::drawing::error::ChartError;
 use crate::drawing::files::{write_text, write_with};
 use crate::study::chart::energy::energy_picture;
@@ -8,6 +7,7 @@ use crate::study::chart::page::page;
 use crate::study::chart::report::{ENERGY, Report};
 use crate::study::chart::table::write_csv;
 use crate::study::chart::work_precision::work_precision_picture;
+use std::path::Path;
 
 impl Report {
     /// Writes every file into a folder that exists, each whole or not at all.

@@ -5,8 +5,6 @@
 //! when two rungs in a row bring nothing more: its rounding floor. Tolerances are few, and their errors need not fall
 //! from one to the next; they are all tried.
 
-use cpu_time::ThreadTime;
-use std::sync::atomic::{AtomicBool, Ordering};
 use crate::drawing::error::ChartError;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::energy::energy_with_forces;
@@ -19,6 +17,8 @@ use crate::study::chart::reference::{Reference, reference};
 use crate::study::chart::scene::Scene;
 use crate::study::chart::table::Measurement;
 use crate::study::chart::timing::{Effort, Ended, TimedRun, timed_run};
+use cpu_time::ThreadTime;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How much work to put into a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]

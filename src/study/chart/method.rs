@@ -1,10 +1,10 @@
 //! The methods of a chart and the settings they are run at.
 
-use std::fmt;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::integrator::Integrator;
 use crate::reduced::{Dop853, Euler, Rk4};
 use crate::stepping::integrator::Lobatto;
+use std::fmt;
 
 /// A way of integrating, as a curve of the chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,11 +1,11 @@
 //! The page: everything in one HTML file that needs no other file and no network.
 
-use std::fmt::Write;
 use crate::study::chart::measure::SceneChart;
 use crate::study::chart::method::Method;
 use crate::study::chart::ratio::{Comparison, LEVELS};
 use crate::study::chart::report::{Report, seconds, trust, words};
 use crate::study::chart::table::Measurement;
+use std::fmt::Write;
 
 pub(crate) const STYLE: &str = "
 body { font: 16px/1.5 sans-serif; color: #1e1e1e; max-width: 1320px; margin: 2em auto; padding: 0 1em; }

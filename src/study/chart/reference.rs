@@ -11,13 +11,13 @@
 //! The reference is the mean of the formulation with the smaller scatter. Down to the agreement an error is vouched
 //! for by both formulations; between agreement and scatter by one alone; below the scatter it is noise.
 
-use nalgebra::Vector3;
-use std::sync::atomic::AtomicBool;
 use crate::drawing::error::ChartError;
 use crate::mechanism::motion::distance::{distance, mean, probes};
 use crate::study::chart::method::{Method, Setting};
 use crate::study::chart::scene::Scene;
 use crate::study::chart::timing::{Effort, Ended, timed_run};
+use nalgebra::Vector3;
+use std::sync::atomic::AtomicBool;
 
 /// The end points an error is measured from.
 #[derive(Clone, Debug, PartialEq)]

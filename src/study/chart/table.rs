@@ -13,10 +13,10 @@
 //!
 //! Columns are found by their names in the first line, in any order; others are skipped. An unknown number is empty.
 
-use std::path::Path;
 use crate::drawing::comma_separated::{field, records};
 use crate::drawing::error::ChartError;
 use crate::study::chart::timing::Ended;
+use std::path::Path;
 
 /// One run of one method.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,14 +4,14 @@
 //! is taken off. A run is repeated until the clock has seen [`Effort::total`] seconds and [`Effort::repeats`] runs, and
 //! the fastest counts: whatever else the machine does only ever makes a run slower.
 
-use cpu_time::ThreadTime;
-use std::fmt;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::state::State;
 use crate::study::chart::method::{Method, Setting};
+use cpu_time::ThreadTime;
+use std::fmt;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,7 +17,6 @@
 //! Source: J. Baumgarte, Stabilization of constraints and integrals of motion in dynamical systems, Computer Methods in
 //! Applied Mechanics and Engineering 1 (1972) 1–16; P. E. Nikravesh, Computer-Aided Analysis of Mechanical Systems, 1988, section 13.3.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
 use crate::mechanism::description::joint::{JointKind, rotation_from_wxyz, wxyz_from_rotation};
@@ -26,6 +25,7 @@ use crate::mechanism::forces::total::{BodyWrench, Exchange, body_wrenches, power
 use crate::mechanism::motion::gaps::{loop_gap_accelerations, loop_gaps};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::{State, quaternion_product};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Largest number of bodies: beyond it dense matrices only waste time.
 pub const LARGEST: usize = 20;

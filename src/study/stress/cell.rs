@@ -14,15 +14,15 @@
 //! Where there is no answer because motions that start together part (no two runs agree), the energy says what it can: accurate at
 //! `ε ≤ 10⁻⁶`, usable at `ε ≤ 10⁻²`, wrong beyond.
 
-use cpu_time::ThreadTime;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
 use crate::mechanism::motion::distance::distance;
 use crate::study::chart::Setting;
 use crate::study::stress::method::Method;
 use crate::study::stress::problem::Case;
 use crate::study::stress::runner::{Failure, Refused, Runner};
 use crate::study::stress::truth::{Answer, watched_probes};
+use cpu_time::ThreadTime;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Largest error of an accurate end, as a part of the size or of the energy.
 pub const ACCURATE: f64 = 1e-6;

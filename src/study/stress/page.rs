@@ -1,12 +1,12 @@
 //! The page: all maps in one HTML file that needs no other file and no network.
 
-use std::collections::BTreeMap;
-use std::fmt::Write;
 use crate::study::chart::page::{STYLE, escape, inline};
 use crate::study::stress::cell::{Ended, Verdict};
 use crate::study::stress::map::Map;
 use crate::study::stress::method::Method;
 use crate::study::stress::problem::BUDGET;
+use std::collections::BTreeMap;
+use std::fmt::Write;
 
 /// The page of some maps; `pictures` are their SVG texts, `machine` is the processor.
 pub fn page(maps: &[Map], pictures: &[String], machine: &str) -> String {

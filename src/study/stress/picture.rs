@@ -2,10 +2,6 @@
 //!
 //! Colours are those of Okabe and Ito; every verdict that is not good has a mark of its own besides, for prints without colour.
 
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, VPos};
-use std::path::Path;
 use crate::drawing::canvas::{Drawn, INK, QUIET, png_of, svg_of, text, text_at};
 use crate::drawing::error::ChartError;
 use crate::drawing::style;
@@ -14,6 +10,10 @@ use crate::study::chart::Setting;
 use crate::study::stress::cell::Verdict;
 use crate::study::stress::map::Map;
 use crate::study::stress::method::Method;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, VPos};
+use std::path::Path;
 
 const COLUMNS: usize = 3;
 /// Edges of the panels and room between them, in pixels.

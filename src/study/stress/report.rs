@@ -1,12 +1,12 @@
 //! What comes out: for every problem a picture as SVG and PNG, for all of them one CSV and one page.
 
-use std::path::Path;
 use crate::drawing::error::ChartError;
 use crate::drawing::files::{write_text, write_with};
 use crate::study::stress::map::Map;
 use crate::study::stress::page::page;
 use crate::study::stress::picture::{svg, write_png};
 use crate::study::stress::table::write_csv;
+use std::path::Path;
 
 /// Writes everything into a folder that exists, each file whole or not at all.
 ///

@@ -1,6 +1,5 @@
 //! A run of any of the methods, one step at a time, with names for the ways in which it can fail.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use crate::instant::assembly::{AssemblyError, assemble};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -16,6 +15,7 @@ use crate::study::chart::{Method as ChartMethod, Setting};
 use crate::study::stress::baumgarte::{Baumgarte, BaumgarteError};
 use crate::study::stress::method::Method;
 use crate::study::stress::problem::Case;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How a run failed.
 #[derive(Clone, Debug, PartialEq)]
@@ -206,6 +206,7 @@ impl Failure {
             StepError::TurnedTooFar { time, .. } => ("TurnedTooFar", time),
             StepError::NotAccurate { time, .. } => ("NotAccurate", time),
             StepError::NotFinite { time, .. } => ("NotFinite", time),
+            StepError::NotPlain { time, .. } => ("NotPlain", time),
         };
         Failure { name, time, message: error.to_string() }
     }

@@ -1,10 +1,10 @@
 //! The map as comma-separated values, and as text for a terminal.
 
-use std::fmt::Write;
 use crate::drawing::comma_separated::field;
 use crate::study::stress::cell::{Ended, Verdict};
 use crate::study::stress::map::Map;
 use crate::study::stress::method::Method;
+use std::fmt::Write;
 
 const COLUMNS: [&str; 14] = [
     "problem",

@@ -6,6 +6,7 @@ mod messages;
 
 use crate::common::scratch;
 use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::inputs::Inputs;
 use catena::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use catena::mechanism::motion::state::State;
 use catena::model::{Base, Model, ModelOptions};
@@ -44,7 +45,13 @@ struct Coasting {
 }
 
 impl Integrator for Coasting {
-    fn advance(&mut self, mechanism: &Mechanism, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        _: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
         let end = (state.time + self.step).min(until);
         let increment: Vec<f64> = state.velocity.iter().map(|rate| rate * (end - state.time)).collect();
         state.displace(mechanism, &increment);

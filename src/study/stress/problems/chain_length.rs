@@ -1,10 +1,10 @@
 //! Long chains: what a method costs and keeps when bodies are many.
 
-use nalgebra::Vector3;
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
 use crate::study::stress::problem::{BUDGET, Case, Problem, steps};
 use crate::study::stress::problems::{GRAVITY, chain};
+use nalgebra::Vector3;
 
 const LENGTHS: [usize; 11] = [2, 5, 10, 20, 50, 100, 200, 500, 1000, 3000, 10_000];
 

@@ -1,12 +1,12 @@
 //! A top in gimbals that start near their locked position, where two of the three axes coincide.
 
-use nalgebra::Vector3;
 use crate::mechanism::description::joint::{Joint, JointKind, Pose, wxyz_from_rotation};
 use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::study::stress::problem::{Case, Problem, Truth, steps};
 use crate::study::stress::problems::{GRAVITY, box_inertia, frame, set_ball};
+use nalgebra::Vector3;
 
 /// Angle from the locked position (rad); the first is a ball joint, which knows no such thing.
 const ANGLES: [Option<f64>; 8] =

@@ -1,10 +1,10 @@
 //! Inertias that are nearly nothing, nothing, or those of no body.
 
-use nalgebra::Vector3;
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
 use crate::study::stress::problem::{Case, Problem, Truth, steps};
 use crate::study::stress::problems::{GRAVITY, chain};
+use nalgebra::Vector3;
 
 /// Moment about the link's own axis over that about the others. A body has at most 2; the last is none at all.
 const RATIOS: [f64; 10] = [1.0, 1e-2, 1e-4, 1e-6, 1e-8, 1e-12, 3.0, 10.0, 100.0, 0.0];

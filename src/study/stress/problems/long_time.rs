@@ -1,10 +1,10 @@
 //! A pendulum for a long time: whether energy and phase are kept.
 
-use nalgebra::Vector3;
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
 use crate::study::stress::problem::{Case, Problem, Truth, steps};
 use crate::study::stress::problems::{GRAVITY, chain};
+use nalgebra::Vector3;
 
 const DURATIONS: [f64; 6] = [10.0, 100.0, 1e3, 1e4, 1e5, 1e6];
 /// Rough work after which the runs are too slow (s): ten million steps of 0.1 s are some ten seconds.

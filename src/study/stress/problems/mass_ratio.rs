@@ -1,10 +1,10 @@
 //! A heavy tip on a light chain: what makes iterative solvers give up, and light links vibrate.
 
-use nalgebra::Vector3;
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
 use crate::study::stress::problem::{Case, Problem, steps};
 use crate::study::stress::problems::{GRAVITY, chain};
+use nalgebra::Vector3;
 
 const RATIOS: [f64; 9] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8];
 

@@ -13,12 +13,12 @@ pub mod stiff_damper;
 pub mod stiff_spring;
 pub mod violent_motion;
 
-use nalgebra::{Rotation3, Translation3, Vector3};
 use crate::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
 use crate::study::stress::problem::Problem;
+use nalgebra::{Rotation3, Translation3, Vector3};
 
 impl Problem {
     /// Every problem, in the order of the page.

@@ -1,6 +1,5 @@
 //! A damper so hard that it all but locks what it is attached to.
 
-use nalgebra::Vector3;
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::forces::PointSpring;
 use crate::mechanism::description::joint::Pose;
@@ -8,6 +7,7 @@ use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
 use crate::study::stress::problem::{Case, Problem, steps};
 use crate::study::stress::problems::{GRAVITY, chain};
+use nalgebra::Vector3;
 
 const DAMPINGS: [f64; 7] = [1.0, 1e2, 1e4, 1e6, 1e8, 1e10, 1e12];
 

@@ -1,6 +1,5 @@
 //! A pendulum whose string is a spring: the stiffer, the more it is a rod, and the faster what should not be seen.
 
-use nalgebra::Vector3;
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::forces::PointSpring;
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
@@ -8,6 +7,7 @@ use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
 use crate::study::stress::problem::{Case, Problem, steps};
 use crate::study::stress::problems::{GRAVITY, box_inertia};
+use nalgebra::Vector3;
 
 const STIFFNESSES: [f64; 7] = [1e2, 1e4, 1e6, 1e8, 1e10, 1e12, 1e14];
 

@@ -1,10 +1,10 @@
 //! A chain that falls from the level: it cracks like a whip.
 
-use nalgebra::Vector3;
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
 use crate::study::stress::problem::{Case, Problem, steps};
 use crate::study::stress::problems::{GRAVITY, chain};
+use nalgebra::Vector3;
 
 const LENGTHS: [usize; 7] = [3, 5, 10, 20, 50, 100, 200];
 

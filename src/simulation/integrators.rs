@@ -1,0 +1,122 @@
+//! The integrators of a run: one for a mechanism that is one and moves, and one for each island otherwise; calibrated where an accuracy
+//! is wanted.
+
+use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
+use crate::mechanism::motion::state::State;
+use crate::simulation::accuracy::{Calibration, calibrate};
+use crate::simulation::islands::{Islands, Plan};
+use crate::simulation::step_choice::StepChoice;
+use crate::simulation::threads::Threads;
+use crate::simulation::trial_run::CalibrationError;
+use crate::stepping::integrator::{Lobatto, MethodError};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// About what a trial run takes for each body and simulated second (s): no less than that, for want of knowing it.
+const TRIAL_SECONDS: f64 = 5e-6;
+
+/// Islands of fewer bodies are run together, where their steps are the same and where each would have its own
+/// (`cargo bench --bench islands`).
+const SMALLEST: usize = 20;
+const SMALLEST_OF_OWN_STEPS: usize = 10;
+
+/// Why a run cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulationError {
+    /// The stages or the step.
+    #[error(transparent)]
+    Method(#[from] MethodError),
+    /// The run was interrupted during the trial runs for its accuracy.
+    #[error(transparent)]
+    Interrupted(CalibrationError),
+    /// The mechanism.
+    #[error(transparent)]
+    Mechanism(#[from] MechanismError),
+}
+
+/// What makes the steps.
+pub(crate) enum Integrators {
+    Whole(Box<Lobatto>),
+    Islands {
+        islands: Islands,
+        /// What stands for the method where all sleep.
+        idle: Box<MethodDescription>,
+    },
+}
+
+/// What trial runs have found: one entry for each integrator, nothing where a trial run failed as the run will.
+pub(crate) type Calibrations = Vec<Option<Calibration>>;
+
+/// What is wanted of the steps of a run.
+pub(crate) struct Wanted<'w> {
+    pub choice: StepChoice,
+    /// Simulated time (s).
+    pub duration: f64,
+    /// Set from outside to end trial runs.
+    pub interrupt: Option<&'w AtomicBool>,
+}
+
+impl Integrators {
+    /// Chooses the integrators and calibrates a tolerance for the motions at hand.
+    ///
+    /// # Errors
+    /// [`SimulationError`] for stages and steps that cannot be, and when interrupted.
+    pub fn new(
+        mechanism: &Mechanism,
+        state: &State,
+        plan: Plan,
+        wanted: &Wanted,
+    ) -> Result<(Self, Calibrations), SimulationError> {
+        let choice = wanted.choice;
+        let plan = plan.grouped(
+            mechanism,
+            match choice {
+                StepChoice::Fixed { .. } | StepChoice::Precise { .. } => SMALLEST,
+                StepChoice::Tolerance(_) | StepChoice::Reversible { .. } => SMALLEST_OF_OWN_STEPS,
+            },
+        );
+        let kept = plan.kept.clone();
+        let make = |mechanism: &Mechanism, state: &State| {
+            let (lobatto, found) = wanted.integrator(mechanism, state, &kept)?;
+            Ok::<_, SimulationError>((lobatto.keeping(mechanism, &kept), found))
+        };
+        if plan.is_whole() {
+            let (lobatto, found) = make(mechanism, state)?;
+            return Ok((Integrators::Whole(Box::new(lobatto)), vec![found]));
+        }
+        let trials = if choice.tolerance().is_some() { 2.0 } else { 0.0 };
+        let expected = trials * TRIAL_SECONDS * mechanism.bodies.len() as f64 * wanted.duration;
+        let nothing = Mechanism::new(&mechanism.name, mechanism.gravity, Vec::new())?;
+        let idle = Box::new(choice.integrator(&nothing)?.description());
+        let (islands, found) = Islands::new(plan, state, Threads::WherePaid, expected, make)?;
+        Ok((Integrators::Islands { islands, idle }, found))
+    }
+
+    /// How steps are made, and how they have gone so far.
+    pub fn description(&self) -> MethodDescription {
+        match self {
+            Integrators::Whole(lobatto) => lobatto.description(),
+            Integrators::Islands { islands, idle } => islands.description().unwrap_or_else(|| (**idle).clone()),
+        }
+    }
+}
+
+impl Wanted<'_> {
+    /// The one place where an integrator is chosen; a tolerance is calibrated for the motion at hand.
+    fn integrator(
+        &self,
+        mechanism: &Mechanism,
+        state: &State,
+        kept: &[crate::mechanism::description::rules::Rule],
+    ) -> Result<(Lobatto, Option<Calibration>), SimulationError> {
+        let uncalibrated = || self.choice.integrator(mechanism);
+        let Some(tolerance) = self.choice.tolerance() else { return Ok((uncalibrated()?, None)) };
+        let go_on = || !self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
+        match calibrate(mechanism, state, self.duration, tolerance, kept, &mut |_| go_on()) {
+            Ok(found) => Ok((found.integrator(mechanism, tolerance), Some(found))),
+            Err(interrupted @ CalibrationError::Interrupted) => Err(SimulationError::Interrupted(interrupted)),
+            // The run will fail where the trial run did, and leave its log up to there.
+            Err(CalibrationError::Step(_)) => Ok((uncalibrated()?, None)),
+        }
+    }
+}

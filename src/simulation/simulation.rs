@@ -1,0 +1,275 @@
+//! A run: one object that the command line, tests and other programs use.
+//!
+//! ```text
+//!     Mechanism (constant) ─┐
+//!     State, Inputs ────────┼→ Simulation ──step_to──▶ islands, each with its steps ──▶ observers (log, progress bar)
+//!     StepChoice ───────────┘                └─finish─▶ Finished: the state, the figures, how the steps were made
+//! ```
+
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::MethodDescription;
+use crate::mechanism::motion::state::State;
+use crate::simulation::accuracy::Calibration;
+use crate::simulation::course::{Aim, Course, RunError, RunOptions};
+use crate::simulation::integrators::{Calibrations, Integrators, SimulationError, Wanted};
+use crate::simulation::islands::{IslandFigures, Plan};
+use crate::simulation::merged::Whole;
+use crate::simulation::observer::Observer;
+use crate::simulation::step_choice::StepChoice;
+use crate::simulation::summary::Summary;
+use std::sync::atomic::AtomicBool;
+
+/// How a run is to be made.
+#[derive(Clone, Copy, Debug)]
+pub struct SimulationOptions<'o> {
+    /// Simulated time (s).
+    pub duration: f64,
+    /// How steps are chosen.
+    pub steps: StepChoice,
+    /// Rules that leave nothing out.
+    pub switched_off: &'o [Rule],
+    /// Set from outside to end the run after its current step, or its trial runs.
+    pub interrupt: Option<&'o AtomicBool>,
+}
+
+/// A run: a mechanism, its state, what acts on it from outside, what makes the steps of its islands, the accuracy to expect, and who
+/// watches.
+///
+/// ```
+/// use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+/// use catena::mechanism::description::mechanism::{Body, Mechanism};
+/// use catena::mechanism::motion::state::State;
+/// use catena::simulation::{Simulation, SimulationOptions, StepChoice};
+/// use nalgebra::Vector3;
+///
+/// // A trolley of 2 kg on a rail, pushed with 3 N for one second.
+/// let joint = Joint::new("rail", JointKind::Prismatic, Pose::identity(), Pose::identity());
+/// let body = Body { name: "trolley".into(), parent: None, mass: 2.0, inertia: Vector3::repeat(0.1), joint };
+/// let mechanism = Mechanism::new("rail", Vector3::zeros(), vec![body])?;
+/// let options =
+///     SimulationOptions { duration: 2.0, steps: StepChoice::Tolerance(1e-9), switched_off: &[], interrupt: None };
+/// let mut simulation = Simulation::new(&mechanism, State::zero(&mechanism), options)?;
+/// simulation.set_efforts(&[3.0])?;
+/// simulation.step_to(1.0)?;
+/// simulation.set_efforts(&[0.0])?;
+/// simulation.step_to(2.0)?;
+/// assert!((simulation.state().velocity[0] - 1.5).abs() < 1e-12);
+/// assert!((simulation.state().position[0] - 2.25).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Simulation<'s> {
+    mechanism: &'s Mechanism,
+    state: State,
+    efforts: Vec<f64>,
+    integrators: Integrators,
+    choice: StepChoice,
+    calibrations: Calibrations,
+    /// Islands, and how many of them sleep, before small ones were put together.
+    parts: (usize, usize),
+    options: RunOptions<'s>,
+    end: f64,
+    observers: Vec<&'s mut dyn Observer>,
+    progress: Option<Progress>,
+}
+
+/// How far a run has come.
+enum Progress {
+    Whole(Box<Course>),
+    Islands(Box<Whole>),
+}
+
+/// What a run has left.
+#[derive(Clone, Debug)]
+pub struct Finished {
+    /// Where it ended; if it ended early, the last state that all islands have reached.
+    pub state: State,
+    /// Its figures up to there.
+    pub summary: Summary,
+    /// How steps were made.
+    pub method: MethodDescription,
+    /// What each island did, or several that were run together; nothing if there is only one.
+    pub islands: Vec<IslandFigures>,
+}
+
+/// Why efforts cannot be taken.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum InputError {
+    /// Their number.
+    #[error("{given} efforts for {wanted} degrees of freedom: give one for each, in the order of the velocities")]
+    Count {
+        /// How many were given.
+        given: usize,
+        /// How many are wanted.
+        wanted: usize,
+    },
+    /// One of them is not a finite number.
+    #[error("the effort on joint {joint:?} is {effort}: give a finite number")]
+    NotFinite {
+        /// The joint.
+        joint: String,
+        /// What was given [N m or N].
+        effort: f64,
+    },
+}
+
+impl<'s> Simulation<'s> {
+    /// Sets up a run from a state, whose loops are closed; makes trial runs where an accuracy is wanted.
+    ///
+    /// # Errors
+    /// [`SimulationError`] for stages and steps that cannot be, and when interrupted.
+    pub fn new(
+        mechanism: &'s Mechanism,
+        state: State,
+        options: SimulationOptions<'s>,
+    ) -> Result<Self, SimulationError> {
+        let SimulationOptions { duration, steps, switched_off, interrupt } = options;
+        let plan = Plan::new(mechanism, &state, switched_off);
+        let parts = (plan.islands.len(), plan.sleeping());
+        let wanted = Wanted { choice: steps, duration, interrupt };
+        let (integrators, calibrations) = Integrators::new(mechanism, &state, plan, &wanted)?;
+        Ok(Simulation {
+            mechanism,
+            end: state.time + duration,
+            state,
+            efforts: Vec::new(),
+            integrators,
+            choice: steps,
+            calibrations,
+            parts,
+            options: RunOptions { duration, rate: None, interrupt },
+            observers: Vec::new(),
+            progress: None,
+        })
+    }
+
+    /// Somebody watches the run from its next step on.
+    pub fn observe(&mut self, observer: &'s mut dyn Observer) {
+        self.observers.push(observer);
+    }
+
+    /// Observers see so many samples per simulated second; without this only the first and the last instant. Before the first step.
+    pub fn sample_at(&mut self, rate: f64) {
+        self.options.rate = Some(rate);
+    }
+
+    /// Efforts on the joints from now on, besides the forces of the mechanism: one entry a degree of freedom [N m or N].
+    ///
+    /// # Errors
+    /// [`InputError`] for another number of efforts and for what is not finite.
+    pub fn set_efforts(&mut self, efforts: &[f64]) -> Result<(), InputError> {
+        let wanted = self.mechanism.velocity_count;
+        if efforts.len() != wanted {
+            return Err(InputError::Count { given: efforts.len(), wanted });
+        }
+        if let Some(freedom) = efforts.iter().position(|effort| !effort.is_finite()) {
+            let of = self.mechanism.bodies.iter().find(|body| body.joint.velocity_range().contains(&freedom));
+            let joint = of.map_or_else(String::new, |body| body.joint.name.clone());
+            return Err(InputError::NotFinite { joint, effort: efforts[freedom] });
+        }
+        self.efforts.clear();
+        self.efforts.extend_from_slice(efforts);
+        Ok(())
+    }
+
+    /// Makes steps until `time` (s), exactly; not beyond the end of the run.
+    ///
+    /// # Errors
+    /// [`RunError`]: a step fails, an observer fails, or the run is interrupted.
+    pub fn step_to(&mut self, time: f64) -> Result<(), RunError> {
+        self.proceed(time)
+    }
+
+    /// Makes steps to the end of the run.
+    ///
+    /// # Errors
+    /// [`RunError`]: a step fails, an observer fails, or the run is interrupted.
+    pub fn run(&mut self) -> Result<(), RunError> {
+        self.proceed(f64::INFINITY)
+    }
+
+    fn proceed(&mut self, until: f64) -> Result<(), RunError> {
+        let Simulation { mechanism, state, efforts, integrators, options, observers, progress, choice, .. } = self;
+        let inputs = Inputs { efforts };
+        let watching = &mut observers[..];
+        match integrators {
+            Integrators::Whole(lobatto) => {
+                if progress.is_none() {
+                    let mut course = Course::new(mechanism, state, options.duration, options.rate);
+                    course.begin(watching)?;
+                    *progress = Some(Progress::Whole(Box::new(course)));
+                }
+                let Some(Progress::Whole(course)) = progress else { return Ok(()) };
+                let aim = Aim { horizon: f64::INFINITY, until };
+                course.proceed(mechanism, inputs, state, lobatto.as_mut(), aim, options.interrupt, watching)
+            }
+            Integrators::Islands { islands, .. } => {
+                if progress.is_none() {
+                    *progress = Some(Progress::Islands(Box::new(islands.begin(mechanism, state, options, watching)?)));
+                }
+                let Some(Progress::Islands(whole)) = progress else { return Ok(()) };
+                let ended = islands
+                    .wake(inputs, *choice, whole, options)
+                    .and_then(|()| islands.proceed(mechanism, until, options, watching, whole));
+                islands.settle(mechanism, state, whole, ended.is_ok());
+                ended
+            }
+        }
+    }
+
+    /// What is simulated.
+    pub fn mechanism(&self) -> &'s Mechanism {
+        self.mechanism
+    }
+
+    /// Where the run is.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// When it ends (s).
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// How steps are chosen.
+    pub fn choice(&self) -> StepChoice {
+        self.choice
+    }
+
+    /// How steps are made, and how they have gone so far.
+    pub fn description(&self) -> MethodDescription {
+        self.integrators.description()
+    }
+
+    /// Parts that nothing connects, and how many of them start at rest in equilibrium and are not simulated.
+    pub fn parts(&self) -> (usize, usize) {
+        self.parts
+    }
+
+    /// What trial runs have found, for the whole or for each island that moves; `None` where a trial run failed as the run will.
+    pub fn calibrations(&self) -> &[Option<Calibration>] {
+        &self.calibrations
+    }
+
+    /// The figures so far.
+    pub fn summary(&self) -> Summary {
+        match &self.progress {
+            None => Course::new(self.mechanism, &self.state, 0.0, None).summary(),
+            Some(Progress::Whole(course)) => course.summary(),
+            Some(Progress::Islands(whole)) => whole.summary,
+        }
+    }
+
+    /// Ends the run: what it has left. Observers are free again.
+    pub fn finish(self) -> Finished {
+        let (summary, method) = (self.summary(), self.description());
+        let islands = match &self.integrators {
+            Integrators::Whole(_) => Vec::new(),
+            Integrators::Islands { islands, .. } => islands.figures().collect(),
+        };
+        let islands = if islands.len() > 1 { islands } else { Vec::new() };
+        Finished { state: self.state, summary, method, islands }
+    }
+}

@@ -1,0 +1,76 @@
+//! How the steps of a run are chosen.
+
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::stepping::integrator::{Lobatto, MethodError};
+
+/// How steps are chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepChoice {
+    /// Stages and steps from the wanted accuracy of positions (m).
+    Tolerance(f64),
+    /// Stages and step as given, with steps of so many seconds.
+    Fixed {
+        /// Number of stages.
+        stages: usize,
+        /// Length of the steps (s).
+        step: f64,
+    },
+    /// With the pace of the motion, from a first step on, so that very long runs do not drift.
+    Reversible {
+        /// Number of stages.
+        stages: usize,
+        /// Length of the first step (s).
+        step: f64,
+    },
+    /// As given, solved to 32 digits.
+    Precise {
+        /// Number of stages.
+        stages: usize,
+        /// Length of the steps (s).
+        step: f64,
+    },
+}
+
+impl StepChoice {
+    /// The same for a run of this duration (s), in which no fixed step is longer.
+    #[must_use]
+    pub fn within(self, duration: f64) -> Self {
+        match self {
+            StepChoice::Fixed { stages, step } => StepChoice::Fixed { stages, step: step.min(duration) },
+            StepChoice::Precise { stages, step } => StepChoice::Precise { stages, step: step.min(duration) },
+            // The step of reversible steps is a measure of those that are made.
+            StepChoice::Tolerance(_) | StepChoice::Reversible { .. } => self,
+        }
+    }
+
+    /// The wanted accuracy, where steps are chosen from it (m).
+    pub fn tolerance(self) -> Option<f64> {
+        match self {
+            StepChoice::Tolerance(tolerance) => Some(tolerance),
+            StepChoice::Fixed { .. } | StepChoice::Reversible { .. } | StepChoice::Precise { .. } => None,
+        }
+    }
+
+    /// The step that was given (s).
+    pub fn step(self) -> Option<f64> {
+        match self {
+            StepChoice::Tolerance(_) => None,
+            StepChoice::Fixed { step, .. } | StepChoice::Reversible { step, .. } | StepChoice::Precise { step, .. } => {
+                Some(step)
+            }
+        }
+    }
+
+    /// The integrator, without trial runs for the accuracy.
+    ///
+    /// # Errors
+    /// [`MethodError`] for stages and steps that cannot be.
+    pub fn integrator(self, mechanism: &Mechanism) -> Result<Lobatto, MethodError> {
+        match self {
+            StepChoice::Fixed { stages, step } => Lobatto::fixed(mechanism, stages, step),
+            StepChoice::Reversible { stages, step } => Lobatto::reversible(mechanism, stages, step),
+            StepChoice::Precise { stages, step } => Lobatto::precise(mechanism, stages, step),
+            StepChoice::Tolerance(tolerance) => Ok(Lobatto::adaptive(mechanism, tolerance)),
+        }
+    }
+}
