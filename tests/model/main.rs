@@ -13,5 +13,6 @@ mod model_reduction;
 mod robots;
 mod scene_file;
 mod scenes;
+mod simulation;
 mod urdf_corpus_reading;
 mod urdf_reading;

@@ -12,7 +12,7 @@
 //! ```
 
 use crate::numbers::algebra::Vector;
-use crate::numbers::arithmetic::{Arithmetic, Numbers};
+use crate::numbers::arithmetic::Numbers;
 use crate::numbers::lanes::Lanes;
 use crate::numbers::reductions::largest;
 use crate::numbers::rotations::{compose, rotate_increment};
