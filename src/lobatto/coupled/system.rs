@@ -9,8 +9,8 @@
 //!     J_i η_i + ε Σ_k Â_ik dλ_k = −g_i                     η_body = η_parent + s_i δ_i
 //! ```
 //!
-//! with the mass blocks D, screws s and gradients J of a [`Geometry`]: `space`, where twists have six components, or
-//! [`crate::step::planar_kernel`], where they have three. The elimination is in `operations`, step by step.
+//! with the mass blocks D, screws s and gradients J of a [`Geometry`]: [`crate::coupled::space`], where twists have six components, or
+//! [`crate::planar::geometry`], where they have three. The elimination is in `operations`, step by step.
 //!
 //! ε acts on the increments only (proximal): converged gaps are zero whatever it is, and redundant equations need no decision
 //! about rank. The multipliers start from zero in every step, so that nothing that no equation determines is
@@ -41,9 +41,9 @@ pub type Screw<V> = [V; TWIST];
 /// What the system is made of: the bodies and closures of a mechanism in space, or in a plane.
 pub trait Geometry<V: Lanes> {
     /// What is constant of the mechanism.
-    type Plan;
+    type Plan: Send;
     /// The known start of a step.
-    type Start;
+    type Start: Send;
     /// Number of components of a twist.
     const WIDTH: usize;
 

@@ -59,6 +59,17 @@ pub(crate) fn largest<V: Numbers>(values: &[V]) -> f64 {
     largest.largest()
 }
 
+/// Adds increments to values; returns the largest of these at any stage, without their signs.
+#[inline(always)]
+pub(crate) fn add_to<V: Numbers>(values: &mut [V], increments: &[V]) -> f64 {
+    let mut largest = V::zero();
+    for (value, &increment) in values.iter_mut().zip(increments) {
+        *value = *value + increment;
+        largest = value.max_abs(largest);
+    }
+    largest.largest()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

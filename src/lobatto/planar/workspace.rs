@@ -98,15 +98,6 @@ impl<V: Lanes> PlanarStages<V> {
         Unknowns { displacement: &mut self.displacement, rates: &self.start.rates, step: self.step, coefficients }
     }
 
-    /// Adds the increments to the displacements.
-    #[inline(always)]
-    pub fn advance(&mut self) {
-        for (displacement, &increment) in self.displacement.iter_mut().zip(&self.increment) {
-            *displacement = *displacement + increment;
-        }
-        self.measure();
-    }
-
     /// Whether a step takes the most general sweeps: forces act, or there are no others ([`Lanes::GENERAL_ALONE`]). Where sweeps are chosen
     /// the same is written out: behind a call the compiler would know too late.
     #[inline(always)]
@@ -118,12 +109,6 @@ impl<V: Lanes> PlanarStages<V> {
     #[inline(always)]
     pub fn largest_increment(&self) -> f64 {
         largest(&self.increment)
-    }
-
-    /// Finds the largest displacement.
-    #[inline(always)]
-    pub fn measure(&mut self) {
-        self.largest = largest(&self.displacement);
     }
 
     /// One iteration: finds the increments, returns the largest; `REFINED` with twice the digits of the coefficients, `FORCED` with

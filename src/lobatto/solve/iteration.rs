@@ -12,7 +12,7 @@
 //! ```
 //!
 //! What is hopeless is tried again with a plain guess, and then by the exact Newton method if the rule says so.
-//! What is iterated is the kernel's: [`crate::step::kernel`] in space, [`crate::step::planar_kernel`] in a plane.
+//! What is iterated is the kernel's: [`crate::step::kernel`].
 
 use crate::numbers::rotations::EACH;
 use crate::stages::attempt::{Attempt, Guess, StopRule};

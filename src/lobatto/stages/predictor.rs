@@ -102,6 +102,7 @@ mod tests {
     use crate::stages::attempt::{Attempt, StopRule};
     use crate::stages::coefficients::Coefficients;
     use crate::step::kernel::Kernel;
+    use crate::step::spatial::SpatialWorkspace;
     use crate::step::step::Step;
     use crate::vectors::portable::Portable;
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
@@ -145,7 +146,9 @@ mod tests {
         let mut state = State::zero(&mechanism);
         state.velocity.copy_from_slice(&[1.0, -2.0]);
         // The vectors of the tests of 32 digits, so that there is one kernel in the unit tests.
-        let mut kernel = Kernel::<Portable<16>>::new(&mechanism, Tableau::of(9).unwrap(), &[]);
+        let tableau = Tableau::of(9).unwrap();
+        let workspace = SpatialWorkspace::<Portable<16>>::new(&mechanism, tableau, &[]);
+        let mut kernel = Kernel::new(&mechanism, tableau, workspace);
         kernel.begin(&mechanism, &state);
         let rule = StopRule { increment: 1e-9, ..StopRule::ROUNDING };
         let mut iterations = |step, guess| match kernel.attempt(&mechanism, step, &rule, guess) {

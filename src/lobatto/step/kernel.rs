@@ -1,227 +1,164 @@
-//! One step of the constrained Lobatto IIIA–IIIB scheme (2.5.11), at the price of a recursion.
+//! One step of the constrained Lobatto IIIA–IIIB scheme (2.5.11), at the price of a recursion, in space or in a plane.
 //!
 //! ```text
 //!     guess θ                                             predictor.rs
-//!     repeat:  poses of all stages from θ                 stage.rs         g(Q_i) = 0 to rounding at every iterate
-//!                                                         first.rs         in single precision at first
-//!              forces F_k, if there are any               applied.rs
-//!              residual ρ_k, factors of H(q_k)            residual.rs, pivot.rs, articulated.rs
-//!              or ρ_k alone, with factors kept            chord.rs
-//!              or all of it for one body in flight        tumbler.rs
-//!              δ_i = Σ_k Â_ik α_k,  H(q_k) α_k = −ρ_k     sweeps.rs
+//!     repeat:  residual ρ_k and factors of H(q_k) at θ    spatial.rs, planar.rs
+//!              δ_i = Σ_k Â_ik α_k,  H(q_k) α_k = −ρ_k
 //!              θ ← Anderson(θ, δ)                         anderson.rs
-//!     until |δ| is small enough
-//!     velocity from H(q̄) v̄ = Sᵀ p̄                        ending.rs        (2.5.11h)
+//!     until |δ| is small enough                           iteration.rs
+//!     velocity from H(q̄) v̄ = Sᵀ p̄                        kernel_step.rs     (2.5.11h)
 //! ```
 //!
-//! With closed loops, and where this does not converge (stiff springs, hard dampers), the iteration is the exact Newton
-//! method with all stages coupled ([`crate::coupled::newton`]), and velocities are projected on the loops ([`crate::coupled::projection`]).
+//! with θ the displacements of the freedoms since the start of the step (rad, m) at the stages i = 2 … s, and ρ, H and α as in
+//! [`crate::step::workspace`]. With closed loops, and where this does not converge (stiff springs, hard dampers), the iteration is the exact
+//! Newton method with all stages coupled ([`crate::coupled::system`]), and velocities are projected on the loops
+//! ([`crate::coupled::projection`]).
 
 use crate::coupled::closing::Closing;
-use crate::coupled::newton::Newton;
-use crate::coupled::projection::Projection;
-use crate::coupled::space::Space;
-use crate::coupled::system::One;
-use crate::ending::velocities::Ending;
 use crate::numbers::lanes::{Lanes, in_lanes};
-use crate::numbers::reductions::{larger, largest_coefficient, worst_freedom};
+use crate::numbers::reductions::{add_to, largest, largest_coefficient, worst_freedom};
 use crate::solve::anderson::Anderson;
 use crate::solve::iteration;
 use crate::solve::iteration::{Coupling, Equations, Exact, Guarded, exact_at_first, exact_rule};
 use crate::solve::kept_factors::Chord;
-use crate::solve::single_precision::{FirstIterations, widened};
 use crate::stages::attempt::{Attempt, Guess, REFINED_BELOW, StopRule};
-use crate::stages::pose::{Turn, largest_of_turn};
+use crate::stages::pose::Turn;
 use crate::stages::predictor::Predictor;
-use crate::stages::start::Start;
-use crate::stages::workspace::{Stages, furthest_turn};
+use crate::step::workspace::Workspace;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
-use catena_mechanism::description::rules::Rule;
 
-/// [`Step`](crate::step::step::Step) with the lanes of `V`.
-pub struct Kernel<V: Lanes> {
-    pub(crate) stages: Stages<V>,
+/// [`Step`](crate::step::step::Step) with the lanes of `V`, over the equations of `W`.
+pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
+    pub(crate) workspace: W,
     pub(crate) anderson: Anderson<V>,
     pub(crate) chord: Chord,
-    pub(crate) first: FirstIterations<V>,
     pub(crate) predictor: Predictor<V>,
     /// The exact Newton method, from when it is needed first.
-    pub(crate) newton: Option<Box<Newton<V>>>,
+    newton: Option<Box<W::Newton>>,
     /// For how many more steps the exact Newton method comes first.
     pub(crate) exact_for: usize,
     /// Where there are closures.
-    pub(crate) closing: Option<Closing<Space<One>>>,
+    pub(crate) closing: Option<Closing<W::Closures>>,
     pub(crate) tableau: &'static Tableau,
-    /// Row of the inverse Legendre matrix for the stages 2 … s.
-    pub(crate) top_legendre: V,
-    /// Its entry for stage 1.
-    pub(crate) first_legendre: f64,
+    /// Top row of the inverse Legendre matrix for the stages 2 … s.
+    top_legendre: V,
     /// Whether this step is iterated so far that the rounding of the coefficients counts.
     pub(crate) refined: bool,
-    pub(crate) gravity: [f64; 3],
-    pub(crate) ending: Ending<<V as Lanes>::One>,
     pub(crate) velocity: Vec<f64>,
     pub(crate) displaced: Vec<f64>,
     /// The end of the finished step.
-    pub(crate) end: Start,
+    pub(crate) end: W::Start,
 }
 
-impl<V: Lanes> Kernel<V> {
-    /// The workspace for a mechanism and a scheme; `kept` are the rules that leave nothing out.
-    pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kept: &[Rule]) -> Self {
-        let stages = Stages::new(mechanism, tableau, kept);
-        let iterated = mechanism.velocity_count - stages.plan.known();
-        let ending = Ending::new(&stages.plan, mechanism.velocity_count, tableau);
+impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
+    /// The kernel for a mechanism and a scheme, of which the workspace is made.
+    pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, workspace: W) -> Self {
+        let freedoms = mechanism.velocity_count;
+        let iterated = freedoms - workspace.known();
         Kernel {
             anderson: Anderson::new(iterated),
             chord: Chord::NEW,
-            first: FirstIterations::new(),
-            predictor: Predictor::new(iterated, stages.plan.balls(), tableau),
-            stages,
-            top_legendre: V::from_slice(&tableau.top_legendre[1..]),
-            first_legendre: tableau.top_legendre[0],
+            predictor: Predictor::new(iterated, workspace.balls(), tableau),
             newton: None,
             exact_for: exact_at_first(mechanism),
-            closing: mechanism.has_closures().then(|| Closing::new(mechanism, Projection::new(mechanism))),
+            closing: mechanism.has_closures().then(|| Closing::new(mechanism, workspace.projection(mechanism))),
             tableau,
+            top_legendre: V::from_slice(&tableau.top_legendre[1..]),
             refined: false,
-            gravity: mechanism.gravity.into(),
-            ending,
-            velocity: vec![0.0; mechanism.velocity_count],
-            displaced: vec![0.0; mechanism.velocity_count],
-            end: Start::with_units(mechanism),
+            velocity: vec![0.0; freedoms],
+            displaced: vec![0.0; freedoms],
+            end: W::new_start(mechanism),
+            workspace,
         }
     }
 
-    /// Solves the stage equations of a step of length `step` from the start and a guess. Here, because the compiler puts what an iteration
-    /// calls in its place in the file of the equations alone: a pendulum takes 1.02 of the time otherwise.
+    /// Number of lanes in use.
+    pub(crate) fn active(&self) -> usize {
+        self.tableau.stages - 1
+    }
+
+    /// Solves the stage equations of a step of length `step` from the start and a guess.
     pub(crate) fn solve(&mut self, mechanism: &Mechanism, step: f64, rule: &StopRule, guess: Guess) -> Attempt {
-        self.stages.step = step;
+        self.workspace.set_step(step);
+        self.workspace.begin_attempt(rule);
         self.refined = rule.increment < REFINED_BELOW;
-        self.first.allow(rule);
         let attempt = iteration::attempt(self, mechanism, rule, guess);
         if matches!(attempt, Attempt::Failed { .. }) {
-            self.first.fail();
+            self.workspace.end_failed();
         }
         attempt
     }
 }
 
 /// The simplified iteration, with Anderson's acceleration.
-impl<V: Lanes> Equations for Kernel<V> {
+impl<V: Lanes, W: Workspace<V>> Equations for Kernel<V, W> {
     fn iterate(&mut self, settled: bool) -> f64 {
-        let refines = self.refines();
-        let stages = &mut self.stages;
-        let gravity = &self.gravity;
-        if let Some(increment) = self.first.iterate(stages, &mut self.chord, gravity) {
+        let refined = settled && self.refines();
+        if let Some(increment) = self.workspace.iterate_specially(&mut self.chord, refined) {
             return increment;
         }
-        self.first.hand_over(stages);
-        if stages.plan.tumbles {
-            return if refines && settled {
-                in_lanes!(V, stages.tumble::<true>(gravity).largest())
-            } else {
-                in_lanes!(V, stages.tumble::<false>(gravity).largest())
-            };
-        }
-        in_lanes!(V, stages.sweep_poses());
-        if stages.applied.is_some() {
-            in_lanes!(V, stages.sweep_applied(false));
-        }
         let keeps = self.chord.keeps();
-        // Vectors that carry the general sweeps alone are not compiled with the others.
-        if V::GENERAL_ALONE || stages.applied.is_some() {
-            if keeps {
-                in_lanes!(V, stages.sweep_forced_wrenches(gravity));
-            } else {
-                in_lanes!(V, stages.sweep_forced_residual(gravity));
-            }
-        } else {
-            match (keeps, refines && settled) {
-                // Increments that settle are small.
-                (_, true) => in_lanes!(V, stages.sweep_wrenches::<true>(gravity)),
-                (true, false) => in_lanes!(V, stages.sweep_wrenches::<false>(gravity)),
-                (false, false) => in_lanes!(V, stages.sweep_residual(gravity)),
-            }
-        }
-        let increment = in_lanes!(V, stages.sweep_increments().largest());
+        let increment = self.workspace.iterate(keeps, refined);
         self.chord.see(increment);
         increment
     }
 
     fn refines(&self) -> bool {
-        self.refined && !self.stages.is_general()
+        self.refined && !self.workspace.is_general()
     }
 
     fn advance(&mut self) -> f64 {
-        let (anderson, stages) = (&mut self.anderson, &mut self.stages);
-        let known = stages.plan.known();
-        in_lanes!(V, anderson.advance(&mut stages.displacement[known..], &stages.increment[known..]).largest())
+        let (anderson, known) = (&mut self.anderson, self.workspace.known());
+        let (displacement, increment) = self.workspace.advanced();
+        let largest = in_lanes!(V, anderson.advance(&mut displacement[known..], &increment[known..]).largest());
+        self.workspace.bound(largest);
+        largest
     }
 
     fn complete(&mut self) {
-        let stages = &mut self.stages;
-        in_lanes!(V, stages.advance());
+        self.add_increments();
     }
 
-    /// The scheme represents a step by polynomials of the rotation matrices' entries, so that these count as well as the joint
-    /// displacements: a steady spin is a straight line in joint coordinates and no polynomial at all in R⁹.
     fn legendre(&self) -> f64 {
-        let (stages, top, start) = (&self.stages, self.top_legendre, self.first_legendre);
-        in_lanes!(V, {
-            // Loops, because closures over vectors are not inlined here.
-            let mut largest = largest_coefficient(&stages.displacement[stages.plan.known()..], top);
-            match self.first.latest() {
-                Some(poses) => {
-                    for pose in poses {
-                        largest = larger(largest, largest_of_turn(&widened::<V>(pose), top, start));
-                    }
-                }
-                None => {
-                    for pose in &stages.poses {
-                        largest = larger(largest, largest_of_turn(pose, top, start));
-                    }
-                }
-            }
-            largest
-        })
+        self.workspace.legendre(self.top_legendre)
     }
 
     fn joint_legendre(&self) -> f64 {
-        let (stages, top) = (&self.stages, self.top_legendre);
-        in_lanes!(V, largest_coefficient(&stages.displacement[stages.plan.known()..], top))
+        let (iterated, top) = (&self.workspace.displacement()[self.workspace.known()..], self.top_legendre);
+        in_lanes!(V, largest_coefficient(iterated, top))
     }
 
     fn worst_freedom(&self) -> usize {
-        worst_freedom(&self.stages.increment)
+        worst_freedom(self.workspace.increment())
     }
 
     fn furthest_turn(&self) -> Turn {
-        in_lanes!(V, furthest_turn(&self.stages))
+        self.workspace.furthest_turn()
     }
 }
 
-/// The exact Newton method takes the start and the length of the step from [`Kernel::stages`], and leaves the solution there.
-impl<V: Lanes> Guarded for Kernel<V> {
+impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
     fn guess(&mut self, guess: Guess) {
-        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
-        in_lanes!(V, predictor.guess(stages.unknowns(), guess));
+        let Kernel { predictor, workspace, .. } = self;
+        let unknowns = workspace.unknowns();
+        in_lanes!(V, predictor.guess(unknowns, guess));
+        let displacement = workspace.displacement();
+        let largest = in_lanes!(V, largest(displacement));
+        workspace.bound(largest);
     }
 
     fn restart(&mut self) {
         self.chord.restart();
-        self.first.begin(&self.stages.start, self.stages.step);
+        self.workspace.begin_iteration();
         self.anderson.restart();
     }
 
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
-        let newton = self.newton.get_or_insert_with(|| Box::new(Newton::new(mechanism, self.tableau)));
-        if self.stages.plan.tumbles {
-            in_lanes!(V, self.stages.place_tumbler(&self.gravity));
-        }
-        newton.begin(&self.stages);
-        self.first.leave();
+        let Kernel { workspace, newton, tableau, .. } = self;
+        let newton = newton.get_or_insert_with(|| Box::new(workspace.newton(mechanism, tableau)));
+        workspace.begin_exactly(newton);
+        workspace.leave_single();
         iteration::solve(&mut Exact(self), &exact_rule(mechanism, rule))
     }
 
@@ -230,16 +167,17 @@ impl<V: Lanes> Guarded for Kernel<V> {
     }
 }
 
-impl<V: Lanes> Coupling for Kernel<V> {
+/// The exact Newton method takes the start and the length of the step from [`Kernel::workspace`], and leaves the solution there.
+impl<V: Lanes, W: Workspace<V>> Coupling for Kernel<V, W> {
     fn couple(&mut self) -> f64 {
-        let Kernel { stages, newton: Some(newton), gravity, .. } = self else { return f64::NAN };
-        newton.take_geometry(stages);
-        in_lanes!(V, newton.residual(stages, gravity));
-        newton.solve(stages)
+        let Kernel { workspace, newton: Some(newton), .. } = self else { return f64::NAN };
+        workspace.iterate_exactly(newton)
     }
 
     fn add_increments(&mut self) -> f64 {
-        let stages = &mut self.stages;
-        in_lanes!(V, stages.advance())
+        let (displacement, increment) = self.workspace.advanced();
+        let largest = in_lanes!(V, add_to(displacement, increment));
+        self.workspace.bound(largest);
+        largest
     }
 }

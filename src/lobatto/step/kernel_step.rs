@@ -1,11 +1,10 @@
 //! A step of the kernel, from its start to the next: begun, attempted, finished and accepted.
 //!
 //! ```text
-//!     state ──set──▶ start ──iteration──▶ stages ──ending──▶ displacements and rates at the end ──set──▶ end, the next start
+//!     state ──set──▶ start ──iteration──▶ θ ──(2.5.11h)──▶ displacements and velocities at the end ──set──▶ end, the next start
 //! ```
 
 use crate::coupled::closing::Closing;
-use crate::ending::refinement::have_lost_digits;
 use crate::numbers::extended::Extended;
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::{at_end, weigh, write_ends};
@@ -14,12 +13,13 @@ use crate::solve::kept_factors::Chord;
 use crate::stages::attempt::{Attempt, Guess, StopRule};
 use crate::step::kernel::Kernel;
 use crate::step::step::Step;
+use crate::step::workspace::Workspace;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
-impl<V: Lanes> Kernel<V> {
+impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
     /// Takes the end of a step that was solved to 32 digits: moves `state` there; returns its energy.
     pub(crate) fn arrive(
         &mut self,
@@ -38,31 +38,20 @@ impl<V: Lanes> Kernel<V> {
         for (own, &rate) in state.velocity.iter_mut().zip(rates) {
             *own = rate.rounded();
         }
-        self.end.set(mechanism, state);
-        self.end.energy
-    }
-
-    /// Refines the velocities at the end of a step, of which this is the square, if they need it.
-    fn refine(&mut self, mechanism: &Mechanism, state: &mut State, square: f64) {
-        let Kernel { stages, ending, gravity, velocity, end, .. } = self;
-        if have_lost_digits(square, end.energy.kinetic * stages.start.units) {
-            in_lanes!(V, ending.refine(stages, gravity, velocity, square));
-            state.velocity.copy_from_slice(velocity);
-            end.set_with::<V>(mechanism, state);
-        }
+        self.workspace.set_end(&mut self.end, mechanism, state);
+        W::energy(&self.end)
     }
 }
 
-impl<V: Lanes> Step for Kernel<V> {
+impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
     fn expect(&mut self, mechanism: &Mechanism, stop: f64) {
-        self.first.prepare(mechanism, &self.stages.plan, self.tableau, stop);
+        self.workspace.prepare_single(mechanism, self.tableau, stop);
     }
 
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
-        self.stages.start.set(mechanism, state);
+        self.workspace.begin(mechanism, state);
         self.predictor.forget();
         self.chord = Chord::NEW;
-        self.first.forget();
         self.exact_for = exact_at_first(mechanism);
     }
 
@@ -73,7 +62,7 @@ impl<V: Lanes> Step for Kernel<V> {
     }
 
     fn energy(&self) -> Energy {
-        self.stages.start.energy
+        W::energy(self.workspace.start())
     }
 
     fn has_past(&self) -> bool {
@@ -85,42 +74,28 @@ impl<V: Lanes> Step for Kernel<V> {
     }
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
-        let Kernel { stages, ending, gravity, velocity, .. } = self;
-        let square = if stages.plan.tumbles {
-            in_lanes!(V, stages.place_tumbler(gravity));
-            in_lanes!(V, ending.tumbler_velocities(stages, gravity, velocity));
-            None
-        } else {
-            in_lanes!(V, stages.sweep_poses());
-            if stages.applied.is_some() {
-                in_lanes!(V, stages.sweep_applied(true));
-            }
-            let square = if V::GENERAL_ALONE || stages.applied.is_some() {
-                in_lanes!(V, ending.velocities::<V, true, true>(stages, gravity, velocity))
-            } else if self.refined {
-                in_lanes!(V, ending.velocities::<V, true, false>(stages, gravity, velocity))
-            } else {
-                in_lanes!(V, ending.velocities::<V, false, false>(stages, gravity, velocity))
-            };
-            // What dampers brake is in the factors, and no kinetic energy.
-            stages.applied.is_none().then_some(square)
-        };
-        write_ends(&stages.displacement, stages.coefficients.active, &mut self.displaced);
-        state.displace(mechanism, &self.displaced);
-        state.velocity.copy_from_slice(&self.velocity);
-        self.end.set_with::<V>(mechanism, state);
-        if let Some(square) = square {
-            self.refine(mechanism, state, square);
+        let active = self.active();
+        let Kernel { workspace, velocity, displaced, end, closing, .. } = self;
+        let square = workspace.end_velocities(self.refined, velocity);
+        write_ends(workspace.displacement(), active, displaced);
+        state.displace(mechanism, displaced);
+        state.velocity.copy_from_slice(velocity);
+        workspace.set_end(end, mechanism, state);
+        if let Some(square) = square
+            && workspace.refine_velocities(end, square, velocity)
+        {
+            state.velocity.copy_from_slice(velocity);
+            workspace.set_end(end, mechanism, state);
         }
-        if let Some(closing) = &mut self.closing {
-            closing.velocities(mechanism, &self.end, &mut state.velocity);
-            self.end.set_with::<V>(mechanism, state);
+        if let Some(closing) = closing {
+            closing.velocities(mechanism, end, &mut state.velocity);
+            workspace.set_end(end, mechanism, state);
         }
-        self.end.energy
+        W::energy(end)
     }
 
     fn exchange(&self) -> Exchange {
-        self.stages.applied.as_ref().map_or(Exchange::default(), |applied| applied.exchange)
+        self.workspace.applied().map_or(Exchange::default(), |applied| applied.exchange)
     }
 
     fn take_kept(&mut self) -> usize {
@@ -138,26 +113,27 @@ impl<V: Lanes> Step for Kernel<V> {
     }
 
     fn accept(&mut self) {
-        let (stages, predictor) = (&mut self.stages, &mut self.predictor);
-        in_lanes!(V, predictor.learn(stages.unknowns()));
-        std::mem::swap(&mut self.stages.start, &mut self.end);
+        let Kernel { workspace, predictor, end, .. } = self;
+        let unknowns = workspace.unknowns();
+        in_lanes!(V, predictor.learn(unknowns));
+        std::mem::swap(workspace.start_mut(), end);
     }
 
     fn weigh_displacements(&self, weights: [&[f64]; 2], sums: &mut [[f64; 2]]) {
-        weigh(&self.stages.displacement, weights, sums);
+        weigh(self.workspace.displacement(), weights, sums);
     }
 
     fn last_displacement(&self, freedom: usize) -> f64 {
-        at_end(self.stages.displacement[freedom], self.stages.coefficients.active)
+        at_end(self.workspace.displacement()[freedom], self.active())
     }
 
     fn accelerations(&mut self, step: f64, out: &mut [f64]) {
-        self.stages.step = step;
+        self.workspace.set_step(step);
         self.guess(Guess::Plain);
         self.chord.restart();
-        self.first.leave();
+        self.workspace.leave_single();
         self.iterate(false);
-        write_ends(&self.stages.increment, self.stages.coefficients.active, out);
+        write_ends(self.workspace.increment(), self.active(), out);
         for out in out {
             *out = 2.0 * *out / (step * step);
         }

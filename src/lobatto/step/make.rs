@@ -4,8 +4,9 @@ use crate::instants::instants::{Instants, LinkPlace};
 use crate::instants::tree::LaneInstants;
 use crate::numbers::lanes::Lanes;
 use crate::step::kernel::Kernel;
-use crate::step::planar_kernel::PlanarKernel;
+use crate::step::planar::PlanarWorkspace;
 use crate::step::precise::Precise;
+use crate::step::spatial::SpatialWorkspace;
 use crate::step::step::Step;
 use crate::tableau::butcher::Tableau;
 use crate::vectors::InVectors;
@@ -45,9 +46,12 @@ impl<'m> MakeStep<'m> {
 impl InVectors for MakeStep<'_> {
     type Output = Box<dyn Step>;
     fn with<V: Lanes>(self) -> Box<dyn Step> {
-        match &self.plane {
-            Some(plane) => Box::new(PlanarKernel::<V>::new(self.mechanism, plane, self.tableau)),
-            None => Box::new(Kernel::<V>::new(self.mechanism, self.tableau, self.kept)),
+        let MakeStep { mechanism, tableau, plane, kept } = self;
+        match &plane {
+            Some(plane) => {
+                Box::new(Kernel::new(mechanism, tableau, PlanarWorkspace::<V>::new(mechanism, plane, tableau)))
+            }
+            None => Box::new(Kernel::new(mechanism, tableau, SpatialWorkspace::<V>::new(mechanism, tableau, kept))),
         }
     }
 }

@@ -1,9 +1,12 @@
-//! One step of the scheme, as those see it who string steps together ([`step`]), and the kernels that make it: in space, in a plane, to 32 digits.
+//! One step of the scheme, as those see it who string steps together ([`step`]), and what makes it: the [`kernel`] over a [`workspace`] in
+//! space ([`spatial`]) or in a plane ([`planar`]), and steps to 32 digits ([`precise`]).
 
-pub mod kernel;
-pub mod kernel_step;
+pub(crate) mod kernel;
+mod kernel_step;
 pub mod make;
-pub mod planar_kernel;
+mod planar;
 pub mod precise;
 pub mod precise_start;
+pub(crate) mod spatial;
 pub mod step;
+mod workspace;

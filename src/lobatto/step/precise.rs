@@ -28,6 +28,7 @@ use crate::stages::start::Start;
 use crate::stages::workspace::Stages;
 use crate::step::kernel::Kernel;
 use crate::step::precise_start::{carry, widen};
+use crate::step::spatial::SpatialWorkspace;
 use crate::step::step::Step;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -47,7 +48,7 @@ const MOST: usize = 30;
 /// [`Step`] with 32 digits, for trees under gravity alone.
 pub struct Precise<V: Lanes> {
     /// The same step to sixteen digits.
-    coarse: Kernel<V>,
+    coarse: Kernel<V, SpatialWorkspace<V>>,
     fine: Stages<Double<V>>,
     /// e: what sixteen digits leave out of the displacements.
     correction: Vec<V>,
@@ -72,7 +73,7 @@ impl<V: Lanes> Precise<V> {
         let kept = &[kept, &[Rule::Tumblers]].concat();
         let fine = Stages::unforced(mechanism, tableau, kept);
         Precise {
-            coarse: Kernel::new(mechanism, tableau, kept),
+            coarse: Kernel::new(mechanism, tableau, SpatialWorkspace::new(mechanism, tableau, kept)),
             ending: Ending::new(&fine.plan, freedoms, tableau),
             fine,
             correction: vec![V::zero(); freedoms],
@@ -87,7 +88,7 @@ impl<V: Lanes> Precise<V> {
 
     /// Refines the solution of sixteen digits; the iterations it took, and how it ended.
     fn refine(&mut self) -> Result<usize, Attempt> {
-        self.fine.step = self.coarse.stages.step;
+        self.fine.step = self.coarse.workspace.stages.step;
         self.anderson.restart();
         self.correction.fill(V::zero());
         let mut previous = f64::INFINITY;
@@ -124,7 +125,7 @@ impl<V: Lanes> Precise<V> {
     /// The poses of all stages for the corrections at hand.
     #[inline(always)]
     fn place(&mut self) {
-        let known = self.coarse.stages.displacement.iter().zip(&self.correction);
+        let known = self.coarse.workspace.stages.displacement.iter().zip(&self.correction);
         for (fine, (&rounded, &rest)) in self.fine.displacement.iter_mut().zip(known) {
             *fine = Double::widened(rounded) + Double::widened(rest);
         }
@@ -136,7 +137,7 @@ impl<V: Lanes> Step for Precise<V> {
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.coarse.begin(mechanism, state);
         let Stages { plan, start, .. } = &mut self.fine;
-        in_lanes!(V, widen::<V>(plan, &self.coarse.stages.start, &self.gravity, start));
+        in_lanes!(V, widen::<V>(plan, &self.coarse.workspace.stages.start, &self.gravity, start));
     }
 
     fn energy(&self) -> Energy {

@@ -1,5 +1,5 @@
 //! What a step is to those who string steps together: when its iteration ends, how an attempt at it ended, and what can be asked
-//! of it. In space it is made by [`crate::step::kernel`], in a plane by [`crate::step::planar_kernel`].
+//! of it. It is made by [`crate::step::kernel`], to 32 digits by [`crate::step::precise`].
 
 use crate::stages::attempt::{Attempt, Guess, StopRule};
 use catena_mechanism::description::mechanism::Mechanism;

@@ -1,0 +1,118 @@
+//! The equations of a step as a [`Kernel`](crate::step::kernel::Kernel) sees them: the trait that the workspaces in space
+//! ([`crate::step::spatial`]) and in a plane ([`crate::step::planar`]) implement.
+//!
+//! With the displacements `θ_i` (rad, m) of the freedoms at the stages i = 2 … s, the residuals `ρ_k` and the factors of `H(q_k)`:
+//!
+//! ```text
+//!     simplified iteration      δ_i = Σ_k Â_ik α_k,   H(q_k) α_k = −ρ_k          [`Workspace::iterate`]
+//!     exact Newton method       all rows k and stages i at once                  [`Workspace::iterate_exactly`]
+//!     velocities at the end     H(q̄) v̄ = Sᵀ p̄                                    [`Workspace::end_velocities`]    (2.5.11h)
+//! ```
+//!
+//! The methods with a body of their own here are for what only space has: freedoms that need no iteration, ball joints, iterations in single
+//! precision, a body in free flight, the refinement of velocities. What they do by default is exact for a mechanism without these.
+
+use crate::coupled::projection::Projection;
+use crate::coupled::system::{Geometry, One};
+use crate::numbers::lanes::Lanes;
+use crate::solve::kept_factors::Chord;
+use crate::stages::attempt::StopRule;
+use crate::stages::forces::Applied;
+use crate::stages::pose::Turn;
+use crate::stages::unknowns::Unknowns;
+use crate::tableau::butcher::Tableau;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::energy::Energy;
+use catena_mechanism::motion::state::State;
+
+/// What a step is computed with: everything that has lanes.
+pub(crate) trait Workspace<V: Lanes>: Send + 'static {
+    /// What the equations need of the known state.
+    type Start: Send;
+    /// The bodies and closures at one configuration, for projections on the closures.
+    type Closures: Geometry<One, Start = Self::Start> + Send;
+    /// The exact Newton method on the same equations.
+    type Newton: Send;
+
+    /// Room for the start of a step.
+    fn new_start(mechanism: &Mechanism) -> Self::Start;
+    /// Energy at a start (J).
+    fn energy(start: &Self::Start) -> Energy;
+    /// The projection on the closures.
+    fn projection(&self, mechanism: &Mechanism) -> Projection<Self::Closures>;
+    /// The exact Newton method, before its first step.
+    fn newton(&self, mechanism: &Mechanism, tableau: &Tableau) -> Self::Newton;
+
+    /// The start of the step.
+    fn start(&self) -> &Self::Start;
+    /// The same, to be exchanged.
+    fn start_mut(&mut self) -> &mut Self::Start;
+    /// Takes a state as the start of the next step, and forgets the motion before.
+    fn begin(&mut self, mechanism: &Mechanism, state: &State);
+    /// Takes the state at the end of a step as a start.
+    fn set_end(&self, end: &mut Self::Start, mechanism: &Mechanism, state: &State);
+
+    /// Displacements of all freedoms since the start at the stages 2 … s (rad, m).
+    fn displacement(&self) -> &[V];
+    /// Their latest increments (rad, m).
+    fn increment(&self) -> &[V];
+    /// Both, to be advanced.
+    fn advanced(&mut self) -> (&mut [V], &[V]);
+    /// What the predictor guesses and learns from: the freedoms that are iterated.
+    fn unknowns(&mut self) -> Unknowns<'_, V>;
+    /// Number of freedoms, the first ones, that need no iteration.
+    fn known(&self) -> usize {
+        0
+    }
+    /// The first rotation of every ball joint, counted from the first freedom that is iterated.
+    fn balls(&self) -> Vec<usize> {
+        Vec::new()
+    }
+    /// The forces besides gravity, if there are any.
+    fn applied(&self) -> Option<&Applied<V>>;
+    /// The largest displacement of the iterate (rad, m) is at most this.
+    fn bound(&mut self, _largest: f64) {}
+
+    /// Makes room for iterations in single precision, if steps with increments down to `stop` (rad, m) have any.
+    fn prepare_single(&mut self, _mechanism: &Mechanism, _tableau: &Tableau, _stop: f64) {}
+    /// Takes the length of the step (s).
+    fn set_step(&mut self, step: f64);
+    /// An attempt begins, of which this rule ends the iteration.
+    fn begin_attempt(&mut self, _rule: &StopRule) {}
+    /// The attempt has not converged.
+    fn end_failed(&mut self) {}
+    /// The iteration begins.
+    fn begin_iteration(&mut self) {}
+    /// All iterations that follow in this attempt are in double precision.
+    fn leave_single(&mut self) {}
+
+    /// Whether the most general sweeps are taken, which have both halves of the coefficients' digits.
+    fn is_general(&self) -> bool;
+    /// An iteration of another kind than [`Workspace::iterate`], if it is the turn of one: finds the increments, returns the largest.
+    fn iterate_specially(&mut self, _chord: &mut Chord, _refined: bool) -> Option<f64> {
+        None
+    }
+    /// The simplified iteration from the displacements at hand: finds the increments, returns the largest; with the factors of the last
+    /// one if it `keeps` them, `refined` with both halves of the coefficients' digits.
+    fn iterate(&mut self, keeps: bool, refined: bool) -> f64;
+    /// The start of the exact Newton method.
+    fn begin_exactly(&mut self, newton: &mut Self::Newton);
+    /// Its iteration: finds the increments, returns the largest.
+    fn iterate_exactly(&mut self, newton: &mut Self::Newton) -> f64;
+
+    /// E of the iterate: the largest top Legendre coefficient of the displacements, for which `top` has the weights, and of the bodies'
+    /// rotation matrices. The scheme represents a step by polynomials of these, too: a steady spin is a straight line in joint
+    /// coordinates and no polynomial at all in R⁹.
+    fn legendre(&self, top: V) -> f64;
+    /// The joint that has turned furthest since the start.
+    fn furthest_turn(&self) -> Turn;
+
+    /// The velocities at the end of the solved step (2.5.11h); returns their square `v̄ᵀ H v̄` where rounding may have taken digits of them
+    /// that [`Workspace::refine_velocities`] brings back.
+    fn end_velocities(&mut self, refined: bool, velocity: &mut [f64]) -> Option<f64>;
+    /// Refines these velocities, of which this is the square, if they need it, with the start that `end` has taken of them; whether
+    /// they have changed.
+    fn refine_velocities(&mut self, _end: &Self::Start, _square: f64, _velocity: &mut [f64]) -> bool {
+        false
+    }
+}
