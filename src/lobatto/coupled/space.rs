@@ -1,4 +1,4 @@
-//! The coupled system in space: the mass blocks of the bodies, the screws of their freedoms, and the closures.
+//! The coupled system in space: the residuals and mass blocks of the bodies, the screws of their freedoms, and the closures.
 //!
 //! ```text
 //!     D_ki = B_ki [ m          −m x̂_i                          ]      N = R_i Σ R_kᵀ  [kg m²]
@@ -12,11 +12,14 @@
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::system::{Geometry, Mixing, Screw};
 use crate::equations::loops::{EndStart, Equation, EquationValue, Moved, equations, evaluate};
+use crate::equations::residual::residual_of;
 use crate::numbers::algebra::{Matrix, Vector};
 use crate::numbers::lanes::Lanes;
 use crate::numbers::rotations::Tilt;
 use crate::plan::elimination::TWIST;
 use crate::plan::tree::Plan;
+use crate::stages::row_geometry::RowGeometry;
+use crate::stages::rows::Rows;
 use crate::stages::start::Start;
 use crate::stages::workspace::Stages;
 use catena_mechanism::description::closure::Attachment;
@@ -63,7 +66,7 @@ impl<V: Lanes> Space<V> {
 
     /// The bodies at all stages from the poses of a step.
     #[inline(always)]
-    pub fn move_bodies(&mut self, stages: &Stages<V>) {
+    fn move_bodies(&mut self, stages: &Stages<V>) {
         let mask = self.mask;
         for (moved, pose) in self.moved.iter_mut().zip(&stages.poses) {
             let turn = pose.increment();
@@ -71,6 +74,26 @@ impl<V: Lanes> Space<V> {
                 Moved { turn, anchor: pose.anchor },
                 Moved { turn: turn.times(mask), anchor: pose.anchor.times(mask) },
             ];
+        }
+    }
+
+    /// Places the bodies at the poses of a step, and writes what they resist with there, `E_k` about the common origin, after
+    /// [`Stages::sweep_poses`] and [`Stages::sweep_applied`]; always with all digits of the coefficients.
+    #[inline(always)]
+    pub fn place_stages(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3], bias: &mut [Screw<V>]) {
+        self.move_bodies(stages);
+        let square = V::splat(stages.step * stages.step);
+        let (_, rows, _) = stages.rows::<true, true>(gravity);
+        for (index, plan) in rows.plan.bodies.iter().enumerate() {
+            let known = &rows.start.bodies[index];
+            let own = residual_of(&rows, index, plan, known, &RowGeometry::new(&rows, index, known));
+            let anchor = self.anchor(rows.start, index, 1);
+            let (mut force, mut torque) = (own.force, own.torque);
+            if let Some(wrench) = rows.wrench(index) {
+                force = wrench.0.times_minus(square, force);
+                torque = wrench.1.times_minus(square, torque);
+            }
+            bias[index] = joined(force, anchor.cross_plus(force, torque));
         }
     }
 

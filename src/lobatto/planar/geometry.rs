@@ -18,7 +18,9 @@ use crate::plan::tree::Plan;
 use crate::planar::algebra::Vector2;
 use crate::planar::loops::{Moved, PlanarClosure};
 use crate::planar::start::{PlanarPlan, PlanarStart};
+use crate::planar::sweeps::{own_residual, row_turn};
 use crate::planar::workspace::PlanarStages;
+use crate::stages::coefficients::Coefficients;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::plane::Plane;
@@ -51,7 +53,7 @@ impl<V: Lanes> Flat<V> {
 
     /// The bodies at all stages, after [`PlanarStages::sweep_paths`] and [`PlanarStages::sweep_anchors`].
     #[inline(always)]
-    pub fn move_bodies(&mut self, stages: &PlanarStages<V>) {
+    fn move_bodies(&mut self, stages: &PlanarStages<V>) {
         let mask = self.mask;
         for ((moved, turned), &anchor) in self.moved.iter_mut().zip(&stages.turned).zip(&stages.anchors) {
             let (cosine, sine) = (turned.cosine, turned.sine);
@@ -59,6 +61,36 @@ impl<V: Lanes> Flat<V> {
                 Moved { cosine, sine, anchor },
                 Moved { cosine: cosine * mask, sine: sine * mask, anchor: anchor.times(mask) },
             ];
+        }
+    }
+
+    /// Places the bodies at the present displacements, and writes what they resist with there, `E_k` about the common origin; always with
+    /// all digits of the coefficients.
+    #[inline(always)]
+    pub fn place_stages(
+        &mut self,
+        stages: &mut PlanarStages<V>,
+        coefficients: &Coefficients<V>,
+        gravity: &[f64; 3],
+        bias: &mut [Screw<V>],
+    ) {
+        let sweep = coefficients.residual_sweep(stages.step, gravity);
+        stages.sweep_paths::<false, true>(&sweep);
+        // Forces between bodies need the anchors, too, and look where they are themselves.
+        if stages.plan.forces.is_empty() {
+            stages.sweep_anchors();
+        }
+        if stages.applied.is_some() {
+            stages.sweep_applied(coefficients, false);
+        }
+        self.move_bodies(stages);
+        for (index, known) in stages.start.bodies.iter().enumerate() {
+            let turned = &stages.turned[index];
+            let (_, force, torque) = own_residual(known, turned, row_turn::<V, false>(&sweep, turned));
+            let (force, torque) = stages.less_acting(index, &sweep, force, torque);
+            let anchor = self.anchor(&stages.start, index, 1);
+            let ([x, y], zero) = (force.0, V::zero());
+            bias[index] = [x, y, anchor.cross_plus(force, torque), zero, zero, zero];
         }
     }
 

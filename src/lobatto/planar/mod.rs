@@ -8,7 +8,6 @@ pub mod forces;
 pub mod geometry;
 pub mod kept_factors;
 pub mod loops;
-pub mod newton;
 pub mod start;
 pub mod sweeps;
 pub mod workspace;

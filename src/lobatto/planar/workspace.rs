@@ -1,7 +1,7 @@
 //! The workspace of a step in a plane, and what is done with it: an iteration, and the end of the step.
 
 use crate::numbers::lanes::Lanes;
-use crate::numbers::reductions::{larger, largest, largest_coefficient};
+use crate::numbers::reductions::{larger, largest_coefficient};
 use crate::planar::algebra::Vector2;
 use crate::planar::articulated::{Articulated2, Eliminated2};
 use crate::planar::start::{PlanarPlan, PlanarStart};
@@ -103,12 +103,6 @@ impl<V: Lanes> PlanarStages<V> {
     #[inline(always)]
     pub fn is_general(&self) -> bool {
         V::GENERAL_ALONE || self.applied.is_some()
-    }
-
-    /// The largest increment of any freedom at any stage.
-    #[inline(always)]
-    pub fn largest_increment(&self) -> f64 {
-        largest(&self.increment)
     }
 
     /// One iteration: finds the increments, returns the largest; `REFINED` with twice the digits of the coefficients, `FORCED` with

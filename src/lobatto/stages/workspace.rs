@@ -14,7 +14,7 @@
 use crate::numbers::algebra::Vector;
 use crate::numbers::arithmetic::Numbers;
 use crate::numbers::lanes::Lanes;
-use crate::numbers::reductions::largest;
+use crate::numbers::reductions::{add_to, largest};
 use crate::numbers::rotations::{compose, rotate_increment};
 use crate::numbers::series::FEW;
 use crate::plan::tree::Plan;
@@ -89,12 +89,7 @@ impl<V: Numbers> Stages<V> {
     /// Adds the increments to the displacements; returns the largest displacement.
     #[inline(always)]
     pub fn advance(&mut self) -> f64 {
-        let mut largest = V::zero();
-        for (displacement, &increment) in self.displacement.iter_mut().zip(&self.increment) {
-            *displacement = *displacement + increment;
-            largest = displacement.max_abs(largest);
-        }
-        largest.largest()
+        add_to(&mut self.displacement, &self.increment)
     }
 
     /// The forward sweep: poses of all bodies at all stages from `displacement`.
@@ -173,12 +168,6 @@ impl<V: Lanes> Stages<V> {
             step: self.step,
             coefficients: &self.coefficients,
         }
-    }
-
-    /// The largest increment of any freedom at any stage.
-    #[inline(always)]
-    pub fn largest_increment(&self) -> f64 {
-        largest(&self.increment)
     }
 }
 

@@ -15,6 +15,9 @@
 //! ([`crate::coupled::projection`]).
 
 use crate::coupled::closing::Closing;
+use crate::coupled::newton::{Newton, StageUnknowns};
+use crate::coupled::projection::Projection;
+use crate::coupled::system::One;
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::{add_to, largest, largest_coefficient, worst_freedom};
 use crate::solve::anderson::Anderson;
@@ -22,6 +25,7 @@ use crate::solve::iteration;
 use crate::solve::iteration::{Coupling, Equations, Exact, Guarded, exact_at_first, exact_rule};
 use crate::solve::kept_factors::Chord;
 use crate::stages::attempt::{Attempt, Guess, REFINED_BELOW, StopRule};
+use crate::stages::coefficients::moved_rows;
 use crate::stages::pose::Turn;
 use crate::stages::predictor::Predictor;
 use crate::step::workspace::Workspace;
@@ -35,11 +39,11 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) chord: Chord,
     pub(crate) predictor: Predictor<V>,
     /// The exact Newton method, from when it is needed first.
-    newton: Option<Box<W::Newton>>,
+    newton: Option<Box<Newton<V, W::Geometry<V>>>>,
     /// For how many more steps the exact Newton method comes first.
     pub(crate) exact_for: usize,
     /// Where there are closures.
-    pub(crate) closing: Option<Closing<W::Closures>>,
+    pub(crate) closing: Option<Closing<W::Geometry<One>>>,
     pub(crate) tableau: &'static Tableau,
     /// Top row of the inverse Legendre matrix for the stages 2 … s.
     top_legendre: V,
@@ -62,7 +66,10 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
             predictor: Predictor::new(iterated, workspace.balls(), tableau),
             newton: None,
             exact_for: exact_at_first(mechanism),
-            closing: mechanism.has_closures().then(|| Closing::new(mechanism, workspace.projection(mechanism))),
+            closing: mechanism.has_closures().then(|| {
+                let geometry = workspace.geometry(mechanism, One::zero(), false);
+                Closing::new(mechanism, Projection::of(mechanism, geometry, workspace.full_plan(mechanism)))
+            }),
             tableau,
             top_legendre: V::from_slice(&tableau.top_legendre[1..]),
             refined: false,
@@ -156,9 +163,13 @@ impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
 
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
         let Kernel { workspace, newton, tableau, .. } = self;
-        let newton = newton.get_or_insert_with(|| Box::new(workspace.newton(mechanism, tableau)));
-        workspace.begin_exactly(newton);
-        workspace.leave_single();
+        let newton = newton.get_or_insert_with(|| {
+            let geometry = workspace.geometry(mechanism, moved_rows(tableau.stages - 1), true);
+            Box::new(Newton::new(mechanism, geometry, tableau))
+        });
+        workspace.begin_exactly();
+        let StageUnknowns { plan, start, .. } = workspace.stage_unknowns();
+        newton.begin(plan, start);
         iteration::solve(&mut Exact(self), &exact_rule(mechanism, rule))
     }
 
@@ -171,7 +182,9 @@ impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
 impl<V: Lanes, W: Workspace<V>> Coupling for Kernel<V, W> {
     fn couple(&mut self) -> f64 {
         let Kernel { workspace, newton: Some(newton), .. } = self else { return f64::NAN };
-        workspace.iterate_exactly(newton)
+        let (geometry, bias) = newton.bodies();
+        workspace.place_stages(geometry, bias);
+        newton.solve(workspace.stage_unknowns())
     }
 
     fn add_increments(&mut self) -> f64 {

@@ -12,11 +12,10 @@
 //!     velocity from H(q̄) v̄ = Sᵀ p̄                the same sweeps with the momentum weights        (2.5.11h)
 //! ```
 
-use crate::coupled::projection::Projection;
-use crate::coupled::system::One;
+use crate::coupled::newton::StageUnknowns;
+use crate::coupled::system::Screw;
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::planar::geometry::Flat;
-use crate::planar::newton::PlanarNewton;
 use crate::planar::start::{PlanarPlan, PlanarStart};
 use crate::planar::workspace::PlanarStages;
 use crate::stages::coefficients::Coefficients;
@@ -56,9 +55,9 @@ impl<V: Lanes> PlanarWorkspace<V> {
 }
 
 impl<V: Lanes> Workspace<V> for PlanarWorkspace<V> {
+    type Plan = PlanarPlan;
     type Start = PlanarStart;
-    type Closures = Flat<One>;
-    type Newton = PlanarNewton<V>;
+    type Geometry<L: Lanes> = Flat<L>;
 
     fn new_start(mechanism: &Mechanism) -> PlanarStart {
         PlanarStart::new(mechanism)
@@ -68,13 +67,12 @@ impl<V: Lanes> Workspace<V> for PlanarWorkspace<V> {
         start.energy
     }
 
-    fn projection(&self, mechanism: &Mechanism) -> Projection<Flat<One>> {
-        let flat = Flat::new(mechanism, &self.plane, One::zero(), false);
-        Projection::of(mechanism, flat, PlanarPlan::new(mechanism, &self.plane))
+    fn full_plan(&self, mechanism: &Mechanism) -> PlanarPlan {
+        PlanarPlan::new(mechanism, &self.plane)
     }
 
-    fn newton(&self, mechanism: &Mechanism, tableau: &Tableau) -> PlanarNewton<V> {
-        PlanarNewton::new(mechanism, &self.plane, tableau)
+    fn geometry<L: Lanes>(&self, mechanism: &Mechanism, mask: L, springs: bool) -> Flat<L> {
+        Flat::new(mechanism, &self.plane, mask, springs)
     }
 
     fn start(&self) -> &PlanarStart {
@@ -144,12 +142,15 @@ impl<V: Lanes> Workspace<V> for PlanarWorkspace<V> {
         }
     }
 
-    fn begin_exactly(&mut self, newton: &mut PlanarNewton<V>) {
-        newton.begin(&self.stages);
+    fn place_stages(&mut self, geometry: &mut Flat<V>, bias: &mut [Screw<V>]) {
+        let PlanarWorkspace { stages, coefficients, gravity, .. } = self;
+        in_lanes!(V, geometry.place_stages(stages, coefficients, gravity, bias));
     }
 
-    fn iterate_exactly(&mut self, newton: &mut PlanarNewton<V>) -> f64 {
-        newton.iterate(&mut self.stages, &self.coefficients)
+    fn stage_unknowns(&mut self) -> StageUnknowns<'_, V, Flat<V>> {
+        let PlanarStages { plan, start, displacement, increment, applied, step, .. } = &mut self.stages;
+        let efforts = applied.as_ref().map_or(&[][..], |applied| &applied.efforts);
+        StageUnknowns { plan, start, displacement, increment, efforts, step: *step }
     }
 
     fn legendre(&self, top: V) -> f64 {

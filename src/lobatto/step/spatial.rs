@@ -11,14 +11,14 @@
 //!     velocity from H(q̄) v̄ = Sᵀ p̄                ending/velocities.rs, ending/refinement.rs        (2.5.11h)
 //! ```
 
-use crate::coupled::newton::Newton;
-use crate::coupled::projection::Projection;
+use crate::coupled::newton::StageUnknowns;
 use crate::coupled::space::Space;
-use crate::coupled::system::One;
+use crate::coupled::system::Screw;
 use crate::ending::refinement::have_lost_digits;
 use crate::ending::velocities::Ending;
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::{larger, largest_coefficient};
+use crate::plan::tree::Plan;
 use crate::solve::kept_factors::Chord;
 use crate::solve::single_precision::{FirstIterations, widened};
 use crate::stages::attempt::StopRule;
@@ -59,9 +59,9 @@ impl<V: Lanes> SpatialWorkspace<V> {
 }
 
 impl<V: Lanes> Workspace<V> for SpatialWorkspace<V> {
+    type Plan = Plan;
     type Start = Start;
-    type Closures = Space<One>;
-    type Newton = Newton<V>;
+    type Geometry<L: Lanes> = Space<L>;
 
     fn new_start(mechanism: &Mechanism) -> Start {
         Start::with_units(mechanism)
@@ -71,12 +71,12 @@ impl<V: Lanes> Workspace<V> for SpatialWorkspace<V> {
         start.energy
     }
 
-    fn projection(&self, mechanism: &Mechanism) -> Projection {
-        Projection::new(mechanism)
+    fn full_plan(&self, mechanism: &Mechanism) -> Plan {
+        Plan::new(mechanism)
     }
 
-    fn newton(&self, mechanism: &Mechanism, tableau: &Tableau) -> Newton<V> {
-        Newton::new(mechanism, tableau)
+    fn geometry<L: Lanes>(&self, mechanism: &Mechanism, mask: L, springs: bool) -> Space<L> {
+        Space::new(mechanism, mask, springs)
     }
 
     fn start(&self) -> &Start {
@@ -193,19 +193,27 @@ impl<V: Lanes> Workspace<V> for SpatialWorkspace<V> {
         in_lanes!(V, stages.sweep_increments().largest())
     }
 
-    fn begin_exactly(&mut self, newton: &mut Newton<V>) {
+    fn begin_exactly(&mut self) {
         let SpatialWorkspace { stages, gravity, .. } = self;
         if stages.plan.tumbles {
             in_lanes!(V, stages.place_tumbler(gravity));
         }
-        newton.begin(stages);
+        self.first.leave();
     }
 
-    fn iterate_exactly(&mut self, newton: &mut Newton<V>) -> f64 {
+    fn place_stages(&mut self, geometry: &mut Space<V>, bias: &mut [Screw<V>]) {
         let SpatialWorkspace { stages, gravity, .. } = self;
-        newton.take_geometry(stages);
-        in_lanes!(V, newton.residual(stages, gravity));
-        newton.solve(stages)
+        in_lanes!(V, stages.sweep_poses());
+        if stages.applied.is_some() {
+            in_lanes!(V, stages.sweep_applied(false));
+        }
+        in_lanes!(V, geometry.place_stages(stages, gravity, bias));
+    }
+
+    fn stage_unknowns(&mut self) -> StageUnknowns<'_, V, Space<V>> {
+        let Stages { plan, start, displacement, increment, applied, step, .. } = &mut self.stages;
+        let efforts = applied.as_ref().map_or(&[][..], |applied| &applied.efforts);
+        StageUnknowns { plan, start, displacement, increment, efforts, step: *step }
     }
 
     fn legendre(&self, top: V) -> f64 {

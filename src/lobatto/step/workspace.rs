@@ -5,15 +5,15 @@
 //!
 //! ```text
 //!     simplified iteration      δ_i = Σ_k Â_ik α_k,   H(q_k) α_k = −ρ_k          [`Workspace::iterate`]
-//!     exact Newton method       all rows k and stages i at once                  [`Workspace::iterate_exactly`]
+//!     exact Newton method       all rows k and stages i at once                  [`Workspace::place_stages`]
 //!     velocities at the end     H(q̄) v̄ = Sᵀ p̄                                    [`Workspace::end_velocities`]    (2.5.11h)
 //! ```
 //!
 //! The methods with a body of their own here are for what only space has: freedoms that need no iteration, ball joints, iterations in single
 //! precision, a body in free flight, the refinement of velocities. What they do by default is exact for a mechanism without these.
 
-use crate::coupled::projection::Projection;
-use crate::coupled::system::{Geometry, One};
+use crate::coupled::newton::StageUnknowns;
+use crate::coupled::system::{Geometry, Screw};
 use crate::numbers::lanes::Lanes;
 use crate::solve::kept_factors::Chord;
 use crate::stages::attempt::StopRule;
@@ -27,21 +27,21 @@ use catena_mechanism::motion::state::State;
 
 /// What a step is computed with: everything that has lanes.
 pub(crate) trait Workspace<V: Lanes>: Send + 'static {
+    /// What is constant of the mechanism.
+    type Plan: Send;
     /// What the equations need of the known state.
     type Start: Send;
-    /// The bodies and closures at one configuration, for projections on the closures.
-    type Closures: Geometry<One, Start = Self::Start> + Send;
-    /// The exact Newton method on the same equations.
-    type Newton: Send;
+    /// Bodies and closures at all stages, for the exact Newton method, and at one configuration, for projections on the closures.
+    type Geometry<L: Lanes>: Geometry<L, Plan = Self::Plan, Start = Self::Start> + Send;
 
     /// Room for the start of a step.
     fn new_start(mechanism: &Mechanism) -> Self::Start;
     /// Energy at a start (J).
     fn energy(start: &Self::Start) -> Energy;
-    /// The projection on the closures.
-    fn projection(&self, mechanism: &Mechanism) -> Projection<Self::Closures>;
-    /// The exact Newton method, before its first step.
-    fn newton(&self, mechanism: &Mechanism, tableau: &Tableau) -> Self::Newton;
+    /// What is constant, without the rules that leave something out.
+    fn full_plan(&self, mechanism: &Mechanism) -> Self::Plan;
+    /// The bodies and closures, with or without the lines of springs; `mask` is zero where a row has the geometry of the start.
+    fn geometry<L: Lanes>(&self, mechanism: &Mechanism, mask: L, springs: bool) -> Self::Geometry<L>;
 
     /// The start of the step.
     fn start(&self) -> &Self::Start;
@@ -95,10 +95,12 @@ pub(crate) trait Workspace<V: Lanes>: Send + 'static {
     /// The simplified iteration from the displacements at hand: finds the increments, returns the largest; with the factors of the last
     /// one if it `keeps` them, `refined` with both halves of the coefficients' digits.
     fn iterate(&mut self, keeps: bool, refined: bool) -> f64;
-    /// The start of the exact Newton method.
-    fn begin_exactly(&mut self, newton: &mut Self::Newton);
-    /// Its iteration: finds the increments, returns the largest.
-    fn iterate_exactly(&mut self, newton: &mut Self::Newton) -> f64;
+    /// The exact Newton method follows, from the displacements at hand.
+    fn begin_exactly(&mut self) {}
+    /// Places the bodies at the present displacements, and writes what they resist with there, for the exact Newton method.
+    fn place_stages(&mut self, geometry: &mut Self::Geometry<V>, bias: &mut [Screw<V>]);
+    /// What that method solves, after [`Workspace::place_stages`].
+    fn stage_unknowns(&mut self) -> StageUnknowns<'_, V, Self::Geometry<V>>;
 
     /// E of the iterate: the largest top Legendre coefficient of the displacements, for which `top` has the weights, and of the bodies'
     /// rotation matrices. The scheme represents a step by polynomials of these, too: a steady spin is a straight line in joint
