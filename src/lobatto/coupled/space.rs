@@ -11,9 +11,11 @@
 
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::system::{Geometry, Mixing, Screw};
-use crate::equations::loops::{EndStart, Equation, EquationValue, Moved, equations, evaluate};
+use crate::equations::loops::evaluate;
 use crate::equations::residual::residual_of;
+use crate::equations::spatial_loops::{Moved, SpatialLoop};
 use crate::numbers::algebra::{Matrix, Vector};
+use crate::numbers::euclidean::Euclidean;
 use crate::numbers::lanes::Lanes;
 use crate::numbers::rotations::Tilt;
 use crate::plan::elimination::TWIST;
@@ -22,7 +24,6 @@ use crate::stages::row_geometry::RowGeometry;
 use crate::stages::rows::Rows;
 use crate::stages::start::Start;
 use crate::stages::workspace::Stages;
-use catena_mechanism::description::closure::Attachment;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
@@ -30,10 +31,8 @@ use std::ops::Range;
 
 /// Where bodies and closures are in space.
 pub struct Space<V> {
-    /// Of the loops, then of the springs.
-    equations: Vec<Vec<Equation>>,
-    attachments: Vec<[Attachment; 2]>,
-    ends: Vec<[EndStart; 2]>,
+    /// The loops, then the lines of the springs.
+    closures: Vec<SpatialLoop>,
     loops: usize,
     origin: [f64; 3],
     /// Every body since the start of the step, at the columns' and at the rows' stages.
@@ -46,17 +45,9 @@ impl<V: Lanes> Space<V> {
     /// The closures of a mechanism, with or without the lines of its springs; `mask` is zero where a row has the geometry of the
     /// start.
     pub fn new(mechanism: &Mechanism, mask: V, springs: bool) -> Self {
-        let mut equations: Vec<_> = mechanism.loops.iter().map(|joint| equations(joint.kind)).collect();
-        let mut attachments: Vec<_> = mechanism.loops.iter().map(|joint| [joint.a, joint.b]).collect();
-        if springs {
-            equations.extend(mechanism.forces.point_springs.iter().map(|_| vec![Equation::Line]));
-            attachments.extend(mechanism.forces.point_springs.iter().map(|spring| [spring.a, spring.b]));
-        }
         let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
         Space {
-            equations,
-            ends: vec![[EndStart::default(); 2]; attachments.len()],
-            attachments,
+            closures: SpatialLoop::all(mechanism, springs),
             loops: mechanism.loops.len(),
             origin: [0.0; 3],
             moved: vec![[still; 2]; mechanism.bodies.len()],
@@ -93,7 +84,7 @@ impl<V: Lanes> Space<V> {
                 force = wrench.0.times_minus(square, force);
                 torque = wrench.1.times_minus(square, torque);
             }
-            bias[index] = joined(force, anchor.cross_plus(force, torque));
+            bias[index] = force.joined(anchor.cross_plus(force, torque));
         }
     }
 
@@ -107,7 +98,7 @@ impl<V: Lanes> Space<V> {
 
     /// Where the second end of a loop is at the start, from the common origin (m).
     pub fn end_point(&self, closure: usize) -> [f64; 3] {
-        self.ends[closure][1].point
+        self.closures[closure].start.points[1]
     }
 
     #[inline(always)]
@@ -127,7 +118,7 @@ impl<V: Lanes> Space<V> {
             if let Some(parent) = plan.parent {
                 axis = self.moved[parent][side].turn.apply_plus(axis, axis);
             }
-            return joined(axis, Vector::zero());
+            return axis.joined(Vector::zero());
         }
         if plan.rotation == FreeRotation::Ball && !displacement.is_empty() {
             let mut vector = Vector::zero();
@@ -140,15 +131,8 @@ impl<V: Lanes> Space<V> {
             axis = Tilt::of(vector).of_axis(axis);
         }
         let along = self.moved[body][side].turn.apply_plus(axis, axis);
-        joined(self.anchor(start, body, side).cross(along), along)
+        self.anchor(start, body, side).cross(along).joined(along)
     }
-}
-
-/// A screw of its two parts.
-#[inline(always)]
-pub fn joined<V: Lanes>(linear: Vector<V>, angular: Vector<V>) -> Screw<V> {
-    let ([a, b, c], [x, y, z]) = (linear.0, angular.0);
-    [a, b, c, x, y, z]
 }
 
 impl<V: Lanes> Geometry<V> for Space<V> {
@@ -173,33 +157,20 @@ impl<V: Lanes> Geometry<V> for Space<V> {
     }
 
     fn rows(&self) -> Vec<usize> {
-        self.equations[..self.loops].iter().map(Vec::len).collect()
+        self.closures[..self.loops].iter().map(|closure| closure.start.equations.len()).collect()
     }
 
     fn begin(&mut self, _: &Plan, start: &Start) {
         self.origin = if start.bodies.is_empty() { [0.0; 3] } else { start.anchor(0) };
-        for (ends, attachments) in self.ends.iter_mut().zip(&self.attachments) {
-            *ends = [0, 1].map(|end: usize| EndStart::new(&attachments[end], start, &self.origin));
+        for closure in &mut self.closures {
+            closure.begin(start, &self.origin);
         }
     }
 
     #[inline(always)]
     fn evaluate(&self, rows_of_loop: &[Range<usize>], gaps: &mut [V], gradients: &mut [[Screw<V>; 2]]) {
-        for ((ends, equations), rows) in self.ends.iter().zip(&self.equations).zip(rows_of_loop) {
-            let mut out = [EquationValue::zero(); 6];
-            for side in 0..2 {
-                let moved = [0, 1].map(|end: usize| ends[end].body.map(|body| &self.moved[body][side]));
-                evaluate(equations, ends, moved, &mut out[..equations.len()]);
-                for (gradient, value) in gradients[rows.clone()].iter_mut().zip(&out) {
-                    gradient[side] = joined(value.force, value.torque);
-                }
-                if side == 0 {
-                    for (gap, value) in gaps[rows.clone()].iter_mut().zip(&out) {
-                        *gap = value.gap;
-                    }
-                }
-            }
-        }
+        let closures = self.closures.iter().map(|closure| &closure.start);
+        evaluate(closures, &self.moved, rows_of_loop, gaps, gradients);
     }
 
     #[inline(always)]

@@ -32,6 +32,7 @@
 //! 2001, section 3.2; its order with constraints: L. O. Jay, "Structure preservation for constrained dynamics with super
 //! partitioned additive Runge–Kutta methods", SIAM J. Sci. Comput. 20 (1998).
 
+use crate::equations::springs::{BodiesAtStages, add_springs};
 use crate::numbers::algebra::{Matrix, Vector};
 use crate::numbers::lanes::Lanes;
 use crate::numbers::rotations::{Tilt, rotate_increment};
@@ -39,7 +40,6 @@ use crate::stages::force_motion::{Motion, Place};
 use crate::stages::forces::Applied;
 use crate::stages::pose::{StagePose, Turned};
 use crate::stages::workspace::Stages;
-use catena_mechanism::forces::point_spring::NO_LENGTH;
 use catena_mechanism::forces::total::Exchange;
 
 impl<V: Lanes> Stages<V> {
@@ -48,20 +48,14 @@ impl<V: Lanes> Stages<V> {
     #[inline(always)]
     pub fn sweep_applied(&mut self, end: bool) {
         if let Some(mut applied) = self.applied.take() {
-            let (mut dissipated, mut work) = (0.0, 0.0);
-            // One call in a loop, so that there is one copy of it.
-            for at_end in [false, true] {
-                if at_end && !end {
-                    break;
-                }
-                let place = if at_end { applied.end } else { applied.rows };
-                let powers = applied.evaluate(self, &place, at_end, end);
-                dissipated += self.step * powers.dissipated;
-                work += self.step * powers.work;
-            }
+            applied.evaluate_places(
+                self.step,
+                end,
+                #[inline(always)]
+                |applied, place, at_end| applied.evaluate(self, place, at_end, end),
+            );
             if end {
-                work += applied.driven_work(&self.displacement, self.coefficients.active);
-                applied.exchange = Exchange { dissipated, work };
+                applied.exchange.work += applied.driven_work(&self.displacement, self.coefficients.active);
             }
             self.applied = Some(applied);
         }
@@ -69,6 +63,31 @@ impl<V: Lanes> Stages<V> {
 }
 
 impl<V: Lanes> Applied<V> {
+    /// The forces of the rows, as `evaluate` finds them in a place; for a solved step those at its `end`, too, with the energy exchanged in the
+    /// step, of which `evaluate` returns the power (W).
+    #[inline(always)]
+    pub(crate) fn evaluate_places(
+        &mut self,
+        step: f64,
+        end: bool,
+        mut evaluate: impl FnMut(&mut Self, &Place<V>, bool) -> Exchange,
+    ) {
+        let (mut dissipated, mut work) = (0.0, 0.0);
+        // One call in a loop, so that there is one copy of it.
+        for at_end in [false, true] {
+            if at_end && !end {
+                break;
+            }
+            let place = if at_end { self.end } else { self.rows };
+            let powers = evaluate(self, &place, at_end);
+            dissipated += step * powers.dissipated;
+            work += step * powers.work;
+        }
+        if end {
+            self.exchange = Exchange { dissipated, work };
+        }
+    }
+
     /// The forces on scalar coordinates in one place; returns the power they dissipate.
     #[inline(always)]
     pub(crate) fn evaluate_scalars(&mut self, motion: &Motion<V>, place: &Place<V>) -> V {
@@ -138,32 +157,12 @@ impl<V: Lanes> Applied<V> {
         if !self.plan.lines.is_empty() || !self.plan.wrenches.is_empty() {
             self.wrenches.fill((Vector::zero(), Vector::zero()));
         }
-        for (line, known) in self.plan.lines.iter().zip(&start.applied.lines) {
-            let swings = [(line.a, &known.arms[0]), (line.b, &known.arms[1])].map(|(body, arm)| match body {
-                Some(body) => swing(&stages.poses[body], arm),
-                None => (Vector::zero(), Vector::zero()),
-            });
-            let change = swings[1].1.minus(swings[0].1);
-            let separation = Vector::splat(&known.separation);
-            let stretched = separation.plus(change);
-            let square = stretched.dot_plus(stretched, V::splat(NO_LENGTH));
-            let along = separation.plus(stretched).dot(change);
-            let taut = line.law.stretched(&motion, place, square, along, (known.length, known.rate));
-            dissipated = taut.braking.mul_add(taut.rate, dissipated);
-            let pull = change.times_plus(place.moved, separation).times(taut.per_length).times(taut.tension);
-            let ends = [(line.a, 0, pull), (line.b, 1, pull.times(V::splat(-1.0)))];
-            for (body, end, force) in ends {
-                if let Some(body) = body {
-                    let wrench = &mut self.wrenches[body];
-                    wrench.0 = wrench.0.plus(force);
-                    let arm = swings[end].0.times_plus(place.moved, Vector::splat(&known.arms[end]));
-                    wrench.1 = arm.cross_plus(force, wrench.1);
-                }
-            }
-        }
+        let springs =
+            self.plan.lines.iter().zip(&start.applied.lines).map(|(line, known)| (line.ends, &line.law, known));
+        dissipated = add_springs(stages, springs, &motion, place, &mut self.wrenches, dissipated);
         for (wrench, arm) in self.plan.wrenches.iter().zip(&start.applied.arms) {
             let pose = &stages.poses[wrench.body];
-            let lever = swing(pose, arm).0.times_plus(place.moved, Vector::splat(arm));
+            let lever = stages.swing(wrench.body, arm).times_plus(place.moved, Vector::splat(arm));
             let (force, torque) = (Vector::splat(&wrench.force), Vector::splat(&wrench.torque));
             let sum = &mut self.wrenches[wrench.body];
             sum.0 = sum.0.plus(force);
@@ -181,11 +180,19 @@ impl<V: Lanes> Applied<V> {
     }
 }
 
-/// How the rotation since the start moves an arm from the anchor, and how far its end moves in all.
-#[inline(always)]
-fn swing<V: Lanes>(pose: &StagePose<V>, arm: &[f64; 3]) -> (Vector<V>, Vector<V>) {
-    let turned = rotate_increment(pose.w, pose.u, Vector::splat(arm));
-    (turned, turned.plus(pose.anchor))
+impl<V: Lanes> BodiesAtStages<V> for Stages<V> {
+    type Vector = Vector<V>;
+
+    #[inline(always)]
+    fn swing(&self, body: usize, arm: &[f64; 3]) -> Vector<V> {
+        let pose = &self.poses[body];
+        rotate_increment(pose.w, pose.u, Vector::splat(arm))
+    }
+
+    #[inline(always)]
+    fn anchor(&self, body: usize) -> Vector<V> {
+        self.poses[body].anchor
+    }
 }
 
 /// `½ vee(Ω (1 + N)ᵀ − (1 + N) Ωᵀ)` with `Ω = ω̂₀ + h⁻¹ Σ_i (Ā B)_ji (N_i − h c_i ω̂₀)`: the angular velocity at the

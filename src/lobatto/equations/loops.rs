@@ -1,169 +1,152 @@
-//! The equations of loop joints at all stages: gaps, and the directions in which their multipliers push.
+//! The equations of loop joints at all stages, in space or in a plane: gaps, and the directions in which their multipliers push.
 //!
-//! With the points `P_a`, `P_b` (m) and axes `x, y, z` of the two frames ([`catena_mechanism::description::closure::LoopJoint`]), `d = P_b − P_a`, every
-//! equation has one gradient, a wrench `(f, t)` about the common origin that acts on b, and its opposite on a:
+//! With the points `P_a`, `P_b` (m), `d = P_b − P_a`, directions u fixed in a and w fixed in b, and z what `d` has along the normal of a
+//! plane (m, constant; zero in space), every equation has one gradient, a force f and its torque t about the common origin that act on b,
+//! and their opposites on a:
 //!
 //! ```text
-//!     slide along u_a:       g = d · u_a              f = u_a          t = P_b × u_a
-//!     u_a square to w_b:     g = u_a · w_b            f = 0            t = w_b × u_a
-//!     distance L:            g = (d·d − L²)/2L        f = d / L        t = P_b × d / L
-//!     line of a spring:      no gap                   f = d / |d|      t = P_b × d / |d|
+//!     slide along u:         g = d · u                     f = u              t = P_b × u
+//!     u square to w:         g = u · w                     f = 0              t = w × u
+//!     distance L:            g = (d·d + z² − L²)/2L        f = d / L          t = P_b × d / L
+//!     line of a spring:      no gap                        f = d / ℓ          t = P_b × d / ℓ,   ℓ² = d·d + z²
 //! ```
 //!
-//! On a the arm is `P_b` too: the direction `u_a` turns with a, which makes up for the gap.
+//! On a the arm is `P_b` too: the direction u turns with a, which makes up for the gap. Since the start of the step points and directions
+//! have moved with their body, by its turn `1 + N` and the displacement of its anchor.
 
-use crate::numbers::algebra::{Matrix, Vector};
+use crate::numbers::euclidean::Euclidean;
 use crate::numbers::lanes::Lanes;
-use crate::stages::start::Start;
-use catena_mechanism::description::closure::{Attachment, LoopKind};
 use catena_mechanism::forces::point_spring::NO_LENGTH;
-use catena_mechanism::ground::matrices::{product, times};
-use nalgebra::Vector3;
 
 /// One equation of a closure.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Equation {
-    /// The points coincide along an axis (0 = x, 1 = y, 2 = z) of a.
-    Slide(usize),
-    /// An axis of a is square to an axis of b.
-    Square(usize, usize),
-    /// The points keep their distance (m).
-    Distance(f64),
-    /// No equation, but the line of a spring: the direction from a to b.
-    Line,
+pub(crate) enum Equation {
+    /// The points coincide along a direction of a.
+    Slide,
+    /// A direction of a is square to one of b.
+    Square,
+    /// The points keep their distance: `L − z²/L` and L (m).
+    Distance(f64, f64),
+    /// No equation, but the line of a spring: the direction from a to b; z² (m²).
+    Line(f64),
 }
 
-/// The equations of a loop joint, in the order of [`LoopKind`]'s table.
-pub fn equations(kind: LoopKind) -> Vec<Equation> {
-    let slides = kind.slides().iter().map(|&axis| Equation::Slide(axis));
-    let squares = kind.squares().iter().map(|&(on_a, on_b)| Equation::Square(on_a, on_b));
-    let distance = if let LoopKind::Distance(length) = kind { Some(Equation::Distance(length)) } else { None };
-    slides.chain(squares).chain(distance).collect()
+/// A closure at the start of a step, in the components `C` of the world or of the plane.
+pub(crate) struct LoopStart<C> {
+    /// The bodies at its ends a and b; `None` is the world.
+    pub bodies: [Option<usize>; 2],
+    /// Where its ends are, from the common origin (m).
+    pub points: [C; 2],
+    /// From the bodies' anchors to the ends (m); of no account in the world.
+    pub arms: [C; 2],
+    /// Every equation with its directions u and w.
+    pub equations: Vec<(Equation, [C; 2])>,
 }
 
-/// One end of a loop joint at the start of a step, in world axes.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct EndStart {
-    /// The body; `None` is the world.
-    pub body: Option<usize>,
-    /// The point, from the common origin (m).
-    pub point: [f64; 3],
-    /// From the body's anchor to the point (m); zero in the world.
-    pub arm: [f64; 3],
-    /// The frame's axes.
-    pub axes: [[f64; 3]; 3],
-}
-
-impl EndStart {
-    /// The end where the step starts; `origin` is the common origin.
-    pub fn new(end: &Attachment, start: &Start, origin: &[f64; 3]) -> Self {
-        let frame = end.frame.rotation.matrix();
-        let (rotation, position, arm) = match end.body {
-            None => (*frame, end.frame.translation.vector, Vector3::zeros()),
-            Some(body) => {
-                let state = start.body_state(body);
-                let reach = times(&state.rotation, &end.frame.translation.vector);
-                let arm = reach + Vector3::from(start.bodies[body].com);
-                (product(&state.rotation, frame), state.position + reach, arm)
-            }
-        };
-        EndStart {
-            body: end.body,
-            point: (position - Vector3::from(*origin)).into(),
-            arm: arm.into(),
-            axes: [0, 1, 2].map(|axis| rotation.column(axis).into_owned().into()),
-        }
+impl<C: Copy + Default> LoopStart<C> {
+    /// Room for a closure between two bodies.
+    pub fn new(bodies: [Option<usize>; 2], equations: impl IntoIterator<Item = Equation>) -> Self {
+        let nowhere = [C::default(); 2];
+        let equations = equations.into_iter().map(|equation| (equation, nowhere)).collect();
+        LoopStart { bodies, points: nowhere, arms: nowhere, equations }
     }
 }
 
-/// Where a body is since the start of the step: `R = (1 + turn) R₀`, and the displacement of its anchor (m).
-#[derive(Clone, Copy)]
-pub struct Moved<V> {
-    /// `N = R R₀ᵀ − 1`.
-    pub turn: Matrix<V>,
-    /// Displacement of the anchor.
-    pub anchor: Vector<V>,
+/// Where a body is since the start of the step, at all stages.
+pub(crate) trait Displaced<V: Lanes> {
+    /// In space or in a plane.
+    type Vector: Euclidean<V>;
+    /// `(1 + N) v`: a direction that turns with the body.
+    fn turn(&self, v: &<Self::Vector as Euclidean<V>>::Components) -> Self::Vector;
+    /// `Δa + N r`: displacement of the point at the arm r from the anchor a (m).
+    fn displacement(&self, arm: &<Self::Vector as Euclidean<V>>::Components) -> Self::Vector;
 }
 
-/// A gap and its gradient.
-#[derive(Clone, Copy)]
-pub struct EquationValue<V> {
-    /// `g` (m, or the sine of an angle).
-    pub gap: V,
-    /// Direction of the force on b.
-    pub force: Vector<V>,
-    /// Its torque about the common origin.
-    pub torque: Vector<V>,
+/// The components of the vectors of displaced bodies.
+type Components<V, D> = <<D as Displaced<V>>::Vector as Euclidean<V>>::Components;
+
+/// A gap (m, or the sine of an angle), and its gradient: direction of the force on b, and its torque about the common origin.
+struct Value<V: Lanes, E: Euclidean<V>> {
+    gap: V,
+    force: E,
+    torque: E::Axial,
 }
 
-impl<V: Lanes> EquationValue<V> {
-    /// Nothing.
-    pub fn zero() -> Self {
-        EquationValue { gap: V::zero(), force: Vector::zero(), torque: Vector::zero() }
-    }
-}
-
-/// A frame at all stages.
-struct End<V> {
-    point: Vector<V>,
-    turn: Option<Matrix<V>>,
-}
-
-impl<V: Lanes> End<V> {
-    #[inline(always)]
-    fn new(start: &EndStart, moved: Option<&Moved<V>>) -> Self {
-        let point = Vector::splat(&start.point);
-        match moved {
-            None => End { point, turn: None },
-            Some(moved) => {
-                let swing = moved.turn.apply_plus(Vector::splat(&start.arm), moved.anchor);
-                End { point: point.plus(swing), turn: Some(moved.turn) }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn axis(&self, start: &EndStart, axis: usize) -> Vector<V> {
-        let axis = Vector::splat(&start.axes[axis]);
-        match &self.turn {
-            None => axis,
-            Some(turn) => turn.apply_plus(axis, axis),
-        }
-    }
-}
-
-/// The equations of one loop joint, written to `out` in their order.
+/// Gaps and gradients of all closures, which have these rows, for the bodies at the columns' (0) and the rows' (1) stages. Gaps are those at
+/// the columns' stages.
 #[inline(always)]
-pub fn evaluate<V: Lanes>(
-    equations: &[Equation],
-    ends: &[EndStart; 2],
-    moved: [Option<&Moved<V>>; 2],
-    out: &mut [EquationValue<V>],
-) {
-    let a = End::new(&ends[0], moved[0]);
-    let b = End::new(&ends[1], moved[1]);
-    let apart = b.point.minus(a.point);
-    for (equation, out) in equations.iter().zip(out) {
-        *out = match *equation {
-            Equation::Slide(axis) => {
-                let along = a.axis(&ends[0], axis);
-                EquationValue { gap: apart.dot(along), force: along, torque: b.point.cross(along) }
+pub(crate) fn evaluate<'l, V: Lanes, D: Displaced<V> + 'l>(
+    closures: impl Iterator<Item = &'l LoopStart<Components<V, D>>>,
+    moved: &[[D; 2]],
+    rows_of_loop: &[std::ops::Range<usize>],
+    gaps: &mut [V],
+    gradients: &mut [[[V; 6]; 2]],
+) where
+    Components<V, D>: 'l,
+{
+    for (closure, rows) in closures.zip(rows_of_loop) {
+        for side in 0..2 {
+            let bodies = closure.bodies.map(|body| body.map(|body| &moved[body][side]));
+            let a = point(&closure.points[0], &closure.arms[0], bodies[0]);
+            let b = point(&closure.points[1], &closure.arms[1], bodies[1]);
+            for ((equation, directions), row) in closure.equations.iter().zip(rows.clone()) {
+                let value = evaluate_one(*equation, directions, bodies, a, b);
+                gradients[row][side] = value.force.joined(value.torque);
+                if side == 0 {
+                    gaps[row] = value.gap;
+                }
             }
-            Equation::Square(on_a, on_b) => {
-                let (first, second) = (a.axis(&ends[0], on_a), b.axis(&ends[1], on_b));
-                EquationValue { gap: first.dot(second), force: Vector::zero(), torque: second.cross(first) }
-            }
-            Equation::Distance(length) => {
-                let inverse = V::splat(1.0 / length);
-                let along = apart.times(inverse);
-                let gap = (apart.dot(along) - V::splat(length)) * V::splat(0.5);
-                EquationValue { gap, force: along, torque: b.point.cross(along) }
-            }
-            Equation::Line => {
-                let length = apart.dot_plus(apart, V::splat(NO_LENGTH)).square_root();
-                let along = apart.times(length.reciprocal());
-                EquationValue { gap: V::zero(), force: along, torque: b.point.cross(along) }
-            }
-        };
+        }
+    }
+}
+
+/// One equation between the points a and b of two bodies.
+#[inline(always)]
+fn evaluate_one<V: Lanes, D: Displaced<V>>(
+    equation: Equation,
+    directions: &[Components<V, D>; 2],
+    bodies: [Option<&D>; 2],
+    a: D::Vector,
+    b: D::Vector,
+) -> Value<V, D::Vector> {
+    let apart = b.minus(a);
+    match equation {
+        Equation::Slide => {
+            let along = direction(&directions[0], bodies[0]);
+            Value { gap: apart.dot(along), force: along, torque: b.cross(along) }
+        }
+        Equation::Square => {
+            let (first, second) = (direction(&directions[0], bodies[0]), direction(&directions[1], bodies[1]));
+            Value { gap: first.dot(second), force: D::Vector::zero(), torque: second.cross(first) }
+        }
+        Equation::Distance(reduced, length) => {
+            let along = apart.times(V::splat(1.0 / length));
+            let gap = (apart.dot(along) - V::splat(reduced)) * V::splat(0.5);
+            Value { gap, force: along, torque: b.cross(along) }
+        }
+        Equation::Line(square) => {
+            let length = apart.dot_plus(apart, V::splat(square + NO_LENGTH)).square_root();
+            let along = apart.times(length.reciprocal());
+            Value { gap: V::zero(), force: along, torque: b.cross(along) }
+        }
+    }
+}
+
+/// Where the end of a closure is.
+#[inline(always)]
+fn point<V: Lanes, D: Displaced<V>>(start: &Components<V, D>, arm: &Components<V, D>, body: Option<&D>) -> D::Vector {
+    let start = D::Vector::splat(start);
+    match body {
+        Some(body) => start.plus(body.displacement(arm)),
+        None => start,
+    }
+}
+
+/// A direction that is fixed in a body.
+#[inline(always)]
+fn direction<V: Lanes, D: Displaced<V>>(start: &Components<V, D>, body: Option<&D>) -> D::Vector {
+    match body {
+        Some(body) => body.turn(start),
+        None => D::Vector::splat(start),
     }
 }

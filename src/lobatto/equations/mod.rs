@@ -4,3 +4,5 @@ pub mod forces;
 pub mod loops;
 pub mod pivot;
 pub mod residual;
+pub mod spatial_loops;
+pub(crate) mod springs;

@@ -3,6 +3,7 @@
 pub mod algebra;
 pub mod arithmetic;
 pub mod double;
+pub(crate) mod euclidean;
 pub mod extended;
 pub mod fused;
 pub mod lane_arithmetic;

@@ -51,9 +51,10 @@ impl SpringLaw {
     }
 }
 
+/// A spring between points.
 pub(crate) struct LinePlan {
-    pub(crate) a: Option<usize>,
-    pub(crate) b: Option<usize>,
+    /// The bodies at its ends; `None` is the world.
+    pub(crate) ends: [Option<usize>; 2],
     pub(crate) law: SpringLaw,
 }
 
@@ -68,17 +69,21 @@ pub(crate) struct WrenchPlan {
 pub struct AppliedStart {
     /// Extension of each joint spring (rad or m).
     pub(crate) extensions: Vec<f64>,
-    pub(crate) lines: Vec<LineStart>,
+    pub(crate) lines: Vec<LineStart<[f64; 3]>>,
     /// From the anchor to the point of each wrench, in world axes (m).
     pub(crate) arms: Vec<[f64; 3]>,
 }
 
+/// A spring between points at the start of a step, in the components `C` of the world or of a plane.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct LineStart {
+pub(crate) struct LineStart<C> {
     /// From the anchors of the two bodies to the ends (m).
-    pub(crate) arms: [[f64; 3]; 2],
-    /// From a to b (m).
-    pub(crate) separation: [f64; 3],
+    pub(crate) arms: [C; 2],
+    /// d, from a to b (m).
+    pub(crate) separation: C,
+    /// z² of what d has along the normal of a plane, and never changes (m²).
+    pub(crate) square: f64,
+    /// ℓ (m) and its rate [m/s].
     pub(crate) length: f64,
     pub(crate) rate: f64,
 }
@@ -112,6 +117,7 @@ impl AppliedStart {
             *start = LineStart {
                 arms: ends.map(|end| end.body.map_or([0.0; 3], |body| arm(body, &end.frame.translation.vector).into())),
                 separation: line.separation.into(),
+                square: 0.0,
                 length: line.length,
                 rate: line.rate,
             };
@@ -161,7 +167,7 @@ impl AppliedPlan {
             }
         }
         for spring in &forces.point_springs {
-            plan.lines.push(LinePlan { a: spring.a.body, b: spring.b.body, law: SpringLaw::of(spring) });
+            plan.lines.push(LinePlan { ends: [spring.a.body, spring.b.body], law: SpringLaw::of(spring) });
         }
         for wrench in &forces.wrenches {
             let (body, force, torque) = (wrench.body, wrench.force.into(), wrench.torque.into());

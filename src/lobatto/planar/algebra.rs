@@ -2,6 +2,7 @@
 //!
 //! `J` is the quarter turn, `J (x, y) = (−y, x)`: `a × b = J a · b`.
 
+use crate::numbers::euclidean::{Euclidean, own_methods};
 use crate::numbers::lanes::Lanes;
 
 /// A vector in the plane, one for each lane.
@@ -80,5 +81,22 @@ impl<V: Lanes> Vector2<V> {
     #[inline(always)]
     pub fn cross_plus(self, other: Self, start: V) -> V {
         self.0[1].neg_mul_add(other.0[0], self.0[0].mul_add(other.0[1], start))
+    }
+}
+
+impl<V: Lanes> Euclidean<V> for Vector2<V> {
+    type Components = [f64; 2];
+    type Axial = V;
+    own_methods!(Vector2);
+
+    #[inline(always)]
+    fn cross(self, other: Self) -> V {
+        Vector2::cross_plus(self, other, V::zero())
+    }
+
+    #[inline(always)]
+    fn joined(self, axial: V) -> [V; 6] {
+        let ([x, y], zero) = (self.0, V::zero());
+        [x, y, axial, zero, zero, zero]
     }
 }

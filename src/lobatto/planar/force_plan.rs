@@ -4,10 +4,8 @@
 //! between two points its projection `d`, while its height z, the difference of their places along the normal, is
 //! constant: `ℓ² = |d|² + z²`.
 
+use crate::plan::forces::{LineStart, SpringLaw};
 use crate::planar::body::{PlanarBody, turned};
-use nalgebra::Vector3;
-
-use crate::plan::forces::SpringLaw;
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::closure::Attachment;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -15,6 +13,7 @@ use catena_mechanism::forces::point_spring::NO_LENGTH;
 use catena_mechanism::forces::total::{Stored, scalar_coordinate};
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::plane::Plane;
+use nalgebra::Vector3;
 
 /// The constant data of all forces that do not act in joints.
 pub(crate) struct ForcesPlan {
@@ -78,22 +77,9 @@ pub(crate) struct WrenchPlan {
 pub(crate) struct ForcesStart {
     /// Extension of each joint spring (rad or m).
     pub extensions: Vec<f64>,
-    pub lines: Vec<LineStart>,
+    pub lines: Vec<LineStart<[f64; 2]>>,
     /// From the anchor to the point of each wrench (m).
     pub arms: Vec<[f64; 2]>,
-}
-
-#[derive(Clone, Copy, Default)]
-pub(crate) struct LineStart {
-    /// From the anchors of the two bodies to the ends (m).
-    pub arms: [[f64; 2]; 2],
-    /// d, from a to b (m).
-    pub separation: [f64; 2],
-    /// z².
-    pub square: f64,
-    /// ℓ and its rate.
-    pub length: f64,
-    pub rate: f64,
 }
 
 impl ForcesPlan {

@@ -1,5 +1,6 @@
 //! Forces in a plane at all stages at once: those of [`crate::equations::forces`], with lines and wrenches projected.
 
+use crate::equations::springs::{BodiesAtStages, add_springs};
 use crate::numbers::lanes::Lanes;
 use crate::planar::algebra::Vector2;
 use crate::planar::force_plan::ForcesStart;
@@ -7,7 +8,6 @@ use crate::planar::workspace::PlanarStages;
 use crate::stages::coefficients::Coefficients;
 use crate::stages::force_motion::{Motion, Place};
 use crate::stages::forces::Applied;
-use catena_mechanism::forces::point_spring::NO_LENGTH;
 use catena_mechanism::forces::total::Exchange;
 
 impl<V: Lanes> PlanarStages<V> {
@@ -19,20 +19,14 @@ impl<V: Lanes> PlanarStages<V> {
         if !self.plan.forces.is_empty() {
             self.sweep_anchors();
         }
-        let (mut dissipated, mut work) = (0.0, 0.0);
-        // One call in a loop, so that there is one copy of it.
-        for at_end in [false, true] {
-            if at_end && !end {
-                break;
-            }
-            let place = if at_end { applied.end } else { applied.rows };
-            let powers = self.evaluate(&mut applied, coefficients, &place, end);
-            dissipated += self.step * powers.dissipated;
-            work += self.step * powers.work;
-        }
+        applied.evaluate_places(
+            self.step,
+            end,
+            #[inline(always)]
+            |applied, place, _| self.evaluate(applied, coefficients, place, end),
+        );
         if end {
-            work += applied.driven_work(&self.displacement, coefficients.active);
-            applied.exchange = Exchange { dissipated, work };
+            applied.exchange.work += applied.driven_work(&self.displacement, coefficients.active);
         }
         self.applied = Some(applied);
     }
@@ -81,42 +75,18 @@ impl<V: Lanes> PlanarStages<V> {
         };
         let mut dissipated = applied.evaluate_scalars(&motion, place);
         let mut work = V::zero();
-        self.acting.fill((Vector2::zero(), V::zero()));
-        for (line, known) in self.plan.forces.lines.iter().zip(lines) {
-            let mut swings = [Vector2::zero(); 2];
-            let mut moves = [Vector2::zero(); 2];
-            for side in 0..2 {
-                if let Some(body) = line.ends[side].body {
-                    let turned = &self.turned[body];
-                    swings[side] = Vector2::splat(&known.arms[side]).turned(turned.cosine, turned.sine);
-                    moves[side] = swings[side].plus(self.anchors[body]);
-                }
-            }
-            let change = moves[1].minus(moves[0]);
-            let separation = Vector2::splat(&known.separation);
-            let stretched = separation.plus(change);
-            let square = stretched.dot_plus(stretched, V::splat(known.square + NO_LENGTH));
-            let along = separation.plus(stretched).dot(change);
-            let taut = line.law.stretched(&motion, place, square, along, (known.length, known.rate));
-            dissipated = taut.braking.mul_add(taut.rate, dissipated);
-            let pull = change.times_plus(place.moved, separation).times(taut.per_length).times(taut.tension);
-            for side in 0..2 {
-                if let Some(body) = line.ends[side].body {
-                    let force = if side == 0 { pull } else { pull.times(V::splat(-1.0)) };
-                    let arm = swings[side].times_plus(place.moved, Vector2::splat(&known.arms[side]));
-                    let sum = &mut self.acting[body];
-                    sum.0 = sum.0.plus(force);
-                    sum.1 = arm.cross_plus(force, sum.1);
-                }
-            }
-        }
+        let mut acting = std::mem::take(&mut self.acting);
+        acting.fill((Vector2::zero(), V::zero()));
+        let springs = self.plan.forces.lines.iter().zip(lines);
+        let springs = springs.map(|(line, known)| ([line.ends[0].body, line.ends[1].body], &line.law, known));
+        dissipated = add_springs(self, springs, &motion, place, &mut acting, dissipated);
         for (wrench, arm) in self.plan.forces.wrenches.iter().zip(arms) {
             let turned = &self.turned[wrench.body];
             let (cosine, sine) = (turned.cosine * place.moved, turned.sine * place.moved);
             let arm = Vector2::splat(arm);
             let lever = arm.turned_plus(cosine, sine, arm);
             let (force, torque) = (Vector2::splat(&wrench.force), V::splat(wrench.torque));
-            let sum = &mut self.acting[wrench.body];
+            let sum = &mut acting[wrench.body];
             sum.0 = sum.0.plus(force);
             sum.1 = lever.cross_plus(force, sum.1 + torque);
             if account && wrench.torque != 0.0 {
@@ -127,10 +97,26 @@ impl<V: Lanes> PlanarStages<V> {
                 work = torque.mul_add(spin, work);
             }
         }
+        self.acting = acting;
         if account {
             Exchange { dissipated: (dissipated * place.weights).sum(), work: (work * place.weights).sum() }
         } else {
             Exchange::default()
         }
+    }
+}
+
+impl<V: Lanes> BodiesAtStages<V> for PlanarStages<V> {
+    type Vector = Vector2<V>;
+
+    #[inline(always)]
+    fn swing(&self, body: usize, arm: &[f64; 2]) -> Vector2<V> {
+        let turned = &self.turned[body];
+        Vector2::splat(arm).turned(turned.cosine, turned.sine)
+    }
+
+    #[inline(always)]
+    fn anchor(&self, body: usize) -> Vector2<V> {
+        self.anchors[body]
     }
 }

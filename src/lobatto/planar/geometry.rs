@@ -12,11 +12,13 @@
 
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::system::{Geometry, Mixing, Screw};
+use crate::equations::loops::{Displaced, evaluate};
+use crate::numbers::euclidean::Euclidean;
 use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::TWIST;
 use crate::plan::tree::Plan;
 use crate::planar::algebra::Vector2;
-use crate::planar::loops::{Moved, PlanarClosure};
+use crate::planar::loops::{Moved, PlanarLoop};
 use crate::planar::start::{PlanarPlan, PlanarStart};
 use crate::planar::sweeps::{own_residual, row_turn};
 use crate::planar::workspace::PlanarStages;
@@ -29,7 +31,7 @@ use std::ops::Range;
 /// Where bodies and closures are in the plane.
 pub(crate) struct Flat<V> {
     /// The loops, then the lines of the springs.
-    closures: Vec<PlanarClosure>,
+    closures: Vec<PlanarLoop>,
     loops: usize,
     origin: [f64; 2],
     /// Every body since the start of the step, at the columns' and at the rows' stages.
@@ -42,11 +44,12 @@ impl<V: Lanes> Flat<V> {
     /// The closures of a mechanism in its plane, with or without the lines of its springs; `mask` is zero where a row has the
     /// geometry of the start.
     pub fn new(mechanism: &Mechanism, plane: &Plane, mask: V, springs: bool) -> Self {
+        let still = Moved { cosine: V::zero(), sine: V::zero(), anchor: Vector2::zero() };
         Flat {
-            closures: PlanarClosure::all(mechanism, plane, springs),
+            closures: PlanarLoop::all(mechanism, plane, springs),
             loops: mechanism.loops.len(),
             origin: [0.0; 2],
-            moved: vec![[Moved::not(); 2]; mechanism.bodies.len()],
+            moved: vec![[still; 2]; mechanism.bodies.len()],
             mask,
         }
     }
@@ -89,8 +92,7 @@ impl<V: Lanes> Flat<V> {
             let (_, force, torque) = own_residual(known, turned, row_turn::<V, false>(&sweep, turned));
             let (force, torque) = stages.less_acting(index, &sweep, force, torque);
             let anchor = self.anchor(&stages.start, index, 1);
-            let ([x, y], zero) = (force.0, V::zero());
-            bias[index] = [x, y, anchor.cross_plus(force, torque), zero, zero, zero];
+            bias[index] = force.joined(anchor.cross_plus(force, torque));
         }
     }
 
@@ -125,7 +127,7 @@ impl<V: Lanes> Geometry<V> for Flat<V> {
     }
 
     fn rows(&self) -> Vec<usize> {
-        self.closures[..self.loops].iter().map(PlanarClosure::rows).collect()
+        self.closures[..self.loops].iter().map(|closure| closure.start.equations.len()).collect()
     }
 
     fn begin(&mut self, _: &PlanarPlan, start: &PlanarStart) {
@@ -137,23 +139,8 @@ impl<V: Lanes> Geometry<V> for Flat<V> {
 
     #[inline(always)]
     fn evaluate(&self, rows_of_loop: &[Range<usize>], gaps: &mut [V], gradients: &mut [[Screw<V>; 2]]) {
-        let zero = V::zero();
-        for (closure, rows) in self.closures.iter().zip(rows_of_loop) {
-            for side in 0..2 {
-                closure.evaluate(
-                    &self.moved,
-                    side,
-                    #[inline(always)]
-                    |number, value| {
-                        let [x, y] = value.force.0;
-                        gradients[rows.start + number][side] = [x, y, value.torque, zero, zero, zero];
-                        if side == 0 {
-                            gaps[rows.start + number] = value.gap;
-                        }
-                    },
-                );
-            }
-        }
+        let closures = self.closures.iter().map(|closure| &closure.start);
+        evaluate(closures, &self.moved, rows_of_loop, gaps, gradients);
     }
 
     #[inline(always)]
