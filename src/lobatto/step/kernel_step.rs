@@ -56,7 +56,7 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
     }
 
     fn drive(&mut self, efforts: &[f64]) {
-        if let Some(applied) = &mut self.stages.applied {
+        if let Some(applied) = self.workspace.applied_mut() {
             applied.drive(efforts);
         }
     }

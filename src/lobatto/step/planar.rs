@@ -111,6 +111,10 @@ impl<V: Lanes> Workspace<V> for PlanarWorkspace<V> {
         self.stages.applied.as_deref()
     }
 
+    fn applied_mut(&mut self) -> Option<&mut Applied<V>> {
+        self.stages.applied.as_deref_mut()
+    }
+
     fn bound(&mut self, largest: f64) {
         self.stages.largest = largest;
     }

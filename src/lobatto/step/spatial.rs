@@ -124,6 +124,10 @@ impl<V: Lanes> Workspace<V> for SpatialWorkspace<V> {
         self.stages.applied.as_deref()
     }
 
+    fn applied_mut(&mut self) -> Option<&mut Applied<V>> {
+        self.stages.applied.as_deref_mut()
+    }
+
     fn prepare_single(&mut self, mechanism: &Mechanism, tableau: &Tableau, stop: f64) {
         self.first.prepare(mechanism, &self.stages.plan, tableau, stop);
     }

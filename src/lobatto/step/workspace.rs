@@ -70,6 +70,8 @@ pub(crate) trait Workspace<V: Lanes>: Send + 'static {
     }
     /// The forces besides gravity, if there are any.
     fn applied(&self) -> Option<&Applied<V>>;
+    /// The same, to be driven.
+    fn applied_mut(&mut self) -> Option<&mut Applied<V>>;
     /// The largest displacement of the iterate (rad, m) is at most this.
     fn bound(&mut self, _largest: f64) {}
 
