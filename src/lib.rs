@@ -1,6 +1,22 @@
 //! catena: rigid multibody dynamics by the constrained Lobatto IIIA–IIIB scheme in maximal coordinates.
 //!
-//! Data goes one way, and nothing imports anything to its right:
+//! Links become rigid bodies with a pose each, joints become holonomic constraints `g(q) = 0`, and the whole is integrated by a symplectic
+//! scheme of order `2s − 2`. A run takes four lines:
+//!
+//! ```
+//! use catena::prelude::*;
+//!
+//! let robot = read_urdf("robots/double_pendulum.urdf".as_ref(), &PackagePath::default())?;
+//! let model = Model::new(robot, &ModelOptions::default())?;
+//! let start = State::zero(&model.mechanism);
+//! let options = SimulationOptions { duration: 1.0, steps: StepChoice::Tolerance(1e-6), switched_off: &[], interrupt: None };
+//! let mut simulation = Simulation::new(&model.mechanism, start, options)?;
+//! simulation.run()?;
+//! assert!(simulation.finish().summary.max_relative_energy_error < 1e-6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Data goes one way through the floors, and nothing imports anything to its right:
 //!
 //! ```text
 //!     URDF, scene file → scene → model → mechanism → lobatto → stepping → simulation → output → study
@@ -9,20 +25,22 @@
 //!
 //! | floor | what it is |
 //! |---|---|
-//! | [`mechanism`] | what is simulated: bodies, joints, closures, forces; state, kinematics, energy |
-//! | [`lobatto`] | one step of the method |
+//! | [`mechanism`] | what is simulated: bodies, joints, closures, forces (constant); state, kinematics, energy (changing) |
 //! | [`scene`] | what the user wrote, validated |
 //! | [`model`] | from what was written to what is simulated |
-//! | [`reduced`] | joint coordinates: the comparator |
-//! | [`instant`] | the problem at one instant: assembly, reactions, rest |
-//! | [`stepping`] | steps strung together |
-//! | [`simulation`] | a run: islands, accuracy, observers |
-//! | [`output`] | logs, reports, looks at logs |
-//! | [`study`] | many runs, compared |
-//! | [`drawing`] | figures, for both |
+//! | [`reduced`] | the same mechanism in joint coordinates: the comparator |
+//! | [`instant`] | the problem at one instant: assembly of loops, reactions, rest |
+//! | [`stepping`] | steps strung together: [`Lobatto`](stepping::Lobatto) |
+//! | [`simulation`] | a run: [`Simulation`](simulation::Simulation), its observers |
+//! | [`output`] | logs and reports |
+//!
+//! The step itself (`lobatto`, and `kernels`, which are its code for each instruction set), charts and stability maps (`study`) and their
+//! drawing kit are public to the programs of this repository alone: they change without notice. `doc/architecture.md` is the map for people who
+//! work on the source.
 
 #![deny(unsafe_code)]
 
+#[doc(hidden)]
 pub mod drawing;
 pub mod instant;
 pub mod model;
@@ -31,8 +49,21 @@ pub mod reduced;
 pub mod scene;
 pub mod simulation;
 pub mod stepping;
+#[doc(hidden)]
 pub mod study;
 
+#[doc(hidden)]
 pub use catena_kernels as kernels;
+#[doc(hidden)]
 pub use catena_lobatto as lobatto;
 pub use catena_mechanism as mechanism;
+
+/// The names that most programs need.
+pub mod prelude {
+    pub use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+    pub use crate::mechanism::description::mechanism::{Body, Mechanism};
+    pub use crate::mechanism::motion::state::State;
+    pub use crate::model::{Model, ModelOptions};
+    pub use crate::scene::{PackagePath, read_scene, read_urdf};
+    pub use crate::simulation::{Observer, Simulation, SimulationOptions, StepChoice};
+}

@@ -20,16 +20,29 @@
 // Allowed in one file: `vectors/x86.rs`.
 #![deny(unsafe_code)]
 
+#[doc(hidden)]
 pub mod coupled;
+#[doc(hidden)]
 pub mod ending;
+#[doc(hidden)]
 pub mod equations;
+#[doc(hidden)]
 pub mod instants;
+#[doc(hidden)]
 pub mod literal;
+#[doc(hidden)]
 pub mod numbers;
+#[doc(hidden)]
 pub mod plan;
+#[doc(hidden)]
 pub mod planar;
+#[doc(hidden)]
 pub mod solve;
+#[doc(hidden)]
 pub mod stages;
+#[doc(hidden)]
 pub mod step;
+#[doc(hidden)]
 pub mod tableau;
+#[doc(hidden)]
 pub mod vectors;

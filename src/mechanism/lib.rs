@@ -12,6 +12,7 @@
 
 pub mod description;
 pub mod forces;
+#[doc(hidden)]
 pub mod ground;
 pub mod motion;
 pub mod structure;

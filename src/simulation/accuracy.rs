@@ -31,7 +31,7 @@ use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::state::State;
-use crate::simulation::trial_run::{CalibrationError, Course, GoOn, Pair, Pilot};
+use crate::simulation::trial_run::{CalibrationError, Course, GoOn, Pair, TrialRun};
 use crate::stepping::control::COARSEST_STOP;
 use crate::stepping::integrator::Lobatto;
 use crate::stepping::stage_choice::StageChoice;
@@ -160,19 +160,19 @@ struct Search<'s> {
 
 /// The pair that tells how errors grow.
 struct Couple<'s> {
-    coarse: Pilot<'s>,
-    fine: Pilot<'s>,
+    coarse: TrialRun<'s>,
+    fine: TrialRun<'s>,
     /// Whether it has parted, though there is no finer one.
     parted: bool,
 }
 
 impl<'s> Search<'s> {
     /// A pilot at the start of the run.
-    fn pilot(&mut self, stop: f64, stages: StageChoice) -> Pilot<'s> {
+    fn pilot(&mut self, stop: f64, stages: StageChoice) -> TrialRun<'s> {
         self.pilots += 1;
         let energy = self.tolerance.max(ENERGY * stop);
         let lobatto = Lobatto::adaptive_with_stages(self.mechanism, energy, stop, stages);
-        Pilot {
+        TrialRun {
             mechanism: self.mechanism,
             lobatto: lobatto.keeping(self.mechanism, self.kept),
             stop,
@@ -250,7 +250,7 @@ impl<'s> Search<'s> {
     }
 
     /// A pilot with another stop than those of a pair, compared with the finer one.
-    fn trial(&mut self, stop: f64, fine: &Pilot, go_on: GoOn) -> Result<Pilot<'s>, CalibrationError> {
+    fn trial(&mut self, stop: f64, fine: &TrialRun, go_on: GoOn) -> Result<TrialRun<'s>, CalibrationError> {
         let mut trial = self.pilot(stop, fine.stages);
         trial.follow(fine, go_on)?;
         Ok(trial)

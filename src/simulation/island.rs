@@ -10,7 +10,7 @@ use crate::stepping::integrator::Lobatto;
 use std::collections::VecDeque;
 
 /// An island and how it is run.
-pub(crate) struct Part {
+pub(crate) struct IslandRun {
     pub(crate) island: Island,
     pub(crate) state: State,
     /// Efforts that drive its joints from outside [N m or N]; none, or one a degree of freedom.
@@ -59,9 +59,9 @@ impl Observer for Shown {
     }
 }
 
-impl Part {
+impl IslandRun {
     pub(crate) fn new(island: Island, whole: &State) -> Self {
-        Part {
+        IslandRun {
             state: island.state(whole),
             island,
             efforts: Vec::new(),
@@ -95,7 +95,7 @@ impl Part {
 
     /// Makes steps as far as the aim; a failure is kept.
     pub(crate) fn proceed(&mut self, aim: Aim, options: &RunOptions) {
-        let Part { island, state, efforts, awake: Some(lobatto), course: Some(course), shown, failed, .. } = self
+        let IslandRun { island, state, efforts, awake: Some(lobatto), course: Some(course), shown, failed, .. } = self
         else {
             return;
         };
@@ -115,13 +115,13 @@ impl Part {
 }
 
 /// Up to where all islands that are awake have come (s).
-pub(crate) fn frontier(awake: &[&mut Part]) -> f64 {
+pub(crate) fn frontier(awake: &[&mut IslandRun]) -> f64 {
     awake.iter().map(|part| part.state.time).fold(f64::INFINITY, f64::min)
 }
 
 /// The failure at the earliest time; an interruption counts only if nothing failed.
-pub(crate) fn first_error(awake: &mut [&mut Part]) -> Option<RunError> {
-    let interrupted = |part: &Part| matches!(part.failed, Some(RunError::Interrupted { .. }));
+pub(crate) fn first_error(awake: &mut [&mut IslandRun]) -> Option<RunError> {
+    let interrupted = |part: &IslandRun| matches!(part.failed, Some(RunError::Interrupted { .. }));
     let failed = awake.iter_mut().filter(|part| part.failed.is_some());
     let first = failed.min_by(|a, b| interrupted(a).cmp(&interrupted(b)).then(a.state.time.total_cmp(&b.state.time)));
     first.and_then(|part| part.failed.take())

@@ -23,8 +23,8 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::{Island, islands};
 use crate::mechanism::structure::plane::Plane;
 use crate::simulation::course::Aim;
-use crate::simulation::island::{Part, first_error, frontier};
-use crate::simulation::merged::Whole;
+use crate::simulation::island::{IslandRun, first_error, frontier};
+use crate::simulation::merged::MergedRun;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::{Threads, spread};
 use crate::simulation::{Observer, RunError, RunOptions, Summary};
@@ -156,7 +156,7 @@ fn groups(islands: Vec<Island>, smallest: usize) -> Vec<Vec<Island>> {
 
 /// The integrators of all islands of a mechanism.
 pub struct Islands {
-    parts: Vec<Part>,
+    parts: Vec<IslandRun>,
     threads: Threads,
     /// The window of simulated time that the islands advance in at once, and what the last one took on the wall (s).
     window: f64,
@@ -180,7 +180,7 @@ pub struct IslandFigures {
 }
 
 /// An island, whether it sleeps, and what came of making its integrator.
-type Job<N, E> = (Part, bool, Option<Result<N, E>>);
+type Job<N, E> = (IslandRun, bool, Option<Result<N, E>>);
 
 impl Islands {
     /// Makes the integrators of the islands that are awake, each with a note for the caller; the notes are in the order of these
@@ -197,7 +197,7 @@ impl Islands {
     ) -> Result<(Self, Vec<N>), E> {
         let kept = plan.kept;
         let mut jobs: Vec<Job<N, E>> =
-            plan.islands.into_iter().map(|(island, asleep)| (Part::new(island, state), asleep, None)).collect();
+            plan.islands.into_iter().map(|(island, asleep)| (IslandRun::new(island, state), asleep, None)).collect();
         spread(&mut jobs, threads.for_work_of(expected), |(part, asleep, note)| {
             if *asleep {
                 return;
@@ -268,7 +268,7 @@ impl Islands {
         options: &RunOptions,
         observers: &mut [&mut dyn Observer],
     ) -> (Summary, Result<(), RunError>) {
-        let mut whole = Whole::new(mechanism, state, options);
+        let mut whole = MergedRun::new(mechanism, state, options);
         let ended = self
             .begin_with(mechanism, state, options, observers, &mut whole)
             .and_then(|()| self.proceed(mechanism, f64::INFINITY, options, observers, &mut whole));
@@ -283,8 +283,8 @@ impl Islands {
         state: &State,
         options: &RunOptions,
         observers: &mut [&mut dyn Observer],
-    ) -> Result<Whole, RunError> {
-        let mut whole = Whole::new(mechanism, state, options);
+    ) -> Result<MergedRun, RunError> {
+        let mut whole = MergedRun::new(mechanism, state, options);
         self.begin_with(mechanism, state, options, observers, &mut whole)?;
         Ok(whole)
     }
@@ -295,7 +295,7 @@ impl Islands {
         state: &State,
         options: &RunOptions,
         observers: &mut [&mut dyn Observer],
-        whole: &mut Whole,
+        whole: &mut MergedRun,
     ) -> Result<(), RunError> {
         // At first one step each: nobody knows yet how long that takes.
         (self.window, self.took) = (0.0, 0.0);
@@ -315,7 +315,7 @@ impl Islands {
         &mut self,
         inputs: Inputs,
         choice: StepChoice,
-        whole: &Whole,
+        whole: &MergedRun,
         options: &RunOptions,
     ) -> Result<(), RunError> {
         for part in &mut self.parts {
@@ -341,12 +341,12 @@ impl Islands {
     }
 
     /// Moves `state` to where the run is: to where all islands are, or, if it has ended early, to the last sample that all have reached.
-    pub(crate) fn settle(&mut self, mechanism: &Mechanism, state: &mut State, whole: &mut Whole, together: bool) {
+    pub(crate) fn settle(&mut self, mechanism: &Mechanism, state: &mut State, whole: &mut MergedRun, together: bool) {
         let times = self.parts.iter().filter_map(|part| Some(part.course.as_ref()?.summary().solve_cpu_seconds));
         // A sum of nothing would be −0.
         whole.summary.solve_cpu_seconds = times.fold(0.0, |sum, time| sum + time);
         if together {
-            for Part { island, state: own, .. } in &self.parts {
+            for IslandRun { island, state: own, .. } in &self.parts {
                 island.put(&own.position, &mut state.position, |piece| &piece.positions);
                 island.put(&own.compensation, &mut state.compensation, |piece| &piece.positions);
                 island.put(&own.velocity, &mut state.velocity, |piece| &piece.velocities);
@@ -367,7 +367,7 @@ impl Islands {
         until: f64,
         options: &RunOptions,
         observers: &mut [&mut dyn Observer],
-        whole: &mut Whole,
+        whole: &mut MergedRun,
     ) -> Result<(), RunError> {
         let mut awake = awake(&mut self.parts);
         if awake.is_empty() {
@@ -398,7 +398,7 @@ impl Islands {
 }
 
 /// The islands that move.
-fn awake(parts: &mut [Part]) -> Vec<&mut Part> {
+fn awake(parts: &mut [IslandRun]) -> Vec<&mut IslandRun> {
     parts.iter_mut().filter(|part| part.awake.is_some()).collect()
 }
 

@@ -8,12 +8,12 @@ use crate::mechanism::motion::gaps::worse;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
-use crate::simulation::island::{Part, frontier};
+use crate::simulation::island::{IslandRun, frontier};
 use crate::simulation::{Counts, Observer, RunError, RunOptions, Sample, StepEnd, Summary, show};
 use std::sync::atomic::Ordering;
 
 /// The run of the whole, put together from those of the islands.
-pub(crate) struct Whole {
+pub(crate) struct MergedRun {
     pub(crate) start: f64,
     pub(crate) end: f64,
     /// Whether samples inside the run are wanted.
@@ -37,11 +37,11 @@ pub(crate) struct Whole {
     rested: u64,
 }
 
-impl Whole {
+impl MergedRun {
     pub(crate) fn new(mechanism: &Mechanism, state: &State, options: &RunOptions) -> Self {
         let bodies = body_states(mechanism, state);
         let initial = energy_with_forces(mechanism, &state.position, &bodies);
-        Whole {
+        MergedRun {
             start: state.time,
             end: state.time + options.duration,
             sampled: options.rate.is_some(),
@@ -69,7 +69,7 @@ impl Whole {
     pub(crate) fn take(
         &mut self,
         mechanism: &Mechanism,
-        awake: &mut [&mut Part],
+        awake: &mut [&mut IslandRun],
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), RunError> {
         loop {
@@ -82,7 +82,7 @@ impl Whole {
             if !ready {
                 return Ok(());
             }
-            for Part { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
+            for IslandRun { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
                 let Some(sample) = shown.samples.pop_front() else { continue };
                 island.put(&sample.position, &mut self.state.position, |piece| &piece.positions);
                 island.put(&sample.velocity, &mut self.state.velocity, |piece| &piece.velocities);
@@ -94,7 +94,7 @@ impl Whole {
     }
 
     /// Takes all steps that end at or before `until`.
-    fn take_steps(&mut self, awake: &mut [&mut Part], until: f64) {
+    fn take_steps(&mut self, awake: &mut [&mut IslandRun], until: f64) {
         for (number, part) in awake.iter_mut().enumerate() {
             let steps = &mut part.shown.steps;
             let count = steps.partition_point(|end| end.time <= until);

@@ -1,22 +1,33 @@
-//! The loop: step, sample, observe, until the end of the run.
+//! A run: [`Simulation`] holds the mechanism, its state, what acts on it from outside, the integrators of its islands, the accuracy to expect,
+//! and who watches.
 //!
-//! An [`Integrator`] advances the state and can be asked for any instant of its last step; [`Observer`]s see samples at
-//! a fixed rate (the log) and the end of every step (energy, constraint and solver figures). The loop is the same for
-//! the Lobatto scheme and for the reduced-coordinate comparators, so that charts compare like with like.
+//! An [`Integrator`](crate::mechanism::motion::integrator::Integrator) makes steps and can be asked for any instant of its last one; [`Observer`]s
+//! see samples at a fixed rate (the log) and the end of every step (energy, constraint and solver figures). The loop under it ([`run`]) is the
+//! same for the Lobatto scheme and for the reduced-coordinate comparators, so that charts compare like with like.
+//!
+//! | what | where |
+//! |---|---|
+//! | the run as an object | `simulation`, `integrators`, `step_choice` |
+//! | one mechanism, step by step | `course`, `summary`, `observer` |
+//! | independent parts side by side | `islands`, `island`, `merged`, `threads` |
+//! | the accuracy that a tolerance means | `accuracy`, `trial_run` |
 
+#[doc(hidden)]
 pub mod accuracy;
 mod course;
 mod integrators;
-pub mod island;
+mod island;
+#[doc(hidden)]
 pub mod islands;
-pub mod merged;
+mod merged;
 mod observer;
 #[expect(clippy::module_inception, reason = "the run is the one object of this floor")]
 mod simulation;
 mod step_choice;
 mod summary;
+#[doc(hidden)]
 pub mod threads;
-pub mod trial_run;
+mod trial_run;
 
 pub(crate) use course::Course;
 pub use course::{RunError, RunOptions, run};
@@ -26,3 +37,4 @@ pub use observer::{Counts, Observer, ObserverError, Sample, StepEnd};
 pub use simulation::{Finished, InputError, Simulation, SimulationOptions};
 pub use step_choice::StepChoice;
 pub use summary::Summary;
+pub use trial_run::CalibrationError;

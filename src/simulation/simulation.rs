@@ -15,7 +15,7 @@ use crate::simulation::accuracy::Calibration;
 use crate::simulation::course::{Aim, Course, RunError, RunOptions};
 use crate::simulation::integrators::{Calibrations, Integrators, SimulationError, Wanted};
 use crate::simulation::islands::{IslandFigures, Plan};
-use crate::simulation::merged::Whole;
+use crate::simulation::merged::MergedRun;
 use crate::simulation::observer::Observer;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::summary::Summary;
@@ -77,7 +77,7 @@ pub struct Simulation<'s> {
 /// How far a run has come.
 enum Progress {
     Whole(Box<Course>),
-    Islands(Box<Whole>),
+    Islands(Box<MergedRun>),
 }
 
 /// What a run has left.

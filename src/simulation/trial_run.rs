@@ -51,7 +51,7 @@ pub(crate) enum Pair {
 }
 
 /// A run that is made only to be compared.
-pub(crate) struct Pilot<'m> {
+pub(crate) struct TrialRun<'m> {
     pub mechanism: &'m Mechanism,
     pub lobatto: Lobatto,
     /// Its iteration stop and its stages.
@@ -66,7 +66,7 @@ pub(crate) struct Pilot<'m> {
     pub apart: Vec<f64>,
 }
 
-impl Pilot<'_> {
+impl TrialRun<'_> {
     /// The furthest that it has been from another (m).
     pub fn worst(&self) -> f64 {
         self.apart.last().copied().unwrap_or(0.0)
@@ -96,7 +96,7 @@ impl Pilot<'_> {
     }
 
     /// Goes to all instants of another and sees how far it is from where that was there.
-    pub fn follow(&mut self, other: &Pilot, go_on: GoOn) -> Result<(), CalibrationError> {
+    pub fn follow(&mut self, other: &TrialRun, go_on: GoOn) -> Result<(), CalibrationError> {
         for (time, there) in &other.trail {
             self.advance(*time, go_on)?;
             self.compare(there);

@@ -7,20 +7,35 @@
 //! | what is looked at now and then | [`watch`], [`modes`], [`fastest_mode`], [`dynamics`], [`jerks`], [`linearised`] |
 //! | instants inside a step | [`sampling`] |
 
+#[doc(hidden)]
 pub mod acceptance;
+#[doc(hidden)]
 pub mod control;
+#[doc(hidden)]
 pub mod dynamics;
+#[doc(hidden)]
 pub mod fastest_mode;
+#[doc(hidden)]
 pub mod fixed;
+#[doc(hidden)]
 pub mod integrator;
+#[doc(hidden)]
 pub mod jerks;
+#[doc(hidden)]
 pub mod linearised;
+#[doc(hidden)]
 pub mod modes;
+#[doc(hidden)]
 pub mod pace;
+#[doc(hidden)]
 pub mod reversible;
+#[doc(hidden)]
 pub mod sampling;
+#[doc(hidden)]
 pub mod stage_choice;
+#[doc(hidden)]
 pub mod stepper;
+#[doc(hidden)]
 pub mod watch;
 
-pub use integrator::Lobatto;
+pub use integrator::{Lobatto, MethodError};

@@ -6,6 +6,6 @@ pub mod multipliers;
 pub mod newton;
 pub mod operations;
 pub mod projection;
-pub mod resolve;
+pub mod repeated_solve;
 pub mod space;
 pub mod system;

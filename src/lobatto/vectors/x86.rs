@@ -3,9 +3,9 @@
 //! Two proofs carry every block in it:
 //!
 //! - **P1** — the intrinsics of a vector type need a processor feature. Those of [`Sse2`] are promised by every x86-64 processor. The other
-//!   types cannot be named outside this crate, and in it only [`catena_kernels::dispatch`] begins with one, after
-//!   [`Isa::detect`](crate::numbers::lanes::Isa::detect) has found `avx2` and `fma` (and `avx512f` and `avx512vl` for [`Avx512`]), and tests that ask the
-//!   same; `pair` and `single` make others of those they are given.
+//!   types cannot be named outside this crate. In it only the gates of [`crate::vectors`] begin with one, after
+//!   [`Isa::detect`](crate::numbers::lanes::Isa::detect) has found `avx2` and `fma` (and `avx512f` and `avx512vl` for [`Avx512`]), and tests that
+//!   ask the same; `pair` and `single` make others of those they are given. Who is handed a type by a gate runs behind its question.
 //! - **P2** — loads and stores go through arrays of exactly the vector's length, by value or reference, so that
 //!   they cannot leave the array; the unaligned forms are used, so that alignment is no condition.
 
