@@ -10,7 +10,7 @@ use catena::mechanism::ground::words::counted;
 use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names};
 use catena::output::report::ModelReport;
 use catena::scene::Warning;
-use catena::simulation::islands::Plan;
+use catena::simulation::partition::Plan;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

@@ -9,7 +9,7 @@ use catena::mechanism::structure::special_bodies::{
     pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies, tumbling_bodies,
 };
 use catena::model::{Model, ReductionRule};
-use catena::simulation::islands::Plan;
+use catena::simulation::partition::Plan;
 use serde_json::{Value, json};
 
 /// What a rule does here.

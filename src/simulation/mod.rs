@@ -9,7 +9,7 @@
 //! |---|---|
 //! | the run as an object | `simulation`, `integrators`, `step_choice` |
 //! | one mechanism, step by step | `course`, `summary`, `observer` |
-//! | independent parts side by side | `islands`, `island`, `merged`, `threads` |
+//! | independent parts side by side | `partition`, `islands`, `island`, `merged`, `threads` |
 //! | the accuracy that a tolerance means | `accuracy`, `trial_run` |
 
 #[doc(hidden)]
@@ -21,6 +21,8 @@ mod island;
 pub mod islands;
 mod merged;
 mod observer;
+#[doc(hidden)]
+pub mod partition;
 #[expect(clippy::module_inception, reason = "the run is the one object of this floor")]
 mod simulation;
 mod step_choice;

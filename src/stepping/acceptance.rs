@@ -1,4 +1,4 @@
-//! What becomes of an attempt at a step, and how long the next one is: the rules of [`super`].
+//! What becomes of an attempt at a step, and how long the next one is: the rules of [`crate::stepping::control`].
 
 use crate::lobatto::stages::attempt::{Attempt, Guess};
 use crate::lobatto::stages::pose::MAX_TURN;

@@ -23,6 +23,7 @@ mod precise;
 mod refinement;
 mod reversible;
 mod snapshots;
+mod special_bodies;
 mod stability;
 mod stages;
 mod stepping;

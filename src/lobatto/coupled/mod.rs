@@ -1,4 +1,12 @@
-//! The exact Newton step, with all stages and all closures coupled; the projections on the closures that are made with it.
+//! The exact Newton step, with all stages and all closures coupled, and the projections that are made with it.
+//!
+//! ```text
+//!     Σ_i D_ki η_i − J_kᵀ dλ_k = −(E_k − J_kᵀ λ_k)          bodies, projected on the joint axes at the rows' stages
+//!     J_i η_i + ε Σ_k Â_ik dλ_k = −g_i                      closures; ε acts on increments alone
+//! ```
+//!
+//! [`mod@system`] has the symbols; [`front`] and [`operations`] eliminate after the order of [`crate::plan::elimination`]; [`space`] is the geometry in space
+//! ([`crate::planar::geometry`] that in a plane); [`newton`] iterates; [`projection`] and [`closing`] bring states and velocities onto the closures.
 
 pub mod closing;
 pub mod front;

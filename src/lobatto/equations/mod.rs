@@ -1,4 +1,12 @@
-//! The stage equations: residuals of bodies, loops and forces at all stages.
+//! The residuals of the stage equations, at all stages at once.
+//!
+//! ```text
+//!     ρ_k = Sᵀ ( M Σ_i B_ki (Q_i − q₀ − h c_i q̇₀) − h² F_k )          what RᵀR = 1 and the joints leave of (2.5.11)
+//!     g(Q_i) = 0                                                       loops and mimic relations, where there are any
+//! ```
+//!
+//! [`residual`] has the bodies, [`mod@pivot`] the special case of a body on a hinge that the world holds, [`forces`] and [`springs`] what acts, [`loops`] and
+//! [`spatial_loops`] the closures.
 
 pub mod forces;
 pub mod loops;

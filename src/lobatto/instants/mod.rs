@@ -1,4 +1,7 @@
-//! Where links are and what joints carry at eight instants of a motion at once.
+//! Where links are and what joints carry at eight instants of a motion at once: one instant a lane. For logs.
+//!
+//! [`mod@instants`] says what is asked for; [`tree`] is the recursion over the bodies, [`constants`] and [`joints`] are what it reads, [`quaternion`] is its
+//! rotations.
 
 pub mod constants;
 pub mod instants;

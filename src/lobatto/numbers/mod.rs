@@ -1,4 +1,16 @@
-//! What a step is written in: one number for each stage, vectors and matrices of them, rotations, and more digits where sixteen are too few.
+//! What the equations of a step are written in: one number for each stage.
+//!
+//! ```text
+//!     lane j  ↔  stage j + 2 of s stages           the first stage is the known start; lanes in use: s − 1
+//!     Σ_i columns[i] · v[i]                        mixing: a matrix over the stages times the numbers of all stages
+//! ```
+//!
+//! | symbol | what | where |
+//! |---|---|---|
+//! | `V: Lanes` | doubles, one a stage, in registers | [`lanes`], [`reductions`], [`mixing`], [`lane_arithmetic`] |
+//! | `V: Numbers`, `Arithmetic` | the same of 16 or of 32 digits; of all stages, or of one alone | [`arithmetic`], [`mod@double`], [`fused`], [`extended`] |
+//! | `Vector<V>`, `Matrix<V>` | three-vectors and 3×3 matrices of them | [`algebra`], [`euclidean`] |
+//! | `(w, u)` | unit quaternions of rotations since the start of the step | [`rotations`], [`series`] |
 
 pub mod algebra;
 pub mod arithmetic;

@@ -1,4 +1,10 @@
-//! What can be known of a mechanism before the first step: the order of the sweeps, of the forces and of the elimination.
+//! What can be known of a mechanism before its first step: constant.
+//!
+//! ```text
+//!     tree           for every body: parent, first freedom, which terms of its equations vanish       [`tree`]
+//!     forces         what acts, sorted by what it needs                                               [`forces`]
+//!     elimination    the order in which freedoms and multipliers of the exact Newton step go          [`elimination`], [`planner`]
+//! ```
 
 pub mod elimination;
 pub mod forces;

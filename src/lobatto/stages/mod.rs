@@ -1,4 +1,17 @@
-//! The start of a step, the poses and the rows of all stages, the first guess: the workspace.
+//! The workspace of a step: its start, the poses and rows of all stages, the first guess, and what the sweeps leave.
+//!
+//! | symbol | what | unit | where |
+//! |---|---|---|---|
+//! | `θ_i` | displacements of the freedoms since the start at stage i: the unknowns | rad, m | [`workspace`], [`unknowns`] |
+//! | `(w, u)`, `N` | rotation of a body since the start, `N = R R₀ᵀ − 1` | | [`pose`] |
+//! | `v`, `ω`, `Σ`, `com`, `arm` | the known start of the step | m/s, rad/s, kg m², m | [`start`] |
+//! | `B`, `Â` | the scheme in lanes | | [`coefficients`], [`momenta`] |
+//! | rows k | where the residual of row k takes its motion from | | [`rows`], [`row_geometry`] |
+//! | `H`, `α` | articulated inertias and the factors that the way back needs | kg, kg m² | [`articulated`], [`factors`] |
+//! | `F_k` | forces at the stages | N, N m | [`forces`], [`force_motion`] |
+//!
+//! The guess of the next step is [`predictor`]'s, from the step before by [`extrapolation`] and [`predictor_balls`]; what an attempt is asked for and what
+//! became of it is in [`attempt`].
 
 pub mod articulated;
 pub mod attempt;

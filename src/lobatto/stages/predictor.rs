@@ -147,7 +147,7 @@ mod tests {
         state.velocity.copy_from_slice(&[1.0, -2.0]);
         // The vectors of the tests of 32 digits, so that there is one kernel in the unit tests.
         let tableau = Tableau::of(9).unwrap();
-        let workspace = SpatialWorkspace::<Portable<16>>::new(&mechanism, tableau, &[]);
+        let workspace = SpatialWorkspace::<Portable<8>>::new(&mechanism, tableau, &[]);
         let mut kernel = Kernel::new(&mechanism, tableau, workspace);
         kernel.begin(&mechanism, &state);
         let rule = StopRule { increment: 1e-9, ..StopRule::ROUNDING };

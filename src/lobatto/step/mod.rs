@@ -1,5 +1,11 @@
-//! One step of the scheme, as those see it who string steps together ([`step`]), and what makes it: the [`kernel`] over a [`workspace`] in
-//! space ([`spatial`]) or in a plane ([`planar`]), and steps to 32 digits ([`precise`]).
+//! One step of the scheme as a whole.
+//!
+//! ```text
+//!     begin(state) → attempt(h) → finish: velocities at the end → accept: the end is the next start
+//! ```
+//!
+//! [`step`] is what those see who string steps together. [`kernel`] and [`kernel_step`] make it, over a [`workspace`] in space ([`spatial`]) or in a plane
+//! ([`planar`]); [`precise`] and [`precise_start`] solve it to 32 digits; [`make`] hands the vectors out.
 
 pub(crate) mod kernel;
 mod kernel_step;

@@ -242,7 +242,7 @@ mod tests {
     fn rates(kind: JointKind, stages: usize, step: f64, steps: usize, and_back: bool) -> Vec<Extended> {
         let mechanism = arm(kind);
         let mut state = moving(&mechanism);
-        let mut precise = Precise::<Portable<16>>::new(&mechanism, Tableau::of(stages).unwrap(), &[]);
+        let mut precise = Precise::<Portable<8>>::new(&mechanism, Tableau::of(stages).unwrap(), &[]);
         precise.begin(&mechanism, &state);
         let directions: &[f64] = if and_back { &[1.0, -1.0] } else { &[1.0] };
         for direction in directions {
@@ -261,9 +261,9 @@ mod tests {
         // Hinges, because what slides is soon far away.
         let mechanism = arm(JointKind::Revolute);
         let (mut state, tableau) = (moving(&mechanism), Tableau::of(9).unwrap());
-        let mut precise = Precise::<Portable<16>>::new(&mechanism, tableau, &[]);
+        let mut precise = Precise::<Portable<8>>::new(&mechanism, tableau, &[]);
         precise.begin(&mechanism, &state);
-        let shape = |precise: &Precise<Portable<16>>| {
+        let shape = |precise: &Precise<Portable<8>>| {
             let Start { bodies, axes, .. } = &precise.fine.start;
             let square = |a: &[Extended; 3], b: &[Extended; 3]| (0..3).map(|axis| a[axis] * b[axis]).sum::<Extended>();
             let coms = bodies.iter().map(|body| square(&body.com, &body.com));

@@ -1,4 +1,13 @@
-//! The coefficients of the scheme, its limit of stability, and dense output: all that depends on the number of stages alone.
+//! The coefficients of the scheme: all that depends on the number of stages s alone.
+//!
+//! ```text
+//!     c_i, b_j                nodes and weights of Lobatto's quadrature, c₁ = 0, c_s = 1
+//!     a_ij, ā_ij              Lobatto IIIA and its partner IIIB, b_i ā_ij + b_j a_ji = b_i b_j         (2.5.11)
+//!     B_ki, Â = B⁻¹           (2.5.11) solved for the forces: M Σ_i B_ki (Q_i − q₀ − h c_i q̇₀) = h² F_k,   i = 2 … s, k = 1 … s − 1
+//! ```
+//!
+//! [`butcher`] has them as doubles with what rounding has cut off, [`mod@exact`] works them out to 32 digits, [`stability`] bounds `h ω`, and [`dense`]
+//! interpolates between the ends of a step.
 
 pub mod butcher;
 pub mod dense;

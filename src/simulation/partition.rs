@@ -1,0 +1,129 @@
+//! What a mechanism falls into: its islands, those of them that sleep, and small ones put together.
+//!
+//! A step has a cost of its own. Small islands share it where they step together; those that move in parallel planes stay among themselves,
+//! because a plane takes less than space.
+
+use crate::instant::rest::is_at_rest;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::structure::islands::{Island, islands};
+use crate::mechanism::structure::plane::Plane;
+
+/// What a mechanism falls into.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The islands, and whether each sleeps.
+    pub islands: Vec<(Island, bool)>,
+    /// The rules that are switched off.
+    pub kept: Vec<Rule>,
+}
+
+impl Plan {
+    /// Applies the rules, except for those that are switched off.
+    pub fn new(mechanism: &Mechanism, state: &State, switched_off: &[Rule]) -> Self {
+        let all =
+            if switched_off.contains(&Rule::Islands) { vec![Island::whole(mechanism)] } else { islands(mechanism) };
+        let sleeps = |island: &Island| {
+            !switched_off.contains(&Rule::Sleep) && is_at_rest(&island.mechanism, &island.state(state))
+        };
+        let with_sleep = |island: Island| {
+            let asleep = sleeps(&island);
+            (island, asleep)
+        };
+        Plan { islands: all.into_iter().map(with_sleep).collect(), kept: switched_off.to_vec() }
+    }
+
+    /// Puts islands that move and have fewer bodies than `smallest` together until they have as many: a step has a cost of its own,
+    /// which small islands share when they step together. What is left over joins the last that were put together. Those that move
+    /// in parallel planes stay among themselves, trees and closed loops each, if they are enough.
+    pub fn grouped(self, mechanism: &Mechanism, smallest: usize) -> Self {
+        let (small, mut parts): (Vec<_>, Vec<_>) =
+            self.islands.into_iter().partition(|(island, asleep)| !asleep && island.mechanism.bodies.len() < smallest);
+        let small = small.into_iter().map(|(island, _)| island).collect();
+        for class in alike(small, smallest, &self.kept) {
+            parts.extend(groups(class, smallest).into_iter().map(|group| match <[Island; 1]>::try_from(group) {
+                Ok([alone]) => (alone, false),
+                Err(group) => (Island::together(mechanism, &group), false),
+            }));
+        }
+        parts.sort_by_key(|(island, _)| island.pieces.first().map(|piece| piece.bodies.start));
+        Plan { islands: parts, kept: self.kept }
+    }
+
+    /// The islands that move, each in a plane of its own.
+    pub fn planar(&self) -> impl Iterator<Item = &Island> {
+        self.awake().filter(|island| Plane::of(&island.mechanism).is_some())
+    }
+
+    /// The islands that move in space, or are `kept` from their planes.
+    pub fn spatial(&self, kept: &[Rule]) -> impl Iterator<Item = &Island> {
+        let planes = !kept.contains(&Rule::Planar);
+        self.awake().filter(move |island| !planes || Plane::of(&island.mechanism).is_none())
+    }
+
+    fn awake(&self) -> impl Iterator<Item = &Island> {
+        self.islands.iter().filter(|(_, asleep)| !asleep).map(|(island, _)| island)
+    }
+
+    /// Whether no rule applies: the mechanism is one, and it moves.
+    pub fn is_whole(&self) -> bool {
+        self.islands.len() < 2 && self.sleeping() == 0
+    }
+
+    /// How many islands sleep.
+    pub fn sleeping(&self) -> usize {
+        self.islands.iter().filter(|(_, asleep)| *asleep).count()
+    }
+}
+
+/// Islands that are best put together with each other alone: those in parallel planes, trees apart from closed loops, whose steps are
+/// dearer, where they have `smallest` bodies; and all others.
+fn alike(islands: Vec<Island>, smallest: usize, kept: &[Rule]) -> Vec<Vec<Island>> {
+    if kept.contains(&Rule::Planar) {
+        return vec![islands];
+    }
+    let mut planes: Vec<(Plane, bool, usize)> = Vec::new();
+    let plane_of: Vec<Option<usize>> = islands
+        .iter()
+        .map(|Island { mechanism, .. }| {
+            let (plane, closed) = (Plane::of(mechanism)?, mechanism.has_closures());
+            let same = |(other, loops, _): &(Plane, bool, usize)| other.is_parallel(&plane) && *loops == closed;
+            let number = planes.iter().position(same).unwrap_or_else(|| {
+                planes.push((plane, closed, 0));
+                planes.len() - 1
+            });
+            planes[number].2 += mechanism.bodies.len();
+            Some(number)
+        })
+        .collect();
+    let mut classes: Vec<Vec<Island>> = vec![Vec::new(); planes.len() + 1];
+    for (island, plane) in islands.into_iter().zip(plane_of) {
+        let enough = plane.filter(|&number| planes[number].2 >= smallest);
+        classes[enough.map_or(0, |number| number + 1)].push(island);
+    }
+    classes
+}
+
+/// Groups of islands with no fewer bodies than `smallest` each, if there are as many.
+fn groups(islands: Vec<Island>, smallest: usize) -> Vec<Vec<Island>> {
+    let mut groups: Vec<Vec<Island>> = Vec::new();
+    let mut bodies = smallest;
+    for island in islands {
+        if bodies >= smallest {
+            groups.push(Vec::new());
+            bodies = 0;
+        }
+        bodies += island.mechanism.bodies.len();
+        if let Some(group) = groups.last_mut() {
+            group.push(island);
+        }
+    }
+    if bodies < smallest
+        && groups.len() > 1
+        && let (Some(rest), Some(last)) = (groups.pop(), groups.last_mut())
+    {
+        last.extend(rest);
+    }
+    groups
+}
