@@ -1,12 +1,12 @@
 //! Where the links are and what joints and loops carry at a few instants of a motion: what a log has of a sample.
 //!
-//! Trees with nothing but gravity and forces in joints are looked at in lanes ([`crate::lobatto::instants::instants`]); mechanisms with
+//! Trees with nothing but gravity and forces in joints are looked at in lanes (`lobatto::instants::instants`); mechanisms with
 //! closures or forces on bodies one instant after the other, by [`crate::instant::reactions`], which is also what the lanes are held
 //! against in the tests.
 
 use crate::instant::reactions::Reactions;
 use crate::kernels::instants_for;
-use crate::lobatto::instants::instants::{Instants, LinkPlace, Row, Snapshots};
+use crate::lobatto::instants::snapshot::{Instants, LinkPlace, Row, Snapshots};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::{JointKind, wxyz_from_rotation};
 use crate::mechanism::description::mechanism::Mechanism;

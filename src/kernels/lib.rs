@@ -2,10 +2,10 @@
 
 #![deny(unsafe_code)]
 
-use catena_lobatto::instants::instants::{Instants, LinkPlace};
+use catena_lobatto::instants::snapshot::{Instants, LinkPlace};
 use catena_lobatto::numbers::lanes::Isa;
+use catena_lobatto::step::interface::Step;
 use catena_lobatto::step::make::{MakeInstants, MakePrecise, MakeStep};
-use catena_lobatto::step::step::Step;
 use catena_lobatto::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;

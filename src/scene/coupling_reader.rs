@@ -3,10 +3,10 @@
 use crate::scene::coupling::{
     JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
 };
+use crate::scene::description::SceneRobot;
 use crate::scene::error::{Element, Problem, SceneError, Warning};
 use crate::scene::numbers::unit;
 use crate::scene::robot::LoopType;
-use crate::scene::scene::SceneRobot;
 use crate::scene::scene_schema::{EndTable, Finite, LoadTable, LoopTable, NotNegative, SpringTable, vector};
 use crate::scene::schema::WORLD_LINK;
 use crate::scene::toml_text::TomlText;

@@ -12,13 +12,13 @@ mod clean;
 mod convert;
 pub mod coupling;
 mod coupling_reader;
+mod description;
 mod element;
 pub mod error;
 mod mesh_files;
 mod numbers;
 pub mod package_path;
 pub mod robot;
-mod scene;
 mod scene_file;
 mod scene_schema;
 pub mod schema;
@@ -31,6 +31,7 @@ mod urdf;
 pub use coupling::{
     JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
 };
+pub use description::{JointValues, Scene, SceneRobot, SimulationSettings};
 pub(crate) use error::quoted;
 pub use error::{Element, Problem, SceneError, Warning};
 pub use package_path::PackagePath;
@@ -38,7 +39,6 @@ pub use robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, UrdfJoint, UrdfJointKind,
     UrdfLoop,
 };
-pub use scene::{JointValues, Scene, SceneRobot, SimulationSettings};
 pub use scene_file::{read_scene, scene_from_text};
 pub use schema::WORLD_LINK;
 pub use urdf::{read_urdf, robot_from_text, robot_without_meshes};

@@ -13,10 +13,10 @@
 //! `world` is the world. Names are resolved here; where links are is for the model to find out.
 
 use crate::scene::coupling_reader::CouplingReader;
+use crate::scene::description::{JointValues, Scene, SceneRobot, SimulationSettings};
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::package_path::PackagePath;
 use crate::scene::robot::{Pose, Robot};
-use crate::scene::scene::{JointValues, Scene, SceneRobot, SimulationSettings};
 use crate::scene::scene_schema::{BaseKey, FileTable, JointNumbers, RobotTable, SimulationTable, vector};
 use crate::scene::schema::WORLD_LINK;
 use crate::scene::text::read_text;

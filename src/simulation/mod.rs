@@ -7,7 +7,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | the run as an object | `simulation`, `integrators`, `step_choice` |
+//! | the run as an object | `run`, `integrators`, `step_choice` |
 //! | one mechanism, step by step | `course`, `summary`, `observer` |
 //! | independent parts side by side | `partition`, `islands`, `island`, `merged`, `threads` |
 //! | the accuracy that a tolerance means | `accuracy`, `trial_run` |
@@ -23,8 +23,7 @@ mod merged;
 mod observer;
 #[doc(hidden)]
 pub mod partition;
-#[expect(clippy::module_inception, reason = "the run is the one object of this floor")]
-mod simulation;
+mod run;
 mod step_choice;
 mod summary;
 #[doc(hidden)]
@@ -36,7 +35,7 @@ pub use course::{RunError, RunOptions, run};
 pub use integrators::SimulationError;
 pub(crate) use observer::show;
 pub use observer::{Counts, Observer, ObserverError, Sample, StepEnd};
-pub use simulation::{Finished, InputError, Simulation, SimulationOptions};
+pub use run::{Finished, InputError, Simulation, SimulationOptions};
 pub use step_choice::StepChoice;
 pub use summary::Summary;
 pub use trial_run::CalibrationError;

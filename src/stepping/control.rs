@@ -24,7 +24,7 @@
 
 use crate::lobatto::numbers::lanes::Isa;
 use crate::lobatto::stages::attempt::{Attempt, Guess, StopRule};
-use crate::lobatto::step::step::Step;
+use crate::lobatto::step::interface::Step;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::state::State;

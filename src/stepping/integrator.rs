@@ -6,8 +6,8 @@
 use crate::kernels::{precise_step_for, step_for};
 use crate::lobatto::numbers::lanes::Isa;
 use crate::lobatto::stages::attempt::StopRule;
+use crate::lobatto::step::interface::Step;
 use crate::lobatto::step::make::MOST_PRECISE_STAGES;
-use crate::lobatto::step::step::Step;
 use crate::lobatto::tableau::butcher::{Tableau, TableauError};
 use crate::lobatto::tableau::dense::DenseRule;
 use crate::mechanism::description::mechanism::Mechanism;

@@ -9,7 +9,7 @@ use crate::lobatto::coupled::system::One;
 use crate::lobatto::numbers::algebra::Vector;
 use crate::lobatto::numbers::arithmetic::Arithmetic;
 use crate::lobatto::numbers::rotations::Tilt;
-use crate::lobatto::step::step::Step;
+use crate::lobatto::step::interface::Step;
 use crate::lobatto::tableau::dense::DenseWeights;
 use crate::mechanism::description::joint::FreeRotation;
 use crate::mechanism::description::mechanism::Mechanism;

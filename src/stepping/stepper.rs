@@ -7,7 +7,7 @@
 //! Between `finish` and `accept` the state has not moved, so that a step can still be thrown away.
 
 use crate::lobatto::stages::attempt::{Attempt, Guess};
-use crate::lobatto::step::step::Step;
+use crate::lobatto::step::interface::Step;
 use crate::lobatto::tableau::butcher::Tableau;
 use crate::mechanism::description::forces::Forces;
 use crate::mechanism::description::mechanism::Mechanism;

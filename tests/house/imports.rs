@@ -42,11 +42,11 @@ impl Source {
         let mut found = Vec::new();
         for statement in self.text.split(';') {
             let tokens: Vec<&str> = statement.lines().map(str::trim).collect();
-            let begins = |line: &&str| {
+            let begins = |line: &&str| -> bool {
                 let line = line.trim_start_matches("pub(crate) ").trim_start_matches("pub(super) ");
                 line.trim_start_matches("pub ").starts_with("use ")
             };
-            let Some(first) = tokens.iter().position(|line| begins(&line)) else { continue };
+            let Some(first) = tokens.iter().position(begins) else { continue };
             let tree = tokens[first..].join(" ");
             let Some((visibility, tree)) = tree.split_once("use ") else { continue };
             let paths = expand(&tree.split_whitespace().collect::<Vec<_>>().join(" "));
@@ -92,7 +92,7 @@ fn expand(tree: &str) -> Vec<String> {
         }
     }
     let parts = parts.iter().map(|part| part.trim()).filter(|part| !part.is_empty());
-    parts.flat_map(|part| expand(part)).map(|path| format!("{}{path}", head.trim())).collect()
+    parts.flat_map(expand).map(|path| format!("{}{path}", head.trim())).collect()
 }
 
 /// The names of a path, without an alias.

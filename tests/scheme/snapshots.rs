@@ -4,7 +4,7 @@ use crate::common::Numbers;
 use crate::models;
 use catena::instant::snapshots::{SerialInstants, instants};
 use catena::kernels::instants_for;
-use catena::lobatto::instants::instants::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
+use catena::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
 use catena::lobatto::instants::tree::LaneInstants;
 use catena::lobatto::vectors::portable::Portable;
 use catena::mechanism::description::joint::{JointKind, Pose};

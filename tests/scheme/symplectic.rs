@@ -4,7 +4,7 @@ use crate::models::{self, Model};
 use catena::kernels::step_for;
 use catena::lobatto::numbers::lanes::Isa;
 use catena::lobatto::stages::attempt::{Attempt, Guess, StopRule};
-use catena::lobatto::step::step::Step;
+use catena::lobatto::step::interface::Step;
 use catena::lobatto::tableau::butcher::Tableau;
 use catena::mechanism::description::joint::JointKind;
 use catena::mechanism::description::mechanism::Mechanism;

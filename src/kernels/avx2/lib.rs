@@ -3,9 +3,9 @@
 #![cfg(target_arch = "x86_64")]
 #![deny(unsafe_code)]
 
-use catena_lobatto::instants::instants::Instants;
+use catena_lobatto::instants::snapshot::Instants;
+use catena_lobatto::step::interface::Step;
 use catena_lobatto::step::make::{MakeInstants, MakePrecise, MakeStep};
-use catena_lobatto::step::step::Step;
 use catena_lobatto::vectors::{eight_in_avx2, in_avx2};
 
 /// A step in these vectors. `None` where the processor has none.

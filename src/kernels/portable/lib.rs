@@ -2,9 +2,9 @@
 
 #![deny(unsafe_code)]
 
-use catena_lobatto::instants::instants::Instants;
+use catena_lobatto::instants::snapshot::Instants;
+use catena_lobatto::step::interface::Step;
 use catena_lobatto::step::make::{MakeInstants, MakePrecise, MakeStep};
-use catena_lobatto::step::step::Step;
 use catena_lobatto::vectors::{eight_in_portable, in_portable, wide_in_portable};
 
 /// A step in these vectors.

@@ -7,7 +7,7 @@
 //!     s_i = (p_i × z_i, z_i) of a rotation about the axis z through p, (e_i, 0) of a translation along e
 //! ```
 //!
-//! about the common origin, x the centre of mass [m]; newton.md §4c of the project's method pages.
+//! about the common origin, x the centre of mass (m); newton.md §4c of the project's method pages.
 
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::system::{Geometry, Mixing, Screw};

@@ -1,7 +1,7 @@
 //! Joint positions and velocities of the instants, in lanes.
 
-use crate::instants::instants::Row;
 use crate::instants::quaternion::Quaternion;
+use crate::instants::snapshot::Row;
 use crate::numbers::algebra::Vector;
 use crate::numbers::lanes::Lanes;
 use crate::numbers::series::half_angle;

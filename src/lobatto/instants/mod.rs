@@ -1,10 +1,10 @@
 //! Where links are and what joints carry at eight instants of a motion at once: one instant a lane. For logs.
 //!
-//! [`mod@instants`] says what is asked for; [`tree`] is the recursion over the bodies, [`constants`] and [`joints`] are what it reads, [`quaternion`] is its
+//! [`snapshot`] says what is asked for; [`tree`] is the recursion over the bodies, [`constants`] and [`joints`] are what it reads, [`quaternion`] is its
 //! rotations.
 
 pub mod constants;
-pub mod instants;
 pub mod joints;
 pub mod quaternion;
+pub mod snapshot;
 pub mod tree;

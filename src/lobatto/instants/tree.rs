@@ -1,6 +1,6 @@
 //! The articulated-body algorithm for a tree, with the wrenches that its joints carry.
 //!
-//! In the axes of the world about the joint anchors, with the symbols, equations and source of [`crate::reduced::articulated_body`],
+//! In the axes of the world about the joint anchors, with the symbols, equations and source of `reduced::articulated_body`,
 //! whose numbers it gives up to rounding; the frames by quaternions
 //!
 //! ```text
@@ -14,9 +14,9 @@
 //! ```
 
 use crate::instants::constants::{Constants, FixedFrame};
-use crate::instants::instants::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
 use crate::instants::joints::{Joints, lanes_of};
 use crate::instants::quaternion::{Quaternion, constant_product, frame_of, of_unit_length};
+use crate::instants::snapshot::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
 use crate::numbers::algebra::{Matrix, Symmetric, Vector};
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::rotations::compose;

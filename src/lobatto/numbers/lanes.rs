@@ -13,15 +13,15 @@ pub const MAX_LANES: usize = 16;
 
 /// How vectors are mixed.
 pub trait Mixing<V: Lanes> {
-    /// What [`Numbers::STORES_EARLY`] says of them.
+    /// What `Numbers::STORES_EARLY` says of them.
     const EARLY: bool;
     /// What they are in memory.
     type Stored: Copy + Send;
-    /// [`Numbers::mix_all`].
+    /// `Numbers::mix_all`.
     fn mix_all<const N: usize>(values: [V; N], columns: &[V]) -> [V; N];
-    /// [`Numbers::store_all`].
+    /// `Numbers::store_all`.
     fn store_all<const N: usize>(values: [V; N]) -> InLines<Self::Stored, N>;
-    /// [`Numbers::mix_stored`].
+    /// `Numbers::mix_stored`.
     fn mix_stored<const N: usize>(values: &InLines<Self::Stored, N>, columns: &[V]) -> [V; N];
 }
 

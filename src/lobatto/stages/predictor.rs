@@ -1,7 +1,7 @@
 //! The first guess of a step: the last step's joint displacements, extrapolated.
 //!
 //! With the new start at 0, the guess is the polynomial that has the value 0 and the velocity `v` there and meets the κ newest of the old
-//! stages ([`extrapolation`]). After the step has converged, the order κ that would have guessed best is read off and used next time. κ = 0
+//! stages (`extrapolation`). After the step has converged, the order κ that would have guessed best is read off and used next time. κ = 0
 //! is the guess `q₀ + h c v₀`, which needs no past.
 //!
 //! After an attempt `h_a > h` at the same step, which was too long, its own stages `θ_j` are the better guess, however far it was iterated:
@@ -101,9 +101,9 @@ mod tests {
     use super::*;
     use crate::stages::attempt::{Attempt, StopRule};
     use crate::stages::coefficients::Coefficients;
+    use crate::step::interface::Step;
     use crate::step::kernel::Kernel;
     use crate::step::spatial::SpatialWorkspace;
-    use crate::step::step::Step;
     use crate::vectors::portable::Portable;
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
     use catena_mechanism::description::mechanism::{Body, Mechanism};

@@ -32,7 +32,7 @@ use crate::step::workspace::Workspace;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 
-/// [`Step`](crate::step::step::Step) with the lanes of `V`, over the equations of `W`.
+/// [`Step`](crate::step::interface::Step) with the lanes of `V`, over the equations of `W`.
 pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) workspace: W,
     pub(crate) anderson: Anderson<V>,

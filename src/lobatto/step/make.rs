@@ -1,13 +1,13 @@
 //! What makes the kernels, in whatever vectors it is given ([`InVectors`]).
 
-use crate::instants::instants::{Instants, LinkPlace};
+use crate::instants::snapshot::{Instants, LinkPlace};
 use crate::instants::tree::LaneInstants;
 use crate::numbers::lanes::Lanes;
+use crate::step::interface::Step;
 use crate::step::kernel::Kernel;
 use crate::step::planar::PlanarWorkspace;
 use crate::step::precise::Precise;
 use crate::step::spatial::SpatialWorkspace;
-use crate::step::step::Step;
 use crate::tableau::butcher::Tableau;
 use crate::vectors::InVectors;
 use catena_mechanism::description::mechanism::Mechanism;

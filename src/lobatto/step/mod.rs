@@ -4,9 +4,10 @@
 //!     begin(state) → attempt(h) → finish: velocities at the end → accept: the end is the next start
 //! ```
 //!
-//! [`step`] is what those see who string steps together. [`kernel`] and [`kernel_step`] make it, over a [`workspace`] in space ([`spatial`]) or in a plane
+//! [`interface`] is what those see who string steps together. [`kernel`] and [`kernel_step`] make it, over a [`workspace`] in space ([`spatial`]) or in a plane
 //! ([`planar`]); [`precise`] and [`precise_start`] solve it to 32 digits; [`make`] hands the vectors out.
 
+pub mod interface;
 pub(crate) mod kernel;
 mod kernel_step;
 pub mod make;
@@ -14,5 +15,4 @@ mod planar;
 pub mod precise;
 pub mod precise_start;
 pub(crate) mod spatial;
-pub mod step;
 mod workspace;

@@ -12,7 +12,7 @@
 //! ```
 //!
 //! Iterative refinement, as of linear systems: the residual has the digits, the correction needs none. The sweeps are those of
-//! [`crate::step::kernel`], over [`Double`] lanes. Axes, arms and moments of inertia are carried along from step to step ([`carried`]), which
+//! [`crate::step::kernel`], over [`Double`] lanes. Axes, arms and moments of inertia are carried along from step to step (`carried`), which
 //! loses 10⁻³² of them a step; the joint positions of the [`State`] are what has been moved, summed with compensation.
 //! Source of the refinement: C. B. Moler, J. ACM 14 (1967).
 
@@ -26,10 +26,10 @@ use crate::solve::anderson::Anderson;
 use crate::stages::attempt::{Attempt, Guess, StopRule};
 use crate::stages::start::Start;
 use crate::stages::workspace::Stages;
+use crate::step::interface::Step;
 use crate::step::kernel::Kernel;
 use crate::step::precise_start::{carry, widen};
 use crate::step::spatial::SpatialWorkspace;
-use crate::step::step::Step;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;

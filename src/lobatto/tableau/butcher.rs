@@ -4,7 +4,7 @@
 //!     c, b, A, Ā, Â, B, w, Ā B       symbols and formulas: exact.rs
 //! ```
 //!
-//! They are computed with about 32 digits ([`exact`]) and rounded once; what that cuts off is kept where it counts
+//! They are computed with about 32 digits (`exact`) and rounded once; what that cuts off is kept where it counts
 //! ([`Remainders`]). Source: the constrained scheme (2.5.11).
 
 use crate::numbers::extended::Extended;

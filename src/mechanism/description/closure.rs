@@ -1,7 +1,7 @@
 //! What the tree of joints cannot say: joints that close loops, and joints that mimic others.
 //!
 //! Both stay equations `g(q) = 0` with multipliers. A loop joint holds two frames `a` and `b`, each fixed in a body or in the
-//! world, with origins `P_a`, `P_b` [m] and axes `x, y, z`; `z` is the axis of the joint, as for tree joints:
+//! world, with origins `P_a`, `P_b` (m) and axes `x, y, z`; `z` is the axis of the joint, as for tree joints:
 //!
 //! | kind        | rows | g(q)                                                                |
 //! |-------------|------|---------------------------------------------------------------------|

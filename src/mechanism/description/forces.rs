@@ -1,8 +1,8 @@
 //! Smooth forces: what pushes, pulls and brakes besides gravity. A mechanism without forces has five empty lists.
 //!
-//! The data is here, the physics of each force in a file of its own: [`joint_damper`], [`joint_spring`],
-//! [`joint_load`], [`point_spring`], [`wrench`]. [`total`] sums them up for a state; the scheme has its own evaluation
-//! for all stages at once ([`catena_lobatto::equations::forces`]).
+//! The data is here, the physics of each force in a file of its own: `joint_damper`, `joint_spring`,
+//! `joint_load`, `point_spring`, `wrench`. `total` sums them up for a state; the scheme has its own evaluation
+//! for all stages at once (`lobatto::equations::forces`).
 
 use crate::description::closure::{Attachment, Coordinate};
 use nalgebra::Vector3;

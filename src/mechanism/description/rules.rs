@@ -1,6 +1,6 @@
 //! The rules by which a run does less than the whole mechanism asks for, and that can be switched off by name.
 //!
-//! A run without a rule is the full model, against which the rule is tested. The rules of [`crate::model::ReductionRule`], by
+//! A run without a rule is the full model, against which the rule is tested. The rules of `model::ReductionRule`, by
 //! which links are no bodies of their own, cannot be switched off: a joint that leaves nothing free is no joint here.
 
 use std::str::FromStr;

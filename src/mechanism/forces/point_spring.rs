@@ -21,7 +21,7 @@ use crate::description::body_state::BodyState;
 use crate::description::forces::PointSpring;
 use nalgebra::{Matrix3, Vector3};
 
-/// Added to ℓ² [m²], so that u is zero, and not undefined, where the points meet; below the rounding of every other ℓ.
+/// Added to ℓ² (m²), so that u is zero, and not undefined, where the points meet; below the rounding of every other ℓ.
 pub const NO_LENGTH: f64 = 1e-300;
 
 /// Points coincide within this part of their distances from the origin: some roundings of the sums that place them.

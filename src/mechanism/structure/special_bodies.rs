@@ -9,7 +9,7 @@
 //! ```
 //!
 //! All but the last hold in every state, whatever the forces. Spheres and pivots, too, are made use of only under gravity alone: where the
-//! unit of mass is the same in every step, an inertia that never changes rounds to one side ([`catena_lobatto::stages::start`]).
+//! unit of mass is the same in every step, an inertia that never changes rounds to one side (`lobatto::stages::start`).
 
 use crate::description::joint::{FreeRotation, JointKind};
 use crate::description::mechanism::{Body, Mechanism};

@@ -4,7 +4,7 @@
 //! ([`crate::instant::snapshots`]); what is in a message does not depend on which samples its own was looked at with.
 
 use crate::instant::snapshots::instants;
-use crate::lobatto::instants::instants::{INSTANTS, Instants, LinkPlace, Snapshots};
+use crate::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Snapshots};
 use crate::mechanism::description::joint::Pose;
 use crate::model::{LinkFrame, Model};
 use crate::output::log::error::LogError;

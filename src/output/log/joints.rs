@@ -13,7 +13,7 @@
 //! the joint, up to rounding. `/reactions` has all of what joints carry, at the origin of the joint's frame on the child
 //! in the axes of the world: what `catena simulate --json` calls `reaction_force` and `reaction_torque`.
 
-use crate::lobatto::instants::instants::{Row, Snapshots};
+use crate::lobatto::instants::snapshot::{Row, Snapshots};
 use crate::mechanism::description::joint::JointKind;
 use crate::mechanism::motion::state::quaternion_exponential;
 use crate::model::Model;

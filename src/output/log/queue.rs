@@ -1,6 +1,6 @@
 //! What a run has shown, on its way to the thread that makes messages of it: numbers as they are, in their order.
 
-use crate::lobatto::instants::instants::INSTANTS;
+use crate::lobatto::instants::snapshot::INSTANTS;
 
 /// Bytes of a piece that is large.
 const LARGE: usize = 1 << 16;

@@ -3,7 +3,7 @@
 //! The figures of a step belong to its end, which lies after the samples inside the step; they wait for the first sample
 //! that is not earlier, so that times never go back in the file.
 
-use crate::lobatto::instants::instants::INSTANTS;
+use crate::lobatto::instants::snapshot::INSTANTS;
 use crate::model::Model;
 use crate::output::log::background::BackgroundFile;
 use crate::output::log::comparison::{Compared, Comparison, Difference};

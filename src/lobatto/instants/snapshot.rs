@@ -1,6 +1,6 @@
 //! Where links are and what joints carry at several instants of a motion at once: one instant a lane.
 //!
-//! [`tree`] is the recursion over the bodies, [`constants`] and [`joints`] are what it reads, [`quaternion`] is its rotations.
+//! `tree` is the recursion over the bodies, `constants` and `joints` are what it reads, `quaternion` is its rotations.
 
 use catena_mechanism::description::joint::Pose;
 use catena_mechanism::description::mechanism::Mechanism;
