@@ -45,10 +45,8 @@ pub mod drawing;
 pub mod instant;
 pub mod model;
 pub mod output;
-pub mod reduced;
 pub mod scene;
 pub mod simulation;
-pub mod stepping;
 #[doc(hidden)]
 pub mod study;
 
@@ -57,6 +55,8 @@ pub use catena_kernels as kernels;
 #[doc(hidden)]
 pub use catena_lobatto as lobatto;
 pub use catena_mechanism as mechanism;
+pub use catena_reduced as reduced;
+pub use catena_stepping as stepping;
 
 /// The names that most programs need.
 pub mod prelude {

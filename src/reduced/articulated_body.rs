@@ -28,11 +28,11 @@
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7 (the recursion) and section
 //! 5.3 (the bias force).
 
-use crate::mechanism::description::joint::JointKind;
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::ground::matrices::{Symmetric, column, cross, product, times};
-use crate::reduced::articulated_inertia::{Articulated, Screw};
-use crate::reduced::link::{Link, rotate_about_z, rotation_axis, split_position, split_velocity};
+use crate::articulated_inertia::{Articulated, Screw};
+use crate::link::{Link, rotate_about_z, rotation_axis, split_position, split_velocity};
+use catena_mechanism::description::joint::JointKind;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::ground::matrices::{Symmetric, column, cross, product, times};
 use nalgebra::{Matrix3, Vector3};
 
 /// Forward dynamics of one mechanism: its constants and the workspace of an evaluation.
@@ -75,7 +75,7 @@ struct Acceleration {
 
 impl ArticulatedBody {
     /// Gravity, as it was when the algorithm was set up [m/s²].
-    pub(crate) fn gravity(&self) -> Vector3<f64> {
+    pub fn gravity(&self) -> Vector3<f64> {
         -self.motion[0].acceleration
     }
 

@@ -1,15 +1,15 @@
 //! Articulated inertias in world axes about an anchor, and how one free direction after another is taken out of them.
 //!
-//! The equations are those of [`crate::reduced::articulated_body`], leaf to root.
+//! The equations are those of [`crate::articulated_body`], leaf to root.
 
-use crate::mechanism::ground::matrices::{
+use catena_mechanism::ground::matrices::{
     Symmetric, cross, cross_matrix, cross_symmetric, dot, times, transpose_times, twice_symmetric_part_of_cross,
 };
 use nalgebra::{Matrix3, Vector3};
 
 /// The articulated inertia and wrench of a subtree at an anchor.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Articulated {
+pub struct Articulated {
     pub angular: Symmetric,
     pub coupling: Matrix3<f64>,
     pub linear: Symmetric,
@@ -20,7 +20,7 @@ pub(crate) struct Articulated {
 /// One free direction after its elimination: `q̈ = free − (angular, linear) · δ`, with δ at the body's anchor before
 /// the joint moves it, or for a revolute joint at the parent's anchor.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Screw {
+pub struct Screw {
     pub axis: Vector3<f64>,
     pub angular: Vector3<f64>,
     pub linear: Vector3<f64>,

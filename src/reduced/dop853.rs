@@ -15,13 +15,13 @@
 //! sections II.4 (initial step, control), II.6 (dense output) and II.10 (error estimate), with the constants of the
 //! authors' code.
 
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
-use crate::mechanism::motion::state::State;
-use crate::reduced::dop853_table::{DENSE, DENSE_STAGES, FIFTH_ORDER_ERROR, SOLUTION, STAGES, THIRD_ORDER};
-use crate::reduced::ode::{ReducedOde, joint_of_entry};
-use crate::reduced::weighted_sums::{add_scaled, weighted_sum};
+use crate::dop853_table::{DENSE, DENSE_STAGES, FIFTH_ORDER_ERROR, SOLUTION, STAGES, THIRD_ORDER};
+use crate::ode::{ReducedOde, joint_of_entry};
+use crate::weighted_sums::{add_scaled, weighted_sum};
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::inputs::Inputs;
+use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use catena_mechanism::motion::state::State;
 use std::cell::RefCell;
 
 /// Factor on the step that the error estimate asks for.

@@ -7,12 +7,12 @@
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, Springer 2006, section I.1.2.
 
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::forces::total::Exchange;
-use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
-use crate::mechanism::motion::state::State;
-use crate::reduced::ode::{ReducedOde, joint_of_entry, next_time};
+use crate::ode::{ReducedOde, joint_of_entry, next_time};
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::Exchange;
+use catena_mechanism::motion::inputs::Inputs;
+use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use catena_mechanism::motion::state::State;
 
 /// Semi-implicit Euler with a fixed step.
 #[derive(Clone, Debug)]

@@ -5,18 +5,18 @@
 //!     n = Σ R J Rᵀ ω̇ + ω × R J Rᵀ ω − N + (x − a) × (m (ẍ − g) − F)  [N m]  about the anchor a of its joint
 //! ```
 //!
-//! with the accelerations of [`crate::mechanism::motion::kinematics`] and the wrench (F, N) of springs and loads on the body, all in the axes of the
+//! with the accelerations of [`catena_mechanism::motion::kinematics`] and the wrench (F, N) of springs and loads on the body, all in the axes of the
 //! world.
 //! The wrench is the whole of what the parent exerts on the child: along a free direction it is the effort of dampers,
 //! springs and loads in the joint, across it the force of constraint.
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
-use crate::mechanism::description::body_state::{BodyState, WORLD};
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::forces::total::{BodyWrench, body_wrenches};
-use crate::mechanism::ground::matrices::{cross, times, transpose_times};
-use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, forward_kinematics};
+use catena_mechanism::description::body_state::{BodyState, WORLD};
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::{BodyWrench, body_wrenches};
+use catena_mechanism::ground::matrices::{cross, times, transpose_times};
+use catena_mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, forward_kinematics};
 use nalgebra::Vector3;
 
 /// What a parent exerts on its child through their joint, in the axes of the world, at the joint's anchor.

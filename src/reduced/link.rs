@@ -1,36 +1,36 @@
 //! What the articulated-body algorithm knows of a body once and for all, and how a joint's coordinates become a motion.
 
-use crate::mechanism::description::joint::{FreeRotation, JointKind, rotation_from_wxyz};
-use crate::mechanism::description::mechanism::Body;
-use crate::mechanism::ground::matrices::{Symmetric, column, from_columns};
+use catena_mechanism::description::joint::{FreeRotation, JointKind, rotation_from_wxyz};
+use catena_mechanism::description::mechanism::Body;
+use catena_mechanism::ground::matrices::{Symmetric, column, from_columns};
 use nalgebra::{Matrix3, Vector3};
 
 /// The constants of a body, in its joint frame.
 #[derive(Clone, Debug)]
-pub(crate) struct Link {
-    pub(crate) kind: JointKind,
+pub struct Link {
+    pub kind: JointKind,
     /// Entry of the parent in the workspace, where the world is entry 0.
-    pub(crate) parent: usize,
+    pub parent: usize,
     /// Whether the next body is a child.
-    pub(crate) next_is_child: bool,
+    pub next_is_child: bool,
     /// Whether there are other children.
-    pub(crate) branches: bool,
-    pub(crate) position_index: usize,
-    pub(crate) velocity_index: usize,
+    pub branches: bool,
+    pub position_index: usize,
+    pub velocity_index: usize,
     /// The joint frame on the parent, seen from the parent's own joint frame.
-    pub(crate) mount: Matrix3<f64>,
+    pub mount: Matrix3<f64>,
     /// From the parent's anchor to the origin of the joint frame on the parent, in the parent's joint frame [m].
-    pub(crate) arm: Vector3<f64>,
-    pub(crate) mass: f64,
+    pub arm: Vector3<f64>,
+    pub mass: f64,
     /// Mass times the arm from the anchor to the centre of mass [kg m].
-    pub(crate) moment: Vector3<f64>,
+    pub moment: Vector3<f64>,
     /// Inertia about the anchor [kg m²].
-    pub(crate) inertia: Symmetric,
+    pub inertia: Symmetric,
 }
 
 impl Link {
     /// The constants of one body; who its children are is filled in afterwards.
-    pub(crate) fn new(bodies: &[Body], index: usize) -> Self {
+    pub fn new(bodies: &[Body], index: usize) -> Self {
         let body = &bodies[index];
         let joint = &body.joint;
         let frame_on_child = joint.on_child.rotation.matrix();
@@ -65,7 +65,7 @@ impl Link {
 
 /// Joint translation and rotation from the head of a position vector.
 #[inline]
-pub(crate) fn split_position(kind: JointKind, position: &[f64]) -> (Vector3<f64>, Matrix3<f64>) {
+pub fn split_position(kind: JointKind, position: &[f64]) -> (Vector3<f64>, Matrix3<f64>) {
     let axes = kind.translation_axes();
     let rotation = match kind.rotation() {
         FreeRotation::None => Matrix3::identity(),
@@ -77,7 +77,7 @@ pub(crate) fn split_position(kind: JointKind, position: &[f64]) -> (Vector3<f64>
 
 /// Translation rates and rotation rates from the head of a velocity vector.
 #[inline]
-pub(crate) fn split_velocity(kind: JointKind, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+pub fn split_velocity(kind: JointKind, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
     let turn = &velocity[kind.translation_axes().len()..];
     let rotation = match kind.rotation() {
         FreeRotation::None => Vector3::zeros(),
@@ -98,13 +98,13 @@ fn split_translation(kind: JointKind, values: &[f64]) -> Vector3<f64> {
 
 /// The joint-frame axis of the n-th free rotation.
 #[inline]
-pub(crate) fn rotation_axis(kind: JointKind, number: usize) -> usize {
+pub fn rotation_axis(kind: JointKind, number: usize) -> usize {
     if kind.rotation() == FreeRotation::AboutZ { 2 } else { number }
 }
 
 /// `F Rz(angle)`.
 #[inline(always)]
-pub(crate) fn rotate_about_z(frame: &Matrix3<f64>, angle: f64) -> Matrix3<f64> {
+pub fn rotate_about_z(frame: &Matrix3<f64>, angle: f64) -> Matrix3<f64> {
     let (sine, cosine) = angle.sin_cos();
     let (x, y) = (column(frame, 0), column(frame, 1));
     from_columns(&(x * cosine + y * sine), &(y * cosine - x * sine), &column(frame, 2))

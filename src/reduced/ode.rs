@@ -13,14 +13,14 @@
 //! The quaternion equation keeps |q|, and the accelerations do not depend on it, so rounding and truncation errors in
 //! |q| do no harm between the renormalisations at the ends of the steps.
 
-use crate::mechanism::description::body_state::{BodyState, WORLD};
-use crate::mechanism::description::joint::FreeRotation;
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::forces::total::{BodyWrench, Exchange, body_wrenches, joint_efforts, powers};
-use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::kinematics::forward_kinematics;
-use crate::mechanism::motion::state::{State, quaternion_product};
-use crate::reduced::articulated_body::ArticulatedBody;
+use crate::articulated_body::ArticulatedBody;
+use catena_mechanism::description::body_state::{BodyState, WORLD};
+use catena_mechanism::description::joint::FreeRotation;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::{BodyWrench, Exchange, body_wrenches, joint_efforts, powers};
+use catena_mechanism::motion::inputs::Inputs;
+use catena_mechanism::motion::kinematics::forward_kinematics;
+use catena_mechanism::motion::state::{State, quaternion_product};
 use std::ops::Range;
 
 /// The right-hand side of the first-order system of one mechanism.
@@ -114,7 +114,7 @@ impl ReducedOde {
 
     /// The mechanism that the system has to be set up for anew, because other forces act now or efforts that it does not know; gravity and masses,
     /// too, may have changed.
-    pub(crate) fn changed(&self, mechanism: &Mechanism, inputs: Inputs) -> Option<Mechanism> {
+    pub fn changed(&self, mechanism: &Mechanism, inputs: Inputs) -> Option<Mechanism> {
         let known = match &self.forced {
             Some(forced) => {
                 let own = &forced.mechanism;
@@ -132,7 +132,7 @@ impl ReducedOde {
     }
 
     /// Takes the efforts that drive the joints from now on.
-    pub(crate) fn drive(&mut self, inputs: Inputs) {
+    pub fn drive(&mut self, inputs: Inputs) {
         if let Some(forced) = &mut self.forced {
             forced.driven.fill(0.0);
             forced.driven[..inputs.efforts.len()].copy_from_slice(inputs.efforts);
@@ -252,9 +252,9 @@ impl ReducedOde {
 }
 
 /// The name of the joint that owns entry `index` of y; the last joint for the energies behind all joints.
-pub(crate) fn joint_of_entry(mechanism: &Mechanism, index: usize) -> String {
+pub fn joint_of_entry(mechanism: &Mechanism, index: usize) -> String {
     let index = index.min((mechanism.position_count + mechanism.velocity_count).saturating_sub(1));
-    let owns = |joint: &crate::mechanism::description::joint::Joint| match index.checked_sub(mechanism.position_count) {
+    let owns = |joint: &catena_mechanism::description::joint::Joint| match index.checked_sub(mechanism.position_count) {
         Some(velocity) => joint.velocity_range().contains(&velocity),
         None => joint.position_range().contains(&index),
     };
@@ -264,7 +264,7 @@ pub(crate) fn joint_of_entry(mechanism: &Mechanism, index: usize) -> String {
 /// The end of a step of at most `step` towards `until`, and the length of the step.
 ///
 /// A rest that is longer than the step only by rounding is taken whole, so that no sliver of a step remains.
-pub(crate) fn next_time(time: f64, step: f64, until: f64) -> (f64, f64) {
+pub fn next_time(time: f64, step: f64, until: f64) -> (f64, f64) {
     let remaining = until - time;
     if remaining <= step * 1.000_000_1 { (until, remaining) } else { (time + step, step) }
 }

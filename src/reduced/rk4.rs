@@ -7,11 +7,11 @@
 //!
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, Springer 1993, table II.1.2.
 
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
-use crate::mechanism::motion::state::State;
-use crate::reduced::ode::{ReducedOde, joint_of_entry, next_time};
+use crate::ode::{ReducedOde, joint_of_entry, next_time};
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::inputs::Inputs;
+use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use catena_mechanism::motion::state::State;
 use std::cell::RefCell;
 
 /// Classical Runge–Kutta with a fixed step.

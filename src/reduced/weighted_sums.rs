@@ -1,10 +1,10 @@
-//! Sums of slopes, which are most of what a step of [`crate::reduced::dop853`] does besides evaluations.
+//! Sums of slopes, which are most of what a step of [`crate::dop853`] does besides evaluations.
 
-use crate::reduced::dop853_table::Row;
+use crate::dop853_table::Row;
 
 /// `out = y + h out`.
 #[inline]
-pub(crate) fn add_scaled(y: &[f64], step: f64, out: &mut [f64]) {
+pub fn add_scaled(y: &[f64], step: f64, out: &mut [f64]) {
     for (entry, &value) in out.iter_mut().zip(y) {
         *entry = value + step * *entry;
     }
@@ -12,7 +12,7 @@ pub(crate) fn add_scaled(y: &[f64], step: f64, out: &mut [f64]) {
 
 /// `out = Σ w_j k_j` over the nonzero weights of a row, in a single pass over the slopes.
 #[inline]
-pub(crate) fn weighted_sum(row: Row, slopes: &[f64], out: &mut [f64]) {
+pub fn weighted_sum(row: Row, slopes: &[f64], out: &mut [f64]) {
     match row.len() {
         1 => weighted_sum_of::<1>(row, slopes, out),
         2 => weighted_sum_of::<2>(row, slopes, out),

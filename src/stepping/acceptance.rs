@@ -1,9 +1,9 @@
-//! What becomes of an attempt at a step, and how long the next one is: the rules of [`crate::stepping::control`].
+//! What becomes of an attempt at a step, and how long the next one is: the rules of [`crate::control`].
 
-use crate::lobatto::stages::attempt::{Attempt, Guess};
-use crate::lobatto::stages::pose::MAX_TURN;
-use crate::stepping::control::{Control, Decision, KINK, Kink};
-use crate::stepping::stepper::Energies;
+use crate::control::{Control, Decision, KINK, Kink};
+use crate::stepper::Energies;
+use catena_lobatto::stages::attempt::{Attempt, Guess};
+use catena_lobatto::stages::pose::MAX_TURN;
 
 /// The number of iterations the controller steers for.
 const WANTED_ITERATIONS: f64 = 12.0;
@@ -182,10 +182,10 @@ impl Control {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lobatto::numbers::lanes::Isa;
-    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
-    use crate::mechanism::description::mechanism::{Body, Mechanism};
-    use crate::stepping::stage_choice::StageChoice;
+    use crate::stage_choice::StageChoice;
+    use catena_lobatto::numbers::lanes::Isa;
+    use catena_mechanism::description::joint::{Joint, JointKind, Pose};
+    use catena_mechanism::description::mechanism::{Body, Mechanism};
     use nalgebra::Vector3;
 
     fn control() -> Control {

@@ -3,7 +3,7 @@
 //! One number, the stop of the iteration `ε`, sets everything: the top Legendre coefficient `E` of the joint
 //! displacements and of the bodies' rotations over the step is kept near `E_tol = c √ε`, because the local error behaves
 //! like `E²`, and the number of iterations `N` near `N*`, where the cost per simulated second is smallest; the number of stages and `c`
-//! are chosen in [`crate::stepping::stage_choice`]:
+//! are chosen in [`crate::stage_choice`]:
 //!
 //! ```text
 //!     h ← h · clip( min( (E_tol/E_n)^{.7/(s−1)} (E_{n−1}/E_n)^{.3/(s−1)},  ((N* + 1)/(N + 1))^{1/2} ), 0.3, 2 )
@@ -13,26 +13,26 @@
 //! share of the tolerance; what is near that share does not grow, unless `E` is so small that the change can only be what the iteration
 //! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
-//! seldom has done so once. What an attempt with too large an E has found is the guess of the next one ([`crate::lobatto::stages::predictor`]). Where E does not
+//! seldom has done so once. What an attempt with too large an E has found is the guess of the next one ([`catena_lobatto::stages::predictor`]). Where E does not
 //! fall with the step the motion has a kink, and the energy alone decides. Whatever
 //! these say, a step stays within the limit of stability, and a motion that hard dampers are about to stop is stopped in short ones
-//! ([`crate::stepping::watch`]).
+//! ([`crate::watch`]).
 //!
 //! Where the simplified iteration does not converge, not from the plain guess either, a tree under gravity gets half the step: one of the exact
 //! Newton method costs ten times as much, and it is tried after some halvings only. With forces it is tried at once, because a stiff
 //! spring would ask for shorter steps all along.
 
-use crate::lobatto::numbers::lanes::Isa;
-use crate::lobatto::stages::attempt::{Attempt, Guess, StopRule};
-use crate::lobatto::step::interface::Step;
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::integrator::{StepError, StepOutcome};
-use crate::mechanism::motion::state::State;
-use crate::stepping::stage_choice::StageChoice;
-use crate::stepping::stepper::{Stepper, Stride};
+use crate::stage_choice::StageChoice;
+use crate::stepper::{Stepper, Stride};
+use catena_lobatto::numbers::lanes::Isa;
+use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
+use catena_lobatto::step::interface::Step;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::integrator::{StepError, StepOutcome};
+use catena_mechanism::motion::state::State;
 
 /// The coarsest stop: with a coarser one the steps are too long for anything to be seen of them.
-pub(crate) const COARSEST_STOP: f64 = 0.1;
+pub const COARSEST_STOP: f64 = 0.1;
 
 /// `h Ω` of the first step for the stop
 const FIRST: f64 = 0.4;

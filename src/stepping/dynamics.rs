@@ -1,6 +1,6 @@
 //! The motion at one instant, for those who steer the steps: accelerations, their rates, and how stiff the joints are.
 //!
-//! In world axes about the anchor of each body, as in [`crate::lobatto::stages::start`]: anchor acceleration `a`, angular acceleration `φ`,
+//! In world axes about the anchor of each body, as in [`catena_lobatto::stages::start`]: anchor acceleration `a`, angular acceleration `φ`,
 //! arms `r` from the parent's anchor and `c` to the centre of mass, sliding velocity `u`, turning rate `w`,
 //!
 //! ```text
@@ -21,14 +21,14 @@
 //!
 //! and in time the same line, differentiated as it stands, gives the rates of the accelerations.
 
-use crate::lobatto::numbers::algebra::{Matrix, Symmetric, Vector};
-use crate::lobatto::numbers::lanes::Lanes;
-use crate::lobatto::plan::tree::{BodyPlan, Plan};
-use crate::lobatto::solve::sweeps::collect;
-use crate::lobatto::stages::articulated::{Articulated, Eliminated, Push};
-use crate::lobatto::stages::start::{BodyStart, Start};
-use crate::lobatto::vectors::portable::Portable;
-use crate::mechanism::forces::total::BodyWrench;
+use catena_lobatto::numbers::algebra::{Matrix, Symmetric, Vector};
+use catena_lobatto::numbers::lanes::Lanes;
+use catena_lobatto::plan::tree::{BodyPlan, Plan};
+use catena_lobatto::solve::sweeps::collect;
+use catena_lobatto::stages::articulated::{Articulated, Eliminated, Push};
+use catena_lobatto::stages::start::{BodyStart, Start};
+use catena_lobatto::vectors::portable::Portable;
+use catena_mechanism::forces::total::BodyWrench;
 use nalgebra::{Matrix3, Vector3};
 
 /// One number where the step has a lane for each stage.

@@ -1,7 +1,7 @@
 //! The frequency of the fastest mode of a tree under gravity.
 //!
 //! The largest ω of a mechanism at an instant is that of `H δq̈ + K δq = 0` with the joint-space inertia and the geometric
-//! stiffness of [`crate::stepping::dynamics`]. With `w = H⁻¹ K v` the power iteration finds it from below,
+//! stiffness of [`crate::dynamics`]. With `w = H⁻¹ K v` the power iteration finds it from below,
 //!
 //! ```text
 //!     ω⁴ ← wᵀ H w / vᵀ H v = wᵀ K v / vᵀ H v,     v ← w        [1/s⁴]
@@ -9,11 +9,11 @@
 //!
 //! because `H⁻¹ K` is symmetric in the scalar product of H. Negative eigenvalues (an inverted pendulum) count by their size.
 //! The direction is kept from instant to instant, so that one iteration now and then follows the mode. With forces and
-//! closures [`crate::stepping::linearised`] does the same.
+//! closures [`crate::linearised`] does the same.
 
-use crate::lobatto::plan::tree::Plan;
-use crate::lobatto::stages::start::Start;
-use crate::stepping::dynamics::Dynamics;
+use crate::dynamics::Dynamics;
+use catena_lobatto::plan::tree::Plan;
+use catena_lobatto::stages::start::Start;
 
 /// Makes it a direction that has a part in every mode: its numbers have no symmetry of a mechanism.
 pub(crate) fn first_direction(direction: &mut [f64]) {

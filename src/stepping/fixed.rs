@@ -4,11 +4,11 @@
 //! closed mechanism that has come out on another branch of a singular position, which its energy shows, is treated the same way. Where
 //! the shortest step fails, too, the run ends.
 
-use crate::lobatto::stages::attempt::{Attempt, Guess, StopRule};
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::integrator::{StepError, StepOutcome};
-use crate::mechanism::motion::state::State;
-use crate::stepping::stepper::{HALVINGS, Stepper};
+use crate::stepper::{HALVINGS, Stepper};
+use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::integrator::{StepError, StepOutcome};
+use catena_mechanism::motion::state::State;
 
 /// A step of a closed mechanism that changes the energy by this part of the kinetic energy has solved its equations on another
 /// branch of a singular position: it is tried again, and shortened.

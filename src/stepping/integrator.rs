@@ -1,34 +1,34 @@
 //! The integrator: steps of the scheme strung together.
 //!
-//! A step is made, judged and kept in [`crate::stepping::stepper`]; how long it is comes from [`crate::stepping::fixed`], [`crate::stepping::control`] or
-//! [`crate::stepping::reversible`].
+//! A step is made, judged and kept in [`crate::stepper`]; how long it is comes from [`crate::fixed`], [`crate::control`] or
+//! [`crate::reversible`].
 
-use crate::kernels::{precise_step_for, step_for};
-use crate::lobatto::numbers::lanes::Isa;
-use crate::lobatto::stages::attempt::StopRule;
-use crate::lobatto::step::interface::Step;
-use crate::lobatto::step::make::MOST_PRECISE_STAGES;
-use crate::lobatto::tableau::butcher::{Tableau, TableauError};
-use crate::lobatto::tableau::dense::DenseRule;
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::description::rules::Rule;
-use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
-use crate::mechanism::motion::state::State;
-use crate::stepping::control::Control;
-use crate::stepping::fixed::FixedSteps;
-use crate::stepping::reversible::Reversible;
-use crate::stepping::stage_choice::StageChoice;
-use crate::stepping::stepper::Stepper;
+use crate::control::Control;
+use crate::fixed::FixedSteps;
+use crate::reversible::Reversible;
+use crate::stage_choice::StageChoice;
+use crate::stepper::Stepper;
+use catena_kernels::{precise_step_for, step_for};
+use catena_lobatto::numbers::lanes::Isa;
+use catena_lobatto::stages::attempt::StopRule;
+use catena_lobatto::step::interface::Step;
+use catena_lobatto::step::make::MOST_PRECISE_STAGES;
+use catena_lobatto::tableau::butcher::{Tableau, TableauError};
+use catena_lobatto::tableau::dense::DenseRule;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::description::rules::Rule;
+use catena_mechanism::motion::inputs::Inputs;
+use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use catena_mechanism::motion::state::State;
 
 /// The constrained Lobatto IIIA–IIIB scheme as an [`Integrator`].
 ///
 /// ```
-/// use catena::stepping::integrator::Lobatto;
-/// use catena::mechanism::description::mechanism::{Body, Mechanism};
-/// use catena::mechanism::description::joint::{Joint, JointKind, Pose};
-/// use catena::mechanism::motion::integrator::Integrator;
-/// use catena::mechanism::motion::state::State;
+/// use catena_stepping::integrator::Lobatto;
+/// use catena_mechanism::description::mechanism::{Body, Mechanism};
+/// use catena_mechanism::description::joint::{Joint, JointKind, Pose};
+/// use catena_mechanism::motion::integrator::Integrator;
+/// use catena_mechanism::motion::state::State;
 /// use nalgebra::{Translation3, Vector3};
 ///
 /// // A rod of 1 m and 1 kg on a hinge, released from the horizontal.
@@ -121,7 +121,7 @@ impl Lobatto {
         Ok(Self::with_tableau(mechanism, Tableau::of(stages)?, mode, isa))
     }
 
-    /// Fixed steps of `step` seconds, solved to 32 digits ([`crate::lobatto::step::precise`]): conserved quantities do not drift by rounding.
+    /// Fixed steps of `step` seconds, solved to 32 digits ([`catena_lobatto::step::precise`]): conserved quantities do not drift by rounding.
     ///
     /// # Errors
     /// [`MethodError`] if the number of stages is not from 2 to 9, if the step is not longer than zero, or if there is more than a tree under gravity.
@@ -139,7 +139,7 @@ impl Lobatto {
     }
 
     /// Steps of varying length for very long runs, the first of `step` seconds, iterated to rounding: a run that is turned
-    /// round retraces itself ([`crate::stepping::reversible`]).
+    /// round retraces itself ([`crate::reversible`]).
     ///
     /// # Errors
     /// [`MethodError`] if the number of stages is not from 2 to 16, if the step is not longer than zero, or if there is more than a tree under gravity.

@@ -7,9 +7,9 @@
 //!     (ω_p × z)·T + z·Ṫ = 0,          (ω_p × t)·F + t·Ḟ = 0
 //! ```
 
-use crate::lobatto::plan::tree::Plan;
-use crate::lobatto::stages::start::Start;
-use crate::stepping::dynamics::{Dynamics, joint_motion, spin_inertia};
+use crate::dynamics::{Dynamics, joint_motion, spin_inertia};
+use catena_lobatto::plan::tree::Plan;
+use catena_lobatto::stages::start::Start;
 use nalgebra::Vector3;
 
 impl Dynamics {

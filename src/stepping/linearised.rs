@@ -24,19 +24,19 @@
 //! while on the slow motion behind a hard damper a is as small as that is slow, and w with it.
 //!
 //! Deviations are projected on the closures; what of them is of second order there does not count in central differences.
-//! Where K alone is wanted on a tree under gravity, [`crate::stepping::dynamics`] has it without differences.
+//! Where K alone is wanted on a tree under gravity, [`crate::dynamics`] has it without differences.
 
-use crate::lobatto::coupled::projection::Projection;
-use crate::lobatto::plan::tree::Plan;
-use crate::lobatto::stages::start::Start;
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::forces::total::{BodyWrench, body_wrenches, joint_efforts};
-use crate::mechanism::motion::gaps::gap_accelerations;
-use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations};
-use crate::mechanism::motion::state::State;
-use crate::stepping::dynamics::Dynamics;
-use crate::stepping::fastest_mode::first_direction;
-use crate::stepping::watch::{Mode, Transient};
+use crate::dynamics::Dynamics;
+use crate::fastest_mode::first_direction;
+use crate::watch::{Mode, Transient};
+use catena_lobatto::coupled::projection::Projection;
+use catena_lobatto::plan::tree::Plan;
+use catena_lobatto::stages::start::Start;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::total::{BodyWrench, body_wrenches, joint_efforts};
+use catena_mechanism::motion::gaps::gap_accelerations;
+use catena_mechanism::motion::kinematics::{BodyAcceleration, body_accelerations};
+use catena_mechanism::motion::state::State;
 
 /// ε: second order and rounding leave some nine digits of K.
 const DEVIATION: f64 = 1e-6;

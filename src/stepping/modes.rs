@@ -1,17 +1,17 @@
 //! What steers the steps knows of the motion at an instant: its fastest mode and its pace.
 //!
-//! A tree under gravity has both from its geometric stiffness ([`crate::stepping::dynamics`]); with forces or closures the mode comes from
-//! differences of accelerations ([`crate::stepping::linearised`]), and the pace is not available.
+//! A tree under gravity has both from its geometric stiffness ([`crate::dynamics`]); with forces or closures the mode comes from
+//! differences of accelerations ([`crate::linearised`]), and the pace is not available.
 
-use crate::lobatto::plan::tree::Plan;
-use crate::lobatto::stages::start::Start;
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::state::State;
-use crate::stepping::dynamics::Dynamics;
-use crate::stepping::fastest_mode::Fastest;
-use crate::stepping::linearised::Linearised;
-use crate::stepping::pace::Pace;
-use crate::stepping::watch::{Mode, Transient};
+use crate::dynamics::Dynamics;
+use crate::fastest_mode::Fastest;
+use crate::linearised::Linearised;
+use crate::pace::Pace;
+use crate::watch::{Mode, Transient};
+use catena_lobatto::plan::tree::Plan;
+use catena_lobatto::stages::start::Start;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::state::State;
 
 /// The workspace of all looks at one mechanism.
 pub struct Modes {

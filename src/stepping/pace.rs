@@ -4,11 +4,11 @@
 //!     Ω⁴ = Ω₀⁴ + Σ (q̇⁴ + q̈²)  [1/s⁴],     L = d/dt ln Ω = Σ (4 q̇³ q̈ + 2 q̈ q⃛) / (4 Ω⁴)  [1/s]
 //! ```
 //!
-//! What is made of it: [`crate::stepping::reversible`].
+//! What is made of it: [`crate::reversible`].
 
-use crate::lobatto::plan::tree::Plan;
-use crate::lobatto::stages::start::Start;
-use crate::stepping::dynamics::Dynamics;
+use crate::dynamics::Dynamics;
+use catena_lobatto::plan::tree::Plan;
+use catena_lobatto::stages::start::Start;
 
 /// Pace of what hardly moves [1/s].
 const FLOOR: f64 = 1e-3;

@@ -16,12 +16,12 @@
 //! Source: E. Hairer and G. Söderlind, SIAM J. Sci. Comput. 26 (2005), with logarithms in place of reciprocals, which cannot
 //! lead to negative steps.
 
-use crate::lobatto::stages::attempt::{Attempt, Guess, StopRule};
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::integrator::{StepError, StepOutcome};
-use crate::mechanism::motion::state::State;
-use crate::stepping::pace::{Pace, STEEPEST};
-use crate::stepping::stepper::{HALVINGS, Stepper, Stride};
+use crate::pace::{Pace, STEEPEST};
+use crate::stepper::{HALVINGS, Stepper, Stride};
+use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::integrator::{StepError, StepOutcome};
+use catena_mechanism::motion::state::State;
 
 /// Factor between `h Ω` and ε at which the step is set anew.
 const BAND: f64 = 1.5;

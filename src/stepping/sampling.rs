@@ -1,19 +1,19 @@
-//! Positions and velocities at an instant inside the last step: the rule of [`crate::lobatto::tableau::dense`], joint by joint.
+//! Positions and velocities at an instant inside the last step: the rule of [`catena_lobatto::tableau::dense`], joint by joint.
 //!
 //! Scalars are interpolated as they are. The rotation of a ball joint since the start of the step is a rotation vector θ, whose
 //! rate belongs to the angular velocity ω in the child's frame by `ω = (1 − k₁ θ̂ + k₂ θ̂²) θ̇`, with
-//! `k₁ = (1 − cos |θ|)/|θ|²`, `k₂ = (|θ| − sin |θ|)/|θ|³`. Loops are not closed by the interpolation: [`crate::lobatto::coupled::closing`]
+//! `k₁ = (1 − cos |θ|)/|θ|²`, `k₂ = (|θ| − sin |θ|)/|θ|³`. Loops are not closed by the interpolation: [`catena_lobatto::coupled::closing`]
 //! does that.
 
-use crate::lobatto::coupled::system::One;
-use crate::lobatto::numbers::algebra::Vector;
-use crate::lobatto::numbers::arithmetic::Arithmetic;
-use crate::lobatto::numbers::rotations::Tilt;
-use crate::lobatto::step::interface::Step;
-use crate::lobatto::tableau::dense::DenseWeights;
-use crate::mechanism::description::joint::FreeRotation;
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::state::{State, quaternion_exponential, quaternion_product};
+use catena_lobatto::coupled::system::One;
+use catena_lobatto::numbers::algebra::Vector;
+use catena_lobatto::numbers::arithmetic::Arithmetic;
+use catena_lobatto::numbers::rotations::Tilt;
+use catena_lobatto::step::interface::Step;
+use catena_lobatto::tableau::dense::DenseWeights;
+use catena_mechanism::description::joint::FreeRotation;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::state::{State, quaternion_exponential, quaternion_product};
 
 /// The last step, as far as its inside is concerned.
 pub(crate) struct LastStep<'s> {

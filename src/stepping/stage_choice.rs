@@ -9,7 +9,7 @@
 //!   need much shorter steps with five, and keep what fills the vector; and so do springs and dampers so stiff that the stability of the
 //!   scheme limits the step, which nine stages extend to twice the length: the pilot runs see that ([`crate::simulation::accuracy`]).
 //! - Two vectors of four lanes do not take twice as long as one: in a plane arithmetic waits for arithmetic, and in space the first
-//!   iterations are in single precision, eight lanes at once ([`crate::lobatto::solve::single_precision`]), which five stages do not have. With a fine tolerance, and
+//!   iterations are in single precision, eight lanes at once ([`catena_lobatto::solve::single_precision`]), which five stages do not have. With a fine tolerance, and
 //!   the sooner the fewer the bodies, nine stages save more than they cost.
 //!
 //! Time with nine stages over that with five, same tolerance (m), least and most of the scenes of each kind:
@@ -32,10 +32,10 @@
 //! error both take the same time there. Pilot runs with AVX2 are the cheaper with nine the sooner: 0.6 to 1.5 times as long at 1e-3 for
 //! trees in space, 0.2 to 2.0 at 1e-6.
 
-use crate::lobatto::numbers::lanes::Isa;
-use crate::lobatto::tableau::butcher::Tableau;
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::structure::plane::Plane;
+use catena_lobatto::numbers::lanes::Isa;
+use catena_lobatto::tableau::butcher::Tableau;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::structure::plane::Plane;
 
 /// The finest tolerance at which loops have few stages (m), less what rounding may take from it.
 const FEW_DOWN_TO: f64 = 0.99e-6;
@@ -83,7 +83,7 @@ impl StageChoice {
         Tableau::of(self.count(isa)).expect("five and nine stages are in range")
     }
 
-    /// `c = E_tol / √ε` of the step control ([`crate::stepping::control`]). On closed loops Newton's method leaves no error of the iteration, and
+    /// `c = E_tol / √ε` of the step control ([`crate::control`]). On closed loops Newton's method leaves no error of the iteration, and
     /// where a motion passes singular positions truncation is well above `E²`: with c = 1 four-bars ended up to two tolerances off,
     /// with ½ within one, for the same time. Nine stages grow so fast with the step that a tenth of a step is a decade of E²: a small c
     /// costs nothing there, and leaves truncation well below what the iteration does (chain of ten links: of 68 runs two end more than

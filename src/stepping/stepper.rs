@@ -6,18 +6,18 @@
 //!
 //! Between `finish` and `accept` the state has not moved, so that a step can still be thrown away.
 
-use crate::lobatto::stages::attempt::{Attempt, Guess};
-use crate::lobatto::step::interface::Step;
-use crate::lobatto::tableau::butcher::Tableau;
-use crate::mechanism::description::forces::Forces;
-use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{SingularPosition, StepError, StepOutcome};
-use crate::mechanism::motion::state::State;
-use crate::stepping::modes::Modes;
-use crate::stepping::pace::Pace;
-use crate::stepping::sampling::LastStep;
-use crate::stepping::watch::{FIRST_LOOK, Watch};
+use crate::modes::Modes;
+use crate::pace::Pace;
+use crate::sampling::LastStep;
+use crate::watch::{FIRST_LOOK, Watch};
+use catena_lobatto::stages::attempt::{Attempt, Guess};
+use catena_lobatto::step::interface::Step;
+use catena_lobatto::tableau::butcher::Tableau;
+use catena_mechanism::description::forces::Forces;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::inputs::Inputs;
+use catena_mechanism::motion::integrator::{SingularPosition, StepError, StepOutcome};
+use catena_mechanism::motion::state::State;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -94,8 +94,10 @@ impl Outside {
         Outside { gravity: mechanism.gravity, forces: mechanism.forces.clone(), driven: None }
     }
 
+    #[inline]
     fn is_that_of(&self, mechanism: &Mechanism) -> bool {
-        self.gravity == mechanism.gravity && self.forces == mechanism.forces
+        let same = self.forces.driven == mechanism.forces.driven && self.forces.are_those_of(&mechanism.forces);
+        same && self.gravity == mechanism.gravity
     }
 }
 
@@ -125,6 +127,7 @@ impl Stepper {
     }
 
     /// Whether the kernel knows all that acts now: it was made for this gravity and these forces, and for efforts if there are any.
+    #[inline]
     pub fn knows(&self, mechanism: &Mechanism, inputs: Inputs) -> bool {
         let driven = mechanism.forces.driven || self.outside.driven.is_some() || inputs.is_none();
         driven && self.outside.is_that_of(mechanism)
@@ -299,6 +302,6 @@ impl Ranks {
 }
 
 fn joint_of_freedom(mechanism: &Mechanism, freedom: usize) -> String {
-    let moves = |body: &&crate::mechanism::description::mechanism::Body| body.joint.velocity_range().contains(&freedom);
+    let moves = |body: &&catena_mechanism::description::mechanism::Body| body.joint.velocity_range().contains(&freedom);
     mechanism.bodies.iter().find(moves).map_or_else(String::new, |body| body.joint.name.clone())
 }

@@ -1,13 +1,13 @@
-//! What a run keeps an eye on: how near its steps are to the limit of stability ([`crate::lobatto::tableau::stability`]), and what they leave ringing.
+//! What a run keeps an eye on: how near its steps are to the limit of stability ([`catena_lobatto::tableau::stability`]), and what they leave ringing.
 //!
 //! ```text
 //!     h ω ≤ 0.8 limit      of the fastest mode, at the first steps and every 40, every 8 once h ω > ½ limit
 //!     h γ ≤ 2 s (s − 1)    of what dampers stop at the rate γ, or steps of s/γ stop it
 //! ```
 
-use crate::lobatto::tableau::butcher::Tableau;
-use crate::lobatto::tableau::stability::{NEAR, limit_for};
-use crate::mechanism::motion::integrator::{FrequencyStep, Ringing};
+use catena_lobatto::tableau::butcher::Tableau;
+use catena_lobatto::tableau::stability::{NEAR, limit_for};
+use catena_mechanism::motion::integrator::{FrequencyStep, Ringing};
 
 /// Steps between two looks at the frequency, each of which costs about half a step.
 const INTERVAL: usize = 40;

@@ -58,7 +58,8 @@ impl Source {
     /// Paths in the code that begin in this crate or in another of ours.
     fn paths(&self) -> Vec<Vec<String>> {
         let word = |c: char| c.is_alphanumeric() || c == '_';
-        let starts = ["crate::", "super::", "self::", "catena::", "catena_mechanism::", "catena_lobatto::"];
+        let starts =
+            ["crate::", "super::", "self::", "catena::", "catena_mechanism::", "catena_lobatto::", "catena_kernels::"];
         let mut found = Vec::new();
         for start in starts {
             for (at, _) in self.text.match_indices(start) {
@@ -168,7 +169,8 @@ fn absolute(source: &Source, path: &[String]) -> Option<(String, Vec<String>)> {
             let of_crate = if first == "catena" { "catena" } else { &source.of_crate };
             match rest.split_first() {
                 Some((room, rest))
-                    if of_crate == "catena" && ["mechanism", "lobatto", "kernels"].contains(&room.as_str()) =>
+                    if of_crate == "catena"
+                        && ["mechanism", "lobatto", "kernels", "stepping", "reduced"].contains(&room.as_str()) =>
                 {
                     ours(room, rest)
                 }

@@ -126,15 +126,14 @@ impl<E: Arithmetic<Real = f64>> Factors<E> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::lanes::Isa;
-    use crate::numbers::lanes::Lanes;
+    use crate::numbers::lanes::{Isa, Lanes};
     use crate::tableau::butcher::Tableau;
     use crate::vectors::portable::Portable;
-    #[cfg(target_arch = "x86_64")]
     use crate::vectors::x86::Avx256;
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
     use catena_mechanism::description::mechanism::{Body, Mechanism};
     use catena_mechanism::motion::state::State;
+    #[cfg(target_arch = "x86_64")]
     use nalgebra::{Rotation3, Translation3, Vector3};
 
     /// Every way in which a body can be eliminated, on frames that are aligned with nothing.

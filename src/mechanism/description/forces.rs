@@ -86,6 +86,7 @@ pub struct Wrench {
 
 impl Forces {
     /// Whether the same forces act, whoever drives them.
+    #[inline]
     pub fn are_those_of(&self, other: &Forces) -> bool {
         let Forces { joint_dampers, joint_springs, joint_loads, point_springs, wrenches, driven: _ } = self;
         *joint_dampers == other.joint_dampers
@@ -96,7 +97,14 @@ impl Forces {
     }
 
     /// Whether nothing acts.
+    #[inline]
     pub fn is_empty(&self) -> bool {
-        *self == Forces::default()
+        let Forces { joint_dampers, joint_springs, joint_loads, point_springs, wrenches, driven } = self;
+        joint_dampers.is_empty()
+            && joint_springs.is_empty()
+            && joint_loads.is_empty()
+            && point_springs.is_empty()
+            && wrenches.is_empty()
+            && !driven
     }
 }

@@ -53,6 +53,7 @@ pub enum FreeRotation {
 
 impl JointKind {
     /// The joint-frame axes (0 = x, 1 = y, 2 = z) along which the joint may translate.
+    #[inline]
     pub fn translation_axes(self) -> &'static [usize] {
         match self {
             JointKind::Revolute | JointKind::Spherical => &[],
@@ -63,6 +64,7 @@ impl JointKind {
     }
 
     /// The free rotations.
+    #[inline]
     pub fn rotation(self) -> FreeRotation {
         match self {
             JointKind::Prismatic => FreeRotation::None,
@@ -72,6 +74,7 @@ impl JointKind {
     }
 
     /// Number of entries in the position vector (a ball rotation has four).
+    #[inline]
     pub fn position_count(self) -> usize {
         self.translation_axes().len()
             + match self.rotation() {
@@ -82,6 +85,7 @@ impl JointKind {
     }
 
     /// Number of degrees of freedom, which is the number of entries in the velocity vector.
+    #[inline]
     pub fn velocity_count(self) -> usize {
         self.translation_axes().len()
             + match self.rotation() {
@@ -141,11 +145,13 @@ impl Joint {
     }
 
     /// The entries of this joint in the position vector.
+    #[inline]
     pub fn position_range(&self) -> std::ops::Range<usize> {
         self.position_index..self.position_index + self.kind.position_count()
     }
 
     /// The entries of this joint in the velocity vector.
+    #[inline]
     pub fn velocity_range(&self) -> std::ops::Range<usize> {
         self.velocity_index..self.velocity_index + self.kind.velocity_count()
     }
@@ -173,6 +179,7 @@ impl Joint {
 }
 
 /// Sine and cosine of an angle and what its rounding left out (rad).
+#[inline]
 pub fn sine_cosine(angle: f64, rest: f64) -> (f64, f64) {
     let (sine, cosine) = angle.sin_cos();
     (sine + rest * cosine, cosine - rest * sine)

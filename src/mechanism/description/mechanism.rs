@@ -99,11 +99,13 @@ impl Mechanism {
     }
 
     /// Whether the tree of joints under gravity is all there is.
+    #[inline]
     pub fn is_plain_tree(&self) -> bool {
         self.loops.is_empty() && self.mimics.is_empty() && self.forces.is_empty()
     }
 
     /// Whether there are equations between coordinates that the tree does not have.
+    #[inline]
     pub fn has_closures(&self) -> bool {
         !self.loops.is_empty() || !self.mimics.is_empty()
     }

@@ -79,6 +79,7 @@ pub fn body_wrenches(mechanism: &Mechanism, bodies: &[BodyState], wrenches: &mut
 }
 
 /// The stored energy at joint positions, which place the bodies.
+#[inline]
 pub fn stored(mechanism: &Mechanism, position: &[f64], bodies: &[BodyState]) -> Stored {
     let forces = &mechanism.forces;
     let mut stored = Stored::default();

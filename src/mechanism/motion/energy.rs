@@ -31,6 +31,7 @@ pub struct Energy {
 
 impl Energy {
     /// The sum of all.
+    #[inline]
     pub fn total(&self) -> f64 {
         self.kinetic + self.potential + self.spring + self.load
     }
@@ -51,6 +52,7 @@ fn spin(inertia: &Vector3<f64>, body: &BodyState) -> Vector3<f64> {
 }
 
 /// The energy that the bodies have by themselves, under gravity: without springs and loads.
+#[inline]
 pub fn energy(mechanism: &Mechanism, bodies: &[BodyState]) -> Energy {
     let mut energy = Energy::default();
     for (body, state) in mechanism.bodies.iter().zip(bodies) {
@@ -62,6 +64,7 @@ pub fn energy(mechanism: &Mechanism, bodies: &[BodyState]) -> Energy {
 }
 
 /// The energy of bodies, springs and loads at joint positions, which place the bodies.
+#[inline]
 pub fn energy_with_forces(mechanism: &Mechanism, position: &[f64], bodies: &[BodyState]) -> Energy {
     let stored = stored(mechanism, position, bodies);
     Energy { spring: stored.spring, load: stored.load, ..energy(mechanism, bodies) }
@@ -80,6 +83,7 @@ pub fn momentum(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vector3<f64>, V
 
 /// How far a state is from satisfying its joints, loops, mimic relations and `RᵀR = 1`. All but mimic relations, which only the
 /// joint coordinates know, are measured on the maximal coordinates alone.
+#[inline]
 pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> Violation {
     let mut worst = Violation::default();
     let mut see = |position: f64, velocity: f64| {

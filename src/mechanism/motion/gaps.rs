@@ -41,6 +41,7 @@ impl Gaps {
 }
 
 /// The larger of two numbers, but not a number where one of them is none: nothing is worse than that.
+#[inline]
 pub fn worse(one: f64, other: f64) -> f64 {
     if one.is_nan() || other.is_nan() { f64::NAN } else { one.max(other) }
 }
@@ -150,6 +151,7 @@ pub fn gap_accelerations(
 }
 
 /// The gap of a mimic relation (rad or m), with all digits of the positions, and its rate.
+#[inline]
 pub fn mimic_gap(mimic: &Mimic, state: &State) -> (f64, f64) {
     let [follows, leads] = [mimic.follower, mimic.leader].map(|of| of.position);
     let rest = state.compensation[follows] - mimic.multiplier * state.compensation[leads];

@@ -14,6 +14,7 @@ impl Inputs<'_> {
     pub const NONE: Inputs<'static> = Inputs { efforts: &[] };
 
     /// Whether nothing acts.
+    #[inline]
     pub fn is_none(&self) -> bool {
         self.efforts.iter().all(|&effort| effort == 0.0)
     }

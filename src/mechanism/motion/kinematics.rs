@@ -78,11 +78,13 @@ pub fn place(joint: &Joint, parent: &BodyState, position: &[f64], rest: &[f64], 
 }
 
 /// Poses and velocities of all bodies, written into `out` (one entry a body). Does not allocate.
+#[inline]
 pub fn forward_kinematics(mechanism: &Mechanism, position: &[f64], velocity: &[f64], out: &mut [BodyState]) {
     place_all(mechanism, position, None, velocity, out);
 }
 
 /// The same of a state, with all digits of its positions. Does not allocate.
+#[inline]
 pub fn place_bodies(mechanism: &Mechanism, state: &State, out: &mut [BodyState]) {
     place_all(mechanism, &state.position, Some(&state.compensation), &state.velocity, out);
 }

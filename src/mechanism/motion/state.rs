@@ -33,6 +33,7 @@ impl State {
     }
 
     /// Takes over another state of the same mechanism. Does not allocate.
+    #[inline]
     pub fn copy_from(&mut self, other: &State) {
         self.time = other.time;
         self.position.copy_from_slice(&other.position);
@@ -41,17 +42,20 @@ impl State {
     }
 
     /// The positions of one body's joint.
+    #[inline]
     pub fn joint_position<'s>(&'s self, mechanism: &Mechanism, body: usize) -> &'s [f64] {
         &self.position[mechanism.bodies[body].joint.position_range()]
     }
 
     /// The velocities of one body's joint.
+    #[inline]
     pub fn joint_velocity<'s>(&'s self, mechanism: &Mechanism, body: usize) -> &'s [f64] {
         &self.velocity[mechanism.bodies[body].joint.velocity_range()]
     }
 
     /// Adds `increment` to the positions: a number for each velocity entry, rotation vectors (in the child's joint
     /// frame) for ball rotations. Sums are compensated (Kahan), quaternions renormalised.
+    #[inline]
     pub fn displace(&mut self, mechanism: &Mechanism, increment: &[f64]) {
         for body in &mechanism.bodies {
             let joint = &body.joint;

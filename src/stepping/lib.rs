@@ -7,6 +7,8 @@
 //! | what is looked at now and then | [`watch`], [`modes`], [`fastest_mode`], [`dynamics`], [`jerks`], [`linearised`] |
 //! | instants inside a step | [`sampling`] |
 
+#![deny(unsafe_code)]
+
 #[doc(hidden)]
 pub mod acceptance;
 #[doc(hidden)]
