@@ -7,7 +7,7 @@
 //! - On closed loops all stages are coupled, and an iteration with nine costs twice as much as one with five. Nine make steps so long that
 //!   Newton's method limits them, and not the accuracy, until a fine one is asked for. One or two four-bars, which pass singular positions,
 //!   need much shorter steps with five, and keep what fills the vector; and so do springs and dampers so stiff that the stability of the
-//!   scheme limits the step, which nine stages extend to twice the length: the pilot runs see that ([`crate::simulation::accuracy`]).
+//!   scheme limits the step, which nine stages extend to twice the length: the pilot runs see that (`simulation::accuracy`).
 //! - Two vectors of four lanes do not take twice as long as one: in a plane arithmetic waits for arithmetic, and in space the first
 //!   iterations are in single precision, eight lanes at once ([`catena_lobatto::solve::single_precision`]), which five stages do not have. With a fine tolerance, and
 //!   the sooner the fewer the bodies, nine stages save more than they cost.
