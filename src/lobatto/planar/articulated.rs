@@ -9,6 +9,9 @@
 //!
 //! which is [`crate::stages::articulated`] for motions in a plane: six numbers instead of 21. A hinge without forces in it leaves nothing
 //! that resists turning: `c`, `I` and `τ` are zero behind it, and `α = −τ/I − (c/I)·a − φ`.
+//!
+//! These zeros, and a product `×` that is a number, are why the elimination is not that of space over other vectors. The sweeps that use it
+//! take the time that the table of [`crate::planar`] has.
 
 use crate::numbers::lanes::Lanes;
 use crate::planar::algebra::Vector2;

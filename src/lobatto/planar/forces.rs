@@ -1,4 +1,11 @@
-//! Forces in a plane at all stages at once: those of [`crate::equations::forces`], with lines and wrenches projected.
+//! Forces in a plane at all stages at once: efforts along freedoms and springs as in space ([`crate::equations::forces`],
+//! [`crate::equations::springs`]), and wrenches (force F, torque M about the normal) at an arm r from the anchor:
+//!
+//! ```text
+//!     f = F  (N),   t = M + ((1 + N) r) × F  [N m],   power of M:  M φ̇  (W)
+//! ```
+//!
+//! with `φ̇` from the rates of cosine and sine, `κ̇` and `σ̇`, by the scheme: `φ̇ = (1 + κ) σ̇ − σ κ̇`.
 
 use crate::equations::springs::{BodiesAtStages, add_springs};
 use crate::numbers::lanes::Lanes;

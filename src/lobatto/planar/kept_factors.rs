@@ -1,4 +1,11 @@
-//! Iterations in a plane that keep the factors of an earlier one: [`crate::solve::kept_factors`] with three coordinates a body.
+//! Iterations in a plane that keep the factors of an earlier one.
+//!
+//! ```text
+//!     H(q⁰_k) α_k = −ρ_k(q):     α₀ = (τ − sᵀ p)/d⁰,   p ← p + (A s)⁰ α₀
+//! ```
+//!
+//! The method is that of [`crate::solve::kept_factors`], with wrenches p of three components. The sweep is another, because residuals come from
+//! the mixed paths of [`crate::planar::sweeps`] and hinges have no axis to turn: the table of [`crate::planar`] has the time it takes.
 
 use crate::numbers::lanes::Lanes;
 use crate::plan::tree::Children;

@@ -11,7 +11,7 @@
 //!     T   = ½ m |v + ω J com|² + ½ I ω²,           U = −m (g·x + g_n x_n)
 //! ```
 //!
-//! where the height along n, `x_n`, never changes.
+//! where the height along n, `x_n`, never changes. [`crate::stages::start`] has the same of a mechanism in space, from rotation matrices.
 
 use crate::plan::tree::Plan;
 use crate::planar::body::{PlanarBody, turned};

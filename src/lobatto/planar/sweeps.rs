@@ -19,6 +19,10 @@
 //!
 //! is the residual of [`crate::equations::residual`], whose third torque it is (I: about the anchor). The solve is that of
 //! [`crate::solve::sweeps`]; so is the momentum at the end of the step, with the momentum weights in place of B.
+//!
+//! These sweeps are not those of space over other vectors, because of the sum along the path: space mixes 12 numbers of every body, a plane
+//! two. In
+//! the sweeps of space a chain of ten links in a plane takes 1.93 times as long: the table of [`crate::planar`].
 
 use crate::planar::algebra::Vector2;
 use crate::planar::articulated::Articulated2;

@@ -150,9 +150,11 @@ impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
         let Kernel { predictor, workspace, .. } = self;
         let unknowns = workspace.unknowns();
         in_lanes!(V, predictor.guess(unknowns, guess));
-        let displacement = workspace.displacement();
-        let largest = in_lanes!(V, largest(displacement));
-        workspace.bound(largest);
+        if W::TAKES_BOUND {
+            let displacement = workspace.displacement();
+            let largest = in_lanes!(V, largest(displacement));
+            workspace.bound(largest);
+        }
     }
 
     fn restart(&mut self) {

@@ -115,6 +115,8 @@ impl<V: Lanes> Workspace<V> for PlanarWorkspace<V> {
         self.stages.applied.as_deref_mut()
     }
 
+    const TAKES_BOUND: bool = true;
+
     fn bound(&mut self, largest: f64) {
         self.stages.largest = largest;
     }

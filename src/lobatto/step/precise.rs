@@ -12,7 +12,7 @@
 //! ```
 //!
 //! Iterative refinement, as of linear systems: the residual has the digits, the correction needs none. The sweeps are those of
-//! [`crate::step::kernel`], over [`Double`] lanes. Axes, arms and moments of inertia are carried along from step to step (`carried`), which
+//! [`crate::step::kernel`], over [`Double`] lanes. Axes, arms and moments of inertia are carried along from step to step ([`crate::step::precise_start`]), which
 //! loses 10⁻³² of them a step; the joint positions of the [`State`] are what has been moved, summed with compensation.
 //! Source of the refinement: C. B. Moler, J. ACM 14 (1967).
 

@@ -72,6 +72,8 @@ pub(crate) trait Workspace<V: Lanes>: Send + 'static {
     fn applied(&self) -> Option<&Applied<V>>;
     /// The same, to be driven.
     fn applied_mut(&mut self) -> Option<&mut Applied<V>>;
+    /// Whether [`Workspace::bound`] says anything new.
+    const TAKES_BOUND: bool = false;
     /// The largest displacement of the iterate (rad, m) is at most this.
     fn bound(&mut self, _largest: f64) {}
 
