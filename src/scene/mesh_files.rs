@@ -48,6 +48,7 @@ impl MeshFiles {
                     let tried: Vec<String> = tried.iter().map(|path| path.display().to_string()).collect();
                     format!("was not found; tried {}", tried.join(", "))
                 }
+                Resolved::Outside => "leads out of its package, and is not used".to_string(),
                 Resolved::NotAFile(scheme) => format!("is not a local file ({scheme}://)"),
             };
             let place = place_of(name);

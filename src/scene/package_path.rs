@@ -6,8 +6,10 @@
 //! 2. `ROS_PACKAGE_PATH`: `P/NAME/rest`, or `P/rest` where the folder `P` is itself named NAME;
 //! 3. `AMENT_PREFIX_PATH`: `P/NAME/rest`, `P/share/NAME/rest`;
 //! 4. the folders above the URDF: `A/NAME/rest`, `A/rest`.
+//!
+//! A rest that leads out of its package, `package://NAME/../file`, names nothing.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// The places in which packages are looked for.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +29,8 @@ pub enum Resolved {
     Found(PathBuf),
     /// It does not; these paths were tried.
     Missing(Vec<PathBuf>),
+    /// It leads out of its package.
+    Outside,
     /// A scheme that names no local file, such as `http`.
     NotAFile(String),
 }
@@ -51,6 +55,7 @@ impl PackagePath {
         let candidates = match uri.split_once("://") {
             None => vec![folder.join(uri)],
             Some(("file", path)) => vec![folder.join(path)],
+            Some(("package" | "model", path)) if !stays_inside(path) => return Resolved::Outside,
             Some(("package" | "model", path)) => self.package_candidates(path, folder),
             Some((scheme, _)) => return Resolved::NotAFile(scheme.to_string()),
         };
@@ -88,5 +93,50 @@ impl PackagePath {
             add(above.join(rest));
         }
         candidates
+    }
+}
+
+/// Whether `NAME/rest` names something below the folder NAME: no part of it goes above that, and the rest does not begin anew at the root.
+fn stays_inside(path: &str) -> bool {
+    let (name, rest) = path.split_once('/').unwrap_or((path, ""));
+    let mut depth = 0_usize;
+    let inside = Path::new(rest).components().all(|part| match part {
+        Component::Normal(_) => {
+            depth += 1;
+            true
+        }
+        Component::CurDir => true,
+        Component::ParentDir => {
+            let above = depth == 0;
+            depth = depth.saturating_sub(1);
+            !above
+        }
+        Component::RootDir | Component::Prefix(_) => false,
+    });
+    inside && matches!(Path::new(name).components().next(), None | Some(Component::Normal(_)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_leads_out_of_its_package_names_nothing_whatever_lies_there() {
+        let folder = std::env::temp_dir().join(format!("catena-package-{}", std::process::id()));
+        let package = folder.join("pk");
+        std::fs::create_dir_all(package.join("meshes")).expect("a folder for the test");
+        for file in [folder.join("file"), package.join("file")] {
+            std::fs::write(file, b"x").expect("written");
+        }
+        let packages = PackagePath { packages: vec![("pk".to_string(), package.clone())], ..PackagePath::default() };
+        let resolved = |uri: &str| packages.resolve(uri, &folder);
+        let absolute = format!("package://pk/{}", folder.join("file").display());
+        for uri in ["package://pk/../file", "package://pk/meshes/../../file", "package://../file", &absolute] {
+            assert_eq!(resolved(uri), Resolved::Outside, "{uri}");
+        }
+        for uri in ["package://pk/file", "package://pk/meshes/../file", "model://pk/./file"] {
+            assert!(matches!(resolved(uri), Resolved::Found(path) if path.exists()), "{uri}");
+        }
+        std::fs::remove_dir_all(&folder).expect("removed");
     }
 }
