@@ -8,6 +8,7 @@
 //! Nothing here knows about simulation: a [`Robot`] is the URDF with every number finite, every reference resolved
 //! and every link on one tree. What the file says and nobody will use is listed in [`Robot::warnings`].
 
+mod bounded;
 mod clean;
 mod convert;
 pub mod coupling;

@@ -20,7 +20,7 @@ pub(crate) struct XmlText {
 pub(crate) fn read_text(file: &Path) -> Result<String, SceneError> {
     let refuse =
         |line, problem| Err(SceneError { file: file.to_path_buf(), line, element: None, problem: Box::new(problem) });
-    let bytes = match std::fs::read(file) {
+    let bytes = match read_bounded(file) {
         Ok(bytes) => bytes,
         Err(error) => return refuse(None, Problem::Unreadable(error.to_string())),
     };

@@ -1,0 +1,42 @@
+//! The bytes of an input, if it ends and is not too large.
+//!
+//! A robot or scene of 100 MB is a mistake, such as the name of a log, or of something that never ends. Devices are refused before anything is read;
+//! a pipe may be an input, and is read until it ends or has given that much.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// Largest input (bytes).
+pub const LARGEST: u64 = 100_000_000;
+
+/// Reads an input.
+///
+/// # Errors
+/// Those of the file system; a device, and what is larger than [`LARGEST`].
+pub fn read_bounded(path: &Path) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    let metadata = file.metadata()?;
+    if is_device(&metadata) {
+        return Err(io::Error::other("it is a device, not a file"));
+    }
+    let too_large = || io::Error::other(format!("it is larger than {} MB", LARGEST / 1_000_000));
+    if metadata.len() > LARGEST {
+        return Err(too_large());
+    }
+    let mut bytes = Vec::new();
+    file.take(LARGEST + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > LARGEST { Err(too_large()) } else { Ok(bytes) }
+}
+
+#[cfg(unix)]
+fn is_device(metadata: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = metadata.file_type();
+    kind.is_char_device() || kind.is_block_device()
+}
+
+#[cfg(not(unix))]
+fn is_device(_: &std::fs::Metadata) -> bool {
+    false
+}
