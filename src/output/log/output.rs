@@ -20,6 +20,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+/// So many links point to each other at most before they are taken for a circle.
+const LINKS: usize = 40;
+
 /// The place of a log that is being written.
 pub(crate) struct Output {
     /// Where the user wants it.
@@ -48,7 +51,7 @@ impl Output {
     fn try_create(path: &Path) -> Result<Option<(Self, File, bool)>, LogError> {
         let refuse = |path: &Path, reason| LogError::Create { path: path.to_path_buf(), reason };
         // A link stays a link: what it points to is replaced.
-        let wanted = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        let wanted = behind_links(path);
         let is_special = std::fs::metadata(&wanted).is_ok_and(|metadata| !metadata.is_file());
         if is_special {
             let file = OpenOptions::new().write(true).open(&wanted).map_err(|reason| refuse(path, reason))?;
@@ -99,6 +102,25 @@ impl Output {
     pub(crate) fn current(&self) -> &Path {
         &self.current
     }
+}
+
+/// What a path points to, also where that is not there yet: a link is followed as far as links go.
+fn behind_links(path: &Path) -> PathBuf {
+    let mut place = path.to_path_buf();
+    for _ in 0..LINKS {
+        if let Ok(real) = place.canonicalize() {
+            return real;
+        }
+        // A link of the system to something without a name, such as an open pipe.
+        if place.metadata().is_ok() {
+            return place;
+        }
+        match std::fs::read_link(&place) {
+            Ok(to) => place = place.parent().map_or(to.clone(), |folder| folder.join(&to)),
+            Err(_) => break,
+        }
+    }
+    place
 }
 
 /// The log of a run that has not finished, when something that must stay has its name.
