@@ -136,6 +136,8 @@ fn a_disk_that_fills_up_is_an_error_with_the_path_and_the_log_is_complete_up_to_
     let messages: Result<Vec<_>, _> = mcap::MessageStream::new(&log).expect("a complete log").collect();
     assert!(messages.expect("every message is readable").len() > 100);
     assert_whole_up_to_its_end(&log, 100);
+    // 2000 blocks of 512 bytes, of which the last chunk that did not fit is missing.
+    assert!(log.len() > 2000 * 512 - 100_000, "{} bytes", log.len());
 }
 
 #[test]

@@ -83,6 +83,15 @@ impl Batch {
         (entries, &records[start..])
     }
 
+    /// The messages from number `first` on whose records are no longer than `size` together, or one that is longer alone, and these records.
+    pub(super) fn piece(&self, first: usize, size: usize) -> (&[Entry], &[u8]) {
+        let (entries, records) = self.from(first);
+        let end = |entry: &Entry| entry.offset + entry.length;
+        let start = self.size() - records.len();
+        let count = entries.partition_point(|entry| end(entry) - start <= size).max(1).min(entries.len());
+        (&entries[..count], &records[..entries[..count].last().map_or(0, |last| end(last) - start)])
+    }
+
     /// Number of messages.
     pub(crate) fn count(&self) -> usize {
         self.entries.len()

@@ -249,7 +249,16 @@ impl Container {
 
 /// The messages of a batch from number `first` on as a chunk that no index knows.
 pub(crate) fn encode_provisional_chunk(batch: &Batch, first: usize, out: &mut Vec<u8>) -> BinResult<()> {
-    let (entries, records) = batch.from(first);
+    encode_alone(batch.from(first), out)
+}
+
+/// The messages of a batch from number `first` on, as many as make no more than `size` bytes or else one, as such a chunk; returns how many.
+pub(crate) fn encode_piece(batch: &Batch, first: usize, size: usize, out: &mut Vec<u8>) -> BinResult<usize> {
+    let piece = batch.piece(first, size);
+    encode_alone(piece, out).map(|()| piece.0.len())
+}
+
+fn encode_alone((entries, records): (&[Entry], &[u8]), out: &mut Vec<u8>) -> BinResult<()> {
     let header = chunk_header(time_range(entries), records.len() as u64, crc32fast::hash(records));
     record(out, op::CHUNK, &header, &[records]).map(drop)
 }

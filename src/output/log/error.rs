@@ -12,6 +12,9 @@ pub enum LogError {
     /// Another run is writing the file; nothing was changed.
     #[error("cannot write {}: another run is writing it; choose another --output", path.display())]
     Busy { path: PathBuf },
+    /// The run was interrupted while nobody read the pipe or device.
+    #[error("interrupted while nobody reads {}", path.display())]
+    Blocked { path: PathBuf },
     /// Writing failed: a full disk, a closed pipe.
     #[error("cannot write {}: {reason}", path.display())]
     Write { path: PathBuf, reason: io::Error },

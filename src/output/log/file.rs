@@ -14,7 +14,7 @@
 //! write fails because the disk is full, what is whole is kept and closed with an end that needs no summary.
 
 use crate::output::log::batch::Batch;
-use crate::output::log::container::{Container, encode_provisional_chunk};
+use crate::output::log::container::{Container, encode_piece, encode_provisional_chunk};
 use crate::output::log::error::LogError;
 use crate::output::log::names::{END, FINISHED, LIBRARY_VERSION, OUTCOME};
 use crate::output::log::output::Output;
@@ -25,8 +25,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Largest size of a chunk of several messages; what a disk that fills up loses, too.
+/// Largest size of a chunk of several messages.
 const CHUNK_SIZE: usize = 1 << 18;
+
+/// Largest size of a chunk of several messages that is written once a disk is full: it loses no more than that.
+const PIECE_SIZE: usize = 1 << 15;
 
 /// Between two provisional chunks; with the time messages wait before and the write itself, less than a second of the
 /// run is lost when the process is killed.
@@ -81,6 +84,8 @@ pub(crate) struct LogFile {
     saved: Instant,
     /// Whether something was written that may still be lost in a power failure.
     unsynced: bool,
+    /// Whether a write has failed that left messages of the batch out of the file.
+    unwritten: bool,
 }
 
 impl LogFile {
@@ -104,7 +109,13 @@ impl LogFile {
             buffer: Vec::new(),
             saved: Instant::now(),
             unsynced: false,
+            unwritten: false,
         })
+    }
+
+    /// Whether it is a file, and not a pipe or device.
+    pub(crate) fn is_regular(&self) -> bool {
+        self.is_regular
     }
 
     /// Where the file is now.
@@ -139,7 +150,10 @@ impl LogFile {
     fn close_batch(&mut self) -> Result<(), LogError> {
         self.move_to_file()?;
         let chunk = self.container.chunk(&mut self.batch).map_err(|error| cannot_encode(&self.path, error))?;
+        let whole = self.tail.whole();
         let written = self.tail.extend(chunk);
+        // Otherwise all of it is there, though not where it should be.
+        self.unwritten = written.is_err() && self.tail.whole() == whole;
         written.map_err(|reason| self.cannot_write(reason))?;
         self.batch.clear();
         self.provisional = 0;
@@ -170,7 +184,9 @@ impl LogFile {
             self.buffer.clear();
             let encoded = encode_provisional_chunk(&self.batch, self.provisional, &mut self.buffer);
             encoded.map_err(|error| cannot_encode(&self.path, error))?;
-            self.tail.extend_provisionally(&self.buffer).map_err(|reason| self.cannot_write(reason))?;
+            let written = self.tail.extend_provisionally(&self.buffer);
+            self.unwritten = written.is_err();
+            written.map_err(|reason| self.cannot_write(reason))?;
             self.provisional = self.batch.count();
             self.unsynced = true;
         }
@@ -204,10 +220,29 @@ impl LogFile {
 
     /// After an error: keeps what is whole in the file and completes it as well as that goes.
     pub(crate) fn salvage(&mut self) {
-        if self.is_regular {
-            // The error that led here is the one to report.
+        if !self.is_regular {
+            return;
+        }
+        let last = if self.unwritten { self.write_pieces() } else { 0 };
+        // The error that led here is the one to report.
+        if self.tail.end_short().is_err() && last > 0 && self.tail.cut(last).is_ok() {
             let _ = self.tail.end_short();
         }
+    }
+
+    /// Writes the messages of the batch that are not in the file in small chunks, as many as there is room for; returns the length of the last.
+    fn write_pieces(&mut self) -> u64 {
+        let (mut first, mut last) = (self.provisional, 0);
+        while first < self.batch.count() && self.tail.cut(0).is_ok() {
+            self.buffer.clear();
+            let Ok(count) = encode_piece(&self.batch, first, PIECE_SIZE, &mut self.buffer) else { break };
+            if self.tail.extend_provisionally(&self.buffer).is_err() {
+                break;
+            }
+            first += count;
+            last = self.buffer.len() as u64;
+        }
+        last
     }
 }
 

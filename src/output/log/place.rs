@@ -149,6 +149,17 @@ impl<P: Place> Tail<P> {
         self.place.sync()
     }
 
+    /// Where what is whole in the file ends.
+    pub(super) fn whole(&self) -> u64 {
+        self.end + self.provisional
+    }
+
+    /// Cuts off what a write that failed has left, and of the provisional part the last `length` bytes.
+    pub(super) fn cut(&mut self, length: u64) -> io::Result<()> {
+        self.provisional -= length.min(self.provisional);
+        self.place.truncate(self.whole())
+    }
+
     /// Ends the file behind what is whole in it, after a write that failed: a complete log, but without a summary.
     pub(crate) fn end_short(&mut self) -> io::Result<()> {
         let whole = self.end + self.provisional;
