@@ -22,6 +22,7 @@ mod replay;
 mod rules;
 mod run_log;
 mod simulate;
+mod special_output;
 mod stress;
 mod table;
 

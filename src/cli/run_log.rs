@@ -75,6 +75,9 @@ pub fn finish(
     let ended = ended.map_err(|error| match error {
         RunError::Interrupted { .. } => Failure::interrupted(error),
         RunError::Step(_) => Failure::run(error),
+        RunError::Observer(source) if matches!(source.downcast_ref(), Some(LogError::Blocked { .. })) => {
+            Failure::interrupted(anyhow!(source))
+        }
         RunError::Observer(source) => Failure::run(anyhow!(source)),
     });
     let (Some(mut recorder), Some(output)) = (recorder, output) else { return (ended, None) };
@@ -116,6 +119,7 @@ fn figures(summary: &Summary) -> BTreeMap<String, String> {
 pub fn log_failure(error: LogError) -> Failure {
     match error {
         LogError::Create { .. } | LogError::Busy { .. } => Failure::input(error),
+        LogError::Blocked { .. } => Failure::interrupted(error),
         LogError::Write { .. } => Failure::run(error),
     }
 }

@@ -7,6 +7,7 @@ use crate::cli::input::{InputArgs, Loaded};
 use crate::cli::numbers::{Assignment, numbers, positive, rate};
 use crate::cli::progress::{PilotsShown, Progress};
 use crate::cli::run_log::{description, finish, log_failure};
+use crate::cli::special_output::open_special;
 use crate::cli::{Failure, check_place, print, print_json};
 use anyhow::{Context, anyhow};
 use catena::instant::assembly::redundancy;
@@ -179,7 +180,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     recorder = match &output {
         Some(path) => {
             let simulation = description(model, duration, rate, choice, simulation.description());
+            let held = open_special(path, &interrupted).map_err(Failure::interrupted)?;
             let mut recorder = Recorder::create(path, model, simulation).map_err(log_failure)?;
+            drop(held);
+            recorder.heed(&interrupted);
             unreached.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
             Some(recorder)
         }

@@ -3,6 +3,7 @@
 //! Some files in the wild are one character away from XML (a NUL at the end, blank lines before the declaration, a
 //! namespace prefix nobody declared); here they are put right without moving a line.
 
+use crate::scene::bounded::read_bounded;
 use crate::scene::error::{Problem, SceneError, Warning};
 use roxmltree::{Document, Node};
 use std::path::{Path, PathBuf};

@@ -9,18 +9,25 @@ use crate::output::log::error::LogError;
 use crate::output::log::file::{Ending, LogFile};
 use crate::output::log::queue::Piece;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The thread is woken when there is a large piece, and looks by itself this often, so that a killed run leaves little unsaid.
 const INTERVAL: Duration = Duration::from_millis(100);
+
+/// Once the run is interrupted, a pipe or device that takes nothing for so long is not waited for any more.
+const GRACE: Duration = Duration::from_secs(1);
 
 /// A log file that is written by another thread.
 pub(crate) struct BackgroundFile {
     path: PathBuf,
     current: PathBuf,
     is_beside: bool,
+    /// What says that the run is interrupted, of a pipe or device, whose reader may never read again.
+    interrupted: Option<Arc<AtomicBool>>,
+    is_regular: bool,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<Result<PathBuf, LogError>>>,
 }
@@ -32,6 +39,8 @@ struct Shared {
     news: Condvar,
     /// There is room for the simulation.
     room: Condvar,
+    /// How often the thread has come round.
+    rounds: AtomicUsize,
 }
 
 #[derive(Default)]
@@ -58,11 +67,40 @@ impl BackgroundFile {
     pub(crate) fn new(path: &Path, file: LogFile, encoder: SampleEncoder) -> Result<Self, LogError> {
         let shared = Arc::new(Shared::default());
         let current = file.current().to_path_buf();
-        let is_beside = file.is_beside();
+        let (is_beside, is_regular) = (file.is_beside(), file.is_regular());
         let theirs = shared.clone();
         let thread = std::thread::Builder::new().name("log".to_string()).spawn(move || write(file, encoder, &theirs));
         let thread = thread.map_err(|reason| LogError::Write { path: path.to_path_buf(), reason })?;
-        Ok(BackgroundFile { path: path.to_path_buf(), current, is_beside, shared, thread: Some(thread) })
+        let path = path.to_path_buf();
+        Ok(BackgroundFile { path, current, is_beside, interrupted: None, is_regular, shared, thread: Some(thread) })
+    }
+
+    /// Gives up an output that blocks once this says that the run is interrupted.
+    pub(crate) fn heed(&mut self, interrupted: Arc<AtomicBool>) {
+        self.interrupted = Some(interrupted).filter(|_| !self.is_regular);
+    }
+
+    /// Waits while `waits`, unless the run is interrupted and the thread does not come round any more; returns whether it does.
+    fn wait_while(&self, waits: impl Fn() -> bool) -> bool {
+        let rounds = || self.shared.rounds.load(Ordering::Relaxed);
+        let (mut seen, mut since) = (rounds(), Instant::now());
+        while waits() {
+            let waiting = self.shared.lock();
+            let _ = self.shared.room.wait_timeout(waiting, INTERVAL / 10);
+            let interrupted = self.interrupted.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed));
+            if !interrupted || rounds() != seen {
+                (seen, since) = (rounds(), Instant::now());
+            } else if since.elapsed() > GRACE {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Waits no more for the thread, which blocks, and says so.
+    fn give_up(&mut self) -> LogError {
+        self.thread = None;
+        LogError::Blocked { path: self.path.clone() }
     }
 
     /// Where the file is while it is written.
@@ -93,6 +131,15 @@ impl BackgroundFile {
     /// # Errors
     /// [`LogError::Write`] if earlier messages could not be written.
     pub(crate) fn settle(&mut self) -> Result<(), LogError> {
+        if self.interrupted.is_some() {
+            let waits = || {
+                let waiting = self.shared.lock();
+                waiting.piece.is_too_large() && !waiting.failed
+            };
+            if !self.wait_while(waits) {
+                return Err(self.give_up());
+            }
+        }
         let mut waiting = self.shared.lock();
         while waiting.piece.is_too_large() && !waiting.failed {
             waiting = self.shared.room.wait(waiting).unwrap_or_else(PoisonError::into_inner);
@@ -122,6 +169,10 @@ impl BackgroundFile {
         self.settle()?;
         self.shared.lock().ending = Some(ending);
         self.shared.news.notify_one();
+        let ends = |thread: &JoinHandle<_>| thread.is_finished();
+        if self.interrupted.is_some() && !self.wait_while(|| !self.thread.as_ref().is_none_or(ends)) {
+            return Err(self.give_up());
+        }
         self.join()
     }
 }
@@ -168,6 +219,7 @@ fn write_all(file: &mut LogFile, mut encoder: SampleEncoder, shared: &Shared) ->
         taken.clear();
         std::mem::swap(&mut taken, &mut waiting.piece);
         let (ending, abandoned) = (waiting.ending.take(), waiting.abandoned);
+        shared.rounds.fetch_add(1, Ordering::Relaxed);
         drop(waiting);
         shared.room.notify_one();
         encoder.encode(&taken, file)?;

@@ -21,6 +21,8 @@ use foxglove::Encode;
 use foxglove::messages::{self, SceneUpdate, Timestamp};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// How serious a line of `/log` is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,6 +93,13 @@ impl Recorder {
         file.begin()?;
         let file = BackgroundFile::new(path, file, encoder)?;
         Ok(Recorder { sink: Sink::File(file), order: Order::new(stages) })
+    }
+
+    /// Waits no more for an output that is no file, and of which nothing is read, once this says that the run is interrupted.
+    pub fn heed(&mut self, interrupted: &Arc<AtomicBool>) {
+        if let Sink::File(file) = &mut self.sink {
+            file.heed(interrupted.clone());
+        }
     }
 
     /// Holds a run against the log at `path`, which a run of the same model made in the same way has written: the first

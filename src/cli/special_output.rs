@@ -1,0 +1,40 @@
+//! An output that is a pipe or device: opening it may block until somebody reads, which must not outlast an interruption.
+//!
+//! The file is opened on a thread of its own, while this one looks whether the run is interrupted. Whoever holds it has a reader, so that the log can
+//! open it again without waiting.
+
+use anyhow::anyhow;
+use std::fs::{File, OpenOptions};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+/// How often it is asked whether the run is interrupted.
+const INTERVAL: Duration = Duration::from_millis(50);
+
+/// Opens what is at a path and no file; `None` where there is a file or nothing, or where it cannot be opened, which the log will say.
+///
+/// # Errors
+/// If the run is interrupted while nobody reads it.
+pub fn open_special(path: &Path, interrupted: &AtomicBool) -> anyhow::Result<Option<File>> {
+    if std::fs::metadata(path).map_or(true, |metadata| metadata.is_file()) {
+        return Ok(None);
+    }
+    let (opened, wait) = channel();
+    let place = path.to_path_buf();
+    std::thread::Builder::new().name("output".to_string()).spawn(move || {
+        // Nobody listens any more where the run was interrupted.
+        let _ = opened.send(OpenOptions::new().write(true).open(place));
+    })?;
+    loop {
+        match wait.recv_timeout(INTERVAL) {
+            Ok(file) => return Ok(file.ok()),
+            Err(RecvTimeoutError::Disconnected) => return Ok(None),
+            Err(RecvTimeoutError::Timeout) if interrupted.load(Ordering::Relaxed) => {
+                return Err(anyhow!("interrupted while nobody reads {}", path.display()));
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+    }
+}
