@@ -10,6 +10,7 @@
 //! Errors are one line on standard error, `catena: error: …`, so that scripts can show them as they are.
 
 mod chart;
+mod check;
 mod couplings;
 mod input;
 mod inspect;

@@ -3,6 +3,7 @@
 //! The output is opened last, when nothing in the input can be wrong any more: a bad input leaves an existing log as
 //! it was. Every way out of the run completes the log.
 
+use crate::cli::check::{apart, end_with_half_the_step};
 use crate::cli::input::{InputArgs, Loaded};
 use crate::cli::numbers::{Assignment, numbers, positive, rate};
 use crate::cli::progress::{PilotsShown, Progress};
@@ -15,8 +16,8 @@ use catena::mechanism::motion::state::State;
 use catena::model::Model;
 use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
 use catena::output::report::{
-    AccuracyReport, ConstraintReport, EnergyReport, IslandReport, MethodReport, ModelReport, Report, energy_warning,
-    joint_reports, link_reports, loop_reports, ringing_warning, singular_warning,
+    AccuracyReport, ConstraintReport, EnergyReport, IslandReport, MethodReport, ModelReport, Report, StepErrorReport,
+    energy_warning, joint_reports, link_reports, loop_reports, ringing_warning, singular_warning,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Finished, Simulation, SimulationError, SimulationOptions, StepChoice};
@@ -81,6 +82,10 @@ pub struct Arguments {
     /// gravity alone, with up to 9 stages
     #[arg(long, requires = "step", conflicts_with = "reversible")]
     precise: bool,
+
+    /// Run it once more with half the --step, on another core, and estimate the error of the steps by that
+    #[arg(long, requires = "step")]
+    check: bool,
 
     /// Samples in the log per simulated second [default: 60]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = rate)]
@@ -172,10 +177,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
     // They outlive the run, which they watch.
     let (mut recorder, mut progress);
+    let start = arguments.check.then(|| state.clone());
     let mut simulation = Simulation::new(mechanism, state, options).map_err(setup_failure)?;
     drop(pilots);
     let model_report = ModelReport::new(model, &redundancy, simulation.parts());
-    let accuracy = AccuracyReport::of(&simulation);
+    let (mut accuracy, accuracy_unknown) = match AccuracyReport::of(&simulation) {
+        Ok(accuracy) => (Some(accuracy), None),
+        Err(reason) => (None, Some(reason.to_string())),
+    };
     let unreached = accuracy.as_ref().and_then(AccuracyReport::warning);
     recorder = match &output {
         Some(path) => {
@@ -196,14 +205,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     recorder.iter_mut().for_each(|recorder| simulation.observe(recorder));
     progress.iter_mut().for_each(|progress| simulation.observe(progress));
-    let ended = simulation.run();
+    let (ended, checked) = std::thread::scope(|scope| {
+        let half = start.map(|start| scope.spawn(move || end_with_half_the_step(mechanism, start, options)));
+        let ended = simulation.run();
+        (ended, half.and_then(|half| half.join().ok().flatten()))
+    });
     let Finished { state, summary, method, islands } = simulation.finish();
     if let Some(progress) = &progress {
         progress.clear();
     }
+    let step_error = choice.step().map(|_| match &checked {
+        Some(other) => StepErrorReport::by_half_the_step(apart(mechanism, &state, other)),
+        None => StepErrorReport::by_energy(mechanism, &summary, duration),
+    });
+    if let Some(accuracy) = &mut accuracy {
+        accuracy.see_energy(&summary);
+    }
     let of_method: Vec<String> = MethodReport::warning(&method)
         .into_iter()
         .chain(energy_warning(&method, summary.max_relative_energy_error))
+        .chain(step_error.and_then(|error| error.warning(&method)))
+        .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))
         .chain(ringing_warning(&method))
         .chain(singular_warning(&method))
         .collect();
@@ -237,6 +259,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         islands: islands.iter().map(IslandReport::new).collect(),
         warnings: model.warnings.iter().map(ToString::to_string).chain(unreached).chain(of_method).collect(),
         accuracy,
+        accuracy_unknown,
+        step_error,
         log,
     };
     let printed = match (arguments.json, arguments.quiet) {

@@ -2,6 +2,7 @@
 //! is wanted.
 
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
+use crate::mechanism::motion::integrator::StepError;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy::{Calibration, calibrate};
@@ -45,8 +46,19 @@ pub(crate) enum Integrators {
     },
 }
 
-/// What trial runs have found: one entry for each integrator, nothing where a trial run failed as the run will.
-pub(crate) type Calibrations = Vec<Option<Calibration>>;
+/// Why the accuracy of a run is not known.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum UnknownAccuracy {
+    /// Stages and steps were given.
+    #[error("no --tolerance was asked for")]
+    NotAsked,
+    /// A trial run failed, as the run will.
+    #[error("a trial run failed: {0}")]
+    TrialFailed(StepError),
+}
+
+/// What trial runs have found: one entry for each integrator.
+pub(crate) type Calibrations = Vec<Result<Calibration, UnknownAccuracy>>;
 
 /// What is wanted of the steps of a run.
 pub(crate) struct Wanted<'w> {
@@ -109,15 +121,17 @@ impl Wanted<'_> {
         mechanism: &Mechanism,
         state: &State,
         kept: &[crate::mechanism::description::rules::Rule],
-    ) -> Result<(Lobatto, Option<Calibration>), SimulationError> {
+    ) -> Result<(Lobatto, Result<Calibration, UnknownAccuracy>), SimulationError> {
         let uncalibrated = || self.choice.integrator(mechanism);
-        let Some(tolerance) = self.choice.tolerance() else { return Ok((uncalibrated()?, None)) };
+        let Some(tolerance) = self.choice.tolerance() else {
+            return Ok((uncalibrated()?, Err(UnknownAccuracy::NotAsked)));
+        };
         let go_on = || !self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
         match calibrate(mechanism, state, self.duration, tolerance, kept, &mut |_| go_on()) {
-            Ok(found) => Ok((found.integrator(mechanism, tolerance), Some(found))),
+            Ok(found) => Ok((found.integrator(mechanism, tolerance), Ok(found))),
             Err(interrupted @ CalibrationError::Interrupted) => Err(SimulationError::Interrupted(interrupted)),
             // The run will fail where the trial run did, and leave its log up to there.
-            Err(CalibrationError::Step(_)) => Ok((uncalibrated()?, None)),
+            Err(CalibrationError::Step(error)) => Ok((uncalibrated()?, Err(UnknownAccuracy::TrialFailed(error)))),
         }
     }
 }

@@ -119,6 +119,7 @@ impl MergedRun {
             // Balances belong together when all that end at the same time have been taken.
             if self.waiting.get(index + 1).is_none_or(|(next, _)| next.time > end.time) {
                 self.largest_kinetic = self.largest_kinetic.max(self.kinetic);
+                self.summary.largest_kinetic = self.largest_kinetic;
                 self.largest_deviation = worse(self.largest_deviation, self.deviation.abs());
             }
         }

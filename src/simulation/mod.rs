@@ -32,7 +32,7 @@ mod trial_run;
 
 pub(crate) use course::Course;
 pub use course::{RunError, RunOptions, run};
-pub use integrators::SimulationError;
+pub use integrators::{SimulationError, UnknownAccuracy};
 pub(crate) use observer::show;
 pub use observer::{Counts, Observer, ObserverError, Sample, StepEnd};
 pub use run::{Finished, InputError, Simulation, SimulationOptions};

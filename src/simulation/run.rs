@@ -13,7 +13,7 @@ use crate::mechanism::motion::integrator::MethodDescription;
 use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy::Calibration;
 use crate::simulation::course::{Aim, Course, RunError, RunOptions};
-use crate::simulation::integrators::{Calibrations, Integrators, SimulationError, Wanted};
+use crate::simulation::integrators::{Calibrations, Integrators, SimulationError, UnknownAccuracy, Wanted};
 use crate::simulation::islands::IslandFigures;
 use crate::simulation::merged::MergedRun;
 use crate::simulation::observer::Observer;
@@ -249,8 +249,8 @@ impl<'s> Simulation<'s> {
         self.parts
     }
 
-    /// What trial runs have found, for the whole or for each island that moves; `None` where a trial run failed as the run will.
-    pub fn calibrations(&self) -> &[Option<Calibration>] {
+    /// What trial runs have found, for the whole or for each island that moves, or why there is nothing.
+    pub fn calibrations(&self) -> &[Result<Calibration, UnknownAccuracy>] {
         &self.calibrations
     }
 

@@ -43,6 +43,17 @@ impl StepChoice {
         }
     }
 
+    /// The same with half the step, where one was given.
+    #[must_use]
+    pub fn with_half_the_step(self) -> Self {
+        match self {
+            StepChoice::Fixed { stages, step } => StepChoice::Fixed { stages, step: 0.5 * step },
+            StepChoice::Reversible { stages, step } => StepChoice::Reversible { stages, step: 0.5 * step },
+            StepChoice::Precise { stages, step } => StepChoice::Precise { stages, step: 0.5 * step },
+            StepChoice::Tolerance(_) => self,
+        }
+    }
+
     /// The wanted accuracy, where steps are chosen from it (m).
     pub fn tolerance(self) -> Option<f64> {
         match self {

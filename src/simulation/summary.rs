@@ -35,6 +35,8 @@ pub struct Summary {
     /// Largest deviation of the total energy, plus what was dissipated, less what was put in, from its start, relative to
     /// the largest kinetic energy seen.
     pub max_relative_energy_error: f64,
+    /// The largest kinetic energy seen (J).
+    pub largest_kinetic: f64,
     /// Largest violation of any constraint at the end of any step.
     pub max_violation: Violation,
 }
@@ -100,6 +102,7 @@ impl Bookkeeper {
         self.last = StepEnd { time: state.time, energy, exchange, violation, outcome, so_far };
         summary.final_energy = energy;
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic);
+        summary.largest_kinetic = self.largest_kinetic;
         let balance = energy.total() - summary.initial_energy.total() + (exchange.dissipated - exchange.work);
         self.largest_deviation = worse(self.largest_deviation, balance.abs());
         summary.max_relative_energy_error = if self.largest_kinetic > 0.0 {

@@ -3,6 +3,7 @@
 #[path = "../shared/common/mod.rs"]
 mod common;
 
+mod accuracy_said;
 mod chart;
 mod cli;
 mod inspect;
@@ -12,5 +13,6 @@ mod model_verb;
 mod python_readback;
 mod replay;
 mod rules;
+mod special_files;
 mod stress;
 mod urdf_corpus_runs;

@@ -2,8 +2,8 @@
 
 use crate::mechanism::ground::words::{counted, rounded};
 use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
-use crate::simulation::Simulation;
 use crate::simulation::accuracy::Calibration;
+use crate::simulation::{Simulation, Summary, UnknownAccuracy};
 use serde::Serialize;
 
 /// The scheme of a run.
@@ -155,11 +155,18 @@ pub struct AccuracyReport {
     /// Whether pilot runs can tell at all.
     #[serde(skip)]
     can_tell: bool,
+    /// The relative energy error of the run, if it is more than the wanted accuracy leaves.
+    #[serde(skip)]
+    unbalanced: Option<f64>,
 }
 
 /// Where a motion amplifies errors more than [`CALM`] times, finer accuracies than this (m) are among the roundings of the run, and of the
 /// pilot runs alike (benches/README.md, "Is the accuracy what was asked for?").
 const FINEST: f64 = 1e-11;
+/// Energy errors over the wanted accuracy (1/m) beyond which trial runs are not believed: steps are kept within one.
+const UNBALANCED: f64 = 10.0;
+/// Changes of the energy by this part of it are rounding.
+const ROUNDING: f64 = 1e-12;
 /// Error at the end over the stop of the iteration.
 const CALM: f64 = 100.0;
 
@@ -174,25 +181,37 @@ impl AccuracyReport {
             pilots: found.pilots,
             parts: found.parted,
             can_tell: wanted >= 0.99 * FINEST || found.estimate <= CALM * found.stop,
+            unbalanced: None,
         }
     }
 
-    /// What the trial runs of a run say of it; `None` where there were none, or where one of them failed.
-    pub fn of(simulation: &Simulation) -> Option<Self> {
-        let wanted = simulation.choice().tolerance()?;
+    /// What the trial runs of a run say of it.
+    ///
+    /// # Errors
+    /// [`UnknownAccuracy`] where there were none, or where one of them failed.
+    pub fn of(simulation: &Simulation) -> Result<Self, UnknownAccuracy> {
+        let wanted = simulation.choice().tolerance().ok_or(UnknownAccuracy::NotAsked)?;
         let report = |found: &Calibration| AccuracyReport::new(wanted, simulation.end(), found);
-        let islands: Vec<_> = simulation.calibrations().iter().map(|found| found.as_ref().map(report)).collect();
-        match islands[..] {
-            [alone] if simulation.parts() == (1, 0) => alone,
+        let islands: Vec<_> =
+            simulation.calibrations().iter().map(|found| found.as_ref().map(report).map_err(Clone::clone)).collect();
+        match &islands[..] {
+            [alone] if simulation.parts() == (1, 0) => alone.clone(),
             _ => AccuracyReport::together(wanted, simulation.end(), &islands),
         }
     }
 
-    /// What the calibrations of islands say of the whole, in a run that ends at `end`: nothing if one of them says nothing.
+    /// What the calibrations of islands say of the whole, in a run that ends at `end`: the first reason where it is not known.
     /// What sleeps is where it should be.
-    pub fn together(wanted: f64, end: f64, islands: &[Option<AccuracyReport>]) -> Option<Self> {
-        let all: Vec<AccuracyReport> = islands.iter().copied().collect::<Option<_>>()?;
-        Some(AccuracyReport {
+    ///
+    /// # Errors
+    /// The first reason why the accuracy of an island is not known.
+    pub fn together(
+        wanted: f64,
+        end: f64,
+        islands: &[Result<AccuracyReport, UnknownAccuracy>],
+    ) -> Result<Self, UnknownAccuracy> {
+        let all: Vec<AccuracyReport> = islands.iter().cloned().collect::<Result<_, _>>()?;
+        Ok(AccuracyReport {
             wanted,
             estimated: all.iter().map(|one| one.estimated).fold(0.0, f64::max),
             holds_until: all.iter().map(|one| one.holds_until).fold(end, f64::min),
@@ -200,7 +219,30 @@ impl AccuracyReport {
             pilots: all.iter().map(|one| one.pilots).sum(),
             parts: all.iter().any(|one| one.parts),
             can_tell: all.iter().all(|one| one.can_tell),
+            unbalanced: None,
         })
+    }
+
+    /// Sees how the run kept its energy: steps that change it by more than the tolerance are not as accurate as trial runs have shown.
+    pub fn see_energy(&mut self, summary: &Summary) {
+        let error = summary.max_relative_energy_error;
+        let rounding = ROUNDING * summary.initial_energy.total().abs().max(summary.final_energy.total().abs());
+        let is_rounding = error * summary.largest_kinetic <= rounding;
+        // What is not a number does not balance either.
+        let balances = error <= UNBALANCED * self.wanted.max(FINEST);
+        if self.reached && !is_rounding && !balances {
+            self.reached = false;
+            self.unbalanced = Some(error);
+        }
+    }
+
+    /// What the user should know of a run whose energy does not agree with the wanted accuracy.
+    pub fn energy_warning(&self) -> Option<String> {
+        let (error, wanted) = (self.unbalanced?, self.wanted);
+        Some(format!(
+            "the energy balance is off by {error:.1e} of the largest kinetic energy, more than an accuracy of {wanted:e} m leaves: whether it is \
+             reached is not known; compare with a run of a smaller --tolerance"
+        ))
     }
 
     /// What the user should know, if the accuracy does not hold to the end, or if that cannot be told.

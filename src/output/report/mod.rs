@@ -5,12 +5,14 @@
 
 mod method;
 mod places;
+mod step_error;
 mod text;
 
 pub use method::{
     AccuracyReport, COARSE, FrequencyReport, MethodReport, energy_warning, ringing_warning, singular_warning,
 };
 pub use places::{JointReport, LinkReport, LoopReport, Numbers, joint_reports, link_reports, loop_reports};
+pub use step_error::StepErrorReport;
 
 use crate::instant::assembly::Redundancy;
 use crate::model::Model;
@@ -50,8 +52,14 @@ pub struct Report {
     pub cpu_seconds: f64,
     /// Processor time in the integration loop without logging (s).
     pub solve_cpu_seconds: f64,
-    /// The accuracy to expect, when one was asked for.
+    /// The accuracy to expect.
     pub accuracy: Option<AccuracyReport>,
+    /// Why that is not known, where it is not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy_unknown: Option<String>,
+    /// The estimated error of fixed steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step_error: Option<StepErrorReport>,
     /// Energy over the run.
     pub energy: EnergyReport,
     /// Constraint violation over the run.

@@ -1,7 +1,7 @@
 //! The report as lines for people.
 
 use crate::mechanism::ground::words::{counted, decimals, rounded};
-use crate::output::report::Report;
+use crate::output::report::{Report, StepErrorReport};
 use std::fmt;
 
 /// More warnings than this are only counted in the lines for people.
@@ -72,6 +72,13 @@ impl fmt::Display for Report {
                 "  accuracy    {:.1e} m expected where steps end, give or take a factor of ten; {} pilot runs",
                 accuracy.estimated, accuracy.pilots
             )?;
+        }
+        if let (Some(reason), true) = (&self.accuracy_unknown, self.method.adaptive) {
+            writeln!(out, "  accuracy    not known: {reason}")?;
+        }
+        if let Some(StepErrorReport { estimated, by }) = self.step_error {
+            let more = if by == "energy" { "; more where the motion amplifies errors" } else { "" };
+            writeln!(out, "  accuracy    {estimated:.1e} m estimated at the end, by {by}{more}")?;
         }
         write!(out, "  steps       {}, {}", self.steps, counted(self.iterations, "iteration", "iterations"))?;
         if self.steps > 0 {

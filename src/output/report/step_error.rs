@@ -1,0 +1,63 @@
+//! What fixed steps left: an estimate of the error at the end of a run whose steps nobody has chosen from a tolerance.
+//!
+//! ```text
+//!     by half the step:  the distance of the ends of two runs, with h and h/2; the second has 2^(2s−2) times less of an error
+//!     by the energy:     10 · e · v T,    v = sqrt(2 T_max / m)          e: largest energy error over the largest kinetic energy T_max (J)
+//! ```
+//!
+//! An energy error e is a relative error e/2 of velocities, which leaves e v T / 2 of the way that bodies of mass m (kg) go in the time T (s); most
+//! motions amplify that, and the factor of ten stands for it. It is an order of magnitude for calm motions, and too small for chaotic ones.
+
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::words::rounded;
+use crate::mechanism::motion::integrator::MethodDescription;
+use crate::simulation::Summary;
+use serde::Serialize;
+
+/// What motions amplify an error of velocities by, for want of knowing better.
+const AMPLIFIED: f64 = 10.0;
+/// Errors beyond this (m, rad of a body of one metre) are said to the user.
+const NOTICEABLE: f64 = 1e-3;
+/// Energy errors below this are rounding, which says nothing of steps: no estimate comes from less.
+const ROUNDING: f64 = 1e-11;
+
+/// The estimated error of a run with fixed steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StepErrorReport {
+    /// The error at the end (m).
+    pub estimated: f64,
+    /// What it is estimated by: `half the step` or `energy`.
+    pub by: &'static str,
+}
+
+impl StepErrorReport {
+    /// From how far a run with half the step is from it at the end (m).
+    pub fn by_half_the_step(apart: f64) -> Self {
+        StepErrorReport { estimated: apart, by: "half the step" }
+    }
+
+    /// From what the run has done to the energy in so much time (s).
+    pub fn by_energy(mechanism: &Mechanism, summary: &Summary, duration: f64) -> Self {
+        let error = summary.max_relative_energy_error;
+        let speed = (2.0 * summary.largest_kinetic / mechanism.total_mass().max(f64::MIN_POSITIVE)).sqrt();
+        let estimated = AMPLIFIED * error.max(ROUNDING) * speed * duration;
+        StepErrorReport { estimated, by: "energy" }
+    }
+
+    /// What the user should know of steps that were too long.
+    pub fn warning(&self, description: &MethodDescription) -> Option<String> {
+        let StepErrorReport { estimated, by } = *self;
+        if estimated <= NOTICEABLE {
+            return None;
+        }
+        let step = rounded(description.step);
+        let remedy = if by == "energy" {
+            "add --check for an estimate by half the step, or use --tolerance"
+        } else {
+            "use --tolerance"
+        };
+        Some(format!(
+            "steps of {step} s are too long: the estimated error at the end is {estimated:.1e} m (by {by}); use a smaller --step, or {remedy}"
+        ))
+    }
+}
