@@ -201,7 +201,11 @@ mod tests {
             let error = try_chain(second, third).expect_err(message).to_string();
             assert!(error.starts_with("chain.urdf:1: joint ") && error.contains(message), "{error}");
         }
+        // What moves no mass is determined by what follows it, unless that follows it nowhere.
         let model = chain("", "<mimic joint='joint4'/>");
+        let (mimics, warnings) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
+        assert_eq!((mimics.expect("a relation").len(), warnings.len()), (1, 0), "{warnings:?}");
+        let model = chain("", "<mimic joint='joint4' multiplier='0'/>");
         let (mimics, warnings) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
         assert_eq!(mimics.expect("a warning only").len(), 0);
         assert!(warnings.len() == 1 && warnings[0].contains("moves freely, because joint \"joint4\""), "{warnings:?}");

@@ -17,6 +17,7 @@ mod reported;
 mod rigid_groups;
 mod robot_model;
 mod start_checks;
+mod tied_joints;
 
 pub use assemble::Start;
 pub use composite::Composite;

@@ -5,7 +5,7 @@
 //! 1. the base is fixed in the world, or floats on a joint of its own;
 //! 2. links joined by fixed joints, or by joints that mimic one, are one body (mass, centre and inertia composed), or part of
 //!    the world;
-//! 3. a link without mass beyond which there is no mass is held still, with a warning;
+//! 3. a link without mass beyond which there is no mass is held still, with a warning, unless a mimic relation ties it to one with mass;
 //! 4. a link without mass inside the tree stays a body, without mass;
 //! 5. each body's frame is its principal inertia frame at its centre of mass;
 //! 6. negative moments, and joints that can move without moving mass, are errors.
@@ -19,8 +19,10 @@ use crate::model::joint_frame::{joint_frames, joint_kind};
 use crate::model::model_error::ModelError;
 use crate::model::rigid_groups::{Carrier, Group, GroupJoint, Groups, LinkTree, Moving, drop_massless_leaves};
 use crate::model::robot_model::{JointRecord, LinkFrame, Model, PlacedRobot, Reduction, ReductionRule};
+use crate::model::tied_joints::{tied_inertia, tied_joints};
 use crate::scene::{Element, Robot, UrdfJointKind, WORLD_LINK, Warning};
 use nalgebra::Vector3;
+use std::collections::HashSet;
 
 /// A moment whose radius of gyration is below this length [m] is the dust of a computation: zero.
 const NEGLIGIBLE_GYRATION: f64 = 1e-9;
@@ -70,11 +72,12 @@ impl Model {
         fix_constant_followers(&mut robot);
         let tree = LinkTree::new(&robot);
         let mut moving = Moving::all(&robot, options.base == Base::Floating);
-        let dropped = drop_massless_leaves(&robot, &tree, &mut moving);
+        let tied = tied_joints(&robot, &tree, &moving);
+        let dropped = drop_massless_leaves(&robot, &tree, &mut moving, &tied);
         let groups = Groups::new(&robot, &tree, &moving, &options.base_pose);
         refuse_overflow(&robot, &groups)?;
         let base_name = base_joint_name(&robot);
-        let build = Build { robot: &robot, tree: &tree, groups: &groups, options, base_name: &base_name };
+        let build = Build { robot: &robot, tree: &tree, groups: &groups, options, base_name: &base_name, tied: &tied };
 
         let mut principal = Vec::with_capacity(groups.groups.len());
         for index in 0..groups.groups.len() {
@@ -156,6 +159,8 @@ struct Build<'b> {
     groups: &'b Groups,
     options: &'b ModelOptions,
     base_name: &'b str,
+    /// Joints that move no mass and are tied to some that do.
+    tied: &'b HashSet<usize>,
 }
 
 /// The mass of a body and its principal frame in the frame of its head link.
@@ -168,7 +173,12 @@ struct Principal {
 impl Build<'_> {
     /// Composes a group's links into one body.
     fn principal(&self, group: usize) -> Result<Principal, ModelError> {
-        let composite: Composite = self.groups.composite(self.robot, group);
+        let mut composite: Composite = self.groups.composite(self.robot, group);
+        if composite.is_nothing()
+            && matches!(self.groups.groups[group].joint, GroupJoint::Urdf(joint) if self.tied.contains(&joint))
+        {
+            composite = tied_inertia(self.robot);
+        }
         let (frame, mut moments) = composite.principal();
         let dust = (composite.mass * NEGLIGIBLE_GYRATION.powi(2)).max(1e-15 * moments.amax());
         for moment in moments.iter_mut() {

@@ -6,7 +6,7 @@
 use crate::mechanism::description::joint::Pose;
 use crate::model::composite::Composite;
 use crate::scene::{Robot, UrdfJointKind};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// The links of a robot depth first, with what is above each.
 pub struct LinkTree {
@@ -159,8 +159,14 @@ impl Groups {
     }
 }
 
-/// Holds still every joint beyond which there is no mass: nothing determines its motion. Returns the heads dropped.
-pub fn drop_massless_leaves(robot: &Robot, tree: &LinkTree, moving: &mut Moving) -> Vec<(usize, GroupJoint)> {
+/// Holds still every joint beyond which there is no mass and that is not `tied` to one that moves some: nothing determines its motion. Returns the
+/// heads dropped.
+pub fn drop_massless_leaves(
+    robot: &Robot,
+    tree: &LinkTree,
+    moving: &mut Moving,
+    tied: &HashSet<usize>,
+) -> Vec<(usize, GroupJoint)> {
     let groups = Groups::new(robot, tree, moving, &Pose::identity());
     let mut carries_mass = vec![false; groups.groups.len()];
     let mut dropped = Vec::new();
@@ -168,6 +174,9 @@ pub fn drop_massless_leaves(robot: &Robot, tree: &LinkTree, moving: &mut Moving)
     // children.
     for (index, group) in groups.groups.iter().enumerate().rev() {
         if !carries_mass[index] && groups.composite(robot, index).is_nothing() {
+            if matches!(group.joint, GroupJoint::Urdf(joint) if tied.contains(&joint)) {
+                continue;
+            }
             match group.joint {
                 GroupJoint::Base => moving.base = false,
                 GroupJoint::Urdf(joint) => moving.joints[joint] = false,
