@@ -4,6 +4,7 @@ pub mod chain_length;
 pub mod gimbal_lock;
 pub mod inconsistent_start;
 pub mod inertia;
+pub mod light_couplings;
 pub mod long_time;
 pub mod mass_ratio;
 pub mod over_constraint;
@@ -31,6 +32,7 @@ impl Problem {
             stiff_damper::problem(),
             singular_positions::problem(),
             over_constraint::problem(),
+            light_couplings::problem(),
             inertia::problem(),
             gimbal_lock::problem(),
             long_time::problem(),
