@@ -10,8 +10,8 @@
 //! until nothing new follows; what moves mass is determined from the start. A link on a tied joint stays a body. So that its joint has an equation of
 //! motion of its own, it has 1e-14 of the mass and inertia of its robot, which is rounding to everything else.
 
-use crate::model::composite::Composite;
 use crate::mechanism::description::joint::{JointKind, Pose};
+use crate::model::composite::Composite;
 use crate::model::joint_frame::joint_kind;
 use crate::model::rigid_groups::{Carrier, GroupJoint, Groups, LinkTree, Moving};
 use crate::scene::Robot;

@@ -11,6 +11,7 @@ mod log_readback;
 mod log_safety;
 mod model_verb;
 mod python_readback;
+mod redundant;
 mod replay;
 mod rules;
 mod special_files;

@@ -1,8 +1,8 @@
 //! Light bodies in couplings: a coupler and loop members that weigh next to nothing, and a light leader of heavy followers.
 
+use crate::mechanism::description::closure::{Coordinate, Mimic};
 use crate::mechanism::description::joint::{Joint, JointKind};
 use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
-use crate::mechanism::description::mimic::{Coordinate, Mimic};
 use crate::mechanism::motion::state::State;
 use crate::study::stress::problem::{Case, Problem, steps};
 use crate::study::stress::problems::{GRAVITY, four_bars, frame};
