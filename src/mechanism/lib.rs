@@ -5,7 +5,7 @@
 //! | [`description`] | the mechanism: constant |
 //! | [`forces`] | the physics of each force |
 //! | [`motion`] | the state: what changes in time, and what follows from it at one instant |
-//! | [`structure`] | what can be known before anything moves: planes, islands, special bodies |
+//! | [`structure`] | what can be known before anything moves: planes, islands, special bodies, independent closures |
 //! | [`ground`] | small matrices, numbers in sentences |
 
 #![deny(unsafe_code)]

@@ -1,0 +1,109 @@
+//! Inertia lent to light freedoms that closures tie to heavy ones.
+//!
+//! A light leader of heavy followers moves alone with the mobility `(H⁻¹)_xx`, and with its followers with as many times less as it is lighter. The
+//! proximal term of the solve is a part ε of the first and would exceed the second. So the matrix alone, not the equations, gets
+//!
+//! ```text
+//!     H_xx + w_x,    w_x = 1e-4 / m_x,   m_x = [Z (Zᵀ H Z)⁻¹ Zᵀ]_xx,   Z: directions in which the closures let the mechanism move
+//! ```
+//!
+//! at most 1e-4 of the largest inertia. Iterations then leave some 1e-4 each, and what they end at is exact. Freedoms whose own inertia is not well
+//! below w_x get nothing, so that most mechanisms are solved as they stand. H is kept as a factor, `H = Bᵀ B` with a row for every component of every
+//! body's momentum, largest rows first, so that light bodies keep their digits beside heavy ones.
+//! Source: the measurements of the project's design note on ranks, section 4.
+
+use crate::description::body_state::{BodyState, WORLD};
+use crate::description::mechanism::Mechanism;
+use crate::motion::kinematics::forward_kinematics;
+use crate::motion::state::State;
+use crate::structure::ranks::counting::Ranks;
+use nalgebra::{DMatrix, DVector};
+
+/// w_x over the inertia that the closures give to a freedom.
+const LENT: f64 = 1e-4;
+/// Freedoms get nothing if that is not so many times their own inertia.
+const LIGHT: f64 = 10.0;
+/// Only where a body is lighter than the heaviest by this there is anything to lend.
+const SPREAD: f64 = 1e-3;
+/// Mechanisms of more freedoms are solved as they stand: the factor would be too large.
+const LARGEST: usize = 400;
+
+/// What every freedom is lent [kg m² or kg]; empty if none is.
+pub fn lent_inertia(mechanism: &Mechanism, state: &State, ranks: &Ranks) -> Vec<f64> {
+    let count = mechanism.velocity_count;
+    let Some(free) = ranks.free.as_ref().filter(|_| count <= LARGEST && may_be_light(mechanism, ranks)) else {
+        return Vec::new();
+    };
+    let factor = factor(mechanism, state, &ranks.lengths);
+    let units = DMatrix::identity(count, count);
+    let directions = DMatrix::from_fn(count, free.len(), |row, column| free[column][row]);
+    let (alone, together) = (mobilities(&factor, &units), mobilities(&factor, &directions));
+    let largest = factor.column_iter().map(|column| column.norm_squared()).fold(0.0, f64::max);
+    let lent: Vec<f64> = (0..count)
+        .map(|freedom| {
+            let inertia = LENT * (1.0 / together[freedom]).min(largest);
+            let helps = inertia.is_finite() && inertia * alone[freedom] > LIGHT;
+            if helps { inertia / ranks.lengths[freedom].powi(2) } else { 0.0 }
+        })
+        .collect();
+    if lent.iter().all(|&inertia| inertia == 0.0) { Vec::new() } else { lent }
+}
+
+/// Whether any body is so much lighter than another that it can matter.
+fn may_be_light(mechanism: &Mechanism, ranks: &Ranks) -> bool {
+    let length = ranks.lengths.iter().fold(1.0_f64, |most, &length| most.max(length));
+    let heaviest = mechanism.bodies.iter().map(|body| body.inertia.max().max(body.mass * length * length));
+    let heaviest = heaviest.fold(0.0, f64::max);
+    mechanism.bodies.iter().any(|body| body.inertia.max().min(body.mass * length * length) < SPREAD * heaviest)
+}
+
+/// `B`: the roots of the kinetic energy of every body for a unit of every freedom, largest rows first.
+fn factor(mechanism: &Mechanism, state: &State, lengths: &[f64]) -> DMatrix<f64> {
+    let count = mechanism.velocity_count;
+    let mut factor = DMatrix::zeros(6 * mechanism.bodies.len(), count);
+    let (mut unit, mut bodies) = (vec![0.0; count], vec![WORLD; mechanism.bodies.len()]);
+    for freedom in 0..count {
+        unit[freedom] = lengths[freedom];
+        forward_kinematics(mechanism, &state.position, &unit, &mut bodies);
+        unit[freedom] = 0.0;
+        for (index, (body, BodyState { rotation, velocity, angular_velocity, .. })) in
+            mechanism.bodies.iter().zip(&bodies).enumerate()
+        {
+            let linear = velocity * body.mass.sqrt();
+            let angular = (rotation.transpose() * angular_velocity).component_mul(&body.inertia.map(f64::sqrt));
+            factor.fixed_view_mut::<3, 1>(6 * index, freedom).copy_from(&linear);
+            factor.fixed_view_mut::<3, 1>(6 * index + 3, freedom).copy_from(&angular);
+        }
+    }
+    let mut order: Vec<usize> = (0..factor.nrows()).collect();
+    order.sort_by(|&one, &other| factor.row(other).amax().total_cmp(&factor.row(one).amax()));
+    factor.select_rows(&order)
+}
+
+/// `[Z (Zᵀ Bᵀ B Z)⁻¹ Zᵀ]_xx` for every freedom x; infinite where a direction moves nothing.
+fn mobilities(factor: &DMatrix<f64>, directions: &DMatrix<f64>) -> Vec<f64> {
+    let moved = factor * directions;
+    if moved.ncols() == 0 {
+        return vec![0.0; directions.nrows()];
+    }
+    // More rows than columns, whatever the directions.
+    let moved = moved.resize_vertically(factor.nrows().max(directions.ncols()), 0.0);
+    let qr = moved.col_piv_qr();
+    let triangle = qr.r();
+    directions
+        .row_iter()
+        .map(|row| {
+            let mut entries: DVector<f64> = row.transpose();
+            qr.p().permute_rows(&mut entries);
+            entries_of(&triangle, &entries)
+        })
+        .collect()
+}
+
+/// `|R⁻ᵀ x|²`, infinite for a singular R.
+fn entries_of(triangle: &DMatrix<f64>, entries: &DVector<f64>) -> f64 {
+    match triangle.tr_solve_upper_triangular(entries) {
+        Some(solution) if solution.iter().all(|value| value.is_finite()) => solution.norm_squared(),
+        _ => f64::INFINITY,
+    }
+}

@@ -1,0 +1,205 @@
+//! The gradients of all closing equations in joint coordinates, dimensionless.
+//!
+//! Of a loop only the freedoms on its circuit count: those between its ends and where their branches meet. With the points `P_a`, `P_b` (m),
+//! `d = P_b − P_a`, directions `u` on a and `w` on b, and a turn about the axis `z` through the point p, or a slide along `t`,
+//!
+//! ```text
+//!     equation            turn on the branch of b    of a                                 slide on the branch of b, of a
+//!     d · u = 0           z × (P_b − p) · u          −z × (P_a − p) · u + d · (z × u)      ± t · u
+//!     u · w = 0           −z · (u × w)               z · (u × w)                          0
+//!     (d·d − L²)/2L = 0   d · z × (P_b − p) / L      −d · z × (P_a − p) / L               ± d · t / L
+//!     mimic               follower 1, leader −multiplier
+//! ```
+//!
+//! Rows in m are divided by the size of their loop, the largest distance of any two joints and ends on its circuit; columns of slides are multiplied
+//! by the largest size of the loops that move with them; a mimic's row by its largest entry.
+
+use crate::description::body_state::{BodyState, WORLD};
+use crate::description::closure::{LoopJoint, LoopKind, Mimic};
+use crate::description::joint::FreeRotation;
+use crate::description::mechanism::Mechanism;
+use crate::motion::gaps::{loop_gaps, mimic_gap};
+use crate::motion::state::State;
+use nalgebra::Vector3;
+
+/// Loops are no smaller than this part of the largest, and than the roundings of places [m per m from the origin].
+const SMALLEST: f64 = 1e-7;
+const UNIT_OF_PLACES: f64 = 1e-9;
+
+/// One equation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Row {
+    /// The closure that it belongs to: the loops first, then the mimics.
+    pub closure: usize,
+    /// The freedoms that it knows, in their order, and the entries.
+    pub entries: Vec<(usize, f64)>,
+    /// What it is off by, dimensionless like the entries.
+    pub gap: f64,
+}
+
+/// How a freedom moves what it carries: about or along an axis through a point.
+#[derive(Clone, Copy)]
+struct Screw {
+    turns: bool,
+    axis: Vector3<f64>,
+    point: Vector3<f64>,
+}
+
+/// The size of every loop (m), and the length of every freedom: that of its loops for a slide (m), one for a turn.
+pub fn scales(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vec<f64>, Vec<f64>) {
+    let circuits: Vec<[Vec<usize>; 2]> = mechanism.loops.iter().map(|joint| circuit(mechanism, joint)).collect();
+    let sizes = sizes(mechanism, bodies, &circuits);
+    let mut lengths = vec![0.0_f64; mechanism.velocity_count];
+    for (size, circuit) in sizes.iter().zip(&circuits) {
+        for freedom in circuit.iter().flatten().flat_map(|&body| mechanism.bodies[body].joint.velocity_range()) {
+            lengths[freedom] = lengths[freedom].max(*size);
+        }
+    }
+    for body in &mechanism.bodies {
+        let slides = body.joint.kind.translation_axes().len();
+        for (offset, freedom) in body.joint.velocity_range().enumerate() {
+            if offset >= slides || lengths[freedom] == 0.0 {
+                lengths[freedom] = 1.0;
+            }
+        }
+    }
+    (sizes, lengths)
+}
+
+/// All equations of a state whose bodies are placed so, in the order of a projection on the closures, and the length of every freedom: that of
+/// its loops for a slide (m), one for a turn.
+pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> (Vec<Row>, Vec<f64>) {
+    let screws = screws(mechanism, bodies);
+    let circuits: Vec<[Vec<usize>; 2]> = mechanism.loops.iter().map(|joint| circuit(mechanism, joint)).collect();
+    let (sizes, lengths) = scales(mechanism, bodies);
+    let freedoms_of = |body: &usize| mechanism.bodies[*body].joint.velocity_range();
+    let mut rows = Vec::new();
+    for (closure, (joint, circuit)) in mechanism.loops.iter().zip(&circuits).enumerate() {
+        let size = sizes[closure];
+        let mut freedoms: Vec<(usize, usize)> = [0, 1]
+            .into_iter()
+            .flat_map(|side: usize| circuit[side].iter().flat_map(freedoms_of).map(move |freedom| (freedom, side)))
+            .collect();
+        freedoms.sort_unstable();
+        let gaps = loop_gaps(joint, bodies);
+        let far = [&joint.a, &joint.b].map(|end| end.place(bodies).0.amax());
+        let rounding = f64::EPSILON * far[0].max(far[1]);
+        let ((a, on_a), (b, on_b)) = (joint.a.place(bodies), joint.b.place(bodies));
+        let apart = b - a;
+        let mut put = |unit: f64, entry: &dyn Fn(&Screw, usize) -> f64| {
+            let gap = gaps.position[rows.len() - first_row(&rows, closure)].abs().max(rounding);
+            let entries = freedoms
+                .iter()
+                .map(|&(freedom, side)| (freedom, entry(&screws[freedom], side) * lengths[freedom] / unit));
+            rows.push(Row { closure, entries: entries.collect(), gap: gap / unit });
+        };
+        let rate = |screw: &Screw, side: usize| {
+            let motion = if screw.turns { screw.axis.cross(&([a, b][side] - screw.point)) } else { screw.axis };
+            if side == 0 { -motion } else { motion }
+        };
+        for &slide in joint.kind.slides() {
+            let along = on_a.column(slide).into_owned();
+            put(size, &|screw, side| {
+                let turned = if screw.turns && side == 0 { apart.dot(&screw.axis.cross(&along)) } else { 0.0 };
+                rate(screw, side).dot(&along) + turned
+            });
+        }
+        for &(first, second) in joint.kind.squares() {
+            let square = on_a.column(first).cross(&on_b.column(second));
+            put(1.0, &|screw, side| match (screw.turns, side) {
+                (false, _) => 0.0,
+                (true, 0) => screw.axis.dot(&square),
+                (true, _) => -screw.axis.dot(&square),
+            });
+        }
+        if let LoopKind::Distance(length) = joint.kind {
+            put(size, &|screw, side| apart.dot(&rate(screw, side)) / length);
+        }
+    }
+    rows.extend(mimic_rows(mechanism, state, &lengths));
+    (rows, lengths)
+}
+
+/// The equations of the mimics.
+pub fn mimic_rows(mechanism: &Mechanism, state: &State, lengths: &[f64]) -> Vec<Row> {
+    let row = |(number, mimic): (usize, &Mimic)| {
+        let (follower, leader) = (mimic.follower.freedom, mimic.leader.freedom);
+        let mut entries = vec![(follower, lengths[follower])];
+        if mimic.multiplier != 0.0 {
+            entries.push((leader, -mimic.multiplier * lengths[leader]));
+        }
+        entries.sort_unstable_by_key(|(freedom, _)| *freedom);
+        let largest = entries.iter().fold(0.0_f64, |most, (_, entry)| most.max(entry.abs()));
+        entries.iter_mut().for_each(|(_, entry)| *entry /= largest);
+        let gap = mimic_gap(mimic, state).0.abs() / largest;
+        Row { closure: mechanism.loops.len() + number, entries, gap }
+    };
+    mechanism.mimics.iter().enumerate().map(row).collect()
+}
+
+/// Where the rows of a closure, which are the last, begin.
+fn first_row(rows: &[Row], closure: usize) -> usize {
+    rows.iter().rposition(|row| row.closure != closure).map_or(0, |last| last + 1)
+}
+
+/// The screws of all freedoms.
+fn screws(mechanism: &Mechanism, bodies: &[BodyState]) -> Vec<Screw> {
+    let mut screws = Vec::with_capacity(mechanism.velocity_count);
+    for (body, state) in mechanism.bodies.iter().zip(bodies) {
+        let joint = &body.joint;
+        let point = state.position + state.rotation * joint.on_child.translation.vector;
+        let parent = body.parent.map_or(WORLD.rotation, |parent| bodies[parent].rotation);
+        let on_parent = parent * joint.on_parent.rotation.matrix();
+        let on_child = state.rotation * joint.on_child.rotation.matrix();
+        let axes = match joint.kind.rotation() {
+            FreeRotation::None => 0..0,
+            FreeRotation::AboutZ => 2..3,
+            FreeRotation::Ball => 0..3,
+        };
+        let slides = joint.kind.translation_axes().iter().map(|&axis| (false, on_parent.column(axis).into_owned()));
+        let turns = axes.map(|axis| (true, on_child.column(axis).into_owned()));
+        screws.extend(slides.chain(turns).map(|(turns, axis)| Screw { turns, axis, point }));
+    }
+    screws
+}
+
+/// The bodies between each end of a loop and where the branches meet.
+pub fn circuit(mechanism: &Mechanism, joint: &LoopJoint) -> [Vec<usize>; 2] {
+    let above = |end: Option<usize>| -> Vec<usize> {
+        std::iter::successors(end, |&body| mechanism.bodies[body].parent).collect()
+    };
+    let branches = [above(joint.a.body), above(joint.b.body)];
+    let common = branches[0].iter().rev().zip(branches[1].iter().rev()).take_while(|(one, other)| one == other).count();
+    branches.map(|mut branch| {
+        branch.truncate(branch.len() - common);
+        branch
+    })
+}
+
+/// The size of every loop (m).
+fn sizes(mechanism: &Mechanism, bodies: &[BodyState], circuits: &[[Vec<usize>; 2]]) -> Vec<f64> {
+    let mut far = 0.0_f64;
+    let own: Vec<f64> = mechanism
+        .loops
+        .iter()
+        .zip(circuits)
+        .map(|(joint, circuit)| {
+            let of_body = |&body: &usize| {
+                let child = &mechanism.bodies[body].joint.on_child.translation.vector;
+                bodies[body].position + bodies[body].rotation * child
+            };
+            let mut points: Vec<Vector3<f64>> = circuit.iter().flatten().map(of_body).collect();
+            points.extend([&joint.a, &joint.b].map(|end| end.place(bodies).0));
+            far = points.iter().fold(far, |far, point| far.max(point.amax()));
+            // Within a factor of the square root of three of the largest distance, in linear time.
+            let extent = |axis: usize| {
+                let of = |by: fn(f64, f64) -> f64, from: f64| points.iter().map(|point| point[axis]).fold(from, by);
+                of(f64::max, f64::NEG_INFINITY) - of(f64::min, f64::INFINITY)
+            };
+            (0..3).map(extent).fold(0.0, f64::max)
+        })
+        .collect();
+    let largest = own.iter().fold(0.0_f64, |most, &size| most.max(size));
+    let smallest = (SMALLEST * largest).max(UNIT_OF_PLACES * far);
+    own.into_iter().map(|size| size.max(smallest)).map(|size| if size > 0.0 { size } else { 1.0 }).collect()
+}
