@@ -5,10 +5,14 @@
 //! as defect/h.
 
 use crate::instant::limits::{close_within_limits, within_limits};
+use crate::lobatto::coupled::deciding::{Decided, known_of_steps};
+use crate::lobatto::coupled::known::Known;
 use crate::lobatto::coupled::projection::{Projected, Projection};
 use crate::lobatto::stages::start::Start;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
+use crate::mechanism::structure::ranks::counting::Ranks;
+use crate::mechanism::structure::ranks::lending::lent_inertia;
 
 /// A gap that the projection leaves larger than this [m, rad] is a mechanism that does not close.
 const OPEN: f64 = 1e-9;
@@ -77,28 +81,6 @@ pub enum AssemblyError {
     Contradiction { closure: String, rate: f64 },
 }
 
-/// Equations that are redundant in a state and not beside it: more than none in a singular position, where a mechanism has
-/// more freedom for an instant and may leave on one of several branches.
-///
-/// The neighbour is a configuration some 10⁻³ (rad, m) away, in no direction that any mechanism is likely to prefer, put
-/// back on the closures.
-pub fn extra_freedom(mechanism: &Mechanism, state: &State) -> usize {
-    let here = redundancy(mechanism, state).count();
-    if here == 0 {
-        return 0;
-    }
-    let aside: Vec<f64> =
-        (0..mechanism.velocity_count).map(|freedom| 1e-3 * (1.7 * freedom as f64 + 0.4).sin()).collect();
-    let mut neighbour = state.clone();
-    neighbour.displace(mechanism, &aside);
-    let (mut projection, mut start) = (Projection::new(mechanism), Start::new(mechanism));
-    let Projected { gap, .. } = projection.positions(mechanism, &mut start, &mut neighbour);
-    if gap.is_nan() || gap > OPEN {
-        return 0;
-    }
-    here.saturating_sub(redundancy(mechanism, &neighbour).count())
-}
-
 /// The name of a closure: the loops first, then the mimics.
 pub fn closure_name(mechanism: &Mechanism, closure: usize) -> &str {
     match mechanism.loops.get(closure) {
@@ -118,6 +100,9 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
     }
     let mut projection = Projection::new(mechanism);
     let mut start = Start::new(mechanism);
+    // Where the start is not closed yet the directions are those nearby.
+    let lent = lent_inertia(mechanism, state, &Ranks::at(mechanism, state));
+    projection.heed(Known { lent, ..Known::default() });
     let wanted = state.clone();
     let Projected { mut gap, mut worst, .. } = projection.positions(mechanism, &mut start, state);
     if within_limits(mechanism, &wanted) && !within_limits(mechanism, state) {
@@ -130,8 +115,16 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
     if gap.is_nan() || gap > OPEN {
         return Err(AssemblyError::Open { closure: closure_name(mechanism, worst).to_string(), gap });
     }
+    // Once it is closed it is known what is implied, which closes it to rounding.
+    let known = known_of_steps(mechanism, state, &mut projection, &mut start);
+    projection.heed(Known { still: Vec::new(), locked: Vec::new(), ..known });
+    projection.positions(mechanism, &mut start, state);
     let changes = state.position.iter().zip(&wanted.position).map(|(after, before)| (after - before).abs());
     correction.position = changes.fold(0.0, f64::max);
+    start.set(mechanism, state);
+    let decided = Decided::at(mechanism, state);
+    let known = known_of_steps(mechanism, state, &mut projection, &mut start);
+    projection.heed(known);
     start.set(mechanism, state);
     let fastest = state.velocity.iter().fold(1.0_f64, |most, rate| most.max(rate.abs()));
     let Projected { gap: rate, worst, correction: changed } =
@@ -140,24 +133,19 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
         return Err(AssemblyError::Contradiction { closure: closure_name(mechanism, worst).to_string(), rate });
     }
     correction.velocity = changed;
-    if state.velocity.iter().all(|rate| rate.abs() < AT_REST) {
-        let extra = extra_freedom(mechanism, state);
-        if extra > 0 {
-            return Err(AssemblyError::Undecided { extra });
-        }
+    // What cannot move does not have to decide where to.
+    if decided.singular > 0 && state.velocity.iter().all(|rate| rate.abs() < AT_REST) {
+        return Err(AssemblyError::Undecided { extra: decided.singular });
     }
     Ok(correction)
 }
 
-/// Which equations are redundant at the configuration of a state.
+/// Which equations are redundant in a run from a state: those that are so there and, where that is a singular position, beside it.
 pub fn redundancy(mechanism: &Mechanism, state: &State) -> Redundancy {
     if !mechanism.has_closures() {
         return Redundancy::default();
     }
-    let mut projection = Projection::new(mechanism);
-    let mut start = Start::new(mechanism);
-    start.set(mechanism, state);
-    let closures = projection.redundant(&start);
+    let closures = Decided::at(mechanism, state).ranks.implied;
     let mut redundant: Vec<(String, usize)> = Vec::new();
     for closure in closures.iter().filter(|(_, implied)| *implied).map(|(closure, _)| *closure) {
         let name = closure_name(mechanism, closure);

@@ -10,6 +10,7 @@
 //! unique; the one with the least `Σ s μ²` is taken, s the mobility of each equation, and what a joint of a loop carries
 //! then depends on that choice as it does on nature's.
 
+use crate::lobatto::coupled::deciding::known;
 use crate::lobatto::coupled::projection::Projection;
 use crate::lobatto::stages::start::Start;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
@@ -40,6 +41,8 @@ struct Closing {
     start: Start,
     state: State,
     multipliers: Vec<f64>,
+    /// Whether it is decided what is known of the closures, in the first state that was asked for.
+    decided: bool,
 }
 
 /// What a loop joint carries.
@@ -58,7 +61,13 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         let closing = mechanism.has_closures().then(|| {
             let projection = Projection::new(mechanism);
             let multipliers = vec![0.0; projection.row_count()];
-            Closing { projection, start: Start::new(mechanism), state: State::zero(mechanism), multipliers }
+            Closing {
+                projection,
+                start: Start::new(mechanism),
+                state: State::zero(mechanism),
+                multipliers,
+                decided: false,
+            }
         });
         let count = mechanism.bodies.len();
         Reactions {
@@ -80,10 +89,13 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         let mechanism = (*mechanism).borrow();
         self.ode.accelerations_of_placed(position, velocity, bodies, joint_accelerations);
         // The tree's joint accelerations are corrected for the closures.
-        if let Some(Closing { projection, start, state, multipliers }) = closing {
+        if let Some(Closing { projection, start, state, multipliers, decided }) = closing {
             state.position.copy_from_slice(position);
             state.velocity.copy_from_slice(velocity);
             start.set(mechanism, state);
+            if !std::mem::replace(decided, true) {
+                projection.heed(known(mechanism, state));
+            }
             projection.accelerations(start, joint_accelerations, multipliers, |joints, out| {
                 body_accelerations(mechanism, bodies, velocity, joints, accelerations);
                 gap_accelerations(mechanism, bodies, joints, accelerations, out);

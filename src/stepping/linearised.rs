@@ -29,6 +29,7 @@
 use crate::dynamics::Dynamics;
 use crate::fastest_mode::first_direction;
 use crate::watch::{Mode, Transient};
+use catena_lobatto::coupled::known::Known;
 use catena_lobatto::coupled::projection::Projection;
 use catena_lobatto::plan::tree::Plan;
 use catena_lobatto::stages::start::Start;
@@ -166,6 +167,13 @@ impl Linearised {
     /// Forgets the mode.
     pub fn forget(&mut self) {
         first_direction(&mut self.direction);
+    }
+
+    /// Takes over what is known of the closures.
+    pub fn heed(&mut self, known: &Known) {
+        if let Some(closing) = &mut self.motion.closing {
+            closing.projection.heed(known.of_freedoms());
+        }
     }
 
     /// The mode at a state, from below, after some power iterations; zero where nothing is stiff or the state is not finite.

@@ -8,6 +8,7 @@ use crate::fastest_mode::Fastest;
 use crate::linearised::Linearised;
 use crate::pace::Pace;
 use crate::watch::{Mode, Transient};
+use catena_lobatto::coupled::known::Known;
 use catena_lobatto::plan::tree::Plan;
 use catena_lobatto::stages::start::Start;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -47,6 +48,13 @@ impl Modes {
         self.fastest.forget();
         if let Some(linearised) = &mut self.linearised {
             linearised.forget();
+        }
+    }
+
+    /// Takes over what is known of the closures.
+    pub fn heed(&mut self, known: &Known) {
+        if let Some(linearised) = &mut self.linearised {
+            linearised.heed(known);
         }
     }
 

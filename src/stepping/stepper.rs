@@ -18,6 +18,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{SingularPosition, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
+use catena_mechanism::structure::ranks::counting;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -160,8 +161,14 @@ impl Stepper {
         let moved = self.left_at != Some(state.time) || *state != self.end;
         if moved {
             self.kernel.begin(mechanism, state);
+            if mechanism.has_closures() {
+                self.ranks.ask(mechanism, state, state.time);
+            }
             self.watch.forget();
             self.modes.forget();
+            if let Some(known) = self.kernel.known() {
+                self.modes.heed(known);
+            }
         }
         moved
     }
@@ -205,7 +212,7 @@ impl Stepper {
         outcome.exchange = self.kernel.exchange();
         outcome.kept = self.kernel.take_kept();
         if let Some(redundant) = self.kernel.redundant() {
-            self.ranks.see(redundant, time);
+            self.ranks.see(redundant, mechanism, &self.end, time);
         }
         self.kernel.accept();
         self.origin.copy_from(state);
@@ -279,25 +286,44 @@ impl Stepper {
     }
 }
 
-/// Numbers of redundant equations at ends of steps.
+/// Where the solves leave more equations next to nothing than elsewhere, and kinematics agrees.
 #[derive(Clone, Copy, Debug, Default)]
 struct Ranks {
     fewest: Option<usize>,
     most: usize,
-    most_at: f64,
+    singular: Option<SingularPosition>,
+    /// How often kinematics did not agree.
+    refuted: usize,
 }
 
+/// Pivots below this part of the first are weak: some milliradians from a singular position.
+const WEAK: f64 = 1e-2;
+
+/// Kinematics is asked no more once it has not agreed so often: what solves leave of light bodies says nothing.
+const REFUTED: usize = 64;
+
 impl Ranks {
-    fn see(&mut self, redundant: usize, time: f64) {
+    fn see(&mut self, redundant: usize, mechanism: &Mechanism, state: &State, time: f64) {
+        let more = self.fewest.is_some_and(|fewest| redundant > self.most.max(fewest));
         self.fewest = Some(self.fewest.map_or(redundant, |fewest| fewest.min(redundant)));
-        if redundant > self.most {
-            (self.most, self.most_at) = (redundant, time);
+        if more && self.refuted < REFUTED {
+            self.ask(mechanism, state, time);
+            self.most = if self.singular.is_some_and(|seen| seen.time == time) { redundant } else { self.most };
+        }
+    }
+
+    /// Asks kinematics whether a position is singular.
+    fn ask(&mut self, mechanism: &Mechanism, state: &State, time: f64) {
+        let (rank, strong) = counting::Ranks::rank_and_strong(mechanism, state, WEAK);
+        if rank > strong {
+            self.singular = Some(SingularPosition { time, extra: rank - strong });
+        } else {
+            self.refuted += 1;
         }
     }
 
     fn singular(&self) -> Option<SingularPosition> {
-        let extra = self.most.saturating_sub(self.fewest?);
-        (extra > 0).then_some(SingularPosition { time: self.most_at, extra })
+        self.singular
     }
 }
 

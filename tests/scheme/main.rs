@@ -20,6 +20,7 @@ mod loops;
 mod order;
 mod planar;
 mod precise;
+mod ranks;
 mod refinement;
 mod reversible;
 mod snapshots;

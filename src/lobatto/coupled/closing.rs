@@ -1,5 +1,7 @@
 //! What keeps a state on the closures: the velocities at the end of a step, and what is interpolated inside it.
 
+use crate::coupled::deciding::known_of_steps;
+use crate::coupled::known::Known;
 use crate::coupled::projection::Projection;
 use crate::coupled::system::{Geometry, One};
 use catena_mechanism::description::mechanism::Mechanism;
@@ -16,6 +18,20 @@ impl<G: Geometry<One>> Closing<G> {
     /// With the projection for a mechanism.
     pub fn new(mechanism: &Mechanism, projection: Projection<G>) -> Self {
         Closing { projection, start: G::start(mechanism), state: State::zero(mechanism) }
+    }
+
+    /// Decides what is known of the closures in a state from which steps start ([`crate::coupled::deciding`]).
+    pub fn begin(&mut self, mechanism: &Mechanism, state: &State) {
+        let known = known_of_steps(mechanism, state, &mut self.projection, &mut self.start);
+        self.projection.heed(known);
+        self.state.copy_from(state);
+        self.projection.place(mechanism, &mut self.start, &self.state);
+        self.projection.find_empty(&self.start);
+    }
+
+    /// What is known of the closures, with the equations that were empty where the latest step ended.
+    pub fn known(&self) -> &Known {
+        self.projection.known()
     }
 
     /// Projects the velocities at the end of a step, which `start` has taken. Does not allocate.

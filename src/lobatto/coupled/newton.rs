@@ -8,6 +8,7 @@
 //! `λ_k = h² Λ_k` of the closures and their gaps `g_i` (m, rad): [`crate::coupled::system`], which has the elimination. A mimic is a closure
 //! of two freedoms, `g = q_follower − ratio · q_leader − offset`.
 
+use crate::coupled::known::Known;
 use crate::coupled::system::{Coupled, Geometry, Screw};
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::largest;
@@ -43,8 +44,11 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         Newton { coupled, geometry, mimics: Mimics::new(mechanism) }
     }
 
-    /// Takes the start of a step.
-    pub fn begin(&mut self, plan: &G::Plan, start: &G::Start) {
+    /// Takes the start of a step, and what is known of the closures.
+    pub fn begin(&mut self, plan: &G::Plan, start: &G::Start, known: Option<&Known>) {
+        if let Some(known) = known {
+            self.coupled.known.copy_from(known);
+        }
         self.geometry.begin(plan, start);
         self.coupled.begin();
     }
@@ -69,6 +73,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         });
         in_lanes!(V, coupled.push());
         coupled.solve(geometry, plan, start, displacement, increment);
+        coupled.known.locked_freedoms().for_each(|freedom| increment[freedom] = V::zero());
         in_lanes!(V, coupled.advance_multipliers());
         in_lanes!(V, largest(increment))
     }

@@ -1,10 +1,13 @@
 //! The operations of the elimination, one function each, compiled for the vectors on its own.
 
 use crate::coupled::front::{Fronts, Screws};
-use crate::coupled::system::{Coupled, Mixing, PROXIMAL, Resistance, first_lane};
+use crate::coupled::system::{Coupled, IMPLIED, Mixing, PROXIMAL, Resistance, first_lane};
 use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
 use crate::plan::elimination::{Column, Operation, TWIST, Unknown};
 use crate::plan::tree::Plan;
+
+/// A mobility of this part of the largest is less than what the rounding of a gradient leaves beside a body that is lighter by 1e15, which is 1e-32.
+const NOTHING: f64 = 1e-30;
 
 impl<V: Lanes> Coupled<V> {
     /// Empties a front for a twist.
@@ -87,21 +90,32 @@ impl<V: Lanes> Coupled<V> {
         measure: &[(usize, usize)],
     ) {
         in_lanes!(V, {
-            let mut largest = 0.0_f64;
+            let (mut largest, mut of_all) = (0.0_f64, 0.0_f64);
             for &(row, slot) in measure {
                 self.scales[row] = mobility(&mut self.fronts, level, slot, &self.mixing);
-                largest = largest.max(self.scales[row]);
+                of_all = of_all.max(self.scales[row]);
+                if !self.known.is_empty(row) {
+                    largest = largest.max(self.scales[row]);
+                }
             }
             for &(row, _) in measure {
-                // Nothing moves along this equation: any scale will do, but not zero.
-                if self.scales[row] <= PROXIMAL * largest {
+                let small = self.scales[row] <= PROXIMAL * of_all;
+                self.references[row] = if small && of_all > 0.0 { of_all } else { self.scales[row] };
+                if self.references[row] == 0.0 {
+                    self.references[row] = 1.0;
+                }
+                // Nothing moves along this equation: any scale will do, but not zero. A small mobility alone does not say so: that of a heavy
+                // body is, beside a light one.
+                let empty = self.known.is_empty(row) && self.scales[row] <= PROXIMAL * largest;
+                if empty || self.scales[row] <= NOTHING * largest {
                     self.scales[row] = if largest > 0.0 { largest } else { 1.0 };
                 }
             }
-            self.left_over[row] = mobility(&mut self.fronts, level, slot, &self.mixing) / self.scales[row];
+            self.left_over[row] = mobility(&mut self.fronts, level, slot, &self.mixing) / self.references[row];
             self.fronts.take_multiplier(level, slot, columns);
             if row < self.mimic_rows.end {
-                let proximal = V::splat(self.proximal * self.scales[row]);
+                let part = if self.known.is_implied(row) { IMPLIED } else { self.proximal };
+                let proximal = V::splat(part * self.scales[row]);
                 for k in 0..self.mixing.active {
                     let pivot = self.fronts.pivot();
                     pivot[k] = self.mixing.solve[k].mul_add(proximal, pivot[k]);
@@ -158,6 +172,15 @@ impl<V: Lanes> Coupled<V> {
         for k in 0..active {
             let block = self.fronts.right_block(right);
             block[k] = block[k] + first_lane::<V>(effort.as_ref()[k]);
+        }
+        let lent = self.known.lent_to(freedom);
+        if lent != 0.0 {
+            let lent = V::splat(lent);
+            for k in 0..active {
+                let entry = self.mixing.mass[k] * lent;
+                let pivot = self.fronts.pivot();
+                pivot[k] = pivot[k] + entry;
+            }
         }
         let resistance = self.in_joints[freedom];
         if resistance != Resistance::default() {

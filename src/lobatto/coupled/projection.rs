@@ -7,13 +7,17 @@
 //!
 //! The proximal term of the solve leaves a part ε of every gap, so that it is repeated, with the same factors, until nothing is left.
 
+use crate::coupled::equations::{equations, find_empty};
+use crate::coupled::known::Known;
+use crate::coupled::lent::{ROUNDS, Rounds, owed};
 use crate::coupled::space::Space;
-use crate::coupled::system::{Coupled, Geometry, One, PROXIMAL};
+use crate::coupled::system::{Coupled, Geometry, One};
 use crate::numbers::lanes::Lanes;
 use crate::plan::tree::Plan;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
+use catena_mechanism::structure::ranks::rows::{Row, circuit};
 use nalgebra::Vector3;
 
 /// The number in the only lane.
@@ -21,25 +25,13 @@ fn one(value: One) -> f64 {
     value.to_array()[0]
 }
 
-/// An equation whose mobility the others of its mechanism reduce to this part says nothing new: it falls with the square of
-/// the distance from where it is implied, so that a mechanism is singular within some 1e-5 rad of the position.
-const IMPLIED: f64 = 1e-10;
 /// What counts as nearly implied: the ε of ordinary solves leaves some 1e-8 of every mobility, and a milliradian from the
 /// position 1e-6.
 const WEAK: f64 = 1e-6;
-/// ε where ranks are counted: it leaves about as much of every mobility, and more of what weak equations imply, in proportion to it.
-const COUNTING: f64 = 1e-13;
-/// An equation that is left with so many times as much by another ε,
-const AS_MUCH_MORE: f64 = 10.0;
-/// which is this many times as large, has nothing but what ε leaves.
-const COARSER: f64 = 100.0;
 
 /// After a correction smaller than this (rad or m) the factors are good for the next, of which they leave such a part; unless the gaps
 /// show, beside a singular position, that they are not.
 const NEAR: f64 = 1e-6;
-
-/// Largest number of repetitions.
-const ROUNDS: usize = 40;
 
 /// The workspace of projections, in space unless it is said otherwise.
 pub struct Projection<G: Geometry<One> = Space<One>> {
@@ -53,6 +45,10 @@ pub struct Projection<G: Geometry<One> = Space<One>> {
     curvatures: Vec<f64>,
     /// Whether velocities that were projected last had to be solved for.
     solved: bool,
+    /// The bodies on the circuit of every loop, on the branches of its first and of its second end.
+    circuits: Vec<[Vec<usize>; 2]>,
+    /// The positions with the smallest gap so far, and what their roundings left out.
+    nearest: [Vec<f64>; 2],
 }
 
 /// How far a projection got.
@@ -90,10 +86,14 @@ impl Projection {
 impl<G: Geometry<One>> Projection<G> {
     /// The workspace for a mechanism in its geometry.
     pub fn of(mechanism: &Mechanism, geometry: G, plan: G::Plan) -> Self {
-        let coupled = Coupled::of_one(mechanism, &geometry);
+        let mut coupled = Coupled::of_one(mechanism, &geometry);
+        // Room for what every solve finds.
+        coupled.known.empty = vec![false; coupled.closure_of_row().len()];
         Projection {
             curvatures: vec![0.0; coupled.closure_of_row().len()],
             solved: false,
+            nearest: [vec![0.0; mechanism.position_count], vec![0.0; mechanism.position_count]],
+            circuits: mechanism.loops.iter().map(|joint| circuit(mechanism, joint)).collect(),
             coupled,
             geometry,
             plan,
@@ -146,6 +146,7 @@ impl<G: Geometry<One>> Projection<G> {
         if again {
             coupled.solve_again(G::tree(plan), &mut self.increment);
         } else {
+            find_empty(coupled, geometry, plan, start, &self.circuits);
             coupled.solve(geometry, plan, start, &self.displacement, &mut self.increment);
         }
         for (correction, increment) in self.correction.iter_mut().zip(&self.increment) {
@@ -157,22 +158,27 @@ impl<G: Geometry<One>> Projection<G> {
     pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> Projected {
         self.evaluate(start);
         let mut done = Projected::default();
-        let mut last = f64::INFINITY;
         self.solved = false;
+        let mut rounds = Rounds::default();
         for round in 0..ROUNDS {
             self.evaluate_rates(mechanism, start, velocity);
             (done.gap, done.worst) = self.largest_gap();
-            // Rounding: what is left does not fall any more.
-            if done.gap == 0.0 || done.gap.is_nan() || done.gap >= 0.5 * last {
+            if !rounds.go_on(done.gap, owed(&self.coupled.known, &self.correction, velocity)) {
                 break;
             }
-            last = done.gap;
+            self.coupled.owe(&self.correction, round > 0);
             self.solve(start, round > 0);
             self.solved = true;
             for (rate, correction) in velocity.iter_mut().zip(&self.correction) {
                 *rate += correction;
                 done.correction = done.correction.max(correction.abs());
             }
+        }
+        // Only now: what moves has its share of what their momenta were.
+        if !self.coupled.known.still.is_empty() {
+            self.coupled.known.still_freedoms().for_each(|freedom| velocity[freedom] = 0.0);
+            self.evaluate_rates(mechanism, start, velocity);
+            (done.gap, done.worst) = self.largest_gap();
         }
         done
     }
@@ -190,16 +196,30 @@ impl<G: Geometry<One>> Projection<G> {
             // Newton's first rounds may overshoot; rounding stalls.
             stalled = if done.gap < 0.5 * best { 0 } else { stalled + 1 };
             near &= done.gap < 0.1 * best;
-            best = best.min(done.gap);
+            if done.gap < best {
+                best = done.gap;
+                self.nearest[0].copy_from_slice(&state.position);
+                self.nearest[1].copy_from_slice(&state.compensation);
+            }
             if done.gap == 0.0 || (stalled > 0 && done.gap < 1e-14) || stalled > 8 || !done.gap.is_finite() {
                 break;
             }
+            self.coupled.owe(&self.correction, false);
             self.solve(start, near);
+            self.coupled.settle_lent(G::tree(&self.plan), &mut self.increment, &mut self.correction);
             self.shorten();
             state.displace(mechanism, &self.correction);
             let largest = self.correction.iter().fold(0.0_f64, |largest, correction| largest.max(correction.abs()));
             done.correction = done.correction.max(largest);
             near = largest < NEAR;
+        }
+        // The last round may have rounded more than it has closed.
+        if best < done.gap || done.gap.is_nan() && best.is_finite() {
+            state.position.copy_from_slice(&self.nearest[0]);
+            state.compensation.copy_from_slice(&self.nearest[1]);
+            self.place(mechanism, start, state);
+            self.evaluate(start);
+            (done.gap, done.worst) = self.largest_gap();
         }
         done
     }
@@ -234,17 +254,17 @@ impl<G: Geometry<One>> Projection<G> {
     ) {
         self.evaluate(start);
         multipliers.fill(0.0);
-        let mut last = f64::INFINITY;
+        let mut rounds = Rounds::default();
         for round in 0..ROUNDS {
             second_derivatives(acceleration, &mut self.curvatures);
             for (gap, &value) in self.coupled.gaps.iter_mut().zip(&self.curvatures) {
                 *gap = One::splat(value);
             }
             let (gap, _) = self.largest_gap();
-            if gap == 0.0 || gap.is_nan() || gap >= 0.5 * last {
+            if !rounds.go_on(gap, owed(&self.coupled.known, &self.correction, acceleration)) {
                 break;
             }
-            last = gap;
+            self.coupled.owe(&self.correction, round > 0);
             self.solve(start, round > 0);
             for (value, correction) in acceleration.iter_mut().zip(&self.correction) {
                 *value += correction;
@@ -253,6 +273,21 @@ impl<G: Geometry<One>> Projection<G> {
                 *sum += one(*increment);
             }
         }
+        // Only now: what holds them is in the multipliers.
+        for freedom in self.coupled.known.still_freedoms() {
+            acceleration[freedom] = 0.0;
+        }
+    }
+
+    /// Takes over what kinematics knows of the closures, but for the equations that are empty, which every solve finds itself.
+    pub fn heed(&mut self, known: Known) {
+        let empty = std::mem::take(&mut self.coupled.known.empty);
+        self.coupled.known = Known { empty, ..known };
+    }
+
+    /// What is known of the closures, with the equations that were empty at the latest solve.
+    pub fn known(&self) -> &Known {
+        &self.coupled.known
     }
 
     /// Number of equations that the others imply, or nearly imply, where velocities were projected last; `None` where they needed no
@@ -260,6 +295,18 @@ impl<G: Geometry<One>> Projection<G> {
     pub fn weak(&self) -> Option<usize> {
         let weak = |left: &&f64| left.is_nan() || left.abs() <= WEAK;
         self.solved.then(|| self.coupled.left_over.iter().filter(weak).count())
+    }
+
+    /// Finds the equations that are empty at the start of a step.
+    pub fn find_empty(&mut self, start: &G::Start) {
+        self.evaluate(start);
+        find_empty(&mut self.coupled, &self.geometry, &self.plan, start, &self.circuits);
+    }
+
+    /// The equations at the start of a step, dimensionless with the sizes of the loops and the lengths of the freedoms, but for those of the mimics.
+    pub fn equations(&mut self, start: &G::Start, sizes: &[f64], lengths: &[f64]) -> Vec<Row> {
+        self.evaluate(start);
+        equations(&self.coupled, &self.geometry, &self.plan, start, &self.circuits, [sizes, lengths])
     }
 
     /// The gaps of all equations at the start of a step.
@@ -277,20 +324,5 @@ impl<G: Geometry<One>> Projection<G> {
     /// Number of equations of all closures.
     pub fn row_count(&self) -> usize {
         self.coupled.closure_of_row().len()
-    }
-
-    /// For every equation its closure, and whether the equations before it imply it at this configuration.
-    pub fn redundant(&mut self, start: &G::Start) -> Vec<(usize, bool)> {
-        self.evaluate(start);
-        let [finer, coarser] = [COUNTING, COARSER * COUNTING].map(|proximal| {
-            self.coupled.proximal = proximal;
-            self.solve(start, false);
-            (self.coupled.left_over.clone(), self.coupled.mobilities())
-        });
-        self.coupled.proximal = PROXIMAL;
-        // In itself, because a closure of which nothing is left has no scale but what ε leaves.
-        let grows = finer.1.iter().zip(&coarser.1).map(|(finer, coarser)| coarser.abs() > AS_MUCH_MORE * finer.abs());
-        let implied = finer.0.iter().zip(grows).map(|(left, grows)| left.is_nan() || left.abs() <= IMPLIED || grows);
-        self.coupled.closure_of_row().iter().copied().zip(implied).collect()
     }
 }

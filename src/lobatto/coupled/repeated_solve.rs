@@ -7,7 +7,7 @@
 //!     z = rhs / P,        RHS_m ← RHS_m ∓ Y_m rhs
 //! ```
 //!
-//! on the way in, and on the way back the same as before.
+//! on the way in, with efforts along the freedoms if there are any, and on the way back the same as before.
 
 use crate::coupled::system::{Coupled, One};
 use crate::numbers::lanes::Lanes;
@@ -39,7 +39,8 @@ impl Coupled<One> {
                 Operation::Own { .. } => {}
                 Operation::Freedom { freedom, columns, .. } => {
                     let twist = self.right[front..front + width].iter().zip(&self.screws[*freedom]);
-                    let right = twist.map(|(entry, screw)| entry * screw.to_array()[0]).sum();
+                    let right: f64 = twist.map(|(entry, screw)| entry * screw.to_array()[0]).sum();
+                    let right = right + self.efforts[*freedom].to_array()[0];
                     self.forward(index, front, columns, right, |slot| slot < width);
                 }
                 Operation::Multiplier { slot, columns, .. } => {

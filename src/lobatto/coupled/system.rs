@@ -20,6 +20,7 @@
 //! With one stage, `B = Â = 1`, the same system projects velocities and positions on the closures ([`crate::coupled::projection`]).
 
 use crate::coupled::front::{Fronts, Screws};
+use crate::coupled::known::Known;
 use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
 use crate::plan::elimination::{Elimination, Operation, TWIST};
 use crate::plan::tree::Plan;
@@ -34,6 +35,10 @@ pub type One = Portable<1>;
 
 /// ε of all solves: large against the square of the gaps that iterates leave, small against what is weak.
 pub const PROXIMAL: f64 = 1e-8;
+
+/// ε of equations that others imply in the run. What iterates leave in them cannot be met, and is divided by it: with the ε of the others
+/// multipliers that nothing determines become a million times as large as those that hold the mechanism, and their roundings move it.
+pub const IMPLIED: f64 = 1e-2;
 
 /// A force and its torque about the common origin, or a twist, in the first components: six of them in space, three in a plane.
 pub type Screw<V> = [V; TWIST];
@@ -143,6 +148,8 @@ pub struct Coupled<V: Lanes> {
     pub step: f64,
     /// ε, as a part of the mobility of an equation.
     pub proximal: f64,
+    /// What kinematics knows of the closures.
+    pub known: Known,
     /// What every body resists with, about the common origin.
     pub bias: Vec<Screw<V>>,
     /// One entry a row: the direction in which its multiplier pushes on the second end of its loop, at the columns' and at the
@@ -163,7 +170,9 @@ pub struct Coupled<V: Lanes> {
     pub(crate) right: Vec<f64>,
     /// Mobility of every row in the direction of its own gradient, before the others of its closure.
     pub(crate) scales: Vec<f64>,
-    /// The part of it that the other rows leave.
+    /// The same, but that of the largest row for one with next to none.
+    pub(crate) references: Vec<f64>,
+    /// The part of that which the other rows leave.
     pub left_over: Vec<f64>,
 }
 
@@ -232,6 +241,7 @@ impl<V: Lanes> Coupled<V> {
             efforts: vec![V::zero(); mechanism.velocity_count],
             step: 0.0,
             proximal: PROXIMAL,
+            known: Known::default(),
             bias: vec![nothing; bodies],
             gradients: vec![[nothing; 2]; rows],
             gaps: vec![V::zero(); rows],
@@ -244,14 +254,10 @@ impl<V: Lanes> Coupled<V> {
             right: vec![0.0; elimination.levels * elimination.slots],
             kept_at,
             scales: vec![0.0; rows],
+            references: vec![0.0; rows],
             left_over: vec![0.0; rows],
             elimination,
         }
-    }
-
-    /// What was left of the mobility of every row when it was eliminated.
-    pub fn mobilities(&self) -> Vec<f64> {
-        self.left_over.iter().zip(&self.scales).map(|(part, scale)| part * scale).collect()
     }
 
     /// Factors the system and solves it: fills the increments of the freedoms. Not inlined anywhere: every operation is

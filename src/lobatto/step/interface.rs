@@ -1,6 +1,7 @@
 //! What a step is to those who string steps together: when its iteration ends, how an attempt at it ended, and what can be asked
 //! of it. It is made by [`crate::step::kernel`], to 32 digits by [`crate::step::precise`].
 
+use crate::coupled::known::Known;
 use crate::stages::attempt::{Attempt, Guess, StopRule};
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
@@ -28,6 +29,10 @@ pub trait Step: Send {
     fn exchange(&self) -> Exchange;
     /// How many iterations have kept the factors of an earlier one since this was asked last.
     fn take_kept(&mut self) -> usize;
+    /// What is known of the closures, if there are any, since a state was taken that no step had left.
+    fn known(&self) -> Option<&Known> {
+        None
+    }
     /// Number of equations of the closures that the others imply at the end of the finished step; `None` without closures, and where
     /// nothing had to be projected there.
     fn redundant(&self) -> Option<usize>;

@@ -164,14 +164,14 @@ impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
     }
 
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
-        let Kernel { workspace, newton, tableau, .. } = self;
+        let Kernel { workspace, newton, tableau, closing, .. } = self;
         let newton = newton.get_or_insert_with(|| {
             let geometry = workspace.geometry(mechanism, moved_rows(tableau.stages - 1), true);
             Box::new(Newton::new(mechanism, geometry, tableau))
         });
         workspace.begin_exactly();
         let StageUnknowns { plan, start, .. } = workspace.stage_unknowns();
-        newton.begin(plan, start);
+        newton.begin(plan, start, closing.as_ref().map(Closing::known));
         iteration::solve(&mut Exact(self), &exact_rule(mechanism, rule))
     }
 

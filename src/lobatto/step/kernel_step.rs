@@ -5,6 +5,7 @@
 //! ```
 
 use crate::coupled::closing::Closing;
+use crate::coupled::known::Known;
 use crate::numbers::extended::Extended;
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::{at_end, weigh, write_ends};
@@ -53,6 +54,9 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
         self.predictor.forget();
         self.chord = Chord::NEW;
         self.exact_for = exact_at_first(mechanism);
+        if let Some(closing) = &mut self.closing {
+            closing.begin(mechanism, state);
+        }
     }
 
     fn drive(&mut self, efforts: &[f64]) {
@@ -100,6 +104,10 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
 
     fn take_kept(&mut self) -> usize {
         self.chord.take_count()
+    }
+
+    fn known(&self) -> Option<&Known> {
+        self.closing.as_ref().map(Closing::known)
     }
 
     fn redundant(&self) -> Option<usize> {

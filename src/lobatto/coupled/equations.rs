@@ -1,0 +1,85 @@
+//! The equations of closures at one configuration as kinematics sees them: which of them are empty, and all of them without dimension.
+//!
+//! With the direction `(f, t)` in which the multiplier of a row pushes and the screw `(v, ω)` of a freedom on the circuit of its loop, both about
+//! the common origin ([`crate::coupled::system`]),
+//!
+//! ```text
+//!     J_ix = ± (f · v + t · ω)        + on the branch of the second end, − on that of the first           [1], [m], [1/m]
+//!     A_ix = J_ix L_x / L_i           with the lengths of [`catena_mechanism::structure::ranks`]
+//!     empty:   |f · v + t · ω| <= 1e-10 (Σ |f_k v_k| + Σ |t_k ω_k|)   for every freedom
+//! ```
+
+use crate::coupled::system::{Coupled, Geometry, One};
+use crate::numbers::lanes::Lanes;
+use catena_mechanism::structure::ranks::rows::Row;
+
+/// An equation is empty where its gradient along every freedom is this part of the sum of magnitudes that it is rounded from.
+const EMPTY: f64 = 1e-10;
+
+/// Finds the equations of the loops whose gradients at the start of a step are rounding.
+pub(crate) fn find_empty<G: Geometry<One>>(
+    coupled: &mut Coupled<One>,
+    geometry: &G,
+    plan: &G::Plan,
+    start: &G::Start,
+    circuits: &[[Vec<usize>; 2]],
+) {
+    let loops = coupled.closure_of_row().partition_point(|&closure| closure < circuits.len());
+    let mut empty = std::mem::take(&mut coupled.known.empty);
+    empty.resize(loops, true);
+    empty.fill(true);
+    for (row, empty) in empty.iter_mut().enumerate() {
+        let direction = coupled.direction(row);
+        let bodies = &circuits[coupled.closure_of_row()[row]];
+        let moves = |body: usize, freedom: usize| {
+            let screw = geometry.screws(plan, start, &[], body, freedom).columns;
+            let (mut sum, mut magnitude) = (0.0_f64, 0.0);
+            for (direction, screw) in direction.iter().zip(screw).take(G::WIDTH) {
+                sum += direction * one(screw);
+                magnitude += (direction * one(screw)).abs();
+            }
+            sum.abs() > EMPTY * magnitude
+        };
+        *empty = !bodies
+            .iter()
+            .flatten()
+            .any(|&body| G::tree(plan).bodies[body].freedoms().any(|freedom| moves(body, freedom)));
+    }
+    coupled.known.empty = empty;
+}
+
+/// The equations of the loops at the start of a step, dimensionless with the sizes of the loops and the lengths of the freedoms.
+pub(crate) fn equations<G: Geometry<One>>(
+    coupled: &Coupled<One>,
+    geometry: &G,
+    plan: &G::Plan,
+    start: &G::Start,
+    circuits: &[[Vec<usize>; 2]],
+    [sizes, lengths]: [&[f64]; 2],
+) -> Vec<Row> {
+    let loops = coupled.closure_of_row().partition_point(|&closure| closure < circuits.len());
+    let row = |row: usize| {
+        let (closure, direction) = (coupled.closure_of_row()[row], coupled.direction(row));
+        // The force part is first; without it an equation is one of angles.
+        let angles = direction[..G::WIDTH.div_ceil(2)].iter().all(|&component| component == 0.0);
+        let unit = if angles { 1.0 } else { sizes[closure] };
+        let mut entries = Vec::new();
+        for (bodies, sign) in circuits[closure].iter().zip([-1.0, 1.0]) {
+            for &body in bodies {
+                for freedom in G::tree(plan).bodies[body].freedoms() {
+                    let screw = geometry.screws(plan, start, &[], body, freedom).columns;
+                    let along = direction.iter().zip(screw).take(G::WIDTH).map(|(a, b)| a * one(b)).sum::<f64>();
+                    entries.push((freedom, sign * along * lengths[freedom] / unit));
+                }
+            }
+        }
+        entries.sort_unstable_by_key(|(freedom, _)| *freedom);
+        Row { closure, entries, gap: one(coupled.gaps[row]).abs() / unit }
+    };
+    (0..loops).map(row).collect()
+}
+
+/// The number in the only lane.
+fn one(value: One) -> f64 {
+    value.to_array()[0]
+}

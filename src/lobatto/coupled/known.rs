@@ -1,0 +1,63 @@
+//! What is known of the closures before any solve, by kinematics ([`catena_mechanism::structure::ranks`]).
+
+/// Which equations are empty, which freedoms are still, and what light ones are lent.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Known {
+    /// For every equation of the loops whether nothing moves along it here: its gradient is rounding. Such an equation has no scale of its own.
+    pub empty: Vec<bool>,
+    /// For every equation whether the others imply it in the run; empty if none is implied, or nothing is known of that.
+    pub implied: Vec<bool>,
+    /// For every freedom whether it cannot move; empty if all can.
+    pub still: Vec<bool>,
+    /// For every freedom whether it and all that closures tie to it cannot move; empty if there is none such.
+    pub locked: Vec<bool>,
+    /// Inertia that the matrix has besides that of the bodies, for every freedom [kg m² or kg]; empty if there is none.
+    pub lent: Vec<f64>,
+}
+
+impl Known {
+    /// Takes over what another knows. Does not allocate once it has.
+    pub fn copy_from(&mut self, other: &Known) {
+        self.empty.clone_from(&other.empty);
+        self.implied.clone_from(&other.implied);
+        self.still.clone_from(&other.still);
+        self.locked.clone_from(&other.locked);
+        self.lent.clone_from(&other.lent);
+    }
+
+    /// What is known of the freedoms alone: equations are others in a plane and in space.
+    pub fn of_freedoms(&self) -> Known {
+        Known { empty: Vec::new(), implied: Vec::new(), ..self.clone() }
+    }
+
+    /// What a freedom is lent.
+    #[inline(always)]
+    pub fn lent_to(&self, freedom: usize) -> f64 {
+        self.lent.get(freedom).copied().unwrap_or(0.0)
+    }
+
+    /// Whether an equation is empty.
+    pub fn is_empty(&self, row: usize) -> bool {
+        self.empty.get(row).copied().unwrap_or(false)
+    }
+
+    /// Whether the others imply an equation.
+    pub fn is_implied(&self, row: usize) -> bool {
+        self.implied.get(row).copied().unwrap_or(false)
+    }
+
+    /// The freedoms that cannot move.
+    pub fn still_freedoms(&self) -> impl Iterator<Item = usize> {
+        numbers(&self.still)
+    }
+
+    /// The freedoms that cannot move, nor anything that closures tie to them: not even roundings of gaps have to be made up for.
+    pub fn locked_freedoms(&self) -> impl Iterator<Item = usize> {
+        numbers(&self.locked)
+    }
+}
+
+/// The numbers of what is true.
+fn numbers(flags: &[bool]) -> impl Iterator<Item = usize> {
+    flags.iter().enumerate().filter_map(|(number, &flag)| flag.then_some(number))
+}
