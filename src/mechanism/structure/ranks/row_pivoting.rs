@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_row_that_others_imply_is_left_over_and_the_last_of_equals() {
+    fn rows_that_others_imply_are_left_over_and_of_equally_long_ones_the_last() {
         let rows = vec![vec![1.0, 0.0, 1.0], vec![0.0, 2.0, 0.0], vec![1.0, 2.0, 1.0], vec![0.0, 2.0, 0.0]];
         let found = pivoted(rows, 1e-10);
         let mut order = found.order.clone();
