@@ -44,8 +44,10 @@ impl Decided {
         if here.freedoms() == 0 || !(redundant || here.still.contains(&true)) {
             return Decided { singular: 0, still: here.still.clone(), ranks: here };
         }
-        let beside: Vec<Ranks> =
-            neighbours(mechanism, state, &here).iter().map(|neighbour| Ranks::at(mechanism, neighbour)).collect();
+        let beside: Vec<Ranks> = neighbours(mechanism, state, &here, &lent_inertia(mechanism, state, &here))
+            .iter()
+            .map(|neighbour| Ranks::at(mechanism, neighbour))
+            .collect();
         let moves_nowhere = |freedom: &usize| beside.iter().all(|ranks| ranks.still[*freedom]) && !beside.is_empty();
         let still = (0..here.still.len())
             .map(|freedom| here.still[freedom] && (here.locked[freedom] || moves_nowhere(&freedom)));
@@ -57,12 +59,12 @@ impl Decided {
     }
 }
 
-/// Two states beside one, back on the closures; fewer where they could not be put there.
-fn neighbours(mechanism: &Mechanism, state: &State, here: &Ranks) -> Vec<State> {
-    [0.4, 2.6].iter().filter_map(|&phase| neighbour(mechanism, state, here, phase)).collect()
+/// Two states beside one, back on the closures, with the inertia that is lent in that one; fewer where they could not be put there.
+fn neighbours(mechanism: &Mechanism, state: &State, here: &Ranks, lent: &[f64]) -> Vec<State> {
+    [0.4, 2.6].iter().filter_map(|&phase| neighbour(mechanism, state, here, lent, phase)).collect()
 }
 
-fn neighbour(mechanism: &Mechanism, state: &State, here: &Ranks, phase: f64) -> Option<State> {
+fn neighbour(mechanism: &Mechanism, state: &State, here: &Ranks, lent: &[f64], phase: f64) -> Option<State> {
     let aside: Vec<f64> = here
         .lengths
         .iter()
@@ -72,7 +74,7 @@ fn neighbour(mechanism: &Mechanism, state: &State, here: &Ranks, phase: f64) -> 
     let mut neighbour = state.clone();
     neighbour.displace(mechanism, &aside);
     let (mut projection, mut start) = (Projection::new(mechanism), Start::new(mechanism));
-    let mut known = Known { lent: lent_inertia(mechanism, state, here), ..Known::default() };
+    let mut known = Known { lent: lent.to_vec(), ..Known::default() };
     projection.heed(known.clone());
     let first = projection.positions(mechanism, &mut start, &mut neighbour).gap;
     // Where much is redundant all equations alike leave roundings; where the position is singular those that are implied here are needed beside.
@@ -116,7 +118,7 @@ pub fn known_of_steps<G: Geometry<One>>(
     let mut best = ranks_at(state);
     if best.implied.iter().any(|(_, implied)| *implied) {
         if best.freedoms() > 0 {
-            for neighbour in neighbours(mechanism, state, &Ranks::at(mechanism, state)) {
+            for neighbour in neighbours(mechanism, state, &Ranks::at(mechanism, state), &known.lent) {
                 let beside = ranks_at(&neighbour);
                 best = if beside.rank() > best.rank() { beside } else { best };
             }

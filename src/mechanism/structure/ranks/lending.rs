@@ -37,8 +37,9 @@ pub fn lent_inertia(mechanism: &Mechanism, state: &State, ranks: &Ranks) -> Vec<
     let factor = factor(mechanism, state, &ranks.lengths);
     let units = DMatrix::identity(count, count);
     let directions = DMatrix::from_fn(count, free.len(), |row, column| free[column][row]);
-    let (alone, together) = (mobilities(&factor, &units), mobilities(&factor, &directions));
     let largest = factor.column_iter().map(|column| column.norm_squared()).fold(0.0, f64::max);
+    let triangle = triangle(factor);
+    let (alone, together) = (mobilities(&triangle, &units), mobilities(&triangle, &directions));
     let lent: Vec<f64> = (0..count)
         .map(|freedom| {
             let inertia = LENT * (1.0 / together[freedom]).min(largest);
@@ -78,6 +79,14 @@ fn factor(mechanism: &Mechanism, state: &State, lengths: &[f64]) -> DMatrix<f64>
     let mut order: Vec<usize> = (0..factor.nrows()).collect();
     order.sort_by(|&one, &other| factor.row(other).amax().total_cmp(&factor.row(one).amax()));
     factor.select_rows(&order)
+}
+
+/// `R Pᵀ` of `B P = Q R`, which has the same products as B, in no more rows than there are freedoms.
+fn triangle(factor: DMatrix<f64>) -> DMatrix<f64> {
+    let factors = factor.col_piv_qr();
+    let mut triangle = factors.r();
+    factors.p().inv_permute_columns(&mut triangle);
+    triangle
 }
 
 /// `[Z (Zᵀ Bᵀ B Z)⁻¹ Zᵀ]_xx` for every freedom x; infinite where a direction moves nothing.
