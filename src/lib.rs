@@ -45,6 +45,7 @@ pub mod drawing;
 pub mod instant;
 pub mod model;
 pub mod output;
+pub mod prelude;
 pub mod scene;
 pub mod simulation;
 #[doc(hidden)]
@@ -57,13 +58,3 @@ pub use catena_lobatto as lobatto;
 pub use catena_mechanism as mechanism;
 pub use catena_reduced as reduced;
 pub use catena_stepping as stepping;
-
-/// The names that most programs need.
-pub mod prelude {
-    pub use crate::mechanism::description::joint::{Joint, JointKind, Pose};
-    pub use crate::mechanism::description::mechanism::{Body, Mechanism};
-    pub use crate::mechanism::motion::state::State;
-    pub use crate::model::{Model, ModelOptions};
-    pub use crate::scene::{PackagePath, read_scene, read_urdf};
-    pub use crate::simulation::{Observer, Simulation, SimulationOptions, StepChoice};
-}
