@@ -210,7 +210,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let ended = simulation.run();
         (ended, half.and_then(|half| half.join().ok().flatten()))
     });
-    let Finished { state, summary, method, islands } = simulation.finish();
+    let Finished { state, summary, method, islands, .. } = simulation.finish();
     if let Some(progress) = &progress {
         progress.clear();
     }

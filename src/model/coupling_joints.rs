@@ -50,7 +50,7 @@ impl Builder<'_> {
                 Stand { file: file.to_path_buf(), line: joint.line, element: Element::Joint(joint.name.clone()) };
             self.record(robot, &joint.name)?.body?;
             let coordinate = self.coordinate(robot, &joint.name, &stand).ok()?;
-            Some(JointLimit { coordinate, lower, upper })
+            Some(JointLimit { coordinate, lower, upper, restitution: 0.0 })
         });
         limits.collect()
     }

@@ -55,7 +55,8 @@ impl Integrator for Euler {
         self.ode.accelerations(&state.position, &state.velocity, &mut self.velocity);
         // As accurate as the method.
         let powers = self.ode.powers(&state.velocity);
-        let exchange = Exchange { dissipated: step * powers.dissipated, work: step * powers.work };
+        let exchange =
+            Exchange { dissipated: step * powers.dissipated, work: step * powers.work, ..Exchange::default() };
         for (entry, &old) in self.velocity.iter_mut().zip(&state.velocity) {
             *entry = old + step * *entry;
         }

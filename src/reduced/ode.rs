@@ -211,7 +211,9 @@ impl ReducedOde {
     pub fn exchange(&self, start: &[f64], end: &[f64]) -> Exchange {
         let first = self.position_count + self.velocity_count;
         match (&start[first..], &end[first..]) {
-            ([dissipated, work], [later, more]) => Exchange { dissipated: later - dissipated, work: more - work },
+            ([dissipated, work], [later, more]) => {
+                Exchange { dissipated: later - dissipated, work: more - work, ..Exchange::default() }
+            }
             _ => Exchange::default(),
         }
     }
@@ -243,7 +245,7 @@ impl ReducedOde {
         let (position, rest) = y.split_at(self.position_count);
         let (velocity, exchange) = rest.split_at(self.velocity_count);
         if let (Some(forced), &[dissipated, work]) = (&mut self.forced, exchange) {
-            forced.total = Exchange { dissipated, work };
+            forced.total = Exchange { dissipated, work, ..Exchange::default() };
         }
         state.position.copy_from_slice(position);
         state.compensation.fill(0.0);

@@ -2,12 +2,13 @@
 
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, StepError};
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::simulation::observer::show;
-use crate::simulation::summary::Bookkeeper;
+use crate::simulation::summary::{Bookkeeper, KEPT_EVENTS};
 use crate::simulation::{Observer, ObserverError, Sample, Summary};
 use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -81,6 +82,10 @@ pub(crate) struct Course {
     /// Time on the wall that the steps of a call of [`Course::proceed`] took.
     solving: Duration,
     bookkeeper: Bookkeeper,
+    /// The events of the last step.
+    happened: Vec<Event>,
+    /// The first ones of the run.
+    events: Vec<Event>,
 }
 
 impl Course {
@@ -96,6 +101,8 @@ impl Course {
             bodies: body_states(mechanism, state),
             solving: Duration::ZERO,
             bookkeeper: Bookkeeper::new(mechanism, state),
+            happened: Vec::new(),
+            events: Vec::new(),
         }
     }
 
@@ -167,6 +174,7 @@ impl Course {
             let outcome = integrator.step(mechanism, inputs, state, end);
             self.solving += clock.elapsed();
             let outcome = outcome?;
+            self.see_events(integrator, observers);
             place_bodies(mechanism, state, &mut self.bodies);
             self.bookkeeper.record(mechanism, state, &self.bodies, outcome);
             observers.iter_mut().for_each(|observer| observer.step(&self.bookkeeper.last));
@@ -186,6 +194,24 @@ impl Course {
             }
         }
         Ok(())
+    }
+
+    /// Counts the events of the last step, and shows them.
+    fn see_events(&mut self, integrator: &mut dyn Integrator, observers: &mut [&mut dyn Observer]) {
+        self.happened.clear();
+        integrator.take_events(&mut self.happened);
+        for event in &self.happened {
+            self.bookkeeper.summary.events.count(event.kind);
+            if self.events.len() < KEPT_EVENTS {
+                self.events.push(*event);
+            }
+            observers.iter_mut().for_each(|observer| observer.event(event));
+        }
+    }
+
+    /// The first events so far.
+    pub(crate) fn events(&self) -> &[Event] {
+        &self.events
     }
 
     fn show(&self, time: f64, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {

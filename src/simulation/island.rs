@@ -1,6 +1,7 @@
 //! One island of a run: its own loop, and what it has shown until the others have come as far.
 
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::Island;
@@ -38,6 +39,7 @@ pub(crate) struct IslandRun {
 pub(crate) struct Shown {
     pub(crate) samples: VecDeque<Kept>,
     pub(crate) steps: VecDeque<StepEnd>,
+    pub(crate) events: VecDeque<Event>,
 }
 
 /// A sample of one island.
@@ -56,6 +58,10 @@ impl Observer for Shown {
 
     fn step(&mut self, end: &StepEnd) {
         self.steps.push_back(*end);
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.events.push_back(*event);
     }
 }
 
@@ -99,7 +105,7 @@ impl IslandRun {
         else {
             return;
         };
-        let inputs = Inputs { efforts };
+        let inputs = Inputs::constant(efforts);
         let ended = course.proceed(&island.mechanism, inputs, state, lobatto, aim, options.interrupt, &mut [shown]);
         *failed = ended.err();
     }
@@ -108,7 +114,7 @@ impl IslandRun {
     pub(crate) fn take(&mut self, end: &StepEnd) {
         self.kinetic = end.energy.kinetic;
         self.exchange = end.exchange;
-        self.deviation = end.energy.total() - self.initial + (end.exchange.dissipated - end.exchange.work);
+        self.deviation = end.energy.total() - self.initial + end.exchange.lost();
         self.steps += 1;
         self.iterations += end.outcome.iterations;
     }

@@ -15,6 +15,7 @@
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::energy::energy_with_forces;
+use crate::mechanism::motion::event::JointStatus;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{FrequencyStep, Integrator, MethodDescription};
 use crate::mechanism::motion::kinematics::place_bodies;
@@ -124,6 +125,18 @@ impl Islands {
             together.step = stepped / steps as f64;
         }
         Some(together)
+    }
+
+    /// What the joint of each body of the whole is up to.
+    pub(crate) fn joint_statuses(&self, bodies: usize) -> Vec<JointStatus> {
+        let mut statuses = vec![JointStatus::default(); bodies];
+        for IslandRun { island, state, awake, .. } in &self.parts {
+            for body in 0..island.mechanism.bodies.len() {
+                let status = awake.as_ref().map(|own| own.joint_status(&island.mechanism, state, body));
+                statuses[island.body_of_whole(body)] = status.unwrap_or_default();
+            }
+        }
+        statuses
     }
 
     /// What each island did.

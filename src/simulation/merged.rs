@@ -4,11 +4,13 @@ use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::energy::{energy_with_forces, violation};
+use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::gaps::worse;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::simulation::island::{IslandRun, frontier};
+use crate::simulation::summary::KEPT_EVENTS;
 use crate::simulation::{Counts, Observer, RunError, RunOptions, Sample, StepEnd, Summary, show};
 use std::sync::atomic::Ordering;
 
@@ -35,6 +37,8 @@ pub(crate) struct MergedRun {
     waiting: Vec<(StepEnd, usize)>,
     /// Samples after the first that were shown while nothing moved.
     rested: u64,
+    /// The first events.
+    pub(crate) events: Vec<Event>,
 }
 
 impl MergedRun {
@@ -62,6 +66,7 @@ impl MergedRun {
             steps_before: 0,
             waiting: Vec::new(),
             rested: 0,
+            events: Vec::new(),
         }
     }
 
@@ -78,6 +83,7 @@ impl MergedRun {
                 Some(sample) if ready => sample.time,
                 _ => frontier(awake),
             };
+            self.take_events(awake, until, observers);
             self.take_steps(awake, until);
             if !ready {
                 return Ok(());
@@ -91,6 +97,24 @@ impl MergedRun {
             self.state.time = until;
             self.show(mechanism, observers)?;
         }
+    }
+
+    /// Takes all events up to `until`, and shows them.
+    fn take_events(&mut self, awake: &mut [&mut IslandRun], until: f64, observers: &mut [&mut dyn Observer]) {
+        let mut happened = Vec::new();
+        for IslandRun { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
+            let count = shown.events.partition_point(|event| event.time <= until);
+            let of_whole = |event: Event| Event { body: island.body_of_whole(event.body), ..event };
+            happened.extend(shown.events.drain(..count).map(of_whole));
+        }
+        // Stable: those of one instant stay in the order of the islands.
+        happened.sort_by(|a, b| a.time.total_cmp(&b.time));
+        for event in &happened {
+            self.summary.events.count(event.kind);
+            observers.iter_mut().for_each(|observer| observer.event(event));
+        }
+        let room = KEPT_EVENTS - self.events.len();
+        self.events.extend(happened.into_iter().take(room));
     }
 
     /// Takes all steps that end at or before `until`.
@@ -110,6 +134,8 @@ impl MergedRun {
             self.deviation += part.deviation - before.1;
             self.exchange.dissipated += part.exchange.dissipated - before.2.dissipated;
             self.exchange.work += part.exchange.work - before.2.work;
+            self.exchange.friction += part.exchange.friction - before.2.friction;
+            self.exchange.impacts += part.exchange.impacts - before.2.impacts;
             self.summary.count(&end.outcome, end.violation);
             self.since.step += end.outcome.step;
             self.since.iterations += end.outcome.iterations;

@@ -2,7 +2,7 @@
 
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::energy::{Energy, Violation};
-
+use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::integrator::StepOutcome;
 
 /// The mechanism at one sampled instant.
@@ -58,6 +58,10 @@ pub trait Observer {
 
     /// The end of a step, before the samples inside it.
     fn step(&mut self, _end: &StepEnd) {}
+
+    /// An event, before the end of the step at whose end it happened. Parts of a run that nothing connects hand over theirs between two samples of
+    /// the whole; those of one instant come in the order of the parts.
+    fn event(&mut self, _event: &Event) {}
 }
 
 /// Shows a sample to every observer.

@@ -8,8 +8,9 @@
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::MethodDescription;
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy::Calibration;
 use crate::simulation::course::{Aim, Course, RunError, RunOptions};
@@ -92,6 +93,10 @@ pub struct Finished {
     pub method: MethodDescription,
     /// What each island did, or several that were run together; nothing if there is only one.
     pub islands: Vec<IslandFigures>,
+    /// The first thousand events, in order of time.
+    pub events: Vec<Event>,
+    /// What the joint of each body is up to at the end.
+    pub joints: Vec<JointStatus>,
 }
 
 /// Why efforts cannot be taken.
@@ -192,7 +197,7 @@ impl<'s> Simulation<'s> {
 
     fn proceed(&mut self, until: f64) -> Result<(), RunError> {
         let Simulation { mechanism, state, efforts, integrators, options, observers, progress, choice, .. } = self;
-        let inputs = Inputs { efforts };
+        let inputs = Inputs::constant(efforts);
         let watching = &mut observers[..];
         match integrators {
             Integrators::Whole(lobatto) => {
@@ -263,6 +268,16 @@ impl<'s> Simulation<'s> {
         }
     }
 
+    /// What the joint of each body is up to: on its limit, held by friction, driven by so much.
+    pub fn joint_statuses(&self) -> Vec<JointStatus> {
+        match &self.integrators {
+            Integrators::Whole(integrator) => (0..self.mechanism.bodies.len())
+                .map(|body| integrator.joint_status(self.mechanism, &self.state, body))
+                .collect(),
+            Integrators::Islands { islands, .. } => islands.joint_statuses(self.mechanism.bodies.len()),
+        }
+    }
+
     /// Ends the run: what it has left. Observers are free again.
     pub fn finish(self) -> Finished {
         let (summary, method) = (self.summary(), self.description());
@@ -271,6 +286,12 @@ impl<'s> Simulation<'s> {
             Integrators::Islands { islands, .. } => islands.figures().collect(),
         };
         let islands = if islands.len() > 1 { islands } else { Vec::new() };
-        Finished { state: self.state, summary, method, islands }
+        let joints = self.joint_statuses();
+        let events = match self.progress {
+            None => Vec::new(),
+            Some(Progress::Whole(course)) => course.events().to_vec(),
+            Some(Progress::Islands(whole)) => whole.events,
+        };
+        Finished { state: self.state, summary, method, islands, events, joints }
     }
 }

@@ -4,6 +4,7 @@ use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::energy::{Energy, Violation, energy_with_forces, violation};
+use crate::mechanism::motion::event::EventCounts;
 use crate::mechanism::motion::gaps::worse;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::kinematics::body_states;
@@ -39,7 +40,12 @@ pub struct Summary {
     pub largest_kinetic: f64,
     /// Largest violation of any constraint at the end of any step.
     pub max_violation: Violation,
+    /// How many events there were of each kind.
+    pub events: EventCounts,
 }
+
+/// So many events of a run are kept, the first ones.
+pub(crate) const KEPT_EVENTS: usize = 1000;
 
 impl Summary {
     /// Counts an accepted step, at whose end the constraints are violated by so much.
@@ -96,6 +102,8 @@ impl Bookkeeper {
         let summary = &mut self.summary;
         add(&mut summary.exchange.dissipated, &mut self.rest.dissipated, outcome.exchange.dissipated);
         add(&mut summary.exchange.work, &mut self.rest.work, outcome.exchange.work);
+        add(&mut summary.exchange.friction, &mut self.rest.friction, outcome.exchange.friction);
+        add(&mut summary.exchange.impacts, &mut self.rest.impacts, outcome.exchange.impacts);
         let exchange = summary.exchange;
         summary.count(&outcome, violation);
         let so_far = Counts { steps: summary.steps, iterations: summary.iterations, rejected: summary.rejected_steps };
@@ -103,7 +111,7 @@ impl Bookkeeper {
         summary.final_energy = energy;
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic);
         summary.largest_kinetic = self.largest_kinetic;
-        let balance = energy.total() - summary.initial_energy.total() + (exchange.dissipated - exchange.work);
+        let balance = energy.total() - summary.initial_energy.total() + exchange.lost();
         self.largest_deviation = worse(self.largest_deviation, balance.abs());
         summary.max_relative_energy_error = if self.largest_kinetic > 0.0 {
             self.largest_deviation / self.largest_kinetic

@@ -28,6 +28,7 @@ use catena_lobatto::numbers::lanes::Isa;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
 
@@ -84,6 +85,8 @@ pub struct Control {
     pub(crate) patience: usize,
     /// Whether stability has bounded a step.
     pub(crate) held: bool,
+    /// Step (s) and largest kinetic energy (J) to go on with when the motion is forgotten.
+    pub(crate) given: Option<(f64, f64)>,
     pub memory: Memory,
 }
 
@@ -147,6 +150,7 @@ impl Control {
             telling: mechanism.forces.is_empty(),
             patience: if mechanism.is_plain_tree() { PATIENCE } else { 0 },
             held: false,
+            given: None,
             memory: Memory::default(),
         }
     }
@@ -159,7 +163,13 @@ impl Control {
 
     /// Forgets the motion: the next step starts from something else.
     pub fn forget(&mut self) {
-        self.memory = Memory::default();
+        let (step, kinetic) = self.given.take().unwrap_or_default();
+        self.memory = Memory { step, kinetic, ..Memory::default() };
+    }
+
+    /// When the motion is forgotten next, it goes on with this step (s) and the largest kinetic energy seen (J).
+    pub fn keep_pace(&mut self, step: f64, kinetic: f64) {
+        self.given = Some((step, kinetic));
     }
 
     /// The tolerance asked for.
@@ -226,6 +236,7 @@ impl Control {
         &mut self,
         stepper: &mut Stepper,
         mechanism: &Mechanism,
+        inputs: Inputs,
         state: &mut State,
         until: f64,
     ) -> Result<StepOutcome, StepError> {
@@ -236,7 +247,7 @@ impl Control {
         let mut guess = stepper.first_guess();
         loop {
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
-            let attempt = stepper.kernel.attempt(mechanism, length, &self.rule_for(length), guess);
+            let attempt = stepper.attempt(mechanism, inputs, state.time, length, &self.rule_for(length), guess);
             outcome.iterations += attempt.iterations();
             let energies = match attempt {
                 Attempt::Converged { exact, .. } => {

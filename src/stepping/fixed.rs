@@ -7,6 +7,7 @@
 use crate::stepper::{HALVINGS, Stepper};
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
 
@@ -25,12 +26,14 @@ pub(crate) struct FixedSteps {
     origin: f64,
     /// n of the grid point ahead.
     points: u64,
+    /// Whether the grid stays where it is when the motion begins anew.
+    lasting: bool,
 }
 
 impl FixedSteps {
     /// Steps of `step` seconds.
     pub fn new(step: f64, rule: StopRule) -> Self {
-        FixedSteps { step, rule, origin: 0.0, points: 0 }
+        FixedSteps { step, rule, origin: 0.0, points: 0, lasting: false }
     }
 
     /// The length of a step (s).
@@ -40,7 +43,15 @@ impl FixedSteps {
 
     /// Lays the grid anew.
     pub fn begin_at(&mut self, time: f64) {
-        (self.origin, self.points) = (time, 0);
+        if !self.lasting {
+            (self.origin, self.points) = (time, 0);
+        }
+    }
+
+    /// Lays the grid from this time on for good (s).
+    pub fn lay(&mut self, origin: f64, time: f64) {
+        let points = ((time - origin) / self.step).floor().max(0.0) as u64;
+        (self.origin, self.points, self.lasting) = (origin, points, true);
     }
 
     /// The grid point ahead, or `until` if that comes first.
@@ -57,6 +68,7 @@ impl FixedSteps {
         &mut self,
         stepper: &mut Stepper,
         mechanism: &Mechanism,
+        inputs: Inputs,
         state: &mut State,
         until: f64,
     ) -> Result<StepOutcome, StepError> {
@@ -65,7 +77,7 @@ impl FixedSteps {
         let mut length = target - state.time;
         let (mut halvings, mut guess) = (0, stepper.first_guess());
         loop {
-            let attempt = stepper.kernel.attempt(mechanism, length, &self.rule, guess);
+            let attempt = stepper.attempt(mechanism, inputs, state.time, length, &self.rule, guess);
             outcome.iterations += attempt.iterations();
             if let Attempt::Converged { exact, .. } = attempt {
                 let before = stepper.kernel.energy().kinetic;

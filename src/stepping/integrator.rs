@@ -224,6 +224,76 @@ impl Lobatto {
     }
 }
 
+/// What the location of events asks of the steps.
+impl Lobatto {
+    /// Makes the last step again from its start with another length (s), near the first, solved to rounding: moves `state` to the new end.
+    /// The inputs are those of the step.
+    ///
+    /// # Errors
+    /// [`StepError`] where the equations cannot be solved; the state is then the start of the step.
+    pub fn again(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        length: f64,
+    ) -> Result<StepOutcome, StepError> {
+        let driven = self.stepper.driven();
+        self.stepper.again(driven.as_deref().unwrap_or(mechanism), inputs, state, length)
+    }
+
+    /// Rates of a scalar coordinate at all stages of the last step [m/s or rad/s], with the weights of the stages: what a damper along it
+    /// has turned into heat is `h Σ_k b_k c ẏ_k²`.
+    pub fn stage_rates(&self, freedom: usize, rates: &mut [f64]) -> &'static [f64] {
+        self.stepper.stage_rates(freedom, rates);
+        &self.stepper.tableau.weights
+    }
+
+    /// Number of stages.
+    pub fn stages(&self) -> usize {
+        self.stepper.tableau.stages
+    }
+
+    /// The state at the start of the last step.
+    pub fn origin(&self) -> &State {
+        self.stepper.origin()
+    }
+
+    /// Goes on at the pace of another, which made steps of the same motion up to `time` (s): on its grid, or with its step.
+    pub fn keep_pace(&mut self, pace: StepPace, time: f64) {
+        match (&mut self.mode, pace) {
+            (Mode::Fixed(fixed), StepPace::Grid { origin }) => fixed.lay(origin, time),
+            (Mode::Chosen(control), StepPace::Step { length, kinetic }) => control.keep_pace(length, kinetic),
+            _ => {}
+        }
+    }
+
+    /// The pace of the steps, for one who goes on; `origin` is where a grid began (s).
+    pub fn step_pace(&self, origin: f64) -> StepPace {
+        match &self.mode {
+            Mode::Chosen(control) => StepPace::Step { length: control.memory.step, kinetic: control.memory.kinetic },
+            Mode::Fixed(_) | Mode::Reversible(_) => StepPace::Grid { origin },
+        }
+    }
+}
+
+/// How steps go on after an event.
+#[derive(Clone, Copy, Debug)]
+pub enum StepPace {
+    /// On a grid that began at this time (s).
+    Grid {
+        /// s.
+        origin: f64,
+    },
+    /// With a step that was chosen.
+    Step {
+        /// s; zero if none was.
+        length: f64,
+        /// The largest kinetic energy that was seen (J).
+        kinetic: f64,
+    },
+}
+
 impl Lobatto {
     /// Makes a kernel for what acts now.
     fn renew(&mut self, mechanism: &Mechanism, inputs: Inputs, time: f64) -> Result<(), StepError> {
@@ -274,8 +344,8 @@ impl Integrator for Lobatto {
             }
         }
         match &mut self.mode {
-            Mode::Fixed(fixed) => fixed.advance(&mut self.stepper, mechanism, state, until),
-            Mode::Chosen(control) => control.advance(&mut self.stepper, mechanism, state, until),
+            Mode::Fixed(fixed) => fixed.advance(&mut self.stepper, mechanism, inputs, state, until),
+            Mode::Chosen(control) => control.advance(&mut self.stepper, mechanism, inputs, state, until),
             Mode::Reversible(reversible) => reversible.advance(&mut self.stepper, mechanism, state, until),
         }
     }

@@ -30,6 +30,8 @@ pub mod modes;
 #[doc(hidden)]
 pub mod pace;
 #[doc(hidden)]
+pub mod recipe;
+#[doc(hidden)]
 pub mod reversible;
 #[doc(hidden)]
 pub mod sampling;

@@ -10,7 +10,8 @@ use crate::modes::Modes;
 use crate::pace::Pace;
 use crate::sampling::LastStep;
 use crate::watch::{FIRST_LOOK, Watch};
-use catena_lobatto::stages::attempt::{Attempt, Guess};
+use catena_lobatto::numbers::lanes::MAX_LANES;
+use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
 use catena_lobatto::tableau::butcher::Tableau;
 use catena_mechanism::description::forces::Forces;
@@ -24,6 +25,9 @@ use std::sync::Arc;
 
 /// Whatever makes a step shorter does so at most this often before it gives up.
 pub(crate) const HALVINGS: u32 = 14;
+
+/// Most stages of a scheme.
+const MOST_STAGES: usize = MAX_LANES + 1;
 
 /// A step that is not longer than what is left.
 pub(crate) struct Stride {
@@ -80,6 +84,8 @@ pub(crate) struct Stepper {
     left_at: Option<f64>,
     /// What acts, as far as the kernel knows.
     outside: Outside,
+    /// Efforts that change in time, at the stages of an attempt.
+    changing: Vec<f64>,
 }
 
 /// What acts on a mechanism, as a kernel was made for it.
@@ -118,6 +124,7 @@ impl Stepper {
             stepped_time: 0.0,
             left_at: None,
             outside: Outside::new(mechanism),
+            changing: Vec::new(),
         }
     }
 
@@ -173,6 +180,82 @@ impl Stepper {
         moved
     }
 
+    /// Attempts a step of `length` seconds from `time` under these inputs.
+    pub fn attempt(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        time: f64,
+        length: f64,
+        rule: &StopRule,
+        guess: Guess,
+    ) -> Attempt {
+        if let Some(changing) = inputs.changing {
+            let nodes = &self.tableau.nodes;
+            self.changing.clear();
+            for entry in 0..changing.freedoms().len() {
+                self.changing.extend(nodes.iter().map(|node| changing.effort(entry, time + node * length)));
+            }
+            self.kernel.change(changing.freedoms(), &self.changing);
+        }
+        self.kernel.attempt(mechanism, length, rule, guess)
+    }
+
+    /// Makes the last step again from its start with another length (s), near the first: moves `state` to the new end.
+    ///
+    /// # Errors
+    /// [`StepError`] where the equations cannot be solved to rounding; the state is then the start of the step.
+    pub fn again(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        length: f64,
+    ) -> Result<StepOutcome, StepError> {
+        self.kernel.retract();
+        state.copy_from(&self.origin);
+        self.left_at = None;
+        self.steps -= 1;
+        self.stepped_time -= self.length;
+        let mut outcome = StepOutcome::default();
+        for guess in [Guess::Longer(self.length), Guess::Plain] {
+            let attempt = self.attempt(mechanism, inputs, state.time, length, &StopRule::ROUNDING, guess);
+            outcome.iterations += attempt.iterations();
+            if let Attempt::Converged { exact, .. } = attempt {
+                outcome.exact = exact;
+                self.finish(mechanism, state);
+                let end = state.time + length;
+                self.accept(mechanism, state, length, end, &mut outcome)?;
+                return Ok(outcome);
+            }
+            outcome.rejected += 1;
+            if guess == Guess::Plain {
+                return Err(self.failure(mechanism, state.time, length, &attempt));
+            }
+        }
+        Ok(outcome)
+    }
+
+    /// Rates of a scalar coordinate at all stages of the last step [m/s or rad/s], as dampers feel them: `ẏ_j` of
+    /// [`catena_lobatto::equations::forces`].
+    pub fn stage_rates(&self, freedom: usize, rates: &mut [f64]) {
+        let (tableau, step) = (self.tableau, self.length);
+        let active = tableau.stages - 1;
+        let mut moved = [0.0; MOST_STAGES];
+        self.kernel.stage_displacements(freedom, &mut moved[..active]);
+        let start = self.origin.velocity[freedom];
+        for (stage, rate) in rates.iter_mut().enumerate().take(tableau.stages) {
+            let row = &tableau.velocity[stage * active..(stage + 1) * active];
+            let ahead = |lane: usize| moved[lane] - step * tableau.nodes[lane + 1] * start;
+            *rate = start + (0..active).map(|lane| row[lane] * ahead(lane)).sum::<f64>() / step;
+        }
+    }
+
+    /// The state at the start of the last step.
+    pub fn origin(&self) -> &State {
+        &self.origin
+    }
+
     /// What the first attempt at a step begins from.
     pub fn first_guess(&self) -> Guess {
         if self.kernel.has_past() { Guess::Past } else { Guess::Plain }
@@ -186,7 +269,7 @@ impl Stepper {
         let after = self.kernel.finish(mechanism, &mut self.end);
         let exchange = self.kernel.exchange();
         Energies {
-            change: after.total() - before.total() + (exchange.dissipated - exchange.work),
+            change: after.total() - before.total() + exchange.lost(),
             kinetic: after.kinetic,
             potential: after.potential.abs() + after.spring + after.load.abs(),
         }

@@ -111,7 +111,7 @@ fn a_part_that_sleeps_is_woken_by_an_effort_and_samples_stay_in_step() {
         while expected.time < until {
             use catena::mechanism::motion::inputs::Inputs;
             use catena::mechanism::motion::integrator::Integrator;
-            lobatto.step(&driven, Inputs { efforts: &[0.0, effort] }, &mut expected, until).unwrap();
+            lobatto.step(&driven, Inputs::constant(&[0.0, effort]), &mut expected, until).unwrap();
         }
     }
     let off = finished.state.position.iter().zip(&expected.position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

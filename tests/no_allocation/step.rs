@@ -53,12 +53,12 @@ fn a_step_that_is_driven_from_outside_allocates_nothing() {
             let mut state = model.state.clone();
             let mut efforts = vec![0.1; mechanism.velocity_count];
             // The first step makes the kernel that knows efforts.
-            lobatto.step(mechanism, Inputs { efforts: &efforts }, &mut state, f64::INFINITY).unwrap();
-            lobatto.step(mechanism, Inputs { efforts: &efforts }, &mut state, f64::INFINITY).unwrap();
+            lobatto.step(mechanism, Inputs::constant(&efforts), &mut state, f64::INFINITY).unwrap();
+            lobatto.step(mechanism, Inputs::constant(&efforts), &mut state, f64::INFINITY).unwrap();
             let change = measure(|| {
                 for _ in 0..50 {
                     efforts[0] += 0.01;
-                    lobatto.step(mechanism, Inputs { efforts: &efforts }, &mut state, f64::INFINITY).unwrap();
+                    lobatto.step(mechanism, Inputs::constant(&efforts), &mut state, f64::INFINITY).unwrap();
                 }
             });
             assert_eq!((change.count_total, change.count_current), (0, 0), "{}: {change:?}", mechanism.name);

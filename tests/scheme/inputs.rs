@@ -83,7 +83,7 @@ fn efforts_handed_to_every_step_do_what_loads_of_the_mechanism_do_and_their_work
             let (before, mut work) = (energy(&mechanism, &start), 0.0);
             for _ in 0..100 {
                 work += driven
-                    .step(&mechanism, Inputs { efforts: &efforts }, &mut state, f64::INFINITY)
+                    .step(&mechanism, Inputs::constant(&efforts), &mut state, f64::INFINITY)
                     .unwrap()
                     .exchange
                     .work;
@@ -120,7 +120,7 @@ fn efforts_that_change_from_step_to_step_are_those_of_the_step() {
             let effort = (0.3 * f64::from(number)).sin();
             let until = 0.05 * f64::from(number + 1);
             while state.time < until {
-                integrator.step(&mechanism, Inputs { efforts: &[effort] }, &mut state, until).unwrap();
+                integrator.step(&mechanism, Inputs::constant(&[effort]), &mut state, until).unwrap();
             }
             velocity += effort / 2.0 * 0.05;
             // Constant accelerations are exact; forty roundings.
@@ -141,7 +141,7 @@ fn steps_for_trees_under_gravity_alone_refuse_efforts_instead_of_ignoring_them()
     for lobatto in refusing {
         let (mut lobatto, mut state) = (lobatto.unwrap(), start.clone());
         lobatto.advance(&mechanism, &mut state, 1.0).unwrap();
-        let error = lobatto.step(&mechanism, Inputs { efforts: &[1.0, 0.0] }, &mut state, 1.0).unwrap_err();
+        let error = lobatto.step(&mechanism, Inputs::constant(&[1.0, 0.0]), &mut state, 1.0).unwrap_err();
         assert!(error.to_string().contains("under gravity alone"), "{error}");
     }
 }

@@ -84,14 +84,15 @@ impl<V: Lanes> Applied<V> {
             work += step * powers.work;
         }
         if end {
-            self.exchange = Exchange { dissipated, work };
+            self.exchange = Exchange { dissipated, work, ..Exchange::default() };
         }
     }
 
-    /// The forces on scalar coordinates in one place; returns the power they dissipate.
+    /// The forces on scalar coordinates in one place, at the `end` of the step or at its rows; returns the power they dissipate, and that of
+    /// efforts that change in time.
     #[inline(always)]
-    pub(crate) fn evaluate_scalars(&mut self, motion: &Motion<V>, place: &Place<V>) -> V {
-        let mut dissipated = V::zero();
+    pub(crate) fn evaluate_scalars(&mut self, motion: &Motion<V>, place: &Place<V>, end: bool) -> (V, V) {
+        let (mut dissipated, mut work) = (V::zero(), V::zero());
         self.efforts.fill(V::zero());
         for &(freedom, coefficient) in &self.plan.dampers {
             let rate = motion.rate(place, motion.displacement[freedom], motion.rates[freedom]);
@@ -109,7 +110,12 @@ impl<V: Lanes> Applied<V> {
         for &(freedom, effort) in &self.plan.driven {
             self.efforts[freedom] = self.efforts[freedom] + V::splat(effort);
         }
-        dissipated
+        for changing in &self.changing {
+            let (freedom, effort) = (changing.freedom, if end { changing.end } else { changing.rows });
+            self.efforts[freedom] = self.efforts[freedom] + effort;
+            work = effort.mul_add(motion.rate(place, motion.displacement[freedom], motion.rates[freedom]), work);
+        }
+        (dissipated, work)
     }
 
     /// The forces in one place; where one has to `account` for them, their powers, weighted. At the `end` of the step efforts on
@@ -126,8 +132,7 @@ impl<V: Lanes> Applied<V> {
             times,
             inverse,
         };
-        let mut dissipated = self.evaluate_scalars(&motion, place);
-        let mut work = V::zero();
+        let (mut dissipated, mut work) = self.evaluate_scalars(&motion, place, end);
         for ball in &self.plan.balls {
             let vector = stages.rotation_vector(ball.first).times(place.moved);
             let tilt = Tilt::of(vector);
@@ -173,7 +178,8 @@ impl<V: Lanes> Applied<V> {
             }
         }
         if account {
-            Exchange { dissipated: (dissipated * place.weights).sum(), work: (work * place.weights).sum() }
+            let [dissipated, work] = [dissipated, work].map(|power| (power * place.weights).sum());
+            Exchange { dissipated, work, ..Exchange::default() }
         } else {
             Exchange::default()
         }

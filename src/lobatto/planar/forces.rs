@@ -30,7 +30,7 @@ impl<V: Lanes> PlanarStages<V> {
             self.step,
             end,
             #[inline(always)]
-            |applied, place, _| self.evaluate(applied, coefficients, place, end),
+            |applied, place, at_end| self.evaluate(applied, coefficients, place, at_end, end),
         );
         if end {
             applied.exchange.work += applied.driven_work(&self.displacement, coefficients.active);
@@ -70,6 +70,7 @@ impl<V: Lanes> PlanarStages<V> {
         applied: &mut Applied<V>,
         coefficients: &Coefficients<V>,
         place: &Place<V>,
+        end: bool,
         account: bool,
     ) -> Exchange {
         let ForcesStart { extensions, lines, arms } = &self.start.applied;
@@ -80,8 +81,7 @@ impl<V: Lanes> PlanarStages<V> {
             times: coefficients.nodes * V::splat(self.step),
             inverse: V::splat(1.0 / self.step),
         };
-        let mut dissipated = applied.evaluate_scalars(&motion, place);
-        let mut work = V::zero();
+        let (mut dissipated, mut work) = applied.evaluate_scalars(&motion, place, end);
         let mut acting = std::mem::take(&mut self.acting);
         acting.fill((Vector2::zero(), V::zero()));
         let springs = self.plan.forces.lines.iter().zip(lines);
@@ -106,7 +106,8 @@ impl<V: Lanes> PlanarStages<V> {
         }
         self.acting = acting;
         if account {
-            Exchange { dissipated: (dissipated * place.weights).sum(), work: (work * place.weights).sum() }
+            let [dissipated, work] = [dissipated, work].map(|power| (power * place.weights).sum());
+            Exchange { dissipated, work, ..Exchange::default() }
         } else {
             Exchange::default()
         }

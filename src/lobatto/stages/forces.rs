@@ -22,10 +22,20 @@ pub struct Applied<V> {
     /// What the finished step dissipated, and the work put into it (J).
     pub exchange: Exchange,
     pub(crate) plan: AppliedPlan,
+    /// Efforts that change in time, at the stages of the attempt.
+    pub(crate) changing: Vec<Changing<V>>,
     /// Where the rows take their velocities from.
     pub(crate) rows: Place<V>,
     /// The same with the end of the step in the last lane.
     pub(crate) end: Place<V>,
+}
+
+/// An effort along a scalar coordinate that changes in time.
+pub(crate) struct Changing<V> {
+    pub(crate) freedom: usize,
+    /// At the stages of the rows, and of the end of the step.
+    pub(crate) rows: V,
+    pub(crate) end: V,
 }
 
 impl<V: Lanes> Applied<V> {
@@ -57,6 +67,7 @@ impl<V: Lanes> Applied<V> {
             resistance,
             exchange: Exchange::default(),
             plan: AppliedPlan::new(mechanism),
+            changing: Vec::new(),
             rows: place(&row_stage, &|lane| tableau.weights[row_stage(lane)]),
             end: place(&|lane| lane + 1, &end_weight),
         }))
@@ -65,6 +76,24 @@ impl<V: Lanes> Applied<V> {
     /// Takes the efforts that drive the joints in the next step.
     pub fn drive(&mut self, efforts: &[f64]) {
         self.plan.drive(efforts);
+    }
+
+    /// Takes the efforts along some freedoms at all stages of the next attempt, freedom after freedom. Allocates at the first time alone.
+    pub fn change(&mut self, freedoms: &[usize], at_stages: &[f64], stages: usize) {
+        let active = stages - 1;
+        if self.changing.len() != freedoms.len() {
+            let new = |&freedom| Changing { freedom, rows: V::zero(), end: V::zero() };
+            self.changing = freedoms.iter().map(new).collect();
+        }
+        for ((changing, &freedom), efforts) in self.changing.iter_mut().zip(freedoms).zip(at_stages.chunks(stages)) {
+            let mut lanes = [[0.0; MAX_LANES]; 2];
+            for lane in 0..active {
+                lanes[0][lane] = efforts[row_stage(lane, active)];
+                lanes[1][lane] = efforts[lane + 1];
+            }
+            changing.freedom = freedom;
+            [changing.rows, changing.end] = lanes.map(|lanes| V::from_slice(&lanes[..active]));
+        }
     }
 
     /// Work of the efforts that drive scalar coordinates over a solved step (J): the effort times the displacement at its end.

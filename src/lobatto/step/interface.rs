@@ -17,6 +17,14 @@ pub trait Step: Send {
     /// Takes the efforts that drive the joints in the next step, one entry a degree of freedom; without entries none act. Only steps of a mechanism
     /// whose forces are [driven](catena_mechanism::description::forces::Forces::driven) heed them.
     fn drive(&mut self, _efforts: &[f64]) {}
+    /// Takes efforts along some freedoms of scalar coordinates at all stages of the next attempt, freedom after freedom. Only steps of a mechanism
+    /// whose forces are driven heed them.
+    fn change(&mut self, _freedoms: &[usize], _at_stages: &[f64]) {}
+    /// Takes back the acceptance of the last step: its start is the start again, and its solution the guess of
+    /// [`Guess::Longer`].
+    fn retract(&mut self) {}
+    /// Displacements of a degree of freedom at the stages 2 … s of the last solved step.
+    fn stage_displacements(&self, _freedom: usize, _displacements: &mut [f64]) {}
     /// Energy at the start of the step.
     fn energy(&self) -> Energy;
     /// Whether there is a step before this one to guess from: without, every guess is a plain one.

@@ -65,6 +65,22 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
         }
     }
 
+    fn change(&mut self, freedoms: &[usize], at_stages: &[f64]) {
+        let stages = self.tableau.stages;
+        if let Some(applied) = self.workspace.applied_mut() {
+            applied.change(freedoms, at_stages, stages);
+        }
+    }
+
+    fn retract(&mut self) {
+        std::mem::swap(self.workspace.start_mut(), &mut self.end);
+        self.predictor.forget();
+    }
+
+    fn stage_displacements(&self, freedom: usize, displacements: &mut [f64]) {
+        displacements.copy_from_slice(&self.workspace.displacement()[freedom].to_array().as_ref()[..self.active()]);
+    }
+
     fn energy(&self) -> Energy {
         W::energy(self.workspace.start())
     }

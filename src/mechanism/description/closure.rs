@@ -162,4 +162,6 @@ pub struct JointLimit {
     pub lower: f64,
     /// Largest position.
     pub upper: f64,
+    /// The part of the rate that an impact on it gives back, from 0 to 1.
+    pub restitution: f64,
 }

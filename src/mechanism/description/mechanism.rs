@@ -7,6 +7,7 @@
 use crate::description::closure::{JointLimit, LoopJoint, Mimic};
 use crate::description::forces::Forces;
 use crate::description::joint::Joint;
+use crate::description::nonsmooth::Nonsmooth;
 use nalgebra::Vector3;
 
 /// A rigid body and the joint to its parent.
@@ -39,8 +40,10 @@ pub struct Mechanism {
     pub mimics: Vec<Mimic>,
     /// Forces besides gravity.
     pub forces: Forces,
-    /// Limits of joints, which the assembly of closed loops respects; the motion does not.
+    /// Limits of joints, within which closed loops are assembled.
     pub limits: Vec<JointLimit>,
+    /// What makes the motion nonsmooth: limits that stop it, dry friction, motors.
+    pub nonsmooth: Nonsmooth,
     /// Length of the position vector.
     pub position_count: usize,
     /// Number of degrees of freedom: length of the velocity vector.
@@ -93,6 +96,7 @@ impl Mechanism {
             mimics: Vec::new(),
             forces: Forces::default(),
             limits: Vec::new(),
+            nonsmooth: Nonsmooth::default(),
             position_count,
             velocity_count,
         })

@@ -5,4 +5,6 @@ pub mod closure;
 pub mod forces;
 pub mod joint;
 pub mod mechanism;
+pub mod nonsmooth;
 pub mod rules;
+pub mod target;

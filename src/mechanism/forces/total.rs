@@ -25,8 +25,20 @@ pub struct Stored {
 pub struct Exchange {
     /// Turned into heat by dampers.
     pub dissipated: f64,
-    /// Put in by torques that have no potential.
+    /// Put in by motors, efforts from outside, and torques that have no potential.
     pub work: f64,
+    /// Turned into heat by dry friction.
+    pub friction: f64,
+    /// Lost in impacts.
+    pub impacts: f64,
+}
+
+impl Exchange {
+    /// What the mechanism has lost in all, less what was put in.
+    #[inline]
+    pub fn lost(&self) -> f64 {
+        (self.dissipated - self.work) + self.friction + self.impacts
+    }
 }
 
 /// A force (N) and a torque about the centre of mass [N m] on a body, in the axes of the world.

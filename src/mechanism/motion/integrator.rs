@@ -4,6 +4,7 @@
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::Exchange;
 use crate::ground::words::short;
+use crate::motion::event::{Event, JointStatus};
 use crate::motion::inputs::Inputs;
 use crate::motion::state::State;
 
@@ -189,4 +190,12 @@ pub trait Integrator {
 
     /// What this integrator is.
     fn description(&self) -> MethodDescription;
+
+    /// Hands over the events since this was asked last, in order of time. A smooth motion has none.
+    fn take_events(&mut self, _events: &mut Vec<Event>) {}
+
+    /// What the joint of a body is up to, where a mechanism has limits, dry friction or motors.
+    fn joint_status(&self, _mechanism: &Mechanism, _state: &State, _body: usize) -> JointStatus {
+        JointStatus::default()
+    }
 }

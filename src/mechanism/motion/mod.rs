@@ -2,6 +2,7 @@
 
 pub mod distance;
 pub mod energy;
+pub mod event;
 pub mod gaps;
 pub mod inputs;
 pub mod integrator;

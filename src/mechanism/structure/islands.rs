@@ -9,6 +9,7 @@
 
 use crate::description::closure::{Attachment, Coordinate};
 use crate::description::mechanism::{Body, Mechanism};
+use crate::description::nonsmooth::Nonsmooth;
 use crate::motion::state::State;
 use std::ops::Range;
 
@@ -151,6 +152,7 @@ impl Island {
             loops: whole.loops.iter().filter(|joint| touches(&joint.a, &joint.b)).cloned().collect(),
             mimics: whole.mimics.iter().filter(|mimic| here(mimic.follower.body)).cloned().collect(),
             limits: whole.limits.iter().filter(|limit| here(limit.coordinate.body)).cloned().collect(),
+            nonsmooth: whole.nonsmooth.clone(),
             forces: whole.forces.clone(),
             position_count: pieces.iter().map(|piece| piece.positions.len()).sum(),
             velocity_count: pieces.iter().map(|piece| piece.velocities.len()).sum(),
@@ -162,6 +164,17 @@ impl Island {
         forces.point_springs.retain(|spring| touches(&spring.a, &spring.b));
         forces.wrenches.retain(|wrench| here(wrench.body));
 
+        let Nonsmooth { limits, friction, motors, speeds } = &mut mechanism.nonsmooth;
+        limits.retain(|limit| here(limit.coordinate.body));
+        friction.retain(|friction| here(friction.coordinate.body));
+        motors.retain(|motor| here(motor.coordinate.body));
+        speeds.retain(|limit| here(limit.coordinate.body));
+        let coordinates = limits.iter_mut().map(|limit| &mut limit.coordinate);
+        let coordinates = coordinates.chain(friction.iter_mut().map(|friction| &mut friction.coordinate));
+        let coordinates = coordinates.chain(motors.iter_mut().map(|motor| &mut motor.coordinate));
+        for coordinate in coordinates.chain(speeds.iter_mut().map(|limit| &mut limit.coordinate)) {
+            *coordinate = into.coordinate(*coordinate);
+        }
         let loop_ends = mechanism.loops.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b]);
         let spring_ends = forces.point_springs.iter_mut().flat_map(|spring| [&mut spring.a, &mut spring.b]);
         for end in loop_ends.chain(spring_ends) {
@@ -177,6 +190,18 @@ impl Island {
         forces.joint_loads.iter_mut().for_each(|load| load.freedom = into.freedom(load.freedom));
         forces.wrenches.iter_mut().for_each(|wrench| wrench.body = into.body(wrench.body));
         Island { mechanism, pieces }
+    }
+
+    /// The number in the whole of a body of the island.
+    pub fn body_of_whole(&self, body: usize) -> usize {
+        let mut rest = body;
+        for Piece { bodies, .. } in &self.pieces {
+            if rest < bodies.len() {
+                return bodies.start + rest;
+            }
+            rest -= bodies.len();
+        }
+        body
     }
 
     /// The names of the bodies that hang on the world.

@@ -50,7 +50,7 @@ impl EnergyHistory {
         let mut lost = 0.0;
         walk(scene, method, setting, |state, exchange| {
             let (kinetic, total) = energies(scene, state);
-            lost += exchange.dissipated - exchange.work;
+            lost += exchange.lost();
             largest_kinetic = largest_kinetic.max(kinetic);
             let fraction = (state.time - scene.start.time) / scene.duration;
             let interval = ((fraction * INTERVALS as f64).ceil() as usize).clamp(1, INTERVALS) - 1;

@@ -165,7 +165,7 @@ fn describe(
 ) -> Measurement {
     let mechanism = &scene.mechanism;
     let total = |state: &State| energy_with_forces(mechanism, &state.position, &body_states(mechanism, state)).total();
-    let lost = run.exchange.dissipated - run.exchange.work;
+    let lost = run.exchange.lost();
     // Only a run that came to its end has an error and a cost.
     let if_done = |value: f64| if run.ended == Ended::Done { value } else { f64::NAN };
     Measurement {

@@ -105,7 +105,7 @@ impl<'m> Baumgarte<'m> {
     /// Energy dissipated, and work put in since the start (J).
     pub fn exchange(&self) -> Exchange {
         let n = self.y.len();
-        Exchange { dissipated: self.y[n - 2], work: self.y[n - 1] }
+        Exchange { dissipated: self.y[n - 2], work: self.y[n - 1], ..Exchange::default() }
     }
 
     /// Number of unknowns of the linear system, which sets the cost of a step.

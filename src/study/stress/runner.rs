@@ -177,7 +177,7 @@ impl<'m> Runner<'m> {
             Work::Maximal { integrator, position } => (position, integrator.exchange()),
         };
         let energy = energy_with_forces(self.mechanism, position, &self.bodies());
-        (energy.kinetic, energy.total() + lost.dissipated - lost.work)
+        (energy.kinetic, energy.total() + lost.lost())
     }
 
     /// What the user would be warned of.

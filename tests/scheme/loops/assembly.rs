@@ -66,6 +66,7 @@ fn loops_are_closed_within_the_limits_of_joints() {
         coordinate: Coordinate { body: freedom, position: freedom, freedom },
         lower,
         upper,
+        restitution: 0.0,
     };
     mechanism.limits.push(limit(1, -0.4, 1.0));
     let mut held = wanted.clone();

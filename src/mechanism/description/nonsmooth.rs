@@ -1,0 +1,129 @@
+//! What makes a motion nonsmooth: limits of joints and their impacts, dry friction, and motors whose effort is bounded or sampled.
+//!
+//! All of it is constant data; what state each element is in at an instant belongs to the run. Limits are
+//! [`JointLimit`]s of [`crate::description::closure`], because the assembly of closed loops heeds them, too.
+
+use crate::description::closure::{Coordinate, JointLimit};
+use crate::description::target::Target;
+
+/// Dry (Coulomb) friction along one scalar joint coordinate: the effort `τ` on the child is
+/// `−effort · sign(q̇)` while it slides, and whatever holds it, up to `|τ| ≤ effort`, while it sticks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DryFriction {
+    /// The coordinate.
+    pub coordinate: Coordinate,
+    /// N m or N, greater than zero.
+    pub effort: f64,
+}
+
+/// What a motor does with its target `r(t)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MotorLaw {
+    /// `τ = kp (r − q) + kd (ṙ − q̇)`.
+    Position {
+        /// N m/rad or N/m, not negative.
+        kp: f64,
+        /// N m s/rad or N s/m, not negative.
+        kd: f64,
+    },
+    /// `τ = kd (r − q̇)`.
+    Velocity {
+        /// N m s/rad or N s/m, not negative.
+        kd: f64,
+    },
+    /// `τ = r`.
+    Effort,
+}
+
+/// A motor in a joint of one degree of freedom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motor {
+    /// The coordinate that it drives.
+    pub coordinate: Coordinate,
+    /// What it does.
+    pub law: MotorLaw,
+    /// What it aims at: rad or m, rad/s or m/s, N m or N.
+    pub target: Target,
+    /// Its effort is never larger [N m or N]; infinite where it has no bound.
+    pub max_effort: f64,
+    /// Its effort is worked out so often (s) and held in between; zero: at every instant.
+    pub period: f64,
+}
+
+impl MotorLaw {
+    /// Stiffness `kp` and damping `kd` of its effort.
+    pub fn gains(&self) -> (f64, f64) {
+        match *self {
+            MotorLaw::Position { kp, kd } => (kp, kd),
+            MotorLaw::Velocity { kd } => (0.0, kd),
+            MotorLaw::Effort => (0.0, 0.0),
+        }
+    }
+}
+
+impl Motor {
+    /// The part of its unbounded effort that depends on time alone, as if the coordinate were at rest at zero [N m or N].
+    pub fn drive(&self, time: f64) -> f64 {
+        match self.law {
+            MotorLaw::Position { kp, kd } => kp * self.target.value(time) + kd * self.target.rate(time),
+            MotorLaw::Velocity { kd } => kd * self.target.value(time),
+            MotorLaw::Effort => self.target.value(time),
+        }
+    }
+
+    /// Its effort without bound at an instant [N m or N].
+    pub fn unbounded(&self, time: f64, position: f64, rate: f64) -> f64 {
+        match self.law {
+            MotorLaw::Position { kp, kd } => {
+                kp * (self.target.value(time) - position) + kd * (self.target.rate(time) - rate)
+            }
+            MotorLaw::Velocity { kd } => kd * (self.target.value(time) - rate),
+            MotorLaw::Effort => self.target.value(time),
+        }
+    }
+
+    /// Its effort at an instant [N m or N].
+    pub fn effort(&self, time: f64, position: f64, rate: f64) -> f64 {
+        self.unbounded(time, position, rate).clamp(-self.max_effort, self.max_effort)
+    }
+
+    /// The next instant after `time` at which its effort may change its law: a tick, or a given instant of its target (s).
+    pub fn next_instant(&self, time: f64) -> f64 {
+        let tick = if self.period > 0.0 {
+            (time / self.period + 1e-9).floor().mul_add(self.period, self.period)
+        } else {
+            f64::INFINITY
+        };
+        // A held effort sees its target at the ticks alone.
+        if self.period > 0.0 { tick } else { self.target.next_knot(time) }
+    }
+}
+
+/// The largest speed that the description of a joint names: watched, not enforced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpeedLimit {
+    /// The coordinate.
+    pub coordinate: Coordinate,
+    /// rad/s or m/s.
+    pub speed: f64,
+}
+
+/// Everything nonsmooth of a mechanism besides its [`JointLimit`]s.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Nonsmooth {
+    /// Limits that stop a motion: those of the mechanism that are simulated.
+    pub limits: Vec<JointLimit>,
+    /// Dry friction in joints.
+    pub friction: Vec<DryFriction>,
+    /// Motors, at most one a coordinate.
+    pub motors: Vec<Motor>,
+    /// Speeds to be watched.
+    pub speeds: Vec<SpeedLimit>,
+}
+
+impl Nonsmooth {
+    /// Whether the motion is smooth: nothing of this can make an event.
+    pub fn is_empty(&self) -> bool {
+        self.limits.is_empty() && self.friction.is_empty() && self.motors.is_empty()
+    }
+}
