@@ -30,6 +30,7 @@
 //! | [`model`] | from what was written to what is simulated |
 //! | [`reduced`] | the same mechanism in joint coordinates: the comparator |
 //! | [`instant`] | the problem at one instant: assembly of loops, reactions, rest |
+//! | [`events`] | steps between events: limits, dry friction, motors |
 //! | [`stepping`] | steps strung together: [`Lobatto`](stepping::Lobatto) |
 //! | [`simulation`] | a run: [`Simulation`](simulation::Simulation), its observers |
 //! | [`output`] | logs and reports |
@@ -42,6 +43,7 @@
 
 #[doc(hidden)]
 pub mod drawing;
+pub mod events;
 pub mod instant;
 pub mod model;
 pub mod output;

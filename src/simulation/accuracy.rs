@@ -33,7 +33,9 @@ use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::state::State;
 use crate::simulation::trial_run::{CalibrationError, Course, GoOn, Pair, TrialRun};
 use crate::stepping::control::COARSEST_STOP;
-use crate::stepping::integrator::Lobatto;
+use crate::simulation::run_integrator::RunIntegrator;
+use crate::stepping::integrator::{Lobatto, MethodError};
+use crate::stepping::recipe::Steps;
 use crate::stepping::stage_choice::StageChoice;
 
 /// Ratio of the stops of the two pilots of a pair.
@@ -80,9 +82,22 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// The integrator that was calibrated, for the same mechanism and tolerance (m).
+    /// The integrator that was calibrated, for the same smooth mechanism and tolerance (m).
     pub fn integrator(&self, mechanism: &Mechanism, tolerance: f64) -> Lobatto {
         Lobatto::adaptive_with_stages(mechanism, tolerance, self.stop, self.stages)
+    }
+
+    /// The integrator of a run that was calibrated, for the same mechanism, tolerance (m) and rules.
+    ///
+    /// # Errors
+    /// [`MethodError`]: none of what was calibrated.
+    pub(crate) fn run_integrator(
+        &self,
+        mechanism: &Mechanism,
+        tolerance: f64,
+        kept: &[Rule],
+    ) -> Result<RunIntegrator, MethodError> {
+        RunIntegrator::new(mechanism, Steps::Chosen { tolerance, stop: self.stop, stages: self.stages }, kept)
     }
 }
 
@@ -114,6 +129,7 @@ pub fn calibrate(
             Ok(trial) => trial.worst() / tried,
             // What fails so coarsely may do as the coarser pilot did.
             Err(CalibrationError::Step(_)) => tolerance / (AIM * coarse.stop),
+            Err(CalibrationError::Method(error)) => return Err(CalibrationError::Method(error.clone())),
             Err(CalibrationError::Interrupted) => return Err(CalibrationError::Interrupted),
         };
         amplification = amplification.max(found);
@@ -168,20 +184,20 @@ struct Couple<'s> {
 
 impl<'s> Search<'s> {
     /// A pilot at the start of the run.
-    fn pilot(&mut self, stop: f64, stages: StageChoice) -> TrialRun<'s> {
+    fn pilot(&mut self, stop: f64, stages: StageChoice) -> Result<TrialRun<'s>, CalibrationError> {
         self.pilots += 1;
         let energy = self.tolerance.max(ENERGY * stop);
-        let lobatto = Lobatto::adaptive_with_stages(self.mechanism, energy, stop, stages);
-        TrialRun {
+        let steps = Steps::Chosen { tolerance: energy, stop, stages };
+        Ok(TrialRun {
             mechanism: self.mechanism,
-            lobatto: lobatto.keeping(self.mechanism, self.kept),
+            integrator: RunIntegrator::new(self.mechanism, steps, self.kept)?,
             stop,
             stages,
             state: self.state.clone(),
             trail: Vec::new(),
             held_back: false,
             apart: Vec::new(),
-        }
+        })
     }
 
     /// The stop of a run whose errors are amplified so much.
@@ -203,11 +219,11 @@ impl<'s> Search<'s> {
     fn couple(&mut self, go_on: GoOn) -> Result<Couple<'s>, CalibrationError> {
         let first = self.coarsest.clamp(FINEST * RATIO, COARSEST);
         let (mut stiff, mut before) = (false, None);
-        let mut coarse = self.pilot(first, StageChoice::of(self.mechanism, self.tolerance));
+        let mut coarse = self.pilot(first, StageChoice::of(self.mechanism, self.tolerance))?;
         loop {
             // The last pair has the ratio of all others.
             let finest = if coarse.stop > FINEST * RATIO { FINEST * RATIO } else { FINEST };
-            let mut fine = self.pilot((coarse.stop / RATIO).max(finest), coarse.stages);
+            let mut fine = self.pilot((coarse.stop / RATIO).max(finest), coarse.stages)?;
             let pair = match coarse.accompany(&mut fine, self.course, go_on) {
                 // So coarse a pilot may fail where a finer one does not.
                 Err(CalibrationError::Step(_)) if coarse.stop == first && fine.stop > FINEST => Pair::Parted,
@@ -227,11 +243,11 @@ impl<'s> Search<'s> {
                     let wanted = StageChoice::of(self.mechanism, stop * (self.tolerance / self.coarsest));
                     let stages = if stiff { StageChoice::Filling } else { wanted };
                     let goes_on = stop == fine.stop && stages == fine.stages;
-                    coarse = if goes_on { fine } else { self.pilot(stop, stages) };
+                    coarse = if goes_on { fine } else { self.pilot(stop, stages)? };
                 }
                 Pair::HeldBack => {
                     stiff = true;
-                    coarse = self.pilot(coarse.stop, StageChoice::Filling);
+                    coarse = self.pilot(coarse.stop, StageChoice::Filling)?;
                 }
             }
         }
@@ -241,8 +257,8 @@ impl<'s> Search<'s> {
     fn closer(&mut self, parted: Couple<'s>, go_on: GoOn) -> Result<Couple<'s>, CalibrationError> {
         let end = parted.coarse.trail.last().map_or(self.course.end, |&(time, _)| time);
         let course = Course { end, ..self.course };
-        let mut coarse = self.pilot(parted.coarse.stop, parted.coarse.stages);
-        let mut fine = self.pilot(parted.fine.stop, parted.fine.stages);
+        let mut coarse = self.pilot(parted.coarse.stop, parted.coarse.stages)?;
+        let mut fine = self.pilot(parted.fine.stop, parted.fine.stages)?;
         match coarse.accompany(&mut fine, course, go_on)? {
             Pair::HeldBack => Ok(parted),
             Pair::Together | Pair::Parted => Ok(Couple { coarse, fine, parted: true }),
@@ -251,7 +267,7 @@ impl<'s> Search<'s> {
 
     /// A pilot with another stop than those of a pair, compared with the finer one.
     fn trial(&mut self, stop: f64, fine: &TrialRun, go_on: GoOn) -> Result<TrialRun<'s>, CalibrationError> {
-        let mut trial = self.pilot(stop, fine.stages);
+        let mut trial = self.pilot(stop, fine.stages)?;
         trial.follow(fine, go_on)?;
         Ok(trial)
     }

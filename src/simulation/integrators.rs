@@ -11,7 +11,8 @@ use crate::simulation::partition::Plan;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::Threads;
 use crate::simulation::trial_run::CalibrationError;
-use crate::stepping::integrator::{Lobatto, MethodError};
+use crate::simulation::run_integrator::RunIntegrator;
+use crate::stepping::integrator::MethodError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// About what a trial run takes for each body and simulated second (s): no less than that, for want of knowing it.
@@ -38,7 +39,7 @@ pub enum SimulationError {
 
 /// What makes the steps.
 pub(crate) enum Integrators {
-    Whole(Box<Lobatto>),
+    Whole(RunIntegrator),
     Islands {
         islands: Islands,
         /// What stands for the method where all sleep.
@@ -89,18 +90,15 @@ impl Integrators {
             },
         );
         let kept = plan.kept.clone();
-        let make = |mechanism: &Mechanism, state: &State| {
-            let (lobatto, found) = wanted.integrator(mechanism, state, &kept)?;
-            Ok::<_, SimulationError>((lobatto.keeping(mechanism, &kept), found))
-        };
+        let make = |mechanism: &Mechanism, state: &State| wanted.integrator(mechanism, state, &kept);
         if plan.is_whole() {
-            let (lobatto, found) = make(mechanism, state)?;
-            return Ok((Integrators::Whole(Box::new(lobatto)), vec![found]));
+            let (integrator, found) = make(mechanism, state)?;
+            return Ok((Integrators::Whole(integrator), vec![found]));
         }
         let trials = if choice.tolerance().is_some() { 2.0 } else { 0.0 };
         let expected = trials * TRIAL_SECONDS * mechanism.bodies.len() as f64 * wanted.duration;
         let nothing = Mechanism::new(&mechanism.name, mechanism.gravity, Vec::new())?;
-        let idle = Box::new(choice.integrator(&nothing)?.description());
+        let idle = Box::new(choice.integrator(&nothing, &[])?.description());
         let (islands, found) = Islands::new(plan, state, Threads::WherePaid, expected, make)?;
         Ok((Integrators::Islands { islands, idle }, found))
     }
@@ -108,7 +106,7 @@ impl Integrators {
     /// How steps are made, and how they have gone so far.
     pub fn description(&self) -> MethodDescription {
         match self {
-            Integrators::Whole(lobatto) => lobatto.description(),
+            Integrators::Whole(integrator) => integrator.description(),
             Integrators::Islands { islands, idle } => islands.description().unwrap_or_else(|| (**idle).clone()),
         }
     }
@@ -121,15 +119,16 @@ impl Wanted<'_> {
         mechanism: &Mechanism,
         state: &State,
         kept: &[crate::mechanism::description::rules::Rule],
-    ) -> Result<(Lobatto, Result<Calibration, UnknownAccuracy>), SimulationError> {
-        let uncalibrated = || self.choice.integrator(mechanism);
+    ) -> Result<(RunIntegrator, Result<Calibration, UnknownAccuracy>), SimulationError> {
+        let uncalibrated = || self.choice.integrator(mechanism, kept);
         let Some(tolerance) = self.choice.tolerance() else {
             return Ok((uncalibrated()?, Err(UnknownAccuracy::NotAsked)));
         };
         let go_on = || !self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
         match calibrate(mechanism, state, self.duration, tolerance, kept, &mut |_| go_on()) {
-            Ok(found) => Ok((found.integrator(mechanism, tolerance), Ok(found))),
+            Ok(found) => Ok((found.run_integrator(mechanism, tolerance, kept)?, Ok(found))),
             Err(interrupted @ CalibrationError::Interrupted) => Err(SimulationError::Interrupted(interrupted)),
+            Err(CalibrationError::Method(error)) => Err(SimulationError::Method(error)),
             // The run will fail where the trial run did, and leave its log up to there.
             Err(CalibrationError::Step(error)) => Ok((uncalibrated()?, Err(UnknownAccuracy::TrialFailed(error)))),
         }

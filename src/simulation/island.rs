@@ -7,7 +7,7 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::Island;
 use crate::simulation::course::Aim;
 use crate::simulation::{Course, Observer, ObserverError, RunError, RunOptions, Sample, StepEnd};
-use crate::stepping::integrator::Lobatto;
+use crate::simulation::run_integrator::RunIntegrator;
 use std::collections::VecDeque;
 
 /// An island and how it is run.
@@ -17,7 +17,7 @@ pub(crate) struct IslandRun {
     /// Efforts that drive its joints from outside [N m or N]; none, or one a degree of freedom.
     pub(crate) efforts: Vec<f64>,
     /// `None` if it sleeps.
-    pub(crate) awake: Option<Lobatto>,
+    pub(crate) awake: Option<RunIntegrator>,
     pub(crate) course: Option<Course>,
     /// What it has shown and nobody has taken yet.
     pub(crate) shown: Shown,
@@ -101,12 +101,12 @@ impl IslandRun {
 
     /// Makes steps as far as the aim; a failure is kept.
     pub(crate) fn proceed(&mut self, aim: Aim, options: &RunOptions) {
-        let IslandRun { island, state, efforts, awake: Some(lobatto), course: Some(course), shown, failed, .. } = self
+        let IslandRun { island, state, efforts, awake: Some(integrator), course: Some(course), shown, failed, .. } = self
         else {
             return;
         };
         let inputs = Inputs::constant(efforts);
-        let ended = course.proceed(&island.mechanism, inputs, state, lobatto, aim, options.interrupt, &mut [shown]);
+        let ended = course.proceed(&island.mechanism, inputs, state, integrator, aim, options.interrupt, &mut [shown]);
         *failed = ended.err();
     }
 

@@ -27,7 +27,7 @@ use crate::simulation::partition::Plan;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::{Threads, spread};
 use crate::simulation::{Observer, RunError, RunOptions, Summary};
-use crate::stepping::integrator::Lobatto;
+use crate::simulation::run_integrator::RunIntegrator;
 use std::time::Instant;
 
 /// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
@@ -69,12 +69,12 @@ impl Islands {
     ///
     /// # Errors
     /// The first error of `make`, in the order of the islands.
-    pub fn new<N: Send, E: Send>(
+    pub fn new<I: Into<RunIntegrator>, N: Send, E: Send>(
         plan: Plan,
         state: &State,
         threads: Threads,
         expected: f64,
-        make: impl Fn(&Mechanism, &State) -> Result<(Lobatto, N), E> + Sync,
+        make: impl Fn(&Mechanism, &State) -> Result<(I, N), E> + Sync,
     ) -> Result<(Self, Vec<N>), E> {
         let kept = plan.kept;
         let mut jobs: Vec<Job<N, E>> =
@@ -83,8 +83,8 @@ impl Islands {
             if *asleep {
                 return;
             }
-            *note = Some(make(&part.island.mechanism, &part.state).map(|(lobatto, note)| {
-                part.awake = Some(lobatto);
+            *note = Some(make(&part.island.mechanism, &part.state).map(|(integrator, note)| {
+                part.awake = Some(integrator.into());
                 note
             }));
         });
@@ -219,8 +219,8 @@ impl Islands {
             }
             let driven = part.efforts.iter().any(|&effort| effort != 0.0);
             if part.awake.is_none() && driven {
-                let Ok(lobatto) = choice.integrator(&part.island.mechanism) else { continue };
-                part.awake = Some(lobatto.keeping(&part.island.mechanism, &self.kept));
+                let Ok(integrator) = choice.integrator(&part.island.mechanism, &self.kept) else { continue };
+                part.awake = Some(integrator);
                 part.state.time = whole.start;
                 part.begin(options.duration, sampling_rate(options))?;
                 part.shown.samples.clear();

@@ -7,7 +7,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | the run as an object | `run`, `integrators`, `step_choice` |
+//! | the run as an object | `run`, `integrators`, `run_integrator`, `step_choice` |
 //! | one mechanism, step by step | `course`, `summary`, `observer` |
 //! | independent parts side by side | `partition`, `islands`, `island`, `merged`, `threads` |
 //! | the accuracy that a tolerance means | `accuracy`, `trial_run` |
@@ -24,6 +24,8 @@ mod observer;
 #[doc(hidden)]
 pub mod partition;
 mod run;
+#[doc(hidden)]
+pub mod run_integrator;
 mod step_choice;
 mod summary;
 #[doc(hidden)]

@@ -200,7 +200,7 @@ impl<'s> Simulation<'s> {
         let inputs = Inputs::constant(efforts);
         let watching = &mut observers[..];
         match integrators {
-            Integrators::Whole(lobatto) => {
+            Integrators::Whole(integrator) => {
                 if progress.is_none() {
                     let mut course = Course::new(mechanism, state, options.duration, options.rate);
                     course.begin(watching)?;
@@ -208,7 +208,7 @@ impl<'s> Simulation<'s> {
                 }
                 let Some(Progress::Whole(course)) = progress else { return Ok(()) };
                 let aim = Aim { horizon: f64::INFINITY, until };
-                course.proceed(mechanism, inputs, state, lobatto.as_mut(), aim, options.interrupt, watching)
+                course.proceed(mechanism, inputs, state, integrator, aim, options.interrupt, watching)
             }
             Integrators::Islands { islands, .. } => {
                 if progress.is_none() {

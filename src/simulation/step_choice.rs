@@ -1,7 +1,11 @@
 //! How the steps of a run are chosen.
 
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
+use crate::simulation::run_integrator::RunIntegrator;
 use crate::stepping::integrator::{Lobatto, MethodError};
+use crate::stepping::recipe::Steps;
+use crate::stepping::stage_choice::StageChoice;
 
 /// How steps are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,16 +76,23 @@ impl StepChoice {
         }
     }
 
-    /// The integrator, without trial runs for the accuracy.
+    /// The integrator, without trial runs for the accuracy; these rules leave nothing out.
     ///
     /// # Errors
     /// [`MethodError`] for stages and steps that cannot be.
-    pub fn integrator(self, mechanism: &Mechanism) -> Result<Lobatto, MethodError> {
+    pub(crate) fn integrator(self, mechanism: &Mechanism, kept: &[Rule]) -> Result<RunIntegrator, MethodError> {
+        let smooth = mechanism.nonsmooth.is_empty();
+        let alone = |lobatto: Lobatto| Ok(RunIntegrator::Smooth(Box::new(lobatto.keeping(mechanism, kept))));
         match self {
-            StepChoice::Fixed { stages, step } => Lobatto::fixed(mechanism, stages, step),
-            StepChoice::Reversible { stages, step } => Lobatto::reversible(mechanism, stages, step),
-            StepChoice::Precise { stages, step } => Lobatto::precise(mechanism, stages, step),
-            StepChoice::Tolerance(tolerance) => Ok(Lobatto::adaptive(mechanism, tolerance)),
+            StepChoice::Fixed { stages, step } => RunIntegrator::new(mechanism, Steps::Fixed { stages, step }, kept),
+            StepChoice::Reversible { .. } if !smooth => Err(MethodError::NotReversible),
+            StepChoice::Precise { .. } if !smooth => Err(MethodError::NotPlain),
+            StepChoice::Reversible { stages, step } => alone(Lobatto::reversible(mechanism, stages, step)?),
+            StepChoice::Precise { stages, step } => alone(Lobatto::precise(mechanism, stages, step)?),
+            StepChoice::Tolerance(tolerance) => {
+                let stages = StageChoice::of(mechanism, tolerance);
+                RunIntegrator::new(mechanism, Steps::Chosen { tolerance, stop: 1e-4 * tolerance, stages }, kept)
+            }
         }
     }
 }

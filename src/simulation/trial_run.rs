@@ -5,7 +5,8 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
-use crate::stepping::integrator::Lobatto;
+use crate::simulation::run_integrator::RunIntegrator;
+use crate::stepping::integrator::MethodError;
 use crate::stepping::stage_choice::StageChoice;
 use nalgebra::Vector3;
 
@@ -15,6 +16,9 @@ pub enum CalibrationError {
     /// A pilot failed, and so will the run.
     #[error(transparent)]
     Step(#[from] StepError),
+    /// The stages or the steps.
+    #[error(transparent)]
+    Method(#[from] MethodError),
     /// The caller did not want to go on.
     #[error("interrupted during the pilot runs that calibrate the tolerance")]
     Interrupted,
@@ -53,7 +57,7 @@ pub(crate) enum Pair {
 /// A run that is made only to be compared.
 pub(crate) struct TrialRun<'m> {
     pub mechanism: &'m Mechanism,
-    pub lobatto: Lobatto,
+    pub integrator: RunIntegrator,
     /// Its iteration stop and its stages.
     pub stop: f64,
     pub stages: StageChoice,
@@ -118,7 +122,7 @@ impl TrialRun<'_> {
             self.step(course.end, go_on)?;
             steps += 1;
             let early = self.state.time - course.start <= EARLY * (course.end - course.start);
-            self.held_back |= early && self.lobatto.was_held_by_stability();
+            self.held_back |= early && self.integrator.was_held_by_stability();
         }
         self.trail.push((self.state.time, probes(self.mechanism, &self.state)));
         Ok(())
@@ -134,7 +138,7 @@ impl TrialRun<'_> {
     }
 
     fn step(&mut self, until: f64, go_on: GoOn) -> Result<(), CalibrationError> {
-        let outcome = self.lobatto.advance(self.mechanism, &mut self.state, until)?;
+        let outcome = self.integrator.advance(self.mechanism, &mut self.state, until)?;
         if go_on(&outcome) { Ok(()) } else { Err(CalibrationError::Interrupted) }
     }
 }

@@ -26,7 +26,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "literal",
         ],
     ),
-    ("catena", &["drawing", "scene", "model", "instant", "simulation", "prelude", "output", "study", "cli"]),
+    ("catena", &["drawing", "scene", "model", "instant", "events", "simulation", "prelude", "output", "study", "cli"]),
 ];
 
 /// The crates from the ground up.

@@ -62,29 +62,30 @@ impl MotorLaw {
 }
 
 impl Motor {
-    /// The part of its unbounded effort that depends on time alone, as if the coordinate were at rest at zero [N m or N].
-    pub fn drive(&self, time: f64) -> f64 {
+    /// The part of its unbounded effort that depends on time alone, as if the coordinate were at rest at zero [N m or N], with the target
+    /// of the piece that begins at or before `since` (s).
+    pub fn drive(&self, since: f64, time: f64) -> f64 {
+        let (value, rate) = self.target.piece(since, time);
         match self.law {
-            MotorLaw::Position { kp, kd } => kp * self.target.value(time) + kd * self.target.rate(time),
-            MotorLaw::Velocity { kd } => kd * self.target.value(time),
-            MotorLaw::Effort => self.target.value(time),
+            MotorLaw::Position { kp, kd } => kp * value + kd * rate,
+            MotorLaw::Velocity { kd } => kd * value,
+            MotorLaw::Effort => value,
         }
     }
 
-    /// Its effort without bound at an instant [N m or N].
-    pub fn unbounded(&self, time: f64, position: f64, rate: f64) -> f64 {
+    /// Its effort without bound at an instant [N m or N], with that piece of the target.
+    pub fn unbounded(&self, since: f64, time: f64, position: f64, rate: f64) -> f64 {
+        let (value, slope) = self.target.piece(since, time);
         match self.law {
-            MotorLaw::Position { kp, kd } => {
-                kp * (self.target.value(time) - position) + kd * (self.target.rate(time) - rate)
-            }
-            MotorLaw::Velocity { kd } => kd * (self.target.value(time) - rate),
-            MotorLaw::Effort => self.target.value(time),
+            MotorLaw::Position { kp, kd } => kp * (value - position) + kd * (slope - rate),
+            MotorLaw::Velocity { kd } => kd * (value - rate),
+            MotorLaw::Effort => value,
         }
     }
 
-    /// Its effort at an instant [N m or N].
+    /// Its effort at an instant [N m or N], were it worked out there.
     pub fn effort(&self, time: f64, position: f64, rate: f64) -> f64 {
-        self.unbounded(time, position, rate).clamp(-self.max_effort, self.max_effort)
+        self.unbounded(time, time, position, rate).clamp(-self.max_effort, self.max_effort)
     }
 
     /// The next instant after `time` at which its effort may change its law: a tick, or a given instant of its target (s).

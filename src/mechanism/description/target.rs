@@ -93,12 +93,17 @@ impl Target {
 
     /// Its value at a time; at a jump, that after it.
     pub fn value(&self, time: f64) -> f64 {
-        self.at(time).0
+        self.at(time, time).0
     }
 
     /// Its rate at a time; at a kink, that after it.
     pub fn rate(&self, time: f64) -> f64 {
-        self.at(time).1
+        self.at(time, time).1
+    }
+
+    /// Value and rate at a time, of the curve that begins at or before `since` (s): where that ends, the values before the jump.
+    pub fn piece(&self, since: f64, time: f64) -> (f64, f64) {
+        self.at(since, time)
     }
 
     /// The next given instant after `time` (s).
@@ -110,10 +115,9 @@ impl Target {
         self.times.get(next).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Value and rate.
-    fn at(&self, time: f64) -> (f64, f64) {
+    fn at(&self, since: f64, time: f64) -> (f64, f64) {
         // An instant that a step has reached but for a rounding is reached.
-        let piece = self.times.partition_point(|&knot| knot <= time + 1e-12 * time.abs().max(1.0));
+        let piece = self.times.partition_point(|&knot| knot <= since + 1e-12 * since.abs().max(1.0));
         let last = self.times.len() - 1;
         if piece == 0 {
             return (self.values[0], 0.0);

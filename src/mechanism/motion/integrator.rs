@@ -153,6 +153,12 @@ pub enum StepError {
         short(*.time)
     )]
     NotFinite { time: f64, step: f64, joint: String },
+    /// A joint is outside its limits where the motion begins.
+    #[error(
+        "at t = {} s joint {joint:?} is {by:.3e} rad or m outside its limits; start within them, or run --without limits",
+        short(*.time)
+    )]
+    OutsideLimit { time: f64, joint: String, by: f64 },
     /// The steps are of a kind that knows gravity alone, and now something else acts.
     #[error(
         "at t = {} s forces or efforts act, and {method} are for trees of joints under gravity alone; choose --tolerance, or --stages and --step alone",

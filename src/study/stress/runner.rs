@@ -88,7 +88,7 @@ impl<'m> Runner<'m> {
                 }
                 Err(CalibrationError::Interrupted) => return Err(Refused::TooSlow),
                 // The run will fail where the pilot did.
-                Err(CalibrationError::Step(_)) => {}
+                Err(CalibrationError::Step(_) | CalibrationError::Method(_)) => {}
             }
         }
         Ok(runner)
@@ -206,6 +206,7 @@ impl Failure {
             StepError::TurnedTooFar { time, .. } => ("TurnedTooFar", time),
             StepError::NotAccurate { time, .. } => ("NotAccurate", time),
             StepError::NotFinite { time, .. } => ("NotFinite", time),
+            StepError::OutsideLimit { time, .. } => ("OutsideLimit", time),
             StepError::NotPlain { time, .. } => ("NotPlain", time),
         };
         Failure { name, time, message: error.to_string() }

@@ -1,0 +1,210 @@
+//! Where a watched function changes its sign first within a step, on dense output.
+//!
+//! Samples at `x_j = j/6`; a sign that changes between two of them is a bracket. Two roots between samples are found by the least value: where
+//! the middle one of three samples is the least, the parabola through them tells whether a minimum may be below zero, and the
+//! minimum is looked for. The start of a step may be a root itself, of an element that has just changed its state: it counts as positive, and where the
+//! first sample is negative an earlier one that is positive is looked for.
+//!
+//! The root of the dense output is of lower order than the ends of steps: it begins the location, and never replaces it.
+
+/// Samples of a step besides its start.
+const SAMPLES: usize = 6;
+/// Halvings of the first interval in search of a positive value.
+const HALVINGS: i32 = 44;
+/// The root is bracketed to this part of the step.
+const WIDTH: f64 = 1e-10;
+
+/// A bracket in time (s) of the first root of a function: positive at `low`, negative at `high`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bracket {
+    /// Which function.
+    pub watched: usize,
+    pub low: f64,
+    pub high: f64,
+    /// About where (s).
+    pub root: f64,
+    /// About its rate there.
+    pub slope: f64,
+    /// Whether it is negative from the start on.
+    pub at_start: bool,
+}
+
+/// The first sign change of any function over `start … end` (s): `sample(time, values)` evaluates all of them. Values down to `−noise` of a
+/// function count as zero at the start.
+pub(crate) fn first_sign_change(
+    count: usize,
+    start: f64,
+    end: f64,
+    noise: &[f64],
+    mut sample: impl FnMut(f64, &mut [f64]),
+) -> Option<Bracket> {
+    let length = end - start;
+    let time = |j: usize| if j == SAMPLES { end } else { start + length * j as f64 / SAMPLES as f64 };
+    let mut values = vec![vec![0.0; count]; SAMPLES + 1];
+    for (j, values) in values.iter_mut().enumerate() {
+        sample(time(j), values);
+    }
+    let mut room = vec![0.0; count];
+    let mut earliest: Option<Bracket> = None;
+    for watched in 0..count {
+        let mut value = |at: f64| {
+            sample(at, &mut room);
+            room[watched]
+        };
+        let of: Vec<f64> = values.iter().map(|values| values[watched]).collect();
+        let Some((low, high, at_start)) = bracket(&of, &time, noise[watched], &mut value) else { continue };
+        // Whatever begins later than a known root ends need not be looked at.
+        if earliest.is_some_and(|known| low > known.high) {
+            continue;
+        }
+        let found = close_in(watched, low, high, at_start, length, &mut value);
+        if earliest.is_none_or(|known| found.root < known.root) {
+            earliest = Some(found);
+        }
+    }
+    earliest
+}
+
+/// The first interval in which the sampled function becomes negative: positive at its start, negative at its end.
+fn bracket(
+    of: &[f64],
+    time: &impl Fn(usize) -> f64,
+    noise: f64,
+    value: &mut impl FnMut(f64) -> f64,
+) -> Option<(f64, f64, bool)> {
+    for j in 1..of.len() {
+        if of[j] < 0.0 {
+            if j > 1 || of[0] > noise {
+                return Some((time(j - 1), time(j), false));
+            }
+            let mut high = time(1);
+            for halvings in 1..=HALVINGS {
+                let near = time(0) + (time(1) - time(0)) * 0.5_f64.powi(halvings);
+                if value(near) > 0.0 {
+                    return Some((near, high, false));
+                }
+                high = near;
+            }
+            return Some((time(0), time(0), true));
+        }
+        let Some(&next) = of.get(j + 1) else { continue };
+        let before = of[j - 1];
+        if j + 1 < of.len() && next >= 0.0 && of[j] <= before && of[j] <= next {
+            let (left, right) = (before - of[j], next - of[j]);
+            // The parabola through the three, in units of the interval, is least so far below the middle one.
+            let below = if left + right > 0.0 { (left - right).powi(2) / (8.0 * (left + right)) } else { 0.0 };
+            if 2.0 * below + 0.1 * (left + right) >= of[j]
+                && let Some(low) = least_below_zero(time(j - 1), time(j + 1), time(j), of[j], value)
+            {
+                return Some((time(j - 1), low, false));
+            }
+        }
+    }
+    None
+}
+
+/// A point between two where the function is negative, if its minimum is: golden section.
+fn least_below_zero(
+    mut low: f64,
+    mut high: f64,
+    mut middle: f64,
+    mut least: f64,
+    value: &mut impl FnMut(f64) -> f64,
+) -> Option<f64> {
+    const GOLDEN: f64 = 0.381_966_011_250_105;
+    for _ in 0..40 {
+        let (left, right) = (middle - low, high - middle);
+        let trial = if left > right { middle - GOLDEN * left } else { middle + GOLDEN * right };
+        let found = value(trial);
+        if found < 0.0 {
+            return Some(trial);
+        }
+        if found < least {
+            if trial < middle { high = middle } else { low = middle }
+            (middle, least) = (trial, found);
+        } else if trial < middle {
+            low = trial;
+        } else {
+            high = trial;
+        }
+        // What is left of a parabola below its least sample, seen from the sides.
+        if high - low < 1e-6 * (high.abs() + low.abs()) {
+            break;
+        }
+    }
+    None
+}
+
+/// Narrows a bracket by the method of false position (Illinois).
+fn close_in(
+    watched: usize,
+    low: f64,
+    high: f64,
+    at_start: bool,
+    length: f64,
+    value: &mut impl FnMut(f64) -> f64,
+) -> Bracket {
+    let (mut a, mut b) = (low, high);
+    if at_start {
+        return Bracket { watched, low, high, root: low, slope: 0.0, at_start };
+    }
+    let (mut above, mut below) = (value(a).max(0.0), value(b));
+    let mut slope = (below - above) / (b - a);
+    let mut last = 0;
+    for _ in 0..60 {
+        if b - a <= WIDTH * length || above <= 0.0 || below >= 0.0 {
+            break;
+        }
+        let secant = a + (b - a) * (above / (above - below));
+        let middle = if secant > a && secant < b { secant } else { 0.5 * (a + b) };
+        let found = value(middle);
+        if b - a > 1e-4 * length {
+            slope = (below - above) / (b - a);
+        }
+        if found > 0.0 {
+            (a, above) = (middle, found);
+            below *= if last == 1 { 0.5 } else { 1.0 };
+            last = 1;
+        } else {
+            (b, below) = (middle, found);
+            above *= if last == -1 { 0.5 } else { 1.0 };
+            last = -1;
+        }
+        if found == 0.0 {
+            break;
+        }
+    }
+    Bracket { watched, low, high, root: 0.5 * (a + b), slope, at_start }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn first(function: impl Fn(f64) -> f64) -> Option<Bracket> {
+        first_sign_change(1, 0.0, 1.0, &[1e-12], |time, values| values[0] = function(time))
+    }
+
+    #[test]
+    fn two_roots_between_samples_are_found_by_the_minimum() {
+        // Of 400 parabolas that dip below zero for less than a sixth of the step, the ends of the samples see hardly any.
+        for place in 0..40 {
+            for depth in 1..=10 {
+                let (at, depth) = (0.2 + 0.6 * f64::from(place) / 40.0, f64::from(depth) * 1e-3);
+                let function = |time: f64| 5.0 * (time - at).powi(2) - depth;
+                let root = at - (depth / 5.0).sqrt();
+                let found = first(function).unwrap_or_else(|| panic!("missed {at}, {depth}"));
+                assert!((found.root - root).abs() < 1e-7, "{} for {root}", found.root);
+            }
+        }
+    }
+
+    #[test]
+    fn the_start_is_no_root_and_one_soon_after_it_is_found() {
+        // A bounce that ends at 1e-4 of the step: positive only before.
+        let found = first(|time| time * (1e-4 - time)).expect("a root");
+        assert!((found.root - 1e-4).abs() < 1e-10, "{found:?}");
+        assert!(first(|time| time * time).is_none());
+        assert!(first(|time| -time).expect("at once").at_start);
+    }
+}

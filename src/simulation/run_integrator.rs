@@ -1,0 +1,90 @@
+//! What makes the steps of a run: the scheme alone, or with events where the mechanism has limits, dry friction or motors.
+
+use crate::events::Eventful;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::event::{Event, JointStatus};
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::state::State;
+use crate::stepping::integrator::{Lobatto, MethodError};
+use crate::stepping::recipe::{Recipe, Steps};
+
+/// The integrator of a run, or of an island.
+pub enum RunIntegrator {
+    /// Of a smooth motion.
+    Smooth(Box<Lobatto>),
+    /// Of one with events.
+    Eventful(Box<Eventful>),
+}
+
+impl From<Lobatto> for RunIntegrator {
+    fn from(lobatto: Lobatto) -> Self {
+        RunIntegrator::Smooth(Box::new(lobatto))
+    }
+}
+
+impl RunIntegrator {
+    /// The one for a mechanism, with these steps and rules that leave nothing out.
+    ///
+    /// # Errors
+    /// [`MethodError`] for stages and steps that cannot be.
+    pub fn new(mechanism: &Mechanism, steps: Steps, kept: &[Rule]) -> Result<Self, MethodError> {
+        let recipe = Recipe { steps, kept: kept.to_vec() };
+        Ok(if mechanism.nonsmooth.is_empty() {
+            RunIntegrator::Smooth(Box::new(recipe.lobatto(mechanism)?))
+        } else {
+            RunIntegrator::Eventful(Box::new(Eventful::new(mechanism, recipe)?))
+        })
+    }
+
+    /// Whether a step that was to be chosen for its accuracy was shortened for the stability of the scheme.
+    pub fn was_held_by_stability(&self) -> bool {
+        match self {
+            RunIntegrator::Smooth(lobatto) => lobatto.was_held_by_stability(),
+            RunIntegrator::Eventful(eventful) => eventful.was_held_by_stability(),
+        }
+    }
+
+    fn inner(&self) -> &dyn Integrator {
+        match self {
+            RunIntegrator::Smooth(lobatto) => lobatto.as_ref(),
+            RunIntegrator::Eventful(eventful) => eventful.as_ref(),
+        }
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn Integrator {
+        match self {
+            RunIntegrator::Smooth(lobatto) => lobatto.as_mut(),
+            RunIntegrator::Eventful(eventful) => eventful.as_mut(),
+        }
+    }
+}
+
+impl Integrator for RunIntegrator {
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        self.inner_mut().step(mechanism, inputs, state, until)
+    }
+
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        self.inner_mut().dense(mechanism, time, position, velocity);
+    }
+
+    fn description(&self) -> MethodDescription {
+        self.inner().description()
+    }
+
+    fn take_events(&mut self, events: &mut Vec<Event>) {
+        self.inner_mut().take_events(events);
+    }
+
+    fn joint_status(&self, mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
+        self.inner().joint_status(mechanism, state, body)
+    }
+}
