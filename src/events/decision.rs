@@ -27,22 +27,32 @@ const LESS: f64 = 1e-9;
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
 const IMMOBILE: f64 = 1e-10;
 
-/// Decides the joints whose rate is zero; `efforts` are those from outside and of motors, `yielding` says that what holds some of them has
-/// been seen to reach its end.
+/// What has been seen to reach its end.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Yielding {
+    /// Joints at an end of the efforts that can hold them, and the direction in which they go.
+    pub joints: Vec<(usize, i8)>,
+    /// All held joints together.
+    pub all: bool,
+}
+
+/// Decides the joints whose rate is zero; `efforts` are those from outside and of motors.
 pub(crate) fn decide(
     elements: &Elements,
     mode: &mut Mode,
     response: &mut Response,
     state: &State,
     efforts: &[f64],
-    yielding: bool,
+    yielding: &Yielding,
 ) {
     let mut undecided = Vec::new();
     let mut efforts = efforts.to_vec();
     for (index, joint) in elements.joints.iter().enumerate() {
         let (rate, side) = (joint.rate(state), joint.side(joint.position(state)));
-        mode.joints[index] = if rate != 0.0 {
-            let sliding = if joint.friction > 0.0 { rate.signum() as i8 } else { 0 };
+        let goes = yielding.joints.iter().find(|(yields, _)| *yields == index).map(|(_, direction)| *direction);
+        let goes = if rate != 0.0 { Some(rate.signum() as i8) } else { goes };
+        mode.joints[index] = if let Some(direction) = goes {
+            let sliding = if joint.friction > 0.0 { direction } else { 0 };
             efforts[joint.coordinate.freedom] -= f64::from(sliding) * joint.friction;
             JointMode::Free { sliding }
         } else if joint.friction > 0.0 || side.is_some() {
@@ -66,7 +76,7 @@ pub(crate) fn decide(
         .zip(&load)
         .map(|(&index, load)| {
             let (low, high) = mode.joints[index].holding(&elements.joints[index]);
-            let less = if yielding { LESS * elements.joints[index].friction.max(*load) } else { 0.0 };
+            let less = if yielding.all { LESS * elements.joints[index].friction.max(*load) } else { 0.0 };
             if low.is_finite() || high.is_finite() { (low + less, high - less) } else { (low, high) }
         })
         .collect();

@@ -95,7 +95,13 @@ impl ElementJoint {
 
     /// The bound that a position is on, if it is.
     pub fn side(&self, position: f64) -> Option<Side> {
-        [Side::Lower, Side::Upper].into_iter().find(|&side| self.gap(side, position) <= self.at_limit(side))
+        self.sides().find(|&side| self.gap(side, position) <= self.at_limit(side))
+    }
+
+    /// The bounds that it has.
+    pub fn sides(&self) -> impl Iterator<Item = Side> + use<> {
+        let finite = [(Side::Lower, self.lower.is_finite()), (Side::Upper, self.upper.is_finite())];
+        finite.into_iter().filter(|(_, finite)| *finite).map(|(side, _)| side)
     }
 
     /// Whether its bounds leave no room.

@@ -2,7 +2,7 @@
 
 use crate::events::decision::held_bodies;
 use crate::events::drives::Drives;
-use crate::events::elements::{AT_LIMIT, Elements};
+use crate::events::elements::Elements;
 use crate::events::held::Held;
 use crate::events::holding::Held as Holding;
 use crate::events::mode::{JointMode, Mode, MotorMode};
@@ -10,7 +10,7 @@ use crate::events::response::Response;
 use crate::events::transition::{Found, Memory, transit};
 use crate::events::watched::{Watched, unbounded};
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::event::{Event, Side};
+use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError};
 use crate::mechanism::motion::state::State;
@@ -19,6 +19,8 @@ use crate::stepping::recipe::{Recipe, Steps};
 
 /// Modes whose workspaces are kept.
 const KEPT_MODES: usize = 12;
+/// A start that is outside its limits by so many times what counts as being on them is put there.
+const NEARLY: f64 = 1e3;
 /// What may be left of the height of accumulating impacts, where no tolerance says so (rad or m).
 const HEIGHT: f64 = 1e-13;
 
@@ -114,7 +116,7 @@ impl Eventful {
             efforts: vec![0.0; mechanism.velocity_count],
             events: Vec::new(),
             began: 0.0,
-            flips: (0, f64::NEG_INFINITY),
+            flips: (0, f64::MIN),
             steps: 0,
             stepped: 0.0,
             lost_at_start: 0.0,
@@ -153,9 +155,9 @@ impl Eventful {
             self.began = state.time;
         }
         for joint in &self.elements.joints {
-            for side in [Side::Lower, Side::Upper] {
+            for side in joint.sides() {
                 let gap = joint.gap(side, joint.position(state));
-                let allowed = 1e3 * AT_LIMIT * joint.bound(side).abs().max(1.0);
+                let allowed = NEARLY * joint.at_limit(side);
                 if gap < -allowed {
                     let name = self.whole.bodies[joint.coordinate.body].joint.name.clone();
                     return Err(StepError::OutsideLimit { time: state.time, joint: name, by: -gap });

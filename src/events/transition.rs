@@ -9,7 +9,7 @@
 //! An element whose impacts follow each other ever faster comes to rest at `t∞ = t_k + T_k/(1 − ρ)`, with the flight `T_k` that would follow and the ratio ρ
 //! of two impacts. Where the greatest height that is left, `γ⁺²/(2 g)` with `g = 2 γ⁺/T`, is too small to matter, the impact is plastic.
 
-use crate::events::decision::decide;
+use crate::events::decision::{Yielding, decide};
 use crate::events::elements::{Elements, inward};
 use crate::events::impact::{Row, collide};
 use crate::events::mode::{JointMode, Mode, MotorMode};
@@ -82,7 +82,16 @@ pub(crate) fn transit(
     };
     let before = mode.clone();
     let time = state.time;
-    let yielding = found.triggers.iter().any(|trigger| trigger.needs_efforts());
+    let mut yielding = Yielding::default();
+    for trigger in found.triggers {
+        match *trigger {
+            // It needs less than the least that can act: it goes forward.
+            Watched::Bears(index, Side::Lower) => yielding.joints.push((index, 1)),
+            Watched::Bears(index, Side::Upper) => yielding.joints.push((index, -1)),
+            Watched::Margin => yielding.all = true,
+            _ => {}
+        }
+    }
     settle(elements, mode, state, found.triggers, &mut done);
     let rests: Vec<f64> = memory.joints.iter().map(|joint| REST * joint.fastest).collect();
     for (joint, &rest) in elements.joints.iter().zip(&rests) {
@@ -112,7 +121,7 @@ pub(crate) fn transit(
         }
     }
     let known = efforts(mode, state);
-    decide(elements, mode, response, state, &known, yielding);
+    decide(elements, mode, response, state, &known, &yielding);
     for index in 0..elements.joints.len() {
         let body = elements.joints[index].coordinate.body;
         let (was, is) = (before.joints[index], mode.joints[index]);

@@ -40,8 +40,7 @@ impl Watched {
         for (index, (joint, state)) in elements.joints.iter().zip(&mode.joints).enumerate() {
             match state {
                 JointMode::Free { sliding } => {
-                    let sides = [Side::Lower, Side::Upper].into_iter().filter(|&side| joint.bound(side).is_finite());
-                    all.extend(sides.map(|side| Watched::Gap(index, side)));
+                    all.extend(joint.sides().map(|side| Watched::Gap(index, side)));
                     if *sliding != 0 {
                         all.push(Watched::Slide(index));
                     }

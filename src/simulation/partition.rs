@@ -25,7 +25,9 @@ impl Plan {
         let all =
             if switched_off.contains(&Rule::Islands) { vec![Island::whole(mechanism)] } else { islands(mechanism) };
         let sleeps = |island: &Island| {
-            !switched_off.contains(&Rule::Sleep) && is_at_rest(&island.mechanism, &island.state(state))
+            // Motors change their minds, and their efforts are not among the forces.
+            let driven = !island.mechanism.nonsmooth.motors.is_empty();
+            !switched_off.contains(&Rule::Sleep) && !driven && is_at_rest(&island.mechanism, &island.state(state))
         };
         let with_sleep = |island: Island| {
             let asleep = sleeps(&island);

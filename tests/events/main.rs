@@ -1,0 +1,13 @@
+//! Limits, dry friction and motors against exact answers, and the laws they obey.
+
+#[path = "../shared/common/mod.rs"]
+mod common;
+
+mod closed;
+mod exact;
+mod laws;
+mod mechanisms;
+mod motors;
+mod orders;
+mod pendulum;
+mod slides;
