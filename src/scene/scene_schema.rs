@@ -1,5 +1,6 @@
 //! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` says what they mean.
 
+use crate::scene::joint_schema::{JointTable, MotorTable};
 use crate::scene::robot::LoopType;
 use nalgebra::Vector3;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
@@ -20,7 +21,9 @@ pub(crate) struct FileTable {
     #[serde(default)]
     pub load: Vec<Spanned<LoadTable>>,
     #[serde(default)]
-    pub motor: Vec<Spanned<IgnoredAny>>,
+    pub motor: Vec<Spanned<MotorTable>>,
+    #[serde(default)]
+    pub joint: Vec<Spanned<JointTable>>,
     #[serde(default)]
     pub obstacle: Vec<Spanned<IgnoredAny>>,
     pub contact: Option<Spanned<IgnoredAny>>,

@@ -7,7 +7,7 @@ mod errors;
 use crate::common::command;
 use catena::mechanism::motion::state::State;
 use catena::model::{Model, Start};
-use catena::scene::{PackagePath, Scene, SceneError, read_urdf, scene_from_text};
+use catena::scene::{FilesOnDisk, PackagePath, Scene, SceneError, scene_from_text};
 use std::path::{Path, PathBuf};
 
 /// Two rods one below the other, a point mass fixed to the second, and a leaf without mass.
@@ -42,7 +42,7 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn read(folder: &Path, text: &str) -> Result<Scene, SceneError> {
-    scene_from_text(text, &folder.join("scene.toml"), &mut |urdf| read_urdf(urdf, &PackagePath::default()))
+    scene_from_text(text, &folder.join("scene.toml"), &mut FilesOnDisk(&PackagePath::default()))
 }
 
 fn build(folder: &Path, text: &str) -> (Model, Start, State) {
