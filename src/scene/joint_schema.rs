@@ -2,7 +2,7 @@
 
 use crate::mechanism::description::target::Interpolation;
 use crate::scene::joint_settings::LimitChoice;
-use crate::scene::scene_schema::{Finite, NotNegative};
+use crate::scene::scene_numbers::{Bound, Finite, Fraction, NotNegative};
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 use std::fmt;
 use toml::Spanned;
@@ -57,34 +57,6 @@ pub(crate) enum TargetKey {
 
 /// `[lower, upper]` or `"none"`.
 pub(crate) struct LimitKey(pub LimitChoice);
-
-/// A number that is not negative; infinity is none.
-#[derive(Clone, Copy, serde::Deserialize)]
-#[serde(try_from = "f64")]
-pub(crate) struct Bound(pub f64);
-
-/// A number from 0 to 1.
-#[derive(Clone, Copy, serde::Deserialize)]
-#[serde(try_from = "f64")]
-pub(crate) struct Fraction(pub f64);
-
-impl TryFrom<f64> for Bound {
-    type Error = String;
-    fn try_from(number: f64) -> Result<Self, String> {
-        match number {
-            number if number.is_nan() => Err("NaN is not a number; leave it out or write inf for no bound".to_string()),
-            number if number < 0.0 => Err(format!("{number} must not be negative; write inf for no bound")),
-            number => Ok(Bound(number)),
-        }
-    }
-}
-
-impl TryFrom<f64> for Fraction {
-    type Error = String;
-    fn try_from(number: f64) -> Result<Self, String> {
-        if (0.0..=1.0).contains(&number) { Ok(Fraction(number)) } else { Err(format!("{number} must be from 0 to 1")) }
-    }
-}
 
 impl From<InterpolationKey> for Interpolation {
     fn from(key: InterpolationKey) -> Self {

@@ -25,6 +25,7 @@ pub mod package_path;
 pub mod robot;
 mod scene_file;
 mod scene_files;
+mod scene_numbers;
 mod scene_schema;
 pub mod schema;
 mod target_csv;
