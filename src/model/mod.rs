@@ -20,6 +20,7 @@ mod rigid_groups;
 mod robot_model;
 mod start_checks;
 mod tied_joints;
+mod without;
 
 pub use assemble::Start;
 pub use composite::Composite;
@@ -28,3 +29,4 @@ pub use coupling_error::{CouplingError, CouplingProblem};
 pub use model_error::ModelError;
 pub use reduce::{Base, ModelOptions};
 pub use robot_model::{JointRecord, LinkFrame, LinkState, Model, PlacedRobot, Reduction, ReductionRule, SourceFile};
+pub use without::{Left, UnknownLeft};

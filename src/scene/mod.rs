@@ -51,4 +51,5 @@ pub use robot::{
 pub use scene_file::{read_scene, scene_from_text};
 pub use scene_files::{FilesOnDisk, SceneFiles};
 pub use schema::WORLD_LINK;
+pub(crate) use unsimulated::contact_warning;
 pub use urdf::{read_urdf, robot_from_text, robot_without_meshes};
