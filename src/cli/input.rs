@@ -9,6 +9,8 @@ use catena::instant::assembly::assemble;
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::{decimals, short};
+use catena::mechanism::motion::energy::violation;
+use catena::mechanism::motion::kinematics::body_states;
 use catena::mechanism::motion::state::State;
 use catena::model::{Base, Left, Model, ModelError, ModelOptions, Start};
 use catena::output::report::{Numbers, joint_reports};
@@ -94,8 +96,12 @@ impl Loaded {
         let given = state.clone();
         let correction = assemble(&self.model.mechanism, &mut state).with_context(in_file)?;
         self.model.check_springs(&state).with_context(in_file)?;
-        let closed = self.model.mechanism.has_closures();
-        if closed && correction.position.max(correction.velocity) > UNNOTICEABLE {
+        // What limits alone moved is said apart.
+        let mechanism = &self.model.mechanism;
+        let open = violation(mechanism, &given, &body_states(mechanism, &given)).position > UNNOTICEABLE;
+        if mechanism.has_closures()
+            && ((open && correction.position > UNNOTICEABLE) || correction.velocity > UNNOTICEABLE)
+        {
             let message = format!(
                 "the start was moved onto the loops: positions by up to {:.1e} rad or m, velocities by up to {:.1e} rad/s or m/s{}",
                 correction.position,

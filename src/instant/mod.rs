@@ -9,3 +9,4 @@ pub mod reactions;
 pub mod rest;
 #[doc(hidden)]
 pub mod snapshots;
+pub mod unreachable;
