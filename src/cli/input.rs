@@ -9,8 +9,10 @@ use catena::instant::assembly::assemble;
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::{decimals, short};
+use catena::mechanism::motion::energy::violation;
+use catena::mechanism::motion::kinematics::body_states;
 use catena::mechanism::motion::state::State;
-use catena::model::{Base, Model, ModelError, ModelOptions, Start};
+use catena::model::{Base, Left, Model, ModelError, ModelOptions, Start};
 use catena::output::report::{Numbers, joint_reports};
 use catena::scene::{PackagePath, Robot, Scene, SimulationSettings, Warning, read_scene, read_urdf};
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -45,6 +47,10 @@ pub struct WorldArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
     pub gravity: Option<[f64; 3]>,
 
+    /// What is left out of the simulation although the files say it.
+    #[arg(long, value_name = "WHAT", help = without_help())]
+    pub without: Vec<Left>,
+
     /// Folder of a ROS package, for package://NAME/... (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the
     /// folders above the URDF are searched
     #[arg(long, value_name = "NAME=DIR", value_parser = package)]
@@ -69,7 +75,7 @@ const UNNOTICEABLE: f64 = 1e-9;
 const NAMED: usize = 3;
 
 impl Loaded {
-    /// The start, moved onto all loops and mimic relations; what was changed for that becomes a warning of the model.
+    /// The start, moved within limits and onto all loops and mimic relations; what was changed for that becomes a warning of the model.
     ///
     /// # Errors
     /// As [`Loaded::unassembled_state`], if a joint is given twice, if a loop cannot be closed or the velocities contradict one, and if
@@ -87,9 +93,15 @@ impl Loaded {
         let file = self.model.path();
         let in_file = || file.display().to_string();
         self.model.check_representable(&state).with_context(in_file)?;
+        let given = state.clone();
         let correction = assemble(&self.model.mechanism, &mut state).with_context(in_file)?;
         self.model.check_springs(&state).with_context(in_file)?;
-        if correction.position.max(correction.velocity) > UNNOTICEABLE {
+        // What limits alone moved is said apart.
+        let mechanism = &self.model.mechanism;
+        let open = violation(mechanism, &given, &body_states(mechanism, &given)).position > UNNOTICEABLE;
+        if mechanism.has_closures()
+            && ((open && correction.position > UNNOTICEABLE) || correction.velocity > UNNOTICEABLE)
+        {
             let message = format!(
                 "the start was moved onto the loops: positions by up to {:.1e} rad or m, velocities by up to {:.1e} rad/s or m/s{}",
                 correction.position,
@@ -98,6 +110,7 @@ impl Loaded {
             );
             self.model.warnings.push(Warning { file: file.to_path_buf(), line: None, element: None, message });
         }
+        self.model.warnings.extend(self.model.moved_in_warning(&given, &state));
         self.model.warnings.extend(self.model.limit_warning(&state));
         Ok(state)
     }
@@ -230,6 +243,7 @@ impl WorldArgs {
             gravity: self.gravity.map_or(defaults.gravity, Vector3::from),
         };
         let mut model = Model::new(robot, &options)?;
+        model.without(&self.without);
         model.warnings.extend(nothing_moves(&model, "--base floating"));
         Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default() })
     }
@@ -262,6 +276,7 @@ impl WorldArgs {
             }
         }
         let (mut model, start) = Model::from_scene(&scene)?;
+        model.without(&self.without);
         model.warnings.extend(nothing_moves(&model, "base = \"floating\" in its [[robot]]"));
         Ok(Loaded { model, start, simulation: scene.simulation })
     }
@@ -298,6 +313,12 @@ fn package(text: &str) -> Result<(String, PathBuf), String> {
         Some((name, folder)) if !name.is_empty() && !folder.is_empty() => Ok((name.to_string(), folder.into())),
         _ => Err("give NAME=DIR, the name of the package and its folder".to_string()),
     }
+}
+
+/// The help of `--without`, with everything that can be left out.
+fn without_help() -> String {
+    let names = Left::ALL.map(Left::name).join(", ");
+    format!("Leave something out of the simulation although the files say it (repeatable): {names}")
 }
 
 /// The help of `--keep`, with the names of all rules.

@@ -2,11 +2,12 @@
 
 use crate::cli::input::InputArgs;
 use crate::cli::table::{Table, number, triple};
-use crate::cli::{Failure, couplings, print, print_json, rules};
+use crate::cli::{Failure, couplings, joint_tables, print, print_json, rules};
 use catena::instant::assembly::{Redundancy, redundancy};
 use catena::mechanism::description::joint::wxyz_from_rotation;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::counted;
+use catena::mechanism::motion::state::State;
 use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names};
 use catena::output::report::ModelReport;
 use catena::scene::Warning;
@@ -44,13 +45,13 @@ pub fn run(args: &ModelArgs) -> Result<(), Failure> {
     let redundancy = redundancy(&model.mechanism, &state);
     let plan = Plan::new(&model.mechanism, &state, &args.input.keep);
     if args.json {
-        print_json(&as_json(model, &redundancy, &plan, &args.input.keep))
+        print_json(&as_json(model, &state, &redundancy, &plan, &args.input.keep))
     } else {
-        print(as_text(model, &redundancy, &plan, &args.input.keep))
+        print(as_text(model, &state, &redundancy, &plan, &args.input.keep))
     }
 }
 
-fn as_json(model: &Model, redundancy: &Redundancy, plan: &Plan, kept: &[Rule]) -> Value {
+fn as_json(model: &Model, start: &State, redundancy: &Redundancy, plan: &Plan, kept: &[Rule]) -> Value {
     let mechanism = &model.mechanism;
     let body_name = |body: Option<usize>| body.map(|body| mechanism.bodies[body].name.as_str());
     let mut links_of: Vec<Vec<&LinkFrame>> = vec![Vec::new(); mechanism.bodies.len()];
@@ -133,13 +134,16 @@ fn as_json(model: &Model, redundancy: &Redundancy, plan: &Plan, kept: &[Rule]) -
         "reductions": reductions,
         "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
     });
-    for (key, value) in couplings::as_json(model, redundancy).into_iter().chain(rules::as_json(model, plan, kept)) {
+    let of_joints = joint_tables::as_json(model, start);
+    let parts =
+        couplings::as_json(model, redundancy).into_iter().chain(of_joints).chain(rules::as_json(model, plan, kept));
+    for (key, value) in parts {
         report[key] = value;
     }
     report
 }
 
-fn as_text(model: &Model, redundancy: &Redundancy, plan: &Plan, kept: &[Rule]) -> String {
+fn as_text(model: &Model, start: &State, redundancy: &Redundancy, plan: &Plan, kept: &[Rule]) -> String {
     let mechanism = &model.mechanism;
     let mut text = String::new();
     // Writing into a String cannot fail.
@@ -176,6 +180,7 @@ fn as_text(model: &Model, redundancy: &Redundancy, plan: &Plan, kept: &[Rule]) -
     }
     bodies.write(&mut text);
     couplings::write_tables(model, redundancy, &mut text);
+    joint_tables::write_tables(model, start, &mut text);
 
     if !model.reductions.is_empty() {
         let _ = writeln!(text, "\nno bodies of their own:");

@@ -1,14 +1,14 @@
 //! A run as its log describes it: the options it was made with and the input files it carries.
 //!
-//! The files are read from the log's own bytes and no other file is touched, whatever paths the log has: the robots of a scene are
-//! the attachments after it, in their order, and meshes, on which no motion depends, are left out.
+//! The files are read from the log's own bytes and no other file is touched, whatever paths the log has: the robots and tables of a
+//! scene are the attachments after it, in their order, and meshes, on which no motion depends, are left out.
 
 use crate::cli::input::{Loaded, WorldArgs, is_scene};
 use crate::cli::{simulate, simulate_arguments};
 use anyhow::{Context, anyhow, bail};
 use catena::output::log::reader::{Item, read_log};
 use catena::output::log::{INPUTS, sha256};
-use catena::scene::{Problem, SceneError, robot_without_meshes, scene_from_text};
+use catena::scene::{Problem, Robot, SceneError, SceneFiles, robot_without_meshes, scene_from_text};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -57,24 +57,30 @@ impl Recorded {
     }
 }
 
-/// What the text of the main input says, and the texts of its robots if it is a scene.
-fn load(
-    path: &Path,
-    text: &str,
-    mut robots: impl Iterator<Item = String>,
-    world: &WorldArgs,
-) -> anyhow::Result<Loaded> {
+/// What the text of the main input says, and the texts of the files it names if it is a scene.
+fn load(path: &Path, text: &str, others: impl Iterator<Item = String>, world: &WorldArgs) -> anyhow::Result<Loaded> {
     if !is_scene(path) {
         return world.place_robot(robot_without_meshes(text, path)?);
     }
-    let mut next_robot = |urdf: &Path| match robots.next() {
-        Some(text) => robot_without_meshes(&text, urdf),
-        None => {
+    world.place_scene(scene_from_text(text, path, &mut FilesInLog { texts: others })?)
+}
+
+/// The files that a log carries after the scene file, in the order in which the scene was read.
+struct FilesInLog<I> {
+    texts: I,
+}
+
+impl<I: Iterator<Item = String>> SceneFiles for FilesInLog<I> {
+    fn robot(&mut self, urdf: &Path) -> Result<Robot, SceneError> {
+        robot_without_meshes(&self.text(urdf)?, urdf)
+    }
+
+    fn text(&mut self, file: &Path) -> Result<String, SceneError> {
+        self.texts.next().ok_or_else(|| {
             let problem = Box::new(Problem::Unreadable("the log does not carry it".to_string()));
-            Err(SceneError { file: urdf.to_path_buf(), line: None, element: None, problem })
-        }
-    };
-    world.place_scene(scene_from_text(text, path, &mut next_robot)?)
+            SceneError { file: file.to_path_buf(), line: None, element: None, problem }
+        })
+    }
 }
 
 /// What comes before the first sample.

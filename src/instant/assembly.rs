@@ -4,11 +4,12 @@
 //! matrix ([`crate::lobatto::coupled::projection`]) before t = 0: a defect left in them would stay in the multipliers for the whole run
 //! as defect/h.
 
-use crate::instant::limits::{close_within_limits, within_limits};
+use crate::instant::limits::{close_within, excess, most_exceeded, move_within, within};
 use crate::lobatto::coupled::deciding::{Decided, known_of_steps};
 use crate::lobatto::coupled::known::Known;
 use crate::lobatto::coupled::projection::{Projected, Projection};
 use crate::lobatto::stages::start::Start;
+use crate::mechanism::description::closure::JointLimit;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::ranks::counting::Ranks;
@@ -18,6 +19,11 @@ use crate::mechanism::structure::ranks::lending::lent_inertia;
 const OPEN: f64 = 1e-9;
 /// Rates that the projection leaves larger than this, of the largest rate, contradict each other.
 const CONTRADICTION: f64 = 1e-7;
+
+/// A position this far beyond its limit [rad, m] is at it where limits only choose how loops are closed: they are written with few digits.
+const AT_LIMIT: f64 = 1e-6;
+/// The same where limits stop the motion: what closing loops leaves.
+const ON_LIMIT: f64 = 1e-9;
 
 /// Velocities below this [m/s, rad/s] decide no branch.
 const AT_REST: f64 = 1e-9;
@@ -64,9 +70,14 @@ pub enum AssemblyError {
     /// The loops close, but only beyond the limits of joints.
     #[error(
         "the closure {closure:?} cannot be closed within the limits of the joints: {gap:.3e} (m or rad) is left open between its \
-         ends; move the initial joint positions, or widen the limits"
+         ends, or joint {joint:?} is {excess:.3e} {unit} outside its limits; move the initial joint positions, or widen the limits"
     )]
-    Limited { closure: String, gap: f64 },
+    Limited { closure: String, gap: f64, joint: String, excess: f64, unit: &'static str },
+    /// A joint cannot be moved within its limits.
+    #[error(
+        "joint {joint:?} starts {excess:.3e} {unit} outside its limits, and moving it in fails; give it an initial position inside"
+    )]
+    Outside { joint: String, excess: f64, unit: &'static str },
     /// At rest in a singular position.
     #[error(
         "the mechanism starts at rest in a singular position, where its closures leave {extra} more degrees of freedom than beside it: \
@@ -89,13 +100,22 @@ pub fn closure_name(mechanism: &Mechanism, closure: usize) -> &str {
     }
 }
 
-/// Projects a state on all closures, positions first.
+/// Moves a state within the limits that are simulated and onto all closures, positions first, by the least motion in the metric of the
+/// mass matrix. Velocities are left as they are but for what the closures do not allow: a joint that starts on a limit and moves out of it
+/// has an impact at once.
 ///
 /// # Errors
-/// [`AssemblyError`] with the closure that stays open; the state is then where the projection gave up.
+/// [`AssemblyError`] with the closure that stays open or the joint that stays outside; the state is then where the projection gave up.
 pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, AssemblyError> {
     let mut correction = Correction::default();
+    let simulated = &mechanism.nonsmooth.limits;
+    let wanted = state.clone();
     if !mechanism.has_closures() {
+        if !within(simulated, state, 0.0) && !move_within(mechanism, simulated, state) {
+            let (joint, excess, unit) = worst_joint(mechanism, simulated, &wanted);
+            return Err(AssemblyError::Outside { joint, excess, unit });
+        }
+        correction.position = largest_change(&wanted, state);
         return Ok(correction);
     }
     let mut projection = Projection::new(mechanism);
@@ -103,14 +123,22 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
     // Where the start is not closed yet the directions are those nearby.
     let lent = lent_inertia(mechanism, state, &Ranks::at(mechanism, state));
     projection.heed(Known { lent, ..Known::default() });
-    let wanted = state.clone();
     let Projected { mut gap, mut worst, .. } = projection.positions(mechanism, &mut start, state);
-    if within_limits(mechanism, &wanted) && !within_limits(mechanism, state) {
+    let limits = if simulated.is_empty() { &mechanism.limits } else { simulated };
+    let leaves = within(limits, &wanted, AT_LIMIT) && !within(limits, state, AT_LIMIT);
+    if leaves || !within(simulated, state, ON_LIMIT) {
+        let unlimited = state.clone();
         state.copy_from(&wanted);
-        Projected { gap, worst, .. } = close_within_limits(mechanism, &mut projection, &mut start, state);
-        if gap.is_nan() || gap > OPEN {
-            return Err(AssemblyError::Limited { closure: closure_name(mechanism, worst).to_string(), gap });
+        let limited = close_within(mechanism, limits, &mut projection, &mut start, state);
+        if limited.gap.is_nan() || limited.gap > OPEN || !within(limits, state, ON_LIMIT) {
+            if gap.is_nan() || gap > OPEN {
+                return Err(AssemblyError::Open { closure: closure_name(mechanism, worst).to_string(), gap });
+            }
+            let (joint, excess, unit) = worst_joint(mechanism, limits, &unlimited);
+            let (closure, gap) = (closure_name(mechanism, limited.worst).to_string(), limited.gap);
+            return Err(AssemblyError::Limited { closure, gap, joint, excess, unit });
         }
+        Projected { gap, worst, .. } = limited;
     }
     if gap.is_nan() || gap > OPEN {
         return Err(AssemblyError::Open { closure: closure_name(mechanism, worst).to_string(), gap });
@@ -119,8 +147,7 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
     let known = known_of_steps(mechanism, state, &mut projection, &mut start);
     projection.heed(Known { still: Vec::new(), locked: Vec::new(), ..known });
     projection.positions(mechanism, &mut start, state);
-    let changes = state.position.iter().zip(&wanted.position).map(|(after, before)| (after - before).abs());
-    correction.position = changes.fold(0.0, f64::max);
+    correction.position = largest_change(&wanted, state);
     start.set(mechanism, state);
     let decided = Decided::at(mechanism, state);
     let known = known_of_steps(mechanism, state, &mut projection, &mut start);
@@ -138,6 +165,21 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
         return Err(AssemblyError::Undecided { extra: decided.singular });
     }
     Ok(correction)
+}
+
+/// Largest change of a number of the positions.
+fn largest_change(before: &State, after: &State) -> f64 {
+    let changes = after.position.iter().zip(&before.position).map(|(after, before)| (after - before).abs());
+    changes.fold(0.0, f64::max)
+}
+
+/// The joint that is furthest beyond its limits, by how much, and the unit of that.
+fn worst_joint(mechanism: &Mechanism, limits: &[JointLimit], state: &State) -> (String, f64, &'static str) {
+    most_exceeded(limits, state).map_or((String::new(), 0.0, ""), |limit| {
+        let joint = &mechanism.bodies[limit.coordinate.body].joint;
+        let unit = joint.kind.unit(limit.coordinate.freedom - joint.velocity_index);
+        (joint.name.clone(), excess(limit, state), unit)
+    })
 }
 
 /// Which equations are redundant in a run from a state: those that are so there and, where that is a singular position, beside it.

@@ -1,24 +1,29 @@
-//! Assembly within joint limits: where the closed configuration that the projection finds lies beyond a limit, one that does
-//! not, by the least motion in every round.
+//! Starts within joint limits: a state that is outside them is moved in, one whose loops close only outside them is closed inside, by
+//! the least motion.
 //!
-//! Newton's method on the gaps with a convex quadratic programme in every round, solved by clarabel,
+//! A tree is moved by one convex quadratic programme, in the metric of its mass matrix H where it was wanted:
+//!
+//! ```text
+//!     minimise  ½ dqᵀ H dq        subject to  lower ≤ q + dq ≤ upper
+//! ```
+//!
+//! Closures are closed by Newton's method on their gaps with such a programme in every round,
 //!
 //! ```text
 //!     minimise  ½ dqᵀ H dq + ½ ρ |J dq + g|²        subject to  lower ≤ q + dq ≤ upper,  |dq| ≤ ½
 //! ```
 //!
-//! with the mass matrix H, the joint-space gradient J of the closures and their gaps g. The gaps are a penalty, not
-//! equations, because linearised equations and limits may contradict each other far from the solution; each round leaves the part
-//! 1/ρ of a gap, so that the rounds close it.
+//! with the joint-space gradient J of the closures and their gaps g. The gaps are a penalty, not equations, because linearised equations
+//! and limits may contradict each other far from the solution; each round leaves the part 1/ρ of a gap, so that the rounds close it.
+//! A limit further away than the reach of a round is approached by that much.
 
+use crate::instant::box_programme::minimise_in_box;
+use crate::instant::mass_matrix::mass_matrix;
 use crate::lobatto::coupled::projection::{Projected, Projection};
 use crate::lobatto::stages::start::Start;
-use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::closure::JointLimit;
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::kinematics::forward_kinematics;
 use crate::mechanism::motion::state::State;
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 use nalgebra::{DMatrix, DVector};
 
 /// Largest number of rounds.
@@ -27,20 +32,50 @@ const ROUNDS: usize = 60;
 const PENALTY: f64 = 1e6;
 /// Largest change of a coordinate in one round (rad, m).
 const REACH: f64 = 0.5;
-/// A position this far beyond its limit [rad, m] is at it: limits are written with few digits.
-const AT_LIMIT: f64 = 1e-6;
+/// Largest gap [m, rad] and excess over a limit [rad or m] of a state that needs no further round.
+const CLOSED: f64 = 1e-13;
 
-/// Whether every coordinate that has limits is within them.
-pub fn within_limits(mechanism: &Mechanism, state: &State) -> bool {
-    mechanism.limits.iter().all(|limit| {
-        let position = state.position[limit.coordinate.position];
-        position >= limit.lower - AT_LIMIT && position <= limit.upper + AT_LIMIT
-    })
+/// How far a state is beyond a limit [rad or m]; negative inside.
+pub fn excess(limit: &JointLimit, state: &State) -> f64 {
+    let position = state.position[limit.coordinate.position];
+    (limit.lower - position).max(position - limit.upper)
 }
 
-/// Closes the loops of a state that is within its limits, and stays there; says how far it got.
-pub fn close_within_limits(
+/// Whether no limit is exceeded by more than `margin` [rad or m].
+pub fn within(limits: &[JointLimit], state: &State, margin: f64) -> bool {
+    limits.iter().all(|limit| excess(limit, state) <= margin)
+}
+
+/// The limit that a state exceeds most.
+pub fn most_exceeded<'l>(limits: &'l [JointLimit], state: &State) -> Option<&'l JointLimit> {
+    limits.iter().max_by(|one, other| excess(one, state).total_cmp(&excess(other, state)))
+}
+
+/// Moves a tree within limits; what is moved onto a limit is exactly there. Says whether that was possible.
+pub fn move_within(mechanism: &Mechanism, limits: &[JointLimit], state: &mut State) -> bool {
+    let mass = mass_matrix(mechanism, state);
+    let mut bounds = vec![(f64::NEG_INFINITY, f64::INFINITY); mechanism.velocity_count];
+    for limit in limits {
+        let position = state.position[limit.coordinate.position];
+        bounds[limit.coordinate.freedom] = (limit.lower - position, limit.upper - position);
+    }
+    let linear = DVector::zeros(mechanism.velocity_count);
+    let Some(change) = minimise_in_box(&mass, &linear, &bounds) else { return false };
+    state.displace(mechanism, &change);
+    for limit in limits {
+        let (slot, freedom) = (limit.coordinate.position, limit.coordinate.freedom);
+        let held = [(bounds[freedom].0, limit.lower), (bounds[freedom].1, limit.upper)];
+        if let Some((_, onto)) = held.into_iter().find(|(bound, _)| change[freedom] == *bound) {
+            (state.position[slot], state.compensation[slot]) = (onto, 0.0);
+        }
+    }
+    within(limits, state, 0.0)
+}
+
+/// Closes the loops of a state within limits; says how far it got.
+pub fn close_within(
     mechanism: &Mechanism,
+    limits: &[JointLimit],
     projection: &mut Projection,
     start: &mut Start,
     state: &mut State,
@@ -51,7 +86,7 @@ pub fn close_within_limits(
         start.set(mechanism, state);
         let gaps = DVector::from_vec(projection.gaps(start));
         (done.gap, done.worst) = projection.largest_gap();
-        if done.gap < 1e-13 || !done.gap.is_finite() {
+        if (done.gap < CLOSED && within(limits, state, CLOSED)) || !done.gap.is_finite() {
             break;
         }
         let gradient = gradient(mechanism, projection, start, gaps.len());
@@ -61,10 +96,10 @@ pub fn close_within_limits(
         let quadratic = mass + penalty * square;
         let linear = penalty * gradient.transpose() * gaps;
         let mut bounds = vec![(-REACH, REACH); count];
-        for limit in &mechanism.limits {
+        for limit in limits {
             let position = state.position[limit.coordinate.position];
-            let (low, high) = &mut bounds[limit.coordinate.freedom];
-            (*low, *high) = (low.max(limit.lower - position), high.min(limit.upper - position));
+            let reachable = |bound: f64| (bound - position).clamp(-REACH, REACH);
+            bounds[limit.coordinate.freedom] = (reachable(limit.lower), reachable(limit.upper));
         }
         let Some(change) = minimise_in_box(&quadratic, &linear, &bounds) else { break };
         state.displace(mechanism, &change);
@@ -84,60 +119,4 @@ fn gradient(mechanism: &Mechanism, projection: &mut Projection, start: &Start, r
         unit[freedom] = 0.0;
     }
     gradient
-}
-
-/// `H = Σ_b m v_iᵀ v_j + ω_iᵀ R J Rᵀ ω_j` from the velocities of all bodies for every freedom alone.
-fn mass_matrix(mechanism: &Mechanism, state: &State) -> DMatrix<f64> {
-    let count = mechanism.velocity_count;
-    let mut unit = vec![0.0; count];
-    let velocities: Vec<Vec<BodyState>> = (0..count)
-        .map(|freedom| {
-            let mut bodies = vec![WORLD; mechanism.bodies.len()];
-            unit[freedom] = 1.0;
-            forward_kinematics(mechanism, &state.position, &unit, &mut bodies);
-            unit[freedom] = 0.0;
-            bodies
-        })
-        .collect();
-    let entry = |first: usize, second: usize| -> f64 {
-        let pairs = velocities[first].iter().zip(&velocities[second]);
-        mechanism.bodies.iter().zip(pairs).fold(0.0, |sum, (body, (one, other))| {
-            let turn = one.rotation.transpose();
-            let spins =
-                (turn * one.angular_velocity).component_mul(&body.inertia).dot(&(turn * other.angular_velocity));
-            sum + body.mass * one.velocity.dot(&other.velocity) + spins
-        })
-    };
-    DMatrix::from_fn(count, count, entry)
-}
-
-/// The minimum of `½ xᵀ Q x + cᵀ x` in a box; `None` if the solver finds none.
-fn minimise_in_box(quadratic: &DMatrix<f64>, linear: &DVector<f64>, bounds: &[(f64, f64)]) -> Option<Vec<f64>> {
-    let count = bounds.len();
-    let upper_triangle: Vec<Vec<f64>> = (0..count)
-        .map(|row| (0..count).map(|column| if column >= row { quadratic[(row, column)] } else { 0.0 }).collect())
-        .collect();
-    let both_sides: Vec<Vec<f64>> = [1.0, -1.0]
-        .iter()
-        .flat_map(|&side| {
-            (0..count).map(move |row| (0..count).map(|column| if column == row { side } else { 0.0 }).collect())
-        })
-        .collect();
-    let limits: Vec<f64> = bounds.iter().map(|(_, high)| *high).chain(bounds.iter().map(|(low, _)| -low)).collect();
-    let cones = [SupportedConeT::NonnegativeConeT(2 * count)];
-    let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
-    let mut solver = DefaultSolver::new(
-        &CscMatrix::from(&upper_triangle),
-        linear.as_slice(),
-        &CscMatrix::from(&both_sides),
-        &limits,
-        &cones,
-        settings,
-    )
-    .ok()?;
-    solver.solve();
-    // Interior points stop a little short of the box, or a little outside it.
-    let solution = solver.solution.x.iter().zip(bounds).map(|(value, (low, high))| value.max(*low).min(*high));
-    let solution: Vec<f64> = solution.collect();
-    solution.iter().all(|value| value.is_finite()).then_some(solution)
 }

@@ -9,7 +9,7 @@ use crate::mechanism::motion::state::State;
 use crate::model::model_error::ModelError;
 use crate::model::reduce::{Base, ModelOptions};
 use crate::model::robot_model::{Model, SourceFile};
-use crate::scene::{JointValues, Scene, WORLD_LINK};
+use crate::scene::{JointValues, Scene, TableFile, WORLD_LINK};
 use nalgebra::Vector3;
 use std::collections::HashSet;
 use std::path::Path;
@@ -42,6 +42,8 @@ impl Model {
         }
         let mut model = Model::side_by_side(&scene.name, gravity, parts)?;
         model.scene = Some(SourceFile { path: scene.path.clone(), text: scene.source.clone() });
+        let table = |table: &TableFile| SourceFile { path: table.path.clone(), text: table.text.clone() };
+        model.tables = scene.tables.iter().map(table).collect();
         model.warnings.extend(scene.warnings.iter().cloned());
         let start = model.start(scene)?;
         let state = model.initial_state(&start.positions, &start.velocities, None)?;
@@ -115,7 +117,17 @@ impl Model {
             }
         }
         let mechanism = Mechanism::new(name, gravity, bodies)?;
-        Ok(Model { mechanism, links, joints, reductions, warnings, robots, scene: None })
+        Ok(Model {
+            mechanism,
+            links,
+            joints,
+            reductions,
+            warnings,
+            robots,
+            scene: None,
+            tables: Vec::new(),
+            damping: 0..0,
+        })
     }
 
     /// The start that a scene gives, every entry of it tried.

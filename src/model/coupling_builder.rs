@@ -8,10 +8,11 @@ use crate::model::model_error::ModelError;
 use crate::model::robot_model::{JointRecord, Model};
 use crate::scene::Scene;
 use crate::scene::coupling::LinkReference;
-use crate::scene::error::Element;
-use crate::scene::robot::{Pose, UrdfJointKind};
+use crate::scene::error::{Element, Warning};
+use crate::scene::robot::{Pose, UrdfJoint, UrdfJointKind};
 use crate::scene::schema::WORLD_LINK;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
 /// What all couplings look at.
 pub(crate) struct Builder<'b> {
     pub model: &'b Model,
@@ -40,6 +41,12 @@ impl Stand {
     pub(crate) fn refuse(&self, problem: CouplingProblem) -> ModelError {
         let (file, line, element) = (self.file.clone(), self.line, self.element.clone());
         ModelError::Coupling(CouplingError { file, line, element, problem })
+    }
+
+    /// The warning that this is to be known of it.
+    pub(crate) fn warning(&self, message: &str) -> Warning {
+        let (file, element) = (self.file.clone(), Some(self.element.clone()));
+        Warning { file, line: Some(self.line), element, message: message.to_string() }
     }
 }
 
@@ -71,28 +78,76 @@ impl Builder<'_> {
         Ok(end)
     }
 
+    /// Every joint of a URDF.
+    pub(crate) fn urdf_joints(&self) -> impl Iterator<Item = UrdfJointOf<'_>> {
+        self.model.robots.iter().enumerate().flat_map(|(robot, placed)| {
+            let records = self.records(robot);
+            let joints = placed.robot.joints.iter().enumerate();
+            joints.map(move |(index, joint)| UrdfJointOf {
+                robot,
+                file: placed.robot.path.as_path(),
+                joint,
+                record: records.get(index),
+            })
+        })
+    }
+
     /// What became of a joint of a robot.
     pub(crate) fn record(&self, robot: usize, joint: &str) -> Option<&JointRecord> {
-        let placed = &self.model.robots[robot];
-        // Records are in the order of the file, a floating base before them.
-        let index = placed.robot.joints.iter().position(|other| other.name == joint)?;
-        let records = &self.model.joints[placed.joints.clone()];
-        records.get(index + usize::from(records.first().is_some_and(|record| record.is_base)))
+        let index = self.model.robots[robot].robot.joints.iter().position(|other| other.name == joint)?;
+        self.records(robot).get(index)
+    }
+
+    /// What became of the joints of a URDF, in the order of the file.
+    fn records(&self, robot: usize) -> &[JointRecord] {
+        let records = &self.model.joints[self.model.robots[robot].joints.clone()];
+        // A floating base comes before them.
+        &records[usize::from(records.first().is_some_and(|record| record.is_base))..]
     }
 
     /// The one coordinate of a joint.
     pub(crate) fn coordinate(&self, robot: usize, joint: &str, stand: &Stand) -> Result<Coordinate, ModelError> {
-        let refuse = |reason| stand.refuse(CouplingProblem::NotScalar { joint: joint.to_string(), reason });
-        let record = self.record(robot, joint).ok_or_else(|| refuse("does not exist"))?;
+        let coordinate = self.record(robot, joint).ok_or("does not exist").and_then(|record| self.scalar(record));
+        coordinate.map_err(|reason| stand.refuse(CouplingProblem::NotScalar { joint: joint.to_string(), reason }))
+    }
+
+    /// The one coordinate of a joint, or why it has none.
+    fn scalar(&self, record: &JointRecord) -> Result<Coordinate, &'static str> {
         let reason =
             if record.kind == UrdfJointKind::Fixed { "is fixed" } else { "is not simulated: it moves no mass" };
-        let body = record.body.ok_or_else(|| refuse(reason))?;
+        let body = record.body.ok_or(reason)?;
         let joint = &self.model.mechanism.bodies[body].joint;
         match joint.kind {
             JointKind::Revolute | JointKind::Prismatic => {
                 Ok(Coordinate { body, position: joint.position_index, freedom: joint.velocity_index })
             }
-            _ => Err(refuse("has several degrees of freedom")),
+            _ => Err("has several degrees of freedom"),
         }
+    }
+}
+
+/// A joint of a URDF, and what became of it.
+pub(crate) struct UrdfJointOf<'b> {
+    pub robot: usize,
+    pub file: &'b Path,
+    pub joint: &'b UrdfJoint,
+    pub record: Option<&'b JointRecord>,
+}
+
+impl UrdfJointOf<'_> {
+    /// Where it stands.
+    pub(crate) fn stand(&self) -> Stand {
+        let element = Element::Joint(self.joint.name.clone());
+        Stand { file: self.file.to_path_buf(), line: self.joint.line, element }
+    }
+
+    /// Its one coordinate in the mechanism of `builder`; `None` if it moves nothing, or in several ways.
+    pub(crate) fn coordinate(&self, builder: &Builder) -> Option<Coordinate> {
+        builder.scalar(self.record?).ok()
+    }
+
+    /// Whether it moves anything.
+    pub(crate) fn moves(&self) -> bool {
+        self.record.is_some_and(|record| record.body.is_some())
     }
 }

@@ -1,68 +1,44 @@
 //! What a URDF says of its joints besides the tree: `<dynamics damping>` and `<mimic>`.
 
-use crate::mechanism::description::closure::{JointLimit, Mimic};
+use crate::mechanism::description::closure::Mimic;
 use crate::mechanism::description::forces::JointDamper;
-use crate::model::coupling_builder::{Builder, Stand};
+use crate::model::coupling_builder::Builder;
 use crate::model::coupling_error::CouplingProblem;
 use crate::model::model_error::ModelError;
-use crate::scene::{Element, UrdfJoint, UrdfJointKind, Warning};
-use std::path::Path;
+use crate::scene::{UrdfJoint, UrdfJointKind, Warning};
 
 impl Builder<'_> {
-    /// Every joint of a URDF with its robot.
-    fn urdf_joints(&self) -> impl Iterator<Item = (usize, &Path, &UrdfJoint)> {
-        let robots = self.model.robots.iter().enumerate();
-        robots.flat_map(|(number, placed)| {
-            placed.robot.joints.iter().map(move |joint| (number, placed.robot.path.as_path(), joint))
-        })
-    }
-
-    /// The dampers of `<dynamics damping>`.
-    pub(crate) fn urdf_dampers(&self, warnings: &mut Vec<Warning>) -> Vec<JointDamper> {
+    /// The dampers of `<dynamics damping>`, or what a `[[joint]]` says instead.
+    pub(crate) fn dampers(&self, warnings: &mut Vec<Warning>) -> Vec<JointDamper> {
         let mut dampers = Vec::new();
-        for (robot, file, joint) in self.urdf_joints() {
-            let coefficient = joint.dynamics.map_or(0.0, |dynamics| dynamics.damping);
-            let stand =
-                Stand { file: file.to_path_buf(), line: joint.line, element: Element::Joint(joint.name.clone()) };
-            let moves = self.record(robot, &joint.name).is_some_and(|record| record.body.is_some());
-            if coefficient == 0.0 || !moves {
+        for of in self.urdf_joints() {
+            let of_urdf = of.joint.dynamics.map_or(0.0, |dynamics| dynamics.damping);
+            let coefficient = self.said(of.robot, &of.joint.name).and_then(|said| said.damping).unwrap_or(of_urdf);
+            if coefficient == 0.0 || !of.moves() {
                 continue;
             }
-            match self.coordinate(robot, &joint.name, &stand) {
-                Ok(_) if coefficient < 0.0 => {
-                    warnings.push(warning(&stand, "its damping is negative, which would feed energy; it is not used"));
+            match of.coordinate(self) {
+                Some(_) if coefficient < 0.0 => {
+                    let message = "its damping is negative, which would feed energy; it is not used";
+                    warnings.push(of.stand().warning(message));
                 }
-                Ok(coordinate) => dampers.push(JointDamper { freedom: coordinate.freedom, coefficient }),
-                Err(_) => {
+                Some(coordinate) => dampers.push(JointDamper { freedom: coordinate.freedom, coefficient }),
+                None => {
                     let message = "damping is only simulated in joints that turn about or slide along an axis";
-                    warnings.push(warning(&stand, message));
+                    warnings.push(of.stand().warning(message));
                 }
             }
         }
         dampers
     }
 
-    /// The limits of `<limit>`, of joints that turn about or slide along an axis and are not continuous, which have none.
-    pub(crate) fn urdf_limits(&self) -> Vec<JointLimit> {
-        let limits = self.urdf_joints().filter_map(|(robot, file, joint)| {
-            let (lower, upper) = joint.limit.filter(|_| joint.kind != UrdfJointKind::Continuous)?.range()?;
-            let stand =
-                Stand { file: file.to_path_buf(), line: joint.line, element: Element::Joint(joint.name.clone()) };
-            self.record(robot, &joint.name)?.body?;
-            let coordinate = self.coordinate(robot, &joint.name, &stand).ok()?;
-            Some(JointLimit { coordinate, lower, upper, restitution: 0.0 })
-        });
-        limits.collect()
-    }
-
     /// The relations of `<mimic>`.
     pub(crate) fn urdf_mimics(&self, warnings: &mut Vec<Warning>) -> Result<Vec<Mimic>, ModelError> {
         let mut mimics = Vec::new();
         let (mut still, mut free) = (Vec::new(), Vec::new());
-        for (robot, file, joint) in self.urdf_joints() {
-            let Some(mimic) = &joint.mimic else { continue };
-            let stand =
-                Stand { file: file.to_path_buf(), line: joint.line, element: Element::Joint(joint.name.clone()) };
+        for of in self.urdf_joints() {
+            let Some(mimic) = &of.joint.mimic else { continue };
+            let (robot, joint, stand) = (of.robot, of.joint, of.stand());
             let joints = &self.model.robots[robot].robot.joints;
             let leader_of = |name: &str| joints.iter().find(|other| other.name == name);
             let leader = leader_of(&mimic.joint)
@@ -79,13 +55,13 @@ impl Builder<'_> {
             let reason = |of: &UrdfJoint| if of.kind == UrdfJointKind::Fixed { "is fixed" } else { "moves no mass" };
             if !moves(&joint.name) {
                 let (leader, reason) = (&leader.name, reason(joint));
-                still.push(warning(&stand, &format!("it should mimic joint {leader:?}, but {reason}")));
+                still.push(stand.warning(&format!("it should mimic joint {leader:?}, but {reason}")));
                 continue;
             }
             if !moves(&leader.name) {
                 let (leader, reason) = (&leader.name, reason(leader));
                 let message = format!("moves freely, because joint {leader:?}, which it should mimic, {reason}");
-                free.push(warning(&stand, &message));
+                free.push(stand.warning(&message));
                 continue;
             }
             mimics.push(Mimic {
@@ -102,17 +78,13 @@ impl Builder<'_> {
     }
 }
 
-fn warning(stand: &Stand, message: &str) -> Warning {
-    let (file, element) = (stand.file.clone(), Some(stand.element.clone()));
-    Warning { file, line: Some(stand.line), element, message: message.to_string() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mechanism::description::closure::Coordinate;
     use crate::model::{Model, ModelOptions};
     use crate::scene::{PackagePath, robot_from_text};
+    use std::path::Path;
 
     /// A chain of hinges, of which `joint2` and `joint3` may say more about themselves.
     fn try_chain(second: &str, third: &str) -> Result<Model, ModelError> {
@@ -153,7 +125,7 @@ mod tests {
     #[test]
     fn damping_of_hinges_becomes_dampers_and_the_rest_is_warned_of() {
         let model = chain("<dynamics damping='0.5'/>", "<dynamics damping='-1'/>");
-        let (dampers, warnings) = build(&model, |builder, warnings| builder.urdf_dampers(warnings));
+        let (dampers, warnings) = build(&model, |builder, warnings| builder.dampers(warnings));
         assert_eq!(dampers, [JointDamper { freedom: 3, coefficient: 0.5 }]);
         assert_eq!(warnings.len(), 2, "{warnings:?}");
         assert!(warnings[0].contains("joint \"joint1\": damping is only simulated"), "{warnings:?}");

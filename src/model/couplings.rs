@@ -1,8 +1,9 @@
-//! Fills the lists of a mechanism that the tree does not have: loops, mimic relations, and forces.
+//! Fills the lists of a mechanism that the tree does not have: loops, mimic relations, forces, limits, friction and motors.
 //!
 //! A frame given in a link frame `L` (in its body, [`LinkFrame::in_body`](crate::model::LinkFrame::in_body)) lies at `L X` in the
-//! body, or in the world. What becomes of each kind is in `coupling_loops`, `coupling_forces` and `coupling_joints`.
+//! body, or in the world. What becomes of each kind is in `coupling_loops`, `coupling_forces`, `coupling_joints`, `coupling_limits` and `coupling_motors`.
 
+use crate::mechanism::description::nonsmooth::Nonsmooth;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::coupling_builder::Builder;
@@ -41,13 +42,25 @@ impl Model {
             }
         }
         let mut warnings = Vec::new();
-        forces.joint_dampers.extend(builder.urdf_dampers(&mut warnings));
+        builder.check_scene_joints()?;
+        let springs_dampers = forces.joint_dampers.len();
+        forces.joint_dampers.extend(builder.dampers(&mut warnings));
+        let damping = springs_dampers..forces.joint_dampers.len();
         let mimics = builder.urdf_mimics(&mut warnings)?;
-        let limits = builder.urdf_limits();
+        let limits = builder.limits(&mut warnings);
+        let motors = scene.iter().flat_map(|scene| &scene.motors).map(|motor| builder.motor(motor));
+        let nonsmooth = Nonsmooth {
+            limits: limits.clone(),
+            friction: builder.friction(&mut warnings),
+            motors: motors.collect::<Result<_, _>>()?,
+            speeds: builder.speeds(),
+        };
         self.mechanism.loops = loops;
         self.mechanism.mimics = mimics;
         self.mechanism.limits = limits;
+        self.mechanism.nonsmooth = nonsmooth;
         self.mechanism.forces = forces;
+        self.damping = damping;
         self.warnings.extend(warnings);
         Ok(())
     }

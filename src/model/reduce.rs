@@ -100,7 +100,17 @@ impl Model {
             base_pose: options.base_pose,
             robot,
         }];
-        Ok(Model { mechanism, links, joints, reductions, warnings, robots, scene: None })
+        Ok(Model {
+            mechanism,
+            links,
+            joints,
+            reductions,
+            warnings,
+            robots,
+            scene: None,
+            tables: Vec::new(),
+            damping: 0..0,
+        })
     }
 }
 

@@ -33,6 +33,10 @@ pub struct Model {
     pub robots: Vec<PlacedRobot>,
     /// The scene file, if there is one.
     pub scene: Option<SourceFile>,
+    /// The CSV files of targets, in the order in which the scene was read.
+    pub tables: Vec<SourceFile>,
+    /// Which of the mechanism's joint dampers are the damping of the joints themselves; the others belong to springs.
+    pub damping: Range<usize>,
 }
 
 /// A robot as it was read, and where it is in the model.
@@ -178,7 +182,7 @@ impl Model {
         self.scene.as_ref().map_or(&self.robots[0].robot.path, |scene| &scene.path)
     }
 
-    /// All files it is made from: the scene file, the URDFs, the meshes that were found.
+    /// All files it is made from: the scene file, the URDFs, the tables, the meshes that were found.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let robots = || self.robots.iter().map(|placed| &placed.robot);
         let links = robots().flat_map(|robot| &robot.links);
@@ -188,7 +192,8 @@ impl Model {
             _ => None,
         });
         let scene = self.scene.iter().map(|scene| &*scene.path);
-        scene.chain(robots().map(|robot| &*robot.path)).chain(meshes)
+        let tables = self.tables.iter().map(|table| &*table.path);
+        scene.chain(robots().map(|robot| &*robot.path)).chain(tables).chain(meshes)
     }
 
     /// What comes before the names of a robot's links and joints.

@@ -1,5 +1,7 @@
 //! What a start can be that the numbers of every joint do not say: beyond what doubles hold, undefined, or outside limits.
 
+use crate::mechanism::description::closure::{Coordinate, JointLimit};
+use crate::mechanism::ground::words::decimals;
 use crate::mechanism::motion::energy::energy_with_forces;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -53,23 +55,55 @@ impl Model {
         }
     }
 
-    /// What to say of joints that are outside their limits, which nothing will push back.
+    /// What to say of joints that are outside limits which nothing makes them keep.
     pub fn limit_warning(&self, state: &State) -> Option<Warning> {
-        let outside = self.mechanism.limits.iter().filter_map(|limit| {
-            let position = state.position[limit.coordinate.position];
-            let excess = (limit.lower - position).max(position - limit.upper);
-            let joint = &self.mechanism.bodies[limit.coordinate.body].joint;
-            let unit = joint.kind.unit(limit.coordinate.freedom - joint.velocity_index);
-            (excess > NEGLIGIBLE_EXCESS).then(|| Warning {
-                file: self.path().to_path_buf(),
-                line: None,
-                element: Some(Element::Joint(joint.name.clone())),
-                message: format!(
-                    "it starts at {position} {unit}, outside its limits {} to {} {unit}",
-                    limit.lower, limit.upper
-                ),
-            })
-        });
+        let outside = self.mechanism.limits.iter().filter_map(|limit| self.outside(limit, state));
         Warning::of_kind(outside.collect(), "joint")
+    }
+
+    /// What to say of joints that were wanted outside the limits that are simulated, and start inside.
+    pub fn moved_in_warning(&self, wanted: &State, start: &State) -> Option<Warning> {
+        let limits = &self.mechanism.nonsmooth.limits;
+        let moved = |limit: &JointLimit| -> Option<Warning> {
+            let mut warning = self.outside(limit, wanted)?;
+            let place = limit.coordinate.position;
+            let moved = start.position[place] - wanted.position[place];
+            let moved = if moved.abs() < 1e-3 { format!("{moved:.1e}") } else { decimals(moved) };
+            warning.message += &format!(": moved by {moved} {}", self.unit(limit.coordinate));
+            Some(warning)
+        };
+        let mut first = Warning::of_kind(limits.iter().filter_map(moved).collect(), "joint")?;
+        let is_outside = |slot: usize| {
+            limits.iter().any(|limit| limit.coordinate.position == slot && self.outside(limit, wanted).is_some())
+        };
+        let others = (0..start.position.len()).filter(|&slot| !is_outside(slot));
+        let change = others.map(|slot| (start.position[slot] - wanted.position[slot]).abs()).fold(0.0, f64::max);
+        if change > NEGLIGIBLE_EXCESS {
+            first.message +=
+                &format!("; other positions moved by up to {change:.1e} rad or m, which is the least motion");
+        }
+        Some(first)
+    }
+
+    /// That a joint is outside a limit, if it is.
+    fn outside(&self, limit: &JointLimit, state: &State) -> Option<Warning> {
+        let position = state.position[limit.coordinate.position];
+        let excess = (limit.lower - position).max(position - limit.upper);
+        let unit = self.unit(limit.coordinate);
+        (excess > NEGLIGIBLE_EXCESS).then(|| Warning {
+            file: self.path().to_path_buf(),
+            line: None,
+            element: Some(Element::Joint(self.mechanism.bodies[limit.coordinate.body].joint.name.clone())),
+            message: format!(
+                "it starts at {position} {unit}, outside its limits {} to {} {unit}",
+                limit.lower, limit.upper
+            ),
+        })
+    }
+
+    /// The unit of a coordinate.
+    fn unit(&self, coordinate: Coordinate) -> &'static str {
+        let joint = &self.mechanism.bodies[coordinate.body].joint;
+        joint.kind.unit(coordinate.freedom - joint.velocity_index)
     }
 }

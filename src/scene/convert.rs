@@ -23,8 +23,6 @@ pub(crate) struct Converter<'c> {
     pub warnings: Vec<Warning>,
     /// Of inertias that no body has.
     pub impossible_inertias: Vec<Warning>,
-    /// Of lower limits above the upper ones.
-    pub reversed_limits: Vec<Warning>,
 }
 
 impl Converter<'_> {
@@ -65,13 +63,19 @@ impl Converter<'_> {
         if limit.is_none() && matches!(kind, UrdfJointKind::Revolute | UrdfJointKind::Prismatic) {
             self.warn(element.line, &owner, format!("a {} joint should have a <limit>; none is assumed", kind.name()));
         }
+        let line_of = |child: &str| element.child(child).map_or(element.line, |child| child.line);
         if let Some(Limit { lower: Some(lower), upper: Some(upper), .. }) = limit
             && lower > upper
             && matches!(kind, UrdfJointKind::Revolute | UrdfJointKind::Prismatic)
         {
-            let message = format!("its lower limit {lower} is above its upper limit {upper}, so neither is used");
-            let line = element.child("limit").map_or(element.line, |limit| limit.line);
-            self.reversed_limits.push(self.warning(line, &owner, message));
+            let problem = Problem::ReversedLimits { lower, upper };
+            return Err(error_at(self.file, line_of("limit"), Some(owner), problem));
+        }
+        if let Some(friction) = joint.dynamics.as_ref().map(|dynamics| dynamics.friction)
+            && friction < 0.0
+        {
+            let problem = Problem::NegativeFriction(friction);
+            return Err(error_at(self.file, line_of("dynamics"), Some(owner), problem));
         }
         Ok(UrdfJoint {
             name: joint.name.clone(),

@@ -7,7 +7,8 @@ use crate::scene::description::SceneRobot;
 use crate::scene::error::{Element, Problem, SceneError, Warning};
 use crate::scene::numbers::unit;
 use crate::scene::robot::LoopType;
-use crate::scene::scene_schema::{EndTable, Finite, LoadTable, LoopTable, NotNegative, SpringTable, vector};
+use crate::scene::scene_numbers::{Finite, NotNegative};
+use crate::scene::scene_schema::{EndTable, LoadTable, LoopTable, SpringTable, vector};
 use crate::scene::schema::WORLD_LINK;
 use crate::scene::toml_text::TomlText;
 use toml::Spanned;
@@ -162,7 +163,8 @@ impl CouplingReader<'_> {
         }
     }
 
-    fn joint(&self, joint: &Spanned<String>, owner: &Element) -> Result<JointReference, SceneError> {
+    /// The joint of a name.
+    pub fn joint(&self, joint: &Spanned<String>, owner: &Element) -> Result<JointReference, SceneError> {
         let has = |robot: usize, name: &str| self.robots[robot].robot.joints.iter().any(|joint| joint.name == name);
         let found = self.called(joint.get_ref()).find(|&(robot, rest)| has(robot, rest));
         match found {
@@ -172,7 +174,7 @@ impl CouplingReader<'_> {
     }
 
     /// The robots, and the names in them, that a name may stand for.
-    fn called<'n>(&self, name: &'n str) -> impl Iterator<Item = (usize, &'n str)> {
+    pub fn called<'n>(&self, name: &'n str) -> impl Iterator<Item = (usize, &'n str)> {
         let alone = (self.robots.len() == 1).then_some((0, name));
         let prefixed = self.robots.iter().enumerate().filter_map(move |(index, robot)| {
             Some((index, name.strip_prefix(robot.name.as_str())?.strip_prefix('/')?))

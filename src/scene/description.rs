@@ -2,6 +2,7 @@
 
 use crate::scene::coupling::{SceneLoad, SceneLoop, SceneSpring};
 use crate::scene::error::Warning;
+use crate::scene::joint_settings::{SceneJoint, SceneMotor, TableFile};
 use crate::scene::robot::{Pose, Robot};
 use nalgebra::Vector3;
 use std::path::PathBuf;
@@ -24,6 +25,12 @@ pub struct Scene {
     pub springs: Vec<SceneSpring>,
     /// The loads.
     pub loads: Vec<SceneLoad>,
+    /// The motors.
+    pub motors: Vec<SceneMotor>,
+    /// What replaces the URDFs' limits, friction and damping of joints.
+    pub joints: Vec<SceneJoint>,
+    /// The CSV files that were read, in the order of reading.
+    pub tables: Vec<TableFile>,
     /// How to run it.
     pub simulation: SimulationSettings,
     /// What was repaired in the scene file; the robots have their own.

@@ -19,6 +19,8 @@ pub enum Element {
     Spring(String),
     /// A load, by what it acts on.
     Load(String),
+    /// A motor, by the joint that it drives.
+    Motor(String),
 }
 
 impl fmt::Display for Element {
@@ -30,6 +32,7 @@ impl fmt::Display for Element {
             Element::Loop(name) => write!(out, "loop {name:?}"),
             Element::Spring(name) => write!(out, "spring {name:?}"),
             Element::Load(on) => write!(out, "load on {on:?}"),
+            Element::Motor(on) => write!(out, "motor on {on:?}"),
         }
     }
 }
@@ -174,6 +177,24 @@ pub enum Problem {
     /// A link or joint that no robot has.
     #[error("there is no {what} {name:?}{}", hint(*robots))]
     UnknownName { what: &'static str, name: String, robots: usize },
+    /// Limits between which there is nothing.
+    #[error("its lower limit {lower} is above its upper limit {upper}; swap them")]
+    ReversedLimits { lower: f64, upper: f64 },
+    /// Friction that would drive.
+    #[error("its friction {0} is negative; give one that is not")]
+    NegativeFriction(f64),
+    /// A motor or setting of a joint that is none of the tree.
+    #[error("{0:?} closes a loop; only joints of a URDF's tree can have motors, limits and friction")]
+    NotOfTree(String),
+    /// Two motors on one joint.
+    #[error("the joint already has the motor of line {first_line}; give one motor for each joint")]
+    SecondMotor { first_line: usize },
+    /// Two tables for one joint.
+    #[error("the joint already has the [[joint]] of line {first_line}; write all keys into that")]
+    SecondJoint { first_line: usize },
+    /// An entry of a table of times and values.
+    #[error("{0}")]
+    Table(String),
     /// Keys that exclude each other, or of which one is missing.
     #[error("{0}")]
     Keys(&'static str),

@@ -16,13 +16,20 @@ mod coupling_reader;
 mod description;
 mod element;
 pub mod error;
+mod joint_reader;
+mod joint_schema;
+pub mod joint_settings;
 mod mesh_files;
 mod numbers;
 pub mod package_path;
 pub mod robot;
 mod scene_file;
+mod scene_files;
+mod scene_numbers;
 mod scene_schema;
 pub mod schema;
+mod target_csv;
+mod target_reader;
 mod text;
 mod toml_text;
 mod tree;
@@ -35,11 +42,14 @@ pub use coupling::{
 pub use description::{JointValues, Scene, SceneRobot, SimulationSettings};
 pub(crate) use error::quoted;
 pub use error::{Element, Problem, SceneError, Warning};
+pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile};
 pub use package_path::PackagePath;
 pub use robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, UrdfJoint, UrdfJointKind,
     UrdfLoop,
 };
 pub use scene_file::{read_scene, scene_from_text};
+pub use scene_files::{FilesOnDisk, SceneFiles};
 pub use schema::WORLD_LINK;
+pub(crate) use unsimulated::contact_warning;
 pub use urdf::{read_urdf, robot_from_text, robot_without_meshes};

@@ -239,10 +239,12 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// The positions between which it keeps a joint [rad or m], if it says so.
+    /// The positions between which it keeps a joint [rad or m], if it says so; equal ones lock it. Both at zero, or neither given,
+    /// is what writers of URDFs leave where they know of no limit.
     pub fn range(&self) -> Option<(f64, f64)> {
         let (lower, upper) = (self.lower.unwrap_or(f64::NEG_INFINITY), self.upper.unwrap_or(f64::INFINITY));
-        (lower < upper && (lower.is_finite() || upper.is_finite())).then_some((lower, upper))
+        let says = lower < upper || (lower == upper && lower != 0.0);
+        (says && (lower.is_finite() || upper.is_finite())).then_some((lower, upper))
     }
 }
 

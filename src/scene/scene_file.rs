@@ -7,6 +7,8 @@
 //! | `loop`       | `name`, `type`, `a` and `b` (each `link`, `position`, `axis` in the link frame), `length`       |
 //! | `spring`     | `name`, `stiffness`, `damping`; between points `a`, `b`, `rest_length`; in a `joint` `rest`      |
 //! | `load`       | `joint`, `effort`; or `link`, `position` (link frame), `force`, `torque` (world)                |
+//! | `motor`      | `joint`, `kind`, `target`, `interpolation`, `kp`, `kd`, `max_effort`, `period`                |
+//! | `joint`      | `name`; instead of the URDF's `limit`, `restitution`, `friction`, `damping`                     |
 //! | `simulation` | `duration`, `tolerance` or `stages` and `step`, `rate`                                        |
 //!
 //! Units: m, rad, s, kg, N. Links and joints are called `robot/name`; where there is one robot, `name` is enough. The link
@@ -16,43 +18,42 @@ use crate::scene::coupling_reader::CouplingReader;
 use crate::scene::description::{JointValues, Scene, SceneRobot, SimulationSettings};
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::package_path::PackagePath;
-use crate::scene::robot::{Pose, Robot};
+use crate::scene::robot::Pose;
+use crate::scene::scene_files::{FilesOnDisk, SceneFiles};
 use crate::scene::scene_schema::{BaseKey, FileTable, JointNumbers, RobotTable, SimulationTable, vector};
 use crate::scene::schema::WORLD_LINK;
 use crate::scene::text::read_text;
 use crate::scene::toml_text::TomlText;
-use crate::scene::urdf::read_urdf;
 use nalgebra::{Rotation3, Translation3};
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
 
-/// Reads and validates a scene file and the URDF files it names.
+/// Reads and validates a scene file and the files it names.
 ///
 /// # Errors
 /// [`SceneError`] with file, line and key.
 pub fn read_scene(path: &Path, packages: &PackagePath) -> Result<Scene, SceneError> {
-    scene_from_text(&read_text(path)?, path, &mut |urdf| read_urdf(urdf, packages))
+    scene_from_text(&read_text(path)?, path, &mut FilesOnDisk(packages))
 }
 
-/// Reads and validates the text of a scene file; `path` names it in messages, and URDF files are relative to it. The
-/// robots are what `read_robot` reads, one after the other.
+/// Reads and validates the text of a scene file; `path` names it in messages, and the files that it names are relative to it. Of
+/// `files` the robots are read first, one after the other, then the CSV files of targets, each once.
 ///
 /// # Errors
 /// As [`read_scene`].
-pub fn scene_from_text(
-    source: &str,
-    path: &Path,
-    read_robot: &mut dyn FnMut(&Path) -> Result<Robot, SceneError>,
-) -> Result<Scene, SceneError> {
+pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) -> Result<Scene, SceneError> {
     let text = TomlText { file: path, text: source.strip_prefix('\u{feff}').unwrap_or(source) };
     let file: FileTable = text.read()?;
     refuse_what_is_not_simulated(&text, &file)?;
-    let robots = robots(&text, file.robot, read_robot)?;
+    let robots = robots(&text, file.robot, files)?;
     let mut reader = CouplingReader { text: &text, robots: &robots, warnings: Vec::new() };
     let loops = reader.loops(file.loops)?;
     let springs = reader.springs(file.spring)?;
     let loads = reader.loads(file.load)?;
+    let mut tables = Vec::new();
+    let motors = reader.motors(file.motor, &loops, files, &mut tables)?;
+    let joints = reader.joints(file.joint, &loops)?;
     let warnings = reader.warnings;
     let stem = || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned());
     let (name, gravity) = file.scene.map_or((None, None), |scene| (scene.name, scene.gravity));
@@ -65,6 +66,9 @@ pub fn scene_from_text(
         loops,
         springs,
         loads,
+        motors,
+        joints,
+        tables,
         simulation: file.simulation.map_or(Ok(SimulationSettings::default()), |table| simulation(&text, &table))?,
         warnings,
     })
@@ -72,7 +76,6 @@ pub fn scene_from_text(
 
 fn refuse_what_is_not_simulated(text: &TomlText, file: &FileTable) -> Result<(), SceneError> {
     let found = [
-        ("[motor]", file.motor.first().map(Spanned::span)),
         ("[obstacle]", file.obstacle.first().map(Spanned::span)),
         ("contact", file.contact.as_ref().map(Spanned::span)),
     ];
@@ -85,12 +88,12 @@ fn refuse_what_is_not_simulated(text: &TomlText, file: &FileTable) -> Result<(),
 fn robots(
     text: &TomlText,
     tables: Vec<Spanned<RobotTable>>,
-    read_robot: &mut dyn FnMut(&Path) -> Result<Robot, SceneError>,
+    files: &mut dyn SceneFiles,
 ) -> Result<Vec<SceneRobot>, SceneError> {
     let mut robots: Vec<SceneRobot> = Vec::with_capacity(tables.len());
     for table in tables {
         let span = table.span();
-        let robot = robot(text, table, read_robot)?;
+        let robot = robot(text, table, files)?;
         if let Some(first) = robots.iter().find(|other| other.name == robot.name) {
             let problem = Problem::DuplicateName { first_line: first.line };
             return Err(text.error(&span, Some(Element::Robot(robot.name)), problem));
@@ -103,16 +106,12 @@ fn robots(
     Ok(robots)
 }
 
-fn robot(
-    text: &TomlText,
-    table: Spanned<RobotTable>,
-    read_robot: &mut dyn FnMut(&Path) -> Result<Robot, SceneError>,
-) -> Result<SceneRobot, SceneError> {
+fn robot(text: &TomlText, table: Spanned<RobotTable>, files: &mut dyn SceneFiles) -> Result<SceneRobot, SceneError> {
     let span = table.span();
     let table = table.into_inner();
     let folder = text.file.parent().unwrap_or(Path::new(""));
     let urdf = folder.join(table.urdf.get_ref());
-    let robot = match read_robot(&urdf) {
+    let robot = match files.robot(&urdf) {
         // Whose fault it is that there is no such file stands in the scene.
         Err(error) if matches!(*error.problem, Problem::Unreadable(_)) => {
             let message = error.to_string();

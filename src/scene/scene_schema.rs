@@ -1,6 +1,8 @@
 //! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` says what they mean.
 
+use crate::scene::joint_schema::{JointTable, MotorTable};
 use crate::scene::robot::LoopType;
+use crate::scene::scene_numbers::{Finite, NotNegative, Positive};
 use nalgebra::Vector3;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
 use std::collections::BTreeMap;
@@ -20,7 +22,9 @@ pub(crate) struct FileTable {
     #[serde(default)]
     pub load: Vec<Spanned<LoadTable>>,
     #[serde(default)]
-    pub motor: Vec<Spanned<IgnoredAny>>,
+    pub motor: Vec<Spanned<MotorTable>>,
+    #[serde(default)]
+    pub joint: Vec<Spanned<JointTable>>,
     #[serde(default)]
     pub obstacle: Vec<Spanned<IgnoredAny>>,
     pub contact: Option<Spanned<IgnoredAny>>,
@@ -132,48 +136,6 @@ pub(crate) struct SimulationTable {
     pub stages: Option<Spanned<usize>>,
     pub step: Option<Spanned<Positive>>,
     pub rate: Option<Spanned<Positive>>,
-}
-
-/// A finite number.
-#[derive(Clone, Copy, Default, serde::Deserialize)]
-#[serde(try_from = "f64")]
-pub(crate) struct Finite(pub f64);
-
-/// A finite number that is not negative.
-#[derive(Clone, Copy, Default, serde::Deserialize)]
-#[serde(try_from = "f64")]
-pub(crate) struct NotNegative(pub f64);
-
-/// A finite number greater than zero.
-#[derive(Clone, Copy, serde::Deserialize)]
-#[serde(try_from = "f64")]
-pub(crate) struct Positive(pub f64);
-
-impl TryFrom<f64> for Finite {
-    type Error = String;
-    fn try_from(number: f64) -> Result<Self, String> {
-        if number.is_finite() { Ok(Finite(number)) } else { Err(format!("{number} is not finite")) }
-    }
-}
-
-impl TryFrom<f64> for NotNegative {
-    type Error = String;
-    fn try_from(number: f64) -> Result<Self, String> {
-        match Finite::try_from(number)?.0 {
-            number if number >= 0.0 => Ok(NotNegative(number)),
-            number => Err(format!("{number} must not be negative")),
-        }
-    }
-}
-
-impl TryFrom<f64> for Positive {
-    type Error = String;
-    fn try_from(number: f64) -> Result<Self, String> {
-        match Finite::try_from(number)?.0 {
-            number if number > 0.0 => Ok(Positive(number)),
-            number => Err(format!("{number} must be greater than zero")),
-        }
-    }
 }
 
 /// The numbers of a joint: one, or a list.

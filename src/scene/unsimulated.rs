@@ -2,39 +2,56 @@
 
 use crate::scene::clean::Ignored;
 use crate::scene::error::Warning;
-use crate::scene::robot::{Link, UrdfJoint, UrdfJointKind};
+use crate::scene::robot::{Limit, Link, UrdfJoint, UrdfJointKind};
 use std::path::Path;
 
 /// The warnings about a robot's joints, shapes, and elements nobody reads.
 pub(crate) fn unsimulated(file: &Path, links: &[Link], joints: &[UrdfJoint], ignored: &[Ignored]) -> Vec<Warning> {
-    let moving: Vec<&UrdfJoint> = joints.iter().filter(|joint| joint.kind != UrdfJointKind::Fixed).collect();
     let lines_where =
-        |holds: &dyn Fn(&UrdfJoint) -> bool| moving.iter().filter(|j| holds(j)).map(|j| j.line).collect::<Vec<_>>();
-    let touching: Vec<usize> = links.iter().filter(|link| !link.collisions.is_empty()).map(|link| link.line).collect();
+        |holds: &dyn Fn(&UrdfJoint) -> bool| joints.iter().filter(|j| holds(j)).map(|j| j.line).collect::<Vec<_>>();
     let endless = |joint: &UrdfJoint| joint.kind == UrdfJointKind::Continuous;
-    let ranges = lines_where(&|joint| endless(joint) && joint.limit.is_some_and(|limit| limit.range().is_some()));
+    let several = |joint: &UrdfJoint| {
+        matches!(joint.kind, UrdfJointKind::Floating | UrdfJointKind::Planar | UrdfJointKind::Spherical)
+    };
     let kinds = [
-        ("joint limits", "joint", "are not simulated", lines_where(&|joint| joint.limit.is_some())),
-        ("lower and upper limits", "continuous joint", "are not read", ranges),
         (
-            "joint friction",
-            "joint",
-            "is not simulated",
-            lines_where(&|joint| joint.dynamics.is_some_and(|d| d.friction != 0.0)),
+            "lower and upper limits",
+            "continuous joint",
+            "are not read",
+            lines_where(&|joint| endless(joint) && joint.limit.is_some_and(says_range)),
         ),
-        ("contacts (collision shapes)", "link", "are not simulated", touching),
+        (
+            "limits",
+            "floating, planar or spherical joint",
+            "are not simulated",
+            lines_where(&|joint| several(joint) && joint.limit.is_some_and(says_range)),
+        ),
     ];
-    let counted = kinds.into_iter().filter_map(|(what, of, verdict, lines)| {
-        let first = *lines.first()?;
-        let plural = if lines.len() == 1 { "" } else { "s" };
-        Some((first, format!("{what} of {} {of}{plural} {verdict}", lines.len())))
-    });
+    let counted = kinds.into_iter().filter_map(|kind| warning(file, kind)).chain(contact_warning(file, links));
     let unread = ignored.iter().map(|ignored| {
         let times = if ignored.count == 1 { String::new() } else { format!(" ({} times)", ignored.count) };
-        (ignored.line, format!("{}{times} is not read", ignored.what))
+        let message = format!("{}{times} is not read", ignored.what);
+        Warning { file: file.to_path_buf(), line: Some(ignored.line), element: None, message }
     });
-    counted
-        .chain(unread)
-        .map(|(line, message)| Warning { file: file.to_path_buf(), line: Some(line), element: None, message })
-        .collect()
+    counted.chain(unread).collect()
+}
+
+/// The warning that the collision shapes of a robot's links do not touch anything.
+pub(crate) fn contact_warning(file: &Path, links: &[Link]) -> Option<Warning> {
+    let touching = links.iter().filter(|link| !link.collisions.is_empty()).map(|link| link.line).collect();
+    warning(file, ("contacts (collision shapes)", "link", "are not simulated", touching))
+}
+
+/// One warning for all lines on which there is something of a kind.
+fn warning(file: &Path, (what, of, verdict, lines): (&str, &str, &str, Vec<usize>)) -> Option<Warning> {
+    let first = *lines.first()?;
+    let plural = if lines.len() == 1 { "" } else { "s" };
+    let message = format!("{what} of {} {of}{plural} {verdict}", lines.len());
+    Some(Warning { file: file.to_path_buf(), line: Some(first), element: None, message })
+}
+
+/// Whether it names a position that is not zero, as some writers fill in where there is no limit.
+fn says_range(limit: Limit) -> bool {
+    let names = |bound: Option<f64>| bound.is_some_and(|bound| bound.is_finite() && bound != 0.0);
+    names(limit.lower) || names(limit.upper)
 }

@@ -64,7 +64,6 @@ fn read_robot(
         quaternions,
         warnings: Vec::new(),
         impossible_inertias: Vec::new(),
-        reversed_limits: Vec::new(),
     };
     let mut links = Vec::with_capacity(parsed.links.len());
     for (link, element) in parsed.links.iter().zip(robot.children_named("link")) {
@@ -89,7 +88,6 @@ fn read_robot(
     warnings.extend(repairs);
     warnings.extend(converter.warnings);
     warnings.extend(Warning::of_kind(converter.impossible_inertias, "link"));
-    warnings.extend(Warning::of_kind(converter.reversed_limits, "joint"));
     warnings.extend(missing_meshes);
     warnings.extend(unsimulated(path, &links, &joints, &ignored));
     let name = robot.attribute("name").map_or_else(|| file_stem(path), str::to_string);

@@ -14,5 +14,6 @@ mod robots;
 mod scene_file;
 mod scenes;
 mod simulation;
+mod start_within_limits;
 mod urdf_corpus_reading;
 mod urdf_reading;

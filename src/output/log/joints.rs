@@ -77,6 +77,8 @@ impl JointMessages {
                 warnings: Vec::new(),
                 robots: Vec::new(),
                 scene: None,
+                tables: Vec::new(),
+                damping: 0..0,
             },
             channel: ros_channel(file, "/joint_states", ros::JOINT_STATE)?,
             template: Template::joint_state("", scalar.iter().map(name)),

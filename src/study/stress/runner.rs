@@ -226,6 +226,7 @@ impl Failure {
             AssemblyError::Undecided { .. } => "Undecided",
             AssemblyError::Contradiction { .. } => "Contradiction",
             AssemblyError::Limited { .. } => "Limited",
+            AssemblyError::Outside { .. } => "Outside",
         };
         Failure { name, time: 0.0, message: error.to_string() }
     }

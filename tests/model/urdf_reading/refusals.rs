@@ -46,6 +46,19 @@ fn a_zero_axis_is_refused_only_where_it_matters() {
 }
 
 #[test]
+fn reversed_limits_and_negative_friction_are_refused() {
+    let limit = "<limit lower=\"1\" upper=\"-1\" effort=\"1\" velocity=\"1\"/>";
+    for kind in ["revolute", "prismatic"] {
+        let text = robot("", limit, "").replace("continuous", kind);
+        assert_eq!(refused(&text, 6, joint("hinge")), Problem::ReversedLimits { lower: 1.0, upper: -1.0 });
+    }
+    // A continuous joint has no limits, which is said.
+    warned(&robot("", limit, ""), "lower and upper limits of 1 continuous joint are not read", 4, None);
+    let problem = refused(&robot("", "\n<dynamics friction=\"-0.5\"/>", ""), 7, joint("hinge"));
+    assert_eq!(problem, Problem::NegativeFriction(-0.5));
+}
+
+#[test]
 fn a_negative_mass_is_refused() {
     let inertial = GOOD_INERTIAL.replace("mass value=\"1\"", "mass value=\"-2\"");
     assert_eq!(refused(&robot(&inertial, "", ""), 3, link("arm")), Problem::NegativeMass(-2.0));

@@ -38,13 +38,6 @@ fn missing_limits_are_assumed_with_a_warning() {
 }
 
 #[test]
-fn a_lower_limit_above_the_upper_one_is_not_used_and_said() {
-    let text = robot(GOOD_INERTIAL, "<limit lower=\"1\" upper=\"-1\" effort=\"1\" velocity=\"1\"/>", "")
-        .replace("continuous", "revolute");
-    warned(&text, "its lower limit 1 is above its upper limit -1, so neither is used", 6, joint("hinge"));
-}
-
-#[test]
 fn commas_between_numbers_are_read_as_spaces() {
     for text in ["0.07, 0, -0.69", "0.07,0,-0.69", "0.07 , 0,-0.69"] {
         let robot = warned(&robot("", &format!("<origin xyz=\"{text}\"/>"), ""), "commas", 6, joint("hinge"));
@@ -123,7 +116,8 @@ fn impossible_inertias_are_used_with_a_warning() {
 #[test]
 fn what_is_not_simulated_is_said_once_for_each_kind() {
     let second = r#"<link name="c"/><joint name="second" type="revolute"><parent link="arm"/><child link="c"/><limit lower="0" upper="1" effort="1" velocity="1"/><dynamics damping="0.1"/><mimic joint="hinge"/></joint>"#;
-    let more = format!("{second}<gazebo/><gazebo reference=\"c\"/><transmission/><closure/>");
+    let third = r#"<link name="d"/><joint name="third" type="planar"><parent link="arm"/><child link="d"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint>"#;
+    let more = format!("{second}{third}<gazebo/><gazebo reference=\"c\"/><transmission/><closure/>");
     let in_joint = r#"<limit effort="1" velocity="1"/><dynamics damping="1" friction="2"/><safety_controller/>"#;
     let collision = "<collision><geometry><sphere radius=\"1\"/></geometry></collision><contact/>";
     let robot = read(&robot(collision, in_joint, &more)).unwrap();
@@ -131,8 +125,7 @@ fn what_is_not_simulated_is_said_once_for_each_kind() {
     assert_eq!(
         messages,
         [
-            "4: joint limits of 2 joints are not simulated",
-            "4: joint friction of 1 joint is not simulated",
+            "8: limits of 1 floating, planar or spherical joint are not simulated",
             "3: contacts (collision shapes) of 1 link are not simulated",
             "3: <contact> of <link> is not read",
             "6: <safety_controller> of <joint> is not read",

@@ -1,6 +1,7 @@
 //! The command line as scripts see it: exit codes, what is printed where, and what happens to files.
 
 mod errors;
+mod joints;
 mod report;
 mod runs;
 mod warnings;

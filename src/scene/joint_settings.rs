@@ -1,0 +1,64 @@
+//! What a scene file says of the joints of its robots: motors, and settings that replace those of the URDF.
+//!
+//! Units: m, rad, N, N m, s.
+
+use crate::mechanism::description::nonsmooth::MotorLaw;
+use crate::mechanism::description::target::Target;
+use crate::scene::coupling::JointReference;
+use std::path::PathBuf;
+
+/// A `[[motor]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneMotor {
+    /// The joint that it drives.
+    pub joint: JointReference,
+    /// The name of the joint, as written.
+    pub on: String,
+    /// How its effort follows from its target.
+    pub law: MotorLaw,
+    /// Its target over time.
+    pub target: Target,
+    /// The bound of its effort, if given; infinite where the file says that there is none.
+    pub max_effort: Option<f64>,
+    /// Time between two evaluations of its effort (s); zero if it is continuous.
+    pub period: f64,
+    /// The line of its `joint`.
+    pub line: usize,
+}
+
+/// A `[[joint]]`: replaces what the URDF says; what is `None` stays as it is there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneJoint {
+    /// The joint.
+    pub joint: JointReference,
+    /// Its name, as written.
+    pub name: String,
+    /// Its limits.
+    pub limit: Option<LimitChoice>,
+    /// Restitution of impacts on its limits, 0 to 1.
+    pub restitution: Option<f64>,
+    /// Dry friction [N m or N], not negative.
+    pub friction: Option<f64>,
+    /// Viscous damping [N m s/rad or N s/m], not negative.
+    pub damping: Option<f64>,
+    /// The line of its `name`.
+    pub line: usize,
+}
+
+/// Limits that a scene file gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LimitChoice {
+    /// None.
+    Unlimited,
+    /// Smallest and largest position [rad or m]; equal ones lock the joint.
+    Range(f64, f64),
+}
+
+/// A text file that a scene names, such as the CSV file of a target.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+}

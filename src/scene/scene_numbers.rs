@@ -1,0 +1,71 @@
+//! The numbers of scene files, each refused with its reason where it is read.
+
+/// A finite number.
+#[derive(Clone, Copy, Default, serde::Deserialize)]
+#[serde(try_from = "f64")]
+pub(crate) struct Finite(pub f64);
+
+/// A finite number that is not negative.
+#[derive(Clone, Copy, Default, serde::Deserialize)]
+#[serde(try_from = "f64")]
+pub(crate) struct NotNegative(pub f64);
+
+/// A finite number greater than zero.
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(try_from = "f64")]
+pub(crate) struct Positive(pub f64);
+
+impl TryFrom<f64> for Finite {
+    type Error = String;
+    fn try_from(number: f64) -> Result<Self, String> {
+        if number.is_finite() { Ok(Finite(number)) } else { Err(format!("{number} is not finite")) }
+    }
+}
+
+impl TryFrom<f64> for NotNegative {
+    type Error = String;
+    fn try_from(number: f64) -> Result<Self, String> {
+        match Finite::try_from(number)?.0 {
+            number if number >= 0.0 => Ok(NotNegative(number)),
+            number => Err(format!("{number} must not be negative")),
+        }
+    }
+}
+
+impl TryFrom<f64> for Positive {
+    type Error = String;
+    fn try_from(number: f64) -> Result<Self, String> {
+        match Finite::try_from(number)?.0 {
+            number if number > 0.0 => Ok(Positive(number)),
+            number => Err(format!("{number} must be greater than zero")),
+        }
+    }
+}
+
+/// A number that is not negative; infinity is none.
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(try_from = "f64")]
+pub(crate) struct Bound(pub f64);
+
+/// A number from 0 to 1.
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(try_from = "f64")]
+pub(crate) struct Fraction(pub f64);
+
+impl TryFrom<f64> for Bound {
+    type Error = String;
+    fn try_from(number: f64) -> Result<Self, String> {
+        match number {
+            number if number.is_nan() => Err("NaN is not a number; leave it out or write inf for no bound".to_string()),
+            number if number < 0.0 => Err(format!("{number} must not be negative; write inf for no bound")),
+            number => Ok(Bound(number)),
+        }
+    }
+}
+
+impl TryFrom<f64> for Fraction {
+    type Error = String;
+    fn try_from(number: f64) -> Result<Self, String> {
+        if (0.0..=1.0).contains(&number) { Ok(Fraction(number)) } else { Err(format!("{number} must be from 0 to 1")) }
+    }
+}
