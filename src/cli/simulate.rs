@@ -16,8 +16,9 @@ use catena::mechanism::motion::state::State;
 use catena::model::Model;
 use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
 use catena::output::report::{
-    AccuracyReport, ConstraintReport, EnergyReport, IslandReport, MethodReport, ModelReport, Report, StepErrorReport,
-    energy_warning, joint_reports, link_reports, loop_reports, ringing_warning, singular_warning,
+    AccuracyReport, ConstraintReport, EnergyReport, EventReport, IslandReport, MethodReport, ModelReport, Report,
+    StepErrorReport, add_statuses, energy_warning, joint_reports, link_reports, loop_reports, ringing_warning,
+    singular_warning,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Finished, Simulation, SimulationError, SimulationOptions, StepChoice};
@@ -210,7 +211,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let ended = simulation.run();
         (ended, half.and_then(|half| half.join().ok().flatten()))
     });
-    let Finished { state, summary, method, islands, .. } = simulation.finish();
+    let finished = simulation.finish();
+    let events = EventReport::new(model, &finished);
+    let Finished { state, summary, method, islands, joints: statuses, .. } = finished;
     if let Some(progress) = &progress {
         progress.clear();
     }
@@ -235,6 +238,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (ended, log) = finish(recorder, ended, &summary, output.as_deref());
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
+    let mut joints = joint_reports(model, &state);
+    add_statuses(&mut joints, model, &statuses);
     let report = Report {
         catena: env!("CARGO_PKG_VERSION"),
         input: arguments.input.input.display().to_string(),
@@ -251,10 +256,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         wall_seconds,
         cpu_seconds,
         solve_cpu_seconds: summary.solve_cpu_seconds,
+        events,
         energy: EnergyReport::new(&summary),
         constraint: ConstraintReport::new(&summary),
         links: link_reports(model, &state),
-        joints: joint_reports(model, &state),
+        joints,
         loops: loop_reports(model, &state),
         islands: islands.iter().map(IslandReport::new).collect(),
         warnings: model.warnings.iter().map(ToString::to_string).chain(unreached).chain(of_method).collect(),
