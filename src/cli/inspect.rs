@@ -10,6 +10,7 @@ use anyhow::anyhow;
 use catena::mechanism::ground::words::decimals;
 use catena::output::inspection::compare::compare;
 use catena::output::inspection::curves::curves;
+use catena::output::inspection::events::LoggedEvents;
 use catena::output::inspection::summary::Summary;
 use catena::output::log::frames::{Frame, Visitor, visit};
 use catena::output::log::{is_locked, neighbour, seconds};
@@ -36,12 +37,16 @@ pub struct InspectArgs {
     log: PathBuf,
 
     /// Another log to compare with, link by link
-    #[arg(value_name = "LOG.mcap", conflicts_with_all = ["at", "csv", "plot", "recover", "follow"])]
+    #[arg(value_name = "LOG.mcap", conflicts_with_all = ["at", "events", "csv", "plot", "recover", "follow"])]
     other: Option<PathBuf>,
 
     /// Show the links and joints at the logged instant nearest to T [s]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = crate::cli::numbers::finite)]
     at: Option<f64>,
+
+    /// Show the events: impacts on limits, sticking and slipping, motors at their bounds
+    #[arg(long, conflicts_with = "at")]
+    events: bool,
 
     /// Write all samples as a table of comma-separated values
     #[arg(long, value_name = "FILE.csv", value_parser = crate::cli::output_file())]
@@ -56,7 +61,7 @@ pub struct InspectArgs {
     recover: Option<PathBuf>,
 
     /// Go on looking while a run writes the log, a line whenever there is something new
-    #[arg(long, conflicts_with_all = ["at", "csv", "plot", "recover"])]
+    #[arg(long, conflicts_with_all = ["at", "events", "csv", "plot", "recover"])]
     follow: bool,
 
     /// Print JSON: one object, with --follow one a line
@@ -78,7 +83,7 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
         return follow(log, arguments.json);
     }
     let files = [&arguments.csv, &arguments.plot, &arguments.recover];
-    let shows_more = arguments.at.is_some() || files.iter().any(|file| file.is_some());
+    let shows_more = arguments.at.is_some() || arguments.events || files.iter().any(|file| file.is_some());
     if let Some(plot) = &arguments.plot {
         check_ending(plot).map_err(Failure::input)?;
     }
@@ -104,6 +109,10 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
     if let Some(time) = arguments.at {
         show_instant(log, time, arguments.json)?;
     }
+    if arguments.events {
+        let events = LoggedEvents::read(log).map_err(Failure::input)?;
+        if arguments.json { print_json(&events) } else { print(&events) }?;
+    }
     if let Some(table) = &arguments.csv {
         write_csv(log, table).map_err(Failure::run)?;
     }
@@ -119,7 +128,7 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
     // Of what was asked for with --json there is one object, whatever files are written.
     match (shows_more, arguments.json) {
         (true, false) => Ok(()),
-        (true, true) if arguments.at.is_some() => Ok(()),
+        (true, true) if arguments.at.is_some() || arguments.events => Ok(()),
         (_, true) => print_json(&summary),
         (false, false) => print(&summary),
     }
@@ -136,6 +145,9 @@ struct LoggedInstant {
     joints: Vec<(String, JointReport)>,
     #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
     loops: Vec<(String, LoopReport)>,
+    /// The efforts of the motors [N m or N].
+    #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
+    motors: Vec<(String, f64)>,
     /// At the end of the last step up to there.
     constraint: Option<Violation>,
 }
@@ -228,7 +240,9 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
         position,
         velocity,
     });
-    Ok(LoggedInstant { log: log.display().to_string(), time: frame.time(), links, joints: reports, loops, constraint })
+    let motors = frame.motors.names.iter().cloned().zip(frame.motors.efforts.iter().copied()).collect();
+    let log = log.display().to_string();
+    Ok(LoggedInstant { log, time: frame.time(), links, joints: reports, loops, motors, constraint })
 }
 
 /// The instant for people.
@@ -261,6 +275,12 @@ fn words(instant: &LoggedInstant) -> String {
     for (name, LoopReport { gap, reaction_force, reaction_torque }) in &instant.loops {
         let (force, torque) = (listed(reaction_force), listed(reaction_torque));
         let _ = writeln!(text, "    {name:width$}  {gap:>11.1e}; {force}, {torque}");
+    }
+    if !instant.motors.is_empty() {
+        let _ = writeln!(text, "  motors: effort [N m, N]");
+    }
+    for (name, effort) in &instant.motors {
+        let _ = writeln!(text, "    {name:width$}  {}", listed(&[*effort]));
     }
     if let Some(Violation { time, position, velocity }) = &instant.constraint {
         let _ = writeln!(
