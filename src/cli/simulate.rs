@@ -17,8 +17,8 @@ use catena::model::Model;
 use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
 use catena::output::report::{
     AccuracyReport, ConstraintReport, EnergyReport, EventReport, IslandReport, MethodReport, ModelReport, Report,
-    StepErrorReport, add_statuses, energy_warning, joint_reports, link_reports, loop_reports, ringing_warning,
-    singular_warning,
+    SpeedWatch, StepErrorReport, add_statuses, energy_warning, joint_reports, link_reports, loop_reports,
+    ringing_warning, singular_warning,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Finished, Simulation, SimulationError, SimulationOptions, StepChoice};
@@ -177,7 +177,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let switched_off = &arguments.input.keep[..];
     let options = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
     // They outlive the run, which they watch.
-    let (mut recorder, mut progress);
+    let (mut recorder, mut progress, mut speeds);
     let start = arguments.check.then(|| state.clone());
     let mut simulation = Simulation::new(mechanism, state, options).map_err(setup_failure)?;
     drop(pilots);
@@ -200,12 +200,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => None,
     };
     progress = shows.then(|| Progress::new(duration));
-    // Without a log and without a bar nobody looks at samples.
-    if recorder.is_some() || progress.is_some() {
+    speeds = SpeedWatch::new(model);
+    // Without a log, a bar and largest speeds nobody looks at samples.
+    if recorder.is_some() || progress.is_some() || speeds.is_some() {
         simulation.sample_at(rate);
     }
     recorder.iter_mut().for_each(|recorder| simulation.observe(recorder));
     progress.iter_mut().for_each(|progress| simulation.observe(progress));
+    speeds.iter_mut().for_each(|speeds| simulation.observe(speeds));
     let (ended, checked) = std::thread::scope(|scope| {
         let half = start.map(|start| scope.spawn(move || end_with_half_the_step(mechanism, start, options)));
         let ended = simulation.run();
@@ -231,6 +233,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))
         .chain(ringing_warning(&method))
         .chain(singular_warning(&method))
+        .chain(speeds.iter().flat_map(SpeedWatch::warnings))
         .collect();
     if let Some(recorder) = &mut recorder {
         of_method.iter().for_each(|warning| recorder.say(Severity::Warning, warning));

@@ -6,6 +6,7 @@
 mod events;
 mod method;
 mod places;
+mod speeds;
 mod step_error;
 mod text;
 
@@ -17,6 +18,7 @@ pub use method::{
 pub use places::{
     JointReport, LinkReport, LoopReport, Numbers, add_statuses, joint_reports, link_reports, loop_reports,
 };
+pub use speeds::SpeedWatch;
 pub use step_error::StepErrorReport;
 
 use crate::instant::assembly::Redundancy;
