@@ -139,16 +139,16 @@ pub fn curves(log: &Path, kinds: &JointKinds) -> Result<Figure, ReadError> {
         }
         picture(quantity, curves, &gatherer.events, end, index == last)
     });
+    let mut pictures: Vec<Picture> = pictures.collect();
+    if let (Some(first), false) = (pictures.first_mut(), gatherer.events.is_empty()) {
+        first.notes.push(format!("ticks: {}", counted(gatherer.events.len(), "event", "events")));
+    }
     let incomplete = match completeness {
         Some(completeness) if completeness.is_complete() => "",
         Some(completeness) if completeness.damaged => " (the log is damaged)",
         _ => " (the log is truncated)",
     };
-    Ok(Figure {
-        title: format!("{}{incomplete}", gatherer.robot),
-        subtitle: gatherer.method.clone(),
-        pictures: pictures.collect(),
-    })
+    Ok(Figure { title: format!("{}{incomplete}", gatherer.robot), subtitle: gatherer.method.clone(), pictures })
 }
 
 fn picture(quantity: Quantity, curves: Vec<Curve>, events: &[f64], end: f64, is_last: bool) -> Picture {
@@ -182,7 +182,6 @@ fn picture(quantity: Quantity, curves: Vec<Curve>, events: &[f64], end: f64, is_
         Scale::Linear { label, range: (low - air, high + air) }
     };
     let hidden = (hidden > 0).then(|| format!("and {hidden} more, see --csv"));
-    let marked = (!events.is_empty()).then(|| format!("ticks: {}", counted(events.len(), "event", "events")));
     Picture {
         title: quantity.title().to_string(),
         subtitle: String::new(),
@@ -193,7 +192,7 @@ fn picture(quantity: Quantity, curves: Vec<Curve>, events: &[f64], end: f64, is_
         y,
         bands: Vec::new(),
         panels: vec![Panel { heading: String::new(), series }],
-        notes: hidden.into_iter().chain(marked).collect(),
+        notes: hidden.into_iter().collect(),
         marks: events.to_vec(),
     }
 }
