@@ -147,6 +147,10 @@ pub(crate) fn foxglove_channel<M: Encode>(sink: &mut dyn MessageSink, topic: &st
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanism::description::closure::Coordinate;
+    use crate::mechanism::description::nonsmooth::{Motor, MotorLaw};
+    use crate::mechanism::description::target::Target;
+    use crate::mechanism::motion::event::{Event, EventKind};
     use crate::mechanism::motion::state::State;
     use crate::model::{Base, ModelOptions};
     use crate::output::log::batch::Batch;
@@ -188,6 +192,7 @@ mod tests {
             let figures = Figures { energies: [1.0; 7], violation: [2.0; 2], work: [3.0; 5] };
             piece.push_between(Between::Figures(stamp, figures));
             piece.push_between(Between::Line(stamp, vec![1, 2, 3]));
+            piece.push_event(stamp, Event { time, kind: EventKind::LimitImpact, body: 0, impulse: Some(1.0) });
             piece.push(time, &state.position, &state.velocity);
             state.displace(mechanism, &displacement);
         }
@@ -210,7 +215,16 @@ mod tests {
         let scene = read_scene(&robots("slider_crank.toml"), &PackagePath::default()).expect("a scene");
         let (closed, start) = Model::from_scene(&scene).expect("a model");
         let at_start = closed.initial_state(&start.positions, &start.velocities, None).expect("a state");
+        let mut driven = urdf("arm7.urdf", Base::Fixed);
+        driven.0.mechanism.nonsmooth.motors = vec![Motor {
+            coordinate: Coordinate { body: 0, position: 0, freedom: 0 },
+            law: MotorLaw::Velocity { kd: 1.0 },
+            target: Target::constant(1.0),
+            max_effort: 1.0,
+            period: 0.015,
+        }];
         let all = [
+            driven,
             urdf("arm7.urdf", Base::Fixed),
             urdf("humanoid.urdf", Base::Floating),
             urdf("planar_slider.urdf", Base::Fixed),

@@ -13,7 +13,7 @@ use catena::mechanism::motion::inputs::Inputs;
 use catena::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
-use catena::output::log::{Ending, Recorder};
+use catena::output::log::{Compared, Difference, Ending, Recorder, decode};
 use catena::output::report::SpeedWatch;
 use catena::simulation::{Observer, RunOptions, run};
 use serde_json::Value;
@@ -69,6 +69,14 @@ fn event(step: usize) -> Option<Event> {
 struct Bumping {
     coasting: Coasting,
     steps: usize,
+    /// How much later its events are (s).
+    late: f64,
+}
+
+impl Bumping {
+    fn new(late: f64) -> Self {
+        Bumping { coasting: Coasting { step: STEP }, steps: 0, late }
+    }
 }
 
 impl Integrator for Bumping {
@@ -94,8 +102,17 @@ impl Integrator for Bumping {
     }
 
     fn take_events(&mut self, events: &mut Vec<Event>) {
-        events.extend(event(self.steps));
+        events.extend(event(self.steps).map(|event| Event { time: event.time + self.late, ..event }));
     }
+}
+
+/// Ten steps and a shorter one, seen by these observers.
+fn bump(model: &Model, bumping: &mut Bumping, observers: &mut [&mut dyn Observer]) {
+    let mut state = model.zero_state();
+    state.velocity.copy_from_slice(&VELOCITY);
+    let options = RunOptions { duration: 0.52, rate: Some(60.0), interrupt: None };
+    // An observer may break it off, and says so itself.
+    let _ = run(&model.mechanism, &mut state, bumping, &options, observers);
 }
 
 /// A log of ten steps and a shorter one, with samples that do not fit them; somebody else watches, too.
@@ -104,13 +121,8 @@ fn log(folder: &Path, model: &Model, watch: &mut dyn Observer) -> PathBuf {
     let simulation = [("robot", "arm"), ("arguments", r#"["simulate", "arm.urdf"]"#)];
     let simulation: BTreeMap<String, String> =
         simulation.into_iter().map(|(name, said)| (name.to_string(), said.to_string())).collect();
-    let mut state = model.zero_state();
-    state.velocity.copy_from_slice(&VELOCITY);
     let mut recorder = Recorder::create(&path, model, simulation).expect("the log is created");
-    let options = RunOptions { duration: 0.52, rate: Some(60.0), interrupt: None };
-    let mut bumping = Bumping { coasting: Coasting { step: STEP }, steps: 0 };
-    let (_, ended) = run(&model.mechanism, &mut state, &mut bumping, &options, &mut [&mut recorder, watch]);
-    ended.expect("nothing can fail");
+    bump(model, &mut Bumping::new(0.0), &mut [&mut recorder, watch]);
     recorder.finish(Ending::default()).expect("the log is completed");
     path
 }
@@ -248,4 +260,30 @@ fn inspect_lists_and_counts_the_events_of_a_log() {
     assert!(text(&recovered.stdout).contains("2 limit impacts, 1 stick"), "{}", text(&recovered.stdout));
     let both = catena(&folder, &["inspect", "driven.mcap", "--events", "--at", "0.1"]);
     assert_eq!(both.status.code(), Some(2));
+}
+
+#[test]
+fn a_run_whose_events_are_a_rounding_later_is_not_the_run_of_the_log() {
+    let (path, _) = watched_log(&scratch("events_compared"));
+    let model = driven_arm();
+    let compare = |late: f64| -> (Compared, Result<(), Difference>) {
+        let mut recorder = Recorder::compare(&path, &model, f64::NAN).expect("a thread");
+        bump(&model, &mut Bumping::new(late), &mut [&mut recorder]);
+        recorder.compared()
+    };
+    let (compared, same) = compare(0.0);
+    assert_eq!(same, Ok(()));
+    assert!(compared.messages > 33 * 4, "{compared:?}");
+    let differs = compare(1e-15).1.expect_err("it differs").to_string();
+    assert!(differs.starts_with("/events differs at t = 0.15 s"), "{differs}");
+}
+
+#[test]
+fn an_event_that_was_cut_anywhere_is_an_error() {
+    let bytes = bytes("events_cut");
+    let messages = messages(&bytes);
+    let data = &of_topic(&messages, "/events")[0].data;
+    let whole = decode::event(data).expect("an event");
+    assert_eq!((whole.kind.as_str(), whole.what.as_str(), whole.impulse), ("limit_impact", "turn", Some(-2.5)));
+    assert!((0..data.len()).all(|length| decode::event(&data[..length]).is_err()));
 }
