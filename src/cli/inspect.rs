@@ -4,15 +4,17 @@
 //! that the log carries. Of a log that was cut off or damaged all is shown that can be read, with a warning on standard error.
 
 use crate::cli::inspect_files::{check_absent, check_ending, check_outputs, draw, kinds, recover_into, write_csv};
+use crate::cli::inspect_follow::follow;
 use crate::cli::recorded::Recorded;
-use crate::cli::{Failure, print, print_json, print_while_read, warn};
+use crate::cli::{Failure, print, print_json, warn};
 use anyhow::anyhow;
 use catena::mechanism::ground::words::decimals;
 use catena::output::inspection::compare::compare;
 use catena::output::inspection::curves::curves;
+use catena::output::inspection::events::LoggedEvents;
 use catena::output::inspection::summary::Summary;
 use catena::output::log::frames::{Frame, Visitor, visit};
-use catena::output::log::{is_locked, neighbour, seconds};
+use catena::output::log::seconds;
 use catena::output::report::{
     JointReport, LinkReport, LoopReport, Numbers, as_object, joint_reports, link_reports, loop_reports,
 };
@@ -22,11 +24,6 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
-
-/// Pause between two looks at a log that is being written.
-const LOOK_INTERVAL: Duration = Duration::from_millis(500);
 
 /// The options of `catena inspect`.
 #[derive(Args, Debug)]
@@ -36,12 +33,16 @@ pub struct InspectArgs {
     log: PathBuf,
 
     /// Another log to compare with, link by link
-    #[arg(value_name = "LOG.mcap", conflicts_with_all = ["at", "csv", "plot", "recover", "follow"])]
+    #[arg(value_name = "LOG.mcap", conflicts_with_all = ["at", "events", "csv", "plot", "recover", "follow"])]
     other: Option<PathBuf>,
 
     /// Show the links and joints at the logged instant nearest to T [s]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = crate::cli::numbers::finite)]
     at: Option<f64>,
+
+    /// Show the events: impacts on limits, sticking and slipping, motors at their bounds
+    #[arg(long, conflicts_with = "at")]
+    events: bool,
 
     /// Write all samples as a table of comma-separated values
     #[arg(long, value_name = "FILE.csv", value_parser = crate::cli::output_file())]
@@ -56,7 +57,7 @@ pub struct InspectArgs {
     recover: Option<PathBuf>,
 
     /// Go on looking while a run writes the log, a line whenever there is something new
-    #[arg(long, conflicts_with_all = ["at", "csv", "plot", "recover"])]
+    #[arg(long, conflicts_with_all = ["at", "events", "csv", "plot", "recover"])]
     follow: bool,
 
     /// Print JSON: one object, with --follow one a line
@@ -78,7 +79,7 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
         return follow(log, arguments.json);
     }
     let files = [&arguments.csv, &arguments.plot, &arguments.recover];
-    let shows_more = arguments.at.is_some() || files.iter().any(|file| file.is_some());
+    let shows_more = arguments.at.is_some() || arguments.events || files.iter().any(|file| file.is_some());
     if let Some(plot) = &arguments.plot {
         check_ending(plot).map_err(Failure::input)?;
     }
@@ -104,6 +105,10 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
     if let Some(time) = arguments.at {
         show_instant(log, time, arguments.json)?;
     }
+    if arguments.events {
+        let events = LoggedEvents::read(log).map_err(Failure::input)?;
+        if arguments.json { print_json(&events) } else { print(&events) }?;
+    }
     if let Some(table) = &arguments.csv {
         write_csv(log, table).map_err(Failure::run)?;
     }
@@ -119,7 +124,7 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
     // Of what was asked for with --json there is one object, whatever files are written.
     match (shows_more, arguments.json) {
         (true, false) => Ok(()),
-        (true, true) if arguments.at.is_some() => Ok(()),
+        (true, true) if arguments.at.is_some() || arguments.events => Ok(()),
         (_, true) => print_json(&summary),
         (false, false) => print(&summary),
     }
@@ -136,6 +141,9 @@ struct LoggedInstant {
     joints: Vec<(String, JointReport)>,
     #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
     loops: Vec<(String, LoopReport)>,
+    /// The efforts of the motors [N m or N].
+    #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
+    motors: Vec<(String, f64)>,
     /// At the end of the last step up to there.
     constraint: Option<Violation>,
 }
@@ -228,7 +236,9 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
         position,
         velocity,
     });
-    Ok(LoggedInstant { log: log.display().to_string(), time: frame.time(), links, joints: reports, loops, constraint })
+    let motors = frame.motors.names.iter().cloned().zip(frame.motors.efforts.iter().copied()).collect();
+    let log = log.display().to_string();
+    Ok(LoggedInstant { log, time: frame.time(), links, joints: reports, loops, motors, constraint })
 }
 
 /// The instant for people.
@@ -262,6 +272,12 @@ fn words(instant: &LoggedInstant) -> String {
         let (force, torque) = (listed(reaction_force), listed(reaction_torque));
         let _ = writeln!(text, "    {name:width$}  {gap:>11.1e}; {force}, {torque}");
     }
+    if !instant.motors.is_empty() {
+        let _ = writeln!(text, "  motors: effort [N m, N]");
+    }
+    for (name, effort) in &instant.motors {
+        let _ = writeln!(text, "    {name:width$}  {}", listed(&[*effort]));
+    }
     if let Some(Violation { time, position, velocity }) = &instant.constraint {
         let _ = writeln!(
             text,
@@ -269,64 +285,4 @@ fn words(instant: &LoggedInstant) -> String {
         );
     }
     text
-}
-
-/// Shows a log while it grows, until the run that writes it has ended.
-fn follow(log: &Path, json: bool) -> Result<(), Failure> {
-    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
-    let mut shown = None;
-    loop {
-        let looked = Instant::now();
-        // While its output must stay, a run writes beside it.
-        let beside = neighbour(log);
-        // Asked before reading: what is read then is at least what there was when the run still wrote. And once, because the run may end
-        // meanwhile.
-        let is_beside = is_locked(&beside);
-        let current = if is_beside { &beside } else { log };
-        let is_written = is_beside || is_locked(log);
-        match Summary::read(current) {
-            Ok(summary) => {
-                if shown != Some(summary.samples) {
-                    shown = Some(summary.samples);
-                    let line = if json {
-                        serde_json::to_string(&summary).map_err(Failure::run)? + "\n"
-                    } else {
-                        line(&summary)
-                    };
-                    if print_while_read(line)?.is_break() {
-                        return Ok(());
-                    }
-                }
-                if !is_written {
-                    if !json {
-                        print(format_args!("{}: {}\n", current.display(), summary.state()))?;
-                    }
-                    return Ok(());
-                }
-            }
-            // The first bytes may not be there yet.
-            Err(_) if is_written => {}
-            Err(error) => return Err(Failure::input(error)),
-        }
-        // Long logs take longer to read; most of the time should go to the run.
-        let pause = LOOK_INTERVAL.max(4 * looked.elapsed());
-        let until = Instant::now() + pause;
-        while Instant::now() < until {
-            if interrupted.load(Ordering::Relaxed) {
-                return Err(Failure::interrupted(anyhow!("interrupted")));
-            }
-            std::thread::sleep(Duration::from_millis(50));
-        }
-    }
-}
-
-fn line(summary: &Summary) -> String {
-    let mut line = format!("t = {} s, {} samples", summary.duration, summary.samples);
-    if let Some(energy) = &summary.energy {
-        let _ = write!(line, ", energy error {:.1e}", energy.max_relative_error);
-    }
-    if let Some(constraint) = &summary.constraint {
-        let _ = write!(line, ", violation {:.1e} m, {:.1e} m/s", constraint.max_position, constraint.max_velocity);
-    }
-    line + "\n"
 }

@@ -15,6 +15,7 @@ mod couplings;
 mod input;
 mod inspect;
 mod inspect_files;
+mod inspect_follow;
 mod joint_tables;
 mod model;
 mod numbers;

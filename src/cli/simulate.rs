@@ -16,8 +16,9 @@ use catena::mechanism::motion::state::State;
 use catena::model::Model;
 use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
 use catena::output::report::{
-    AccuracyReport, ConstraintReport, EnergyReport, IslandReport, MethodReport, ModelReport, Report, StepErrorReport,
-    energy_warning, joint_reports, link_reports, loop_reports, ringing_warning, singular_warning,
+    AccuracyReport, ConstraintReport, EnergyReport, EventReport, IslandReport, MethodReport, ModelReport, Report,
+    SpeedWatch, StepErrorReport, add_statuses, energy_warning, joint_reports, link_reports, loop_reports,
+    ringing_warning, singular_warning,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Finished, Simulation, SimulationError, SimulationOptions, StepChoice};
@@ -176,7 +177,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let switched_off = &arguments.input.keep[..];
     let options = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
     // They outlive the run, which they watch.
-    let (mut recorder, mut progress);
+    let (mut recorder, mut progress, mut speeds);
     let start = arguments.check.then(|| state.clone());
     let mut simulation = Simulation::new(mechanism, state, options).map_err(setup_failure)?;
     drop(pilots);
@@ -199,18 +200,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => None,
     };
     progress = shows.then(|| Progress::new(duration));
-    // Without a log and without a bar nobody looks at samples.
-    if recorder.is_some() || progress.is_some() {
+    speeds = SpeedWatch::new(model);
+    // Without a log, a bar and largest speeds nobody looks at samples.
+    if recorder.is_some() || progress.is_some() || speeds.is_some() {
         simulation.sample_at(rate);
     }
     recorder.iter_mut().for_each(|recorder| simulation.observe(recorder));
     progress.iter_mut().for_each(|progress| simulation.observe(progress));
+    speeds.iter_mut().for_each(|speeds| simulation.observe(speeds));
     let (ended, checked) = std::thread::scope(|scope| {
         let half = start.map(|start| scope.spawn(move || end_with_half_the_step(mechanism, start, options)));
         let ended = simulation.run();
         (ended, half.and_then(|half| half.join().ok().flatten()))
     });
-    let Finished { state, summary, method, islands, .. } = simulation.finish();
+    let finished = simulation.finish();
+    let events = EventReport::new(model, &finished);
+    let Finished { state, summary, method, islands, joints: statuses, .. } = finished;
     if let Some(progress) = &progress {
         progress.clear();
     }
@@ -228,6 +233,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))
         .chain(ringing_warning(&method))
         .chain(singular_warning(&method))
+        .chain(speeds.iter().flat_map(SpeedWatch::warnings))
         .collect();
     if let Some(recorder) = &mut recorder {
         of_method.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
@@ -235,6 +241,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (ended, log) = finish(recorder, ended, &summary, output.as_deref());
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
+    let mut joints = joint_reports(model, &state);
+    add_statuses(&mut joints, model, &statuses);
     let report = Report {
         catena: env!("CARGO_PKG_VERSION"),
         input: arguments.input.input.display().to_string(),
@@ -251,10 +259,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         wall_seconds,
         cpu_seconds,
         solve_cpu_seconds: summary.solve_cpu_seconds,
+        events,
         energy: EnergyReport::new(&summary),
         constraint: ConstraintReport::new(&summary),
         links: link_reports(model, &state),
-        joints: joint_reports(model, &state),
+        joints,
         loops: loop_reports(model, &state),
         islands: islands.iter().map(IslandReport::new).collect(),
         warnings: model.warnings.iter().map(ToString::to_string).chain(unreached).chain(of_method).collect(),

@@ -19,6 +19,8 @@ pub struct Picture {
     pub panels: Vec<Panel>,
     /// Lines of text under the legend.
     pub notes: Vec<String>,
+    /// Values of the horizontal axis that a thin tick inside the data area marks.
+    pub marks: Vec<f64>,
 }
 
 /// Pictures one below the other that share their horizontal axis.

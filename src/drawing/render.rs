@@ -11,6 +11,7 @@ use crate::drawing::strokes::{GRID, draw_line, draw_marker};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Smallest size of the picture in pixels; a long legend makes it larger.
@@ -21,6 +22,9 @@ const RIGHT: i32 = 948;
 const TOP: i32 = 92;
 /// From the data area to the lower edge of the picture.
 const BELOW: i32 = 84;
+
+/// Height of the ticks that mark values of the horizontal axis.
+const MARK: i32 = 14;
 
 const FINE_GRID: RGBColor = RGBColor(240, 240, 240);
 
@@ -181,6 +185,7 @@ fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, picture: 
     for series in picture.panels.iter().rev().flat_map(|panel| panel.series.iter()) {
         draw_series(area, page, series, &x, &y)?;
     }
+    draw_marks(area, page, &picture.marks, &x)?;
     draw_legend(area, (page.legend, page.top), page.letters - 2, picture)
 }
 
@@ -207,6 +212,15 @@ fn draw_axes<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, x: &
     }
     text(area, &x.label, ((LEFT + right) / 2, bottom + letters + 24), letters + 2, HPos::Center, INK)?;
     text_at(area, &y.label, (16, (top + bottom) / 2), letters + 2, (HPos::Center, VPos::Top), true)
+}
+
+/// Thin ticks that stand on the horizontal axis; of those at one pixel only one is drawn.
+fn draw_marks<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, page: Page, marks: &[f64], x: &Axis) -> Drawn<DB> {
+    let places: BTreeSet<i32> = marks.iter().filter_map(|&mark| x.fraction(mark)).map(|at| page.at_x(at)).collect();
+    for at in places {
+        area.draw(&PathElement::new(vec![(at, page.bottom - MARK), (at, page.bottom)], INK))?;
+    }
+    Ok(())
 }
 
 fn draw_series<DB: DrawingBackend>(
@@ -252,6 +266,7 @@ mod tests {
             bands: Vec::new(),
             panels: vec![Panel { heading: "others".to_string(), series: (0..curves).map(curve).collect() }],
             notes: vec!["a note".to_string()],
+            marks: Vec::new(),
         }
     }
 

@@ -70,7 +70,8 @@ pub(crate) fn decide(
     response.accelerations(state, &efforts, &mut free);
     let (_, square) = response.matrix(state, &freedoms);
     let offset: Vec<f64> = freedoms.iter().map(|&freedom| free[freedom]).collect();
-    let load: Vec<f64> = (0..freedoms.len()).map(|row| offset[row].abs() / square[(row, row)].max(f64::MIN_POSITIVE)).collect();
+    let load: Vec<f64> =
+        (0..freedoms.len()).map(|row| offset[row].abs() / square[(row, row)].max(f64::MIN_POSITIVE)).collect();
     let bounds: Vec<(f64, f64)> = undecided
         .iter()
         .zip(&load)
@@ -104,8 +105,10 @@ pub(crate) fn held_bodies(
     if !response.has_closures() || !held.contains(&true) {
         return held;
     }
-    let rows: Vec<usize> =
-        (0..whole.bodies.len()).filter(|&body| held[body]).map(|body| whole.bodies[body].joint.velocity_index).collect();
+    let rows: Vec<usize> = (0..whole.bodies.len())
+        .filter(|&body| held[body])
+        .map(|body| whole.bodies[body].joint.velocity_index)
+        .collect();
     let (columns, square) = response.matrix(state, &rows);
     let inverse = pseudo_inverse(&square);
     let mut column = vec![0.0; whole.velocity_count];
@@ -130,9 +133,8 @@ pub(crate) fn held_bodies(
 /// The Moore–Penrose inverse of a positive semidefinite matrix, whatever the units of its rows.
 fn pseudo_inverse(square: &DMatrix<f64>) -> DMatrix<f64> {
     let count = square.nrows();
-    let inverse: Vec<f64> = (0..count)
-        .map(|row| if square[(row, row)] > 0.0 { 1.0 / square[(row, row)].sqrt() } else { 0.0 })
-        .collect();
+    let inverse: Vec<f64> =
+        (0..count).map(|row| if square[(row, row)] > 0.0 { 1.0 / square[(row, row)].sqrt() } else { 0.0 }).collect();
     let scaled = DMatrix::from_fn(count, count, |row, column| square[(row, column)] * inverse[row] * inverse[column]);
     let eigen = scaled.symmetric_eigen();
     let largest = eigen.eigenvalues.max();

@@ -120,7 +120,11 @@ fn least_below_zero(
             return Some(trial);
         }
         if found < least {
-            if trial < middle { high = middle } else { low = middle }
+            if trial < middle {
+                high = middle
+            } else {
+                low = middle
+            }
             (middle, least) = (trial, found);
         } else if trial < middle {
             low = trial;

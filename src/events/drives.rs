@@ -44,21 +44,17 @@ struct Drive {
 impl Drives {
     /// Adds the motors of a mode to what moves.
     pub fn add(elements: &Elements, mode: &Mode, whole: &Mechanism, held: &mut Held) -> Self {
-        let mut drives = Drives {
-            entries: Vec::new(),
-            changing: Vec::new(),
-            freedoms: Vec::new(),
-            since: 0.0,
-            rates: Vec::new(),
-        };
+        let mut drives =
+            Drives { entries: Vec::new(), changing: Vec::new(), freedoms: Vec::new(), since: 0.0, rates: Vec::new() };
         for (motor, mode) in elements.motors.iter().zip(&mode.motors) {
-                        let Some(coordinate) = held.coordinate(whole, motor.coordinate) else { continue };
+            let Some(coordinate) = held.coordinate(whole, motor.coordinate) else { continue };
             if *mode != MotorMode::Unbounded {
                 continue;
             }
             let (kp, kd) = motor.law.gains();
             let still = motor.target.is_constant();
-            let rest = if still && matches!(motor.law, MotorLaw::Position { .. }) { motor.target.value(0.0) } else { 0.0 };
+            let rest =
+                if still && matches!(motor.law, MotorLaw::Position { .. }) { motor.target.value(0.0) } else { 0.0 };
             let forces = &mut held.mechanism.forces;
             if kp > 0.0 {
                 forces.joint_springs.push(JointSpring { coordinate, stiffness: kp, rest });

@@ -28,7 +28,7 @@ pub(crate) struct Elements {
 }
 
 /// A position this close to its limit is on it (rad or m, times the size of the limit where that is larger than one).
-pub(crate) const AT_LIMIT: f64 = 1e-11;
+pub(crate) const AT_LIMIT: f64 = 1e-14;
 
 impl Elements {
     /// Those of a mechanism, in the order of its bodies. Several limits of one joint are their intersection, several frictions their sum.

@@ -119,9 +119,9 @@ impl Held {
         let mut forces = whole.forces.clone();
         forces.driven = true;
         forces.joint_dampers.retain_mut(|damper| freedom(damper.freedom).map(|own| damper.freedom = own).is_some());
-        forces.joint_springs.retain_mut(|spring| {
-            coordinate(spring.coordinate).map(|own| spring.coordinate = own).is_some()
-        });
+        forces
+            .joint_springs
+            .retain_mut(|spring| coordinate(spring.coordinate).map(|own| spring.coordinate = own).is_some());
         forces.joint_loads.retain_mut(|load| freedom(load.freedom).map(|own| load.freedom = own).is_some());
         forces.point_springs.retain_mut(|spring| {
             (spring.a, spring.b) = (attachment(&spring.a), attachment(&spring.b));

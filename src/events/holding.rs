@@ -212,8 +212,9 @@ fn is_regular(square: &DMatrix<f64>) -> bool {
     if scale.contains(&0.0) {
         return false;
     }
-    let scaled =
-        DMatrix::from_fn(square.nrows(), square.ncols(), |row, column| square[(row, column)] / (scale[row] * scale[column]));
+    let scaled = DMatrix::from_fn(square.nrows(), square.ncols(), |row, column| {
+        square[(row, column)] / (scale[row] * scale[column])
+    });
     let values = scaled.symmetric_eigenvalues();
     values.min() > SINGULAR * values.max()
 }
@@ -223,7 +224,13 @@ fn largest_margin(square: &DMatrix<f64>, least: &[f64], bounds: &[(f64, f64)]) -
     let count = least.len();
     let size = least.iter().fold(0.0_f64, |most, effort| most.max(effort.abs())).max(f64::MIN_POSITIVE);
     let weight = |&(low, high): &(f64, f64)| match (low.abs(), high.abs()) {
-        (low, high) if low.is_finite() && low > 0.0 => if high.is_finite() { low.min(high) } else { low },
+        (low, high) if low.is_finite() && low > 0.0 => {
+            if high.is_finite() {
+                low.min(high)
+            } else {
+                low
+            }
+        }
         (_, high) if high.is_finite() && high > 0.0 => high,
         _ => size,
     };
@@ -234,9 +241,12 @@ fn largest_margin(square: &DMatrix<f64>, least: &[f64], bounds: &[(f64, f64)]) -
     let mut rows: Vec<Vec<f64>> = Vec::new();
     let mut limits: Vec<f64> = Vec::new();
     for index in 0..count {
-        let along = |sign: f64| null.iter().map(|&vector| sign * eigen.eigenvectors[(index, vector)]).collect::<Vec<f64>>();
+        let along =
+            |sign: f64| null.iter().map(|&vector| sign * eigen.eigenvectors[(index, vector)]).collect::<Vec<f64>>();
         let (low, high) = bounds[index];
-        for (finite, sign, room) in [(high.is_finite(), 1.0, high - least[index]), (low.is_finite(), -1.0, least[index] - low)] {
+        for (finite, sign, room) in
+            [(high.is_finite(), 1.0, high - least[index]), (low.is_finite(), -1.0, least[index] - low)]
+        {
             if finite {
                 let mut row = along(sign);
                 row.push(weight(&bounds[index]));

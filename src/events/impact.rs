@@ -58,8 +58,9 @@ pub(crate) fn collide(response: &mut Response, state: &mut State, rows: &[Row]) 
     for round in 0..=ROUNDS {
         let last = round == ROUNDS;
         let rates: Vec<f64> = rows.iter().map(|row| row.inward * state.velocity[row.freedom]).collect();
-        let taken: Vec<usize> =
-            (0..rows.len()).filter(|&index| last || rates[index] < -rows[index].rest || rates[index].abs() <= rows[index].rest).collect();
+        let taken: Vec<usize> = (0..rows.len())
+            .filter(|&index| last || rates[index] < -rows[index].rest || rates[index].abs() <= rows[index].rest)
+            .collect();
         if !rows.iter().any(|row| approaches(state, row)) {
             break;
         }

@@ -20,7 +20,7 @@ use crate::stepping::recipe::{Recipe, Steps};
 /// Modes whose workspaces are kept.
 const KEPT_MODES: usize = 12;
 /// A start that is outside its limits by so many times what counts as being on them is put there.
-const NEARLY: f64 = 1e3;
+const NEARLY: f64 = 1e5;
 /// What may be left of the height of accumulating impacts, where no tolerance says so (rad or m).
 const HEIGHT: f64 = 1e-13;
 
@@ -176,7 +176,8 @@ impl Eventful {
         }
         for (mode, joint) in self.mode.joints.iter_mut().zip(&self.elements.joints) {
             // What is decided now is no event.
-            *mode = if joint.rate(state) == 0.0 && (joint.friction > 0.0 || joint.side(joint.position(state)).is_some()) {
+            *mode = if joint.rate(state) == 0.0 && (joint.friction > 0.0 || joint.side(joint.position(state)).is_some())
+            {
                 JointMode::Held { on: joint.side(joint.position(state)) }
             } else {
                 JointMode::Free { sliding: 0 }
@@ -274,7 +275,8 @@ impl Eventful {
             used: self.steps,
             moving,
         };
-        let oldest = (0..self.pieces.len()).filter(|&index| index != self.last).min_by_key(|&index| self.pieces[index].used);
+        let oldest =
+            (0..self.pieces.len()).filter(|&index| index != self.last).min_by_key(|&index| self.pieces[index].used);
         match oldest {
             Some(oldest) if self.pieces.len() >= KEPT_MODES => {
                 self.pieces[oldest] = piece;

@@ -151,7 +151,9 @@ impl Eventful {
             .map(|&index| {
                 let watched = self.watched[index];
                 let fresh = match watched {
-                    Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => self.fresh_joints[joint],
+                    Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => {
+                        self.fresh_joints[joint]
+                    }
                     Watched::Margin => self.fresh_joints.contains(&true),
                     Watched::Motor(motor, _) | Watched::Excess(motor) => self.fresh_motors[motor],
                 };
@@ -184,12 +186,7 @@ impl Eventful {
     }
 
     /// Makes the step again so that it ends at the first event; returns the functions that are zero there.
-    fn locate(
-        &mut self,
-        inputs: Inputs,
-        first: Bracket,
-        outcome: &mut StepOutcome,
-    ) -> Result<Vec<Watched>, StepError> {
+    fn locate(&mut self, inputs: Inputs, first: Bracket, outcome: &mut StepOutcome) -> Result<Vec<Watched>, StepError> {
         let since = self.origin.time;
         let mut bracket = first;
         for _ in 0..=self.watched.len().min(ATTEMPTS) {
@@ -208,8 +205,17 @@ impl Eventful {
         let mut values = vec![0.0; all.len()];
         let end = self.pieces[self.current].small.time;
         self.evaluate(inputs, since, end, &all, &mut values);
+        let state = &self.sample;
         let meets = |index: usize| {
-            index == bracket.watched || values[index].abs() <= TOGETHER * self.watched[index].scale(&self.elements)
+            let watched = self.watched[index];
+            let allowed = match watched {
+                // Those that get there at the same time; the top of a small bounce does not.
+                Watched::Gap(joint, _) => {
+                    self.elements.joints[joint].rate(state).abs() * ONE_INSTANT * end.abs().max(1.0)
+                }
+                _ => TOGETHER * watched.scale(&self.elements),
+            };
+            index == bracket.watched || values[index].abs() <= allowed
         };
         Ok((0..self.watched.len()).filter(|&index| meets(index)).map(|index| self.watched[index]).collect())
     }
@@ -252,10 +258,15 @@ impl Eventful {
             if change.abs() <= 0.5 * f64::EPSILON * end.abs().max(full) {
                 break;
             }
-            if before.is_some_and(|(_, there)| attempt > 3 && value.abs() >= there.abs() && value.abs() < 1e-13 * scale) {
+            if before.is_some_and(|(_, there)| attempt > 3 && value.abs() >= there.abs() && value.abs() < 1e-13 * scale)
+            {
                 break;
             }
-            if value > 0.0 { low = low.max(length) } else { high = high.min(length) }
+            if value > 0.0 {
+                low = low.max(length)
+            } else {
+                high = high.min(length)
+            }
             before = Some((length, value));
             let wanted = length + change;
             // The dense output that has bracketed the root may be off by its error.
@@ -393,8 +404,11 @@ impl Integrator for Eventful {
             }
             let held = if let JointMode::Held { on } = *mode { Some(on) } else { None };
             status.limit = held.flatten();
-            status.friction = (joint.friction > 0.0)
-                .then_some(if held.is_some() { FrictionState::Stuck } else { FrictionState::Sliding });
+            status.friction = (joint.friction > 0.0).then_some(if held.is_some() {
+                FrictionState::Stuck
+            } else {
+                FrictionState::Sliding
+            });
         }
         for (motor, mode) in self.elements.motors.iter().zip(&self.mode.motors) {
             let at = motor.coordinate;

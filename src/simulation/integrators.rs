@@ -8,10 +8,10 @@ use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy::{Calibration, calibrate};
 use crate::simulation::islands::Islands;
 use crate::simulation::partition::Plan;
+use crate::simulation::run_integrator::RunIntegrator;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::Threads;
 use crate::simulation::trial_run::CalibrationError;
-use crate::simulation::run_integrator::RunIntegrator;
 use crate::stepping::integrator::MethodError;
 use std::sync::atomic::{AtomicBool, Ordering};
 

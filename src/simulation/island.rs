@@ -6,8 +6,8 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::Island;
 use crate::simulation::course::Aim;
-use crate::simulation::{Course, Observer, ObserverError, RunError, RunOptions, Sample, StepEnd};
 use crate::simulation::run_integrator::RunIntegrator;
+use crate::simulation::{Course, Observer, ObserverError, RunError, RunOptions, Sample, StepEnd};
 use std::collections::VecDeque;
 
 /// An island and how it is run.
@@ -101,7 +101,8 @@ impl IslandRun {
 
     /// Makes steps as far as the aim; a failure is kept.
     pub(crate) fn proceed(&mut self, aim: Aim, options: &RunOptions) {
-        let IslandRun { island, state, efforts, awake: Some(integrator), course: Some(course), shown, failed, .. } = self
+        let IslandRun { island, state, efforts, awake: Some(integrator), course: Some(course), shown, failed, .. } =
+            self
         else {
             return;
         };

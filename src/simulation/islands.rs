@@ -24,10 +24,10 @@ use crate::simulation::course::Aim;
 use crate::simulation::island::{IslandRun, first_error, frontier};
 use crate::simulation::merged::MergedRun;
 use crate::simulation::partition::Plan;
+use crate::simulation::run_integrator::RunIntegrator;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::{Threads, spread};
 use crate::simulation::{Observer, RunError, RunOptions, Summary};
-use crate::simulation::run_integrator::RunIntegrator;
 use std::time::Instant;
 
 /// A window should take this long (s of wall time): long against starting threads, short against a user's patience.

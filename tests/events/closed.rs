@@ -16,7 +16,10 @@ fn parallelogram(effort: f64) -> Mechanism {
     let turn = Rotation3::from_matrix_unchecked(Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0));
     coupler.joint.on_child = Pose::from_parts(Translation3::new(-1.0, 0.0, 0.0), turn);
     let mut mechanism = mechanism(vec![bar("first", 0.0), coupler, bar("second", 2.0)]);
-    let end = |body: usize, at: Vector3<f64>| Attachment { body: Some(body), frame: Pose::from_parts(Translation3::from(at), turn) };
+    let end = |body: usize, at: Vector3<f64>| Attachment {
+        body: Some(body),
+        frame: Pose::from_parts(Translation3::from(at), turn),
+    };
     mechanism.loops.push(LoopJoint {
         name: "closure".into(),
         kind: LoopKind::Revolute,

@@ -25,7 +25,8 @@ pub fn hinge(name: &str, parent: Option<usize>, on_parent: Vector3<f64>, down: f
 
 /// A slide along an axis of the world.
 pub fn slide(name: &str, axis: Vector3<f64>, mass: f64) -> Body {
-    let turn = Rotation3::rotation_between(&Vector3::z(), &axis).unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+    let turn = Rotation3::rotation_between(&Vector3::z(), &axis)
+        .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
     let frame = Pose::from_parts(Translation3::identity(), turn);
     let joint = Joint::new(name, JointKind::Prismatic, frame, frame);
     Body { name: name.into(), parent: None, mass, inertia: Vector3::repeat(0.01), joint }

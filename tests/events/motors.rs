@@ -58,7 +58,7 @@ fn a_sampled_motor_holds_its_effort_between_ticks() {
     for step in [0.1, 0.013] {
         for line in &exact {
             let &[time, position, rate] = &line[..] else { continue };
-            let done = run(&mechanism, &at_rest(&mechanism, &[0.0]), time, fixed(3, step));
+            let done = run(&mechanism, &at_rest(&mechanism, &[0.0]), time, fixed(9, step));
             near(done.state.position[0], position, 1e-12);
             near(done.state.velocity[0], rate, 1e-11);
         }
@@ -72,7 +72,7 @@ fn friction_sticks_and_slips_under_an_effort_from_a_table() {
     let points = [(0.0, 0.0), (0.5, 2.0), (1.5, -2.0), (2.5, 2.0), (3.5, -2.0), (4.5, 2.0)];
     let target = Target::table(&points, Interpolation::Linear).expect("a table");
     motor(&mut mechanism, 0, MotorLaw::Effort, target, f64::INFINITY, 0.0);
-    let done = run(&mechanism, &at_rest(&mechanism, &[0.0]), 3.7, fixed(5, 0.1));
+    let done = run(&mechanism, &at_rest(&mechanism, &[0.0]), 3.7, fixed(9, 0.1));
     let Some(exact) = answer("J4") else { return };
     let kinds = [EventKind::Slip, EventKind::Stick];
     let wanted: Vec<(EventKind, f64)> = (0..7).map(|line| (kinds[line % 2], exact[line][0])).collect();

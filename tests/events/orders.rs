@@ -5,7 +5,14 @@ use crate::mechanisms::*;
 use catena::mechanism::description::mechanism::Mechanism;
 
 /// Errors at the end for some steps, and the slopes between them.
-fn slopes(mechanism: &Mechanism, start: &[f64], end: f64, wanted: (f64, f64), stages: usize, steps: &[f64]) -> (Vec<f64>, Vec<f64>) {
+fn slopes(
+    mechanism: &Mechanism,
+    start: &[f64],
+    end: f64,
+    wanted: (f64, f64),
+    stages: usize,
+    steps: &[f64],
+) -> (Vec<f64>, Vec<f64>) {
     let errors: Vec<f64> = steps
         .iter()
         .map(|&step| {
@@ -25,10 +32,7 @@ fn order_is_kept_through_impacts_and_through_rest_and_release() {
     limit(&mut bouncing, 0, -0.3, f64::INFINITY, 0.7);
     let knee = double_pendulum(0.0);
     let (Some(j1), Some(d2)) = (answer("J1"), answer("D2")) else { return };
-    let cases = [
-        (&bouncing, vec![1.0], 6.0, (j1[6][1], j1[6][2])),
-        (&knee, vec![0.8, 0.5], 2.5, (d2[7][2], d2[7][4])),
-    ];
+    let cases = [(&bouncing, vec![1.0], 6.0, (j1[6][1], j1[6][2])), (&knee, vec![0.8, 0.5], 2.5, (d2[7][2], d2[7][4]))];
     for (mechanism, start, end, wanted) in cases {
         for (stages, steps) in [(3, [0.02, 0.01, 0.005, 0.0025]), (5, [0.1, 0.05, 0.025, 0.0125])] {
             let (errors, slopes) = slopes(mechanism, &start, end, wanted, stages, &steps);

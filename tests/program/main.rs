@@ -10,6 +10,7 @@ mod inspect;
 mod log_readback;
 mod log_safety;
 mod model_verb;
+mod nonsmooth_report;
 mod python_readback;
 mod redundant;
 mod replay;

@@ -8,7 +8,7 @@
 
 use crate::mechanism::motion::state::quaternion_product;
 use crate::output::log::decode::LinkPose;
-use crate::output::log::frames::Frames;
+use crate::output::log::frame_stream::Frames;
 use crate::output::log::records::{Completeness, ReadError};
 use serde::Serialize;
 use std::collections::HashMap;

@@ -1,16 +1,20 @@
 //! The curves of a log: joint positions and velocities, energy error, constraint violation, reactions.
 //!
 //! ```text
-//!     energy error  |E − E₀ + D − W| / max T          no unit; E₀ at the start, D dissipated, W work put in since,
+//!     energy error  |E − E₀ + D − W| / max T          no unit; E₀ at the start, D dissipated or lost, W work put in since,
 //!                                                      T the kinetic energy of all steps in the log
 //! ```
+//!
+//! Events are thin ticks that stand on the axis of time.
 //!
 //! Long logs are thinned: of every interval of time the smallest and the largest value are drawn.
 
 use crate::drawing::picture::{Figure, Panel, Picture, Scale, Series};
 use crate::drawing::style::curve;
+use crate::mechanism::ground::words::counted;
 use crate::output::inspection::joint_values::{JointKinds, Quantity, joint_values, wrenches};
 use crate::output::inspection::summary::short;
+use crate::output::log::decode::LoggedEvent;
 use crate::output::log::frames::{Figures, Frame, Visitor, visit};
 use crate::output::log::records::ReadError;
 use crate::output::log::seconds;
@@ -32,6 +36,8 @@ struct Gatherer<'k> {
     curves: Vec<(Quantity, Vec<Curve>)>,
     initial: Option<f64>,
     largest_kinetic: f64,
+    /// Times of events (s).
+    events: Vec<f64>,
     robot: String,
     method: String,
 }
@@ -76,6 +82,10 @@ impl Visitor for Gatherer<'_> {
         ControlFlow::Continue(())
     }
 
+    fn event(&mut self, event: LoggedEvent) {
+        self.events.push(event.time);
+    }
+
     fn figures(&mut self, figures: &Figures) {
         let time = seconds(figures.nanoseconds);
         if let (Some([kinetic, ..]), Some(balance)) = (figures.energy, figures.balance()) {
@@ -112,6 +122,7 @@ pub fn curves(log: &Path, kinds: &JointKinds) -> Result<Figure, ReadError> {
         curves: Vec::new(),
         initial: None,
         largest_kinetic: 0.0,
+        events: Vec::new(),
         robot: String::new(),
         method: String::new(),
     };
@@ -126,21 +137,21 @@ pub fn curves(log: &Path, kinds: &JointKinds) -> Result<Figure, ReadError> {
         if quantity == Quantity::EnergyError {
             curves.iter_mut().flat_map(|curve| &mut curve.points).for_each(|point| point.1 /= scale);
         }
-        picture(quantity, curves, end, index == last)
+        picture(quantity, curves, &gatherer.events, end, index == last)
     });
+    let mut pictures: Vec<Picture> = pictures.collect();
+    if let (Some(first), false) = (pictures.first_mut(), gatherer.events.is_empty()) {
+        first.notes.push(format!("ticks: {}", counted(gatherer.events.len(), "event", "events")));
+    }
     let incomplete = match completeness {
         Some(completeness) if completeness.is_complete() => "",
         Some(completeness) if completeness.damaged => " (the log is damaged)",
         _ => " (the log is truncated)",
     };
-    Ok(Figure {
-        title: format!("{}{incomplete}", gatherer.robot),
-        subtitle: gatherer.method.clone(),
-        pictures: pictures.collect(),
-    })
+    Ok(Figure { title: format!("{}{incomplete}", gatherer.robot), subtitle: gatherer.method.clone(), pictures })
 }
 
-fn picture(quantity: Quantity, curves: Vec<Curve>, end: f64, is_last: bool) -> Picture {
+fn picture(quantity: Quantity, curves: Vec<Curve>, events: &[f64], end: f64, is_last: bool) -> Picture {
     // The note that there are more takes the room of two.
     let most = if curves.len() > MOST_CURVES { MOST_CURVES - 2 } else { MOST_CURVES };
     let hidden = curves.len().saturating_sub(most);
@@ -170,6 +181,7 @@ fn picture(quantity: Quantity, curves: Vec<Curve>, end: f64, is_last: bool) -> P
         let air = if size > 0.0 { (0.06 * (high - low)).max(1e-3 * size) } else { 1.0 };
         Scale::Linear { label, range: (low - air, high + air) }
     };
+    let hidden = (hidden > 0).then(|| format!("and {hidden} more, see --csv"));
     Picture {
         title: quantity.title().to_string(),
         subtitle: String::new(),
@@ -180,7 +192,8 @@ fn picture(quantity: Quantity, curves: Vec<Curve>, end: f64, is_last: bool) -> P
         y,
         bands: Vec::new(),
         panels: vec![Panel { heading: String::new(), series }],
-        notes: if hidden > 0 { vec![format!("and {hidden} more, see --csv")] } else { Vec::new() },
+        notes: hidden.into_iter().collect(),
+        marks: events.to_vec(),
     }
 }
 

@@ -26,6 +26,10 @@ pub enum Quantity {
     LinearVelocity,
     /// See `Displacement`.
     Rate,
+    MotorTorque,
+    MotorForce,
+    /// See `Displacement`.
+    MotorEffort,
     EnergyError,
     Violation,
     Effort,
@@ -43,9 +47,9 @@ impl Quantity {
             Quantity::AngularVelocity => "rad/s",
             Quantity::LinearVelocity => "m/s",
             Quantity::Violation => "m, m/s",
-            Quantity::Effort => "N m, N",
-            Quantity::Force => "N",
-            Quantity::Torque => "N m",
+            Quantity::Effort | Quantity::MotorEffort => "N m, N",
+            Quantity::Force | Quantity::MotorForce => "N",
+            Quantity::Torque | Quantity::MotorTorque => "N m",
             Quantity::Displacement => "rad or m",
             Quantity::Rate => "rad/s or m/s",
         }
@@ -63,6 +67,9 @@ impl Quantity {
             Quantity::Effort => "Efforts along the joint axes",
             Quantity::Force => "Reaction forces",
             Quantity::Torque => "Reaction torques",
+            Quantity::MotorTorque => "Motor efforts, turning",
+            Quantity::MotorForce => "Motor efforts, sliding",
+            Quantity::MotorEffort => "Motor efforts",
             Quantity::Displacement => "Joint positions",
             Quantity::Rate => "Joint velocities",
         }
@@ -117,6 +124,14 @@ pub fn joint_values(frame: &Frame, kinds: &JointKinds) -> Vec<JointValue> {
                 add(joint, what, "", quantity, value);
             }
         }
+    }
+    for (joint, &effort) in frame.motors.names.iter().zip(&frame.motors.efforts) {
+        let quantity = match kinds.get(joint) {
+            Some(UrdfJointKind::Prismatic) => Quantity::MotorForce,
+            Some(_) => Quantity::MotorTorque,
+            None => Quantity::MotorEffort,
+        };
+        add(joint, "motor_effort", "", quantity, effort);
     }
     for (index, joint) in frame.multi_dof.names.iter().enumerate() {
         let slides = kinds.get(joint) != Some(&UrdfJointKind::Spherical);

@@ -1,11 +1,13 @@
 //! Looking at logs: what is in them, as words, a table, curves, or the difference of two.
 //!
 //! ```text
-//!     log → frames → summary | table (CSV) | curves → figure (SVG, PNG) | comparison of two
+//!     log → frames → summary | table (CSV) | events | curves → figure (SVG, PNG) | comparison of two
 //! ```
 
 pub mod compare;
 pub mod curves;
+pub mod events;
 pub mod joint_values;
 pub mod summary;
+mod summary_text;
 pub mod table;

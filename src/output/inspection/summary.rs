@@ -1,17 +1,16 @@
 //! The summary of a log: how the run was made, how it went, and what there is to see.
 
 use crate::mechanism::ground::words;
-use crate::mechanism::ground::words::{counted, decimals};
 use crate::mechanism::motion::gaps::worse;
-use crate::output::log::decode::LogLine;
+use crate::output::log::decode::{LogLine, LoggedEvent};
 use crate::output::log::frames::{Figures, Frame, Visitor, visit};
 use crate::output::log::reader::LogChannel;
 use crate::output::log::records::{Completeness, ReadError};
 use crate::output::log::recovery::{MISSING, RECOVERY};
 use crate::output::log::{is_locked, seconds};
+use crate::output::report::KindCounts;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fmt;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -44,6 +43,9 @@ pub struct Summary {
     pub links: usize,
     /// Joints that move.
     pub joints: usize,
+    /// How many events there are of each kind, in a log that has any place for them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub events: Option<EventSummary>,
     /// Energy over the run.
     pub energy: Option<EnergySummary>,
     /// Constraint violation over the run.
@@ -60,6 +62,13 @@ pub struct Summary {
     pub warnings: Vec<String>,
 }
 
+/// The events of a log, counted.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct EventSummary {
+    /// How many there are of each kind.
+    pub counts: KindCounts,
+}
+
 /// Energy (J) at both ends and its error in between.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct EnergySummary {
@@ -69,6 +78,10 @@ pub struct EnergySummary {
     pub r#final: f64,
     /// Dissipated since the start.
     pub dissipated: f64,
+    /// Lost to dry friction since the start.
+    pub friction: f64,
+    /// Lost in impacts since the start.
+    pub impacts: f64,
     /// Work put in since the start.
     pub work: f64,
     /// Largest deviation from the start, less what was exchanged, relative to the largest kinetic energy; of all steps
@@ -119,7 +132,8 @@ struct Collector {
     end: BTreeMap<String, String>,
     initial: Option<f64>,
     last_energy: f64,
-    exchange: [f64; 2],
+    /// Dissipated, put in, lost to friction and in impacts (J).
+    exchange: [f64; 4],
     largest_kinetic: f64,
     largest_deviation: f64,
     violation: Option<[f64; 2]>,
@@ -137,8 +151,8 @@ impl Visitor for Collector {
     }
 
     fn figures(&mut self, figures: &Figures) {
-        if let (Some([kinetic, _, total, dissipated, work]), Some(balance)) = (figures.energy, figures.balance()) {
-            self.exchange = [dissipated, work];
+        if let (Some([kinetic, _, total, exchange @ ..]), Some(balance)) = (figures.energy, figures.balance()) {
+            self.exchange = exchange;
             let initial = *self.initial.get_or_insert(balance);
             self.last_energy = total;
             self.largest_kinetic = self.largest_kinetic.max(kinetic);
@@ -161,6 +175,13 @@ impl Visitor for Collector {
         if !self.summary.topics.iter().any(|known| known.topic == topic.topic) {
             self.summary.topics.push(topic);
         }
+        if channel.topic == "/events" {
+            self.summary.events.get_or_insert_default();
+        }
+    }
+
+    fn event(&mut self, event: LoggedEvent) {
+        self.summary.events.get_or_insert_default().counts.add(&event.kind, 1);
     }
 
     fn message(&mut self, channel: &LogChannel, nanoseconds: u64) {
@@ -208,6 +229,8 @@ impl Collector {
             initial,
             r#final: number("energy_final").unwrap_or(self.last_energy),
             dissipated: self.exchange[0],
+            friction: self.exchange[2],
+            impacts: self.exchange[3],
             work: self.exchange[1],
             max_relative_error: number("energy_max_relative_error").unwrap_or(self.largest_deviation / scale),
         });
@@ -261,87 +284,4 @@ impl Summary {
 /// What a log says, if that is a number without a row of zeros.
 pub(crate) fn short(said: &str) -> String {
     said.parse().map_or_else(|_| said.to_string(), words::short)
-}
-
-/// More warnings than this are only counted.
-const SHOWN_WARNINGS: usize = 10;
-
-impl fmt::Display for Summary {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let entry = |name: &str| self.simulation.get(name).map(String::as_str).filter(|text| !text.is_empty());
-        writeln!(out, "{}: {}", self.log, self.state())?;
-        write!(out, "  run         {}, ", entry("robot").unwrap_or("?"))?;
-        let last = self.duration;
-        write!(out, "t = 0 to {last} s")?;
-        if let Some(asked) = entry("duration").and_then(|text| text.parse::<f64>().ok()).filter(|asked| *asked > last) {
-            write!(out, " of {asked} s")?;
-        }
-        write!(out, ", {} samples", self.samples)?;
-        match self.rate {
-            Some(rate) => writeln!(out, ", {rate} a second")?,
-            None => writeln!(out)?,
-        }
-        writeln!(
-            out,
-            "  model       {}, {}",
-            counted(self.links, "link", "links"),
-            counted(self.joints, "moving joint", "moving joints")
-        )?;
-        if let Some(method) = entry("method") {
-            write!(out, "  method      {method}")?;
-            for (name, word) in
-                [("stages", "stages"), ("order", "order"), ("tolerance", "tolerance"), ("step", "step [s]")]
-            {
-                if let Some(value) = entry(name) {
-                    write!(out, ", {word} {}", short(value))?;
-                }
-            }
-            writeln!(out)?;
-        }
-        if let Some(solver) = &self.solver {
-            writeln!(
-                out,
-                "  steps       {}, {} iterations, {} rejected",
-                solver.steps, solver.iterations, solver.rejected_steps
-            )?;
-        }
-        if let Some(energy) = &self.energy {
-            writeln!(
-                out,
-                "  energy      {} J at the start, largest relative error {:.1e}",
-                decimals(energy.initial),
-                energy.max_relative_error
-            )?;
-        }
-        if let Some(constraint) = &self.constraint {
-            writeln!(
-                out,
-                "  constraint  largest violation {:.1e} m, {:.1e} m/s",
-                constraint.max_position, constraint.max_velocity
-            )?;
-        }
-        for topic in &self.topics {
-            write!(out, "  topic       {:24} {:8} messages", topic.topic, topic.messages)?;
-            match topic.rate.filter(|_| topic.schema != "foxglove.Log") {
-                Some(rate) => writeln!(out, " {:8.2} a second   {}", rate, topic.schema)?,
-                None => writeln!(out, " {:8} {:8}   {}", "", "", topic.schema)?,
-            }
-        }
-        for (name, length) in &self.attachments {
-            writeln!(out, "  attachment  {name}, {length} bytes")?;
-        }
-        if let Some(version) = entry("version") {
-            writeln!(out, "  made by     catena {version}: {}", entry("command_line").unwrap_or("?"))?;
-        }
-        if let Some(hash) = entry("input_sha256") {
-            writeln!(out, "  input       SHA-256 {hash}")?;
-        }
-        for warning in self.warnings.iter().take(SHOWN_WARNINGS) {
-            writeln!(out, "  warning     {warning}")?;
-        }
-        if self.warnings.len() > SHOWN_WARNINGS {
-            writeln!(out, "  warning     and {} more", self.warnings.len() - SHOWN_WARNINGS)?;
-        }
-        Ok(())
-    }
 }

@@ -5,12 +5,14 @@
 //! | `time [s]`                               | the instant                                                  |
 //! | `JOINT.position [rad]`, `.velocity`, …   | every joint; those of several numbers have one column each   |
 //! | `JOINT.effort`, `JOINT.reaction_force.x` | what it carries                                              |
+//! | `JOINT.motor_effort [N m]`               | what its motor does, if it has one                           |
 //! | `LINK.x [m]`, …, `LINK.qw`, …            | every link frame in the world                                |
 //! | `step_end [s]`, `energy.total [J]`, …    | figures at the end of the last step, which is not later       |
 
 use crate::drawing::comma_separated::field;
 use crate::output::inspection::joint_values::{JointKinds, joint_values};
-use crate::output::log::frames::{Frame, Frames};
+use crate::output::log::frame_stream::Frames;
+use crate::output::log::frames::Frame;
 use crate::output::log::records::ReadError;
 use crate::output::log::seconds;
 use std::io::{self, Write};
@@ -68,6 +70,9 @@ fn mismatch(columns: &[String], cells: &[(String, Option<f64>)], time: f64) -> T
     TableError::Shape { time, found, expected: word(columns.get(same)) }
 }
 
+/// The parts of the energy, in the order of the log.
+const ENERGIES: [&str; 7] = ["kinetic", "potential", "total", "dissipated", "work", "friction", "impacts"];
+
 /// Every number of a frame with the name of its column.
 fn cells(frame: &Frame, kinds: &JointKinds) -> Vec<(String, Option<f64>)> {
     let mut cells = vec![("time [s]".to_string(), Some(frame.time()))];
@@ -88,7 +93,7 @@ fn cells(frame: &Frame, kinds: &JointKinds) -> Vec<(String, Option<f64>)> {
     let figures = &frame.figures;
     let known = figures.energy.is_some() || figures.violation.is_some();
     cells.push(("step_end [s]".to_string(), known.then_some(seconds(figures.nanoseconds))));
-    for (place, name) in ["kinetic", "potential", "total", "dissipated", "work"].into_iter().enumerate() {
+    for (place, name) in ENERGIES.into_iter().enumerate() {
         cells.push((format!("energy.{name} [J]"), figures.energy.map(|energy| energy[place])));
     }
     for (place, name) in ["position [m]", "velocity [m/s]"].into_iter().enumerate() {

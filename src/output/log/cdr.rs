@@ -48,6 +48,12 @@ impl<'b> CdrWriter<'b> {
         self.buffer.push(0);
     }
 
+    /// A double.
+    pub(crate) fn double(&mut self, value: f64) {
+        self.align(8);
+        self.buffer.extend_from_slice(&value.to_le_bytes());
+    }
+
     /// A sequence of so many structures of `N` doubles, all zero; returns where they begin.
     pub(crate) fn structures<const N: usize>(&mut self, count: usize) -> usize {
         self.unsigned(count as u32);

@@ -26,6 +26,19 @@ pub struct LogLine {
     pub text: String,
 }
 
+/// An event.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoggedEvent {
+    /// When (s).
+    pub time: f64,
+    /// What happened.
+    pub kind: String,
+    /// The joint to which it happened.
+    pub what: String,
+    /// The impulse of an impact [N m s or N s].
+    pub impulse: Option<f64>,
+}
+
 /// The joints of one number in a sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointStates {
@@ -78,6 +91,19 @@ pub fn log_line(data: &[u8]) -> Result<LogLine, String> {
     let line = Log::decode(data).map_err(|error| error.to_string())?;
     let warning = foxglove::messages::log::Level::Warning as i32;
     Ok(LogLine { is_problem: line.level >= warning, text: line.message })
+}
+
+/// Decodes a `catena_msgs/msg/Event`.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn event(data: &[u8]) -> Result<LoggedEvent, String> {
+    let mut cdr = CdrReader::new(data)?;
+    cdr.header()?;
+    let [time] = cdr.numbers()?;
+    let (kind, what) = (cdr.string()?, cdr.string()?);
+    let [impulse] = cdr.numbers()?;
+    Ok(LoggedEvent { time, kind, what, impulse: Some(impulse).filter(|impulse| !impulse.is_nan()) })
 }
 
 /// Decodes a `sensor_msgs/msg/JointState`.

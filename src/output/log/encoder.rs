@@ -8,8 +8,10 @@ use crate::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Snapshot
 use crate::mechanism::description::joint::Pose;
 use crate::model::{LinkFrame, Model};
 use crate::output::log::error::LogError;
+use crate::output::log::events::EventMessages;
 use crate::output::log::file::MessageSink;
 use crate::output::log::joints::JointMessages;
+use crate::output::log::motors::MotorMessages;
 use crate::output::log::queue::{Between, Figures, Piece};
 use crate::output::log::ros::{Template, ros_channel};
 use crate::output::log::transforms::TransformsEncoder;
@@ -20,6 +22,12 @@ use foxglove::{Encode, Schema};
 /// The frame all poses are given in, unless a moving link has taken the name.
 const WORLD_FRAME: &str = "world";
 
+/// What `/energy` has of a smooth run, and how many numbers that are.
+const SMOOTH: (&str, usize) = ("kinetic, potential, total; since the start: dissipated, work put in [J]", 5);
+/// What it has where there are limits, dry friction or motors.
+const NONSMOOTH: (&str, usize) =
+    ("kinetic, potential, total; since the start: dissipated, work put in, lost to friction, lost in impacts [J]", 7);
+
 /// Makes messages of the samples of one run.
 pub(crate) struct SampleEncoder {
     log: u16,
@@ -28,6 +36,8 @@ pub(crate) struct SampleEncoder {
     figures: [(u16, Template); 3],
     transforms: TransformsEncoder,
     joints: JointMessages,
+    motors: Option<MotorMessages>,
+    events: Option<EventMessages>,
     instants: Box<dyn Instants>,
     snapshots: Snapshots,
     position_count: usize,
@@ -45,16 +55,19 @@ impl SampleEncoder {
         let mut figures = |topic: &str, label: &str, count: usize| -> Result<_, LogError> {
             Ok((ros_channel(sink, topic, ros::FLOAT64_MULTI_ARRAY)?, Template::figures(label, count)))
         };
+        let (energy_label, energy_count) = if mechanism.nonsmooth.is_empty() { SMOOTH } else { NONSMOOTH };
         Ok(SampleEncoder {
             log,
             transforms_channel,
             figures: [
-                figures("/energy", "kinetic, potential, total; since the start: dissipated, work put in [J]", 5)?,
+                figures("/energy", energy_label, energy_count)?,
                 figures("/constraint", "position [m, rad], velocity [m/s, rad/s]", 2)?,
                 figures("/solver", "last step [s], stages; since before: steps, iterations, rejected steps", 5)?,
             ],
             transforms: TransformsEncoder::new(world, links.iter().map(|link| link.name.as_str())),
             joints: JointMessages::new(sink, model, world)?,
+            motors: MotorMessages::new(sink, model)?,
+            events: EventMessages::new(sink, model)?,
             instants: instants(mechanism, &places),
             snapshots: Snapshots::new(mechanism, places.len()),
             position_count: mechanism.position_count,
@@ -88,14 +101,20 @@ impl SampleEncoder {
                 let position = &positions[instant * self.position_count..][..self.position_count];
                 let velocity = &velocities[instant * self.velocity_count..][..self.velocity_count];
                 self.joints.write((position, velocity), (&self.snapshots, instant), stamp, sink)?;
+                if let Some(motors) = &mut self.motors {
+                    motors.write(time, (position, velocity), stamp, sink)?;
+                }
             }
         }
         between.try_for_each(|(_, what)| self.encode_between(what, sink))
     }
 
-    fn encode_between(&self, what: &Between, sink: &mut dyn MessageSink) -> Result<(), LogError> {
+    fn encode_between(&mut self, what: &Between, sink: &mut dyn MessageSink) -> Result<(), LogError> {
         let (stamp, Figures { energies, violation, work }) = match what {
             Between::Line(stamp, line) => return self.line(sink, *stamp, line),
+            Between::Event(stamp, event) => {
+                return self.events.as_mut().map_or(Ok(()), |events| events.write(*stamp, event, sink));
+            }
             Between::Figures(stamp, figures) => (*stamp, figures),
         };
         for ((channel, template), numbers) in self.figures.iter().zip([&energies[..], violation, work]) {
@@ -128,6 +147,10 @@ pub(crate) fn foxglove_channel<M: Encode>(sink: &mut dyn MessageSink, topic: &st
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanism::description::closure::Coordinate;
+    use crate::mechanism::description::nonsmooth::{Motor, MotorLaw};
+    use crate::mechanism::description::target::Target;
+    use crate::mechanism::motion::event::{Event, EventKind};
     use crate::mechanism::motion::state::State;
     use crate::model::{Base, ModelOptions};
     use crate::output::log::batch::Batch;
@@ -166,9 +189,10 @@ mod tests {
         for sample in 0..=110 {
             let time = INTERVAL * f64::from(sample);
             let stamp = nanoseconds(time);
-            let figures = Figures { energies: [1.0; 5], violation: [2.0; 2], work: [3.0; 5] };
+            let figures = Figures { energies: [1.0; 7], violation: [2.0; 2], work: [3.0; 5] };
             piece.push_between(Between::Figures(stamp, figures));
             piece.push_between(Between::Line(stamp, vec![1, 2, 3]));
+            piece.push_event(stamp, Event { time, kind: EventKind::LimitImpact, body: 0, impulse: Some(1.0) });
             piece.push(time, &state.position, &state.velocity);
             state.displace(mechanism, &displacement);
         }
@@ -191,7 +215,16 @@ mod tests {
         let scene = read_scene(&robots("slider_crank.toml"), &PackagePath::default()).expect("a scene");
         let (closed, start) = Model::from_scene(&scene).expect("a model");
         let at_start = closed.initial_state(&start.positions, &start.velocities, None).expect("a state");
+        let mut driven = urdf("arm7.urdf", Base::Fixed);
+        driven.0.mechanism.nonsmooth.motors = vec![Motor {
+            coordinate: Coordinate { body: 0, position: 0, freedom: 0 },
+            law: MotorLaw::Velocity { kd: 1.0 },
+            target: Target::constant(1.0),
+            max_effort: 1.0,
+            period: 0.015,
+        }];
         let all = [
+            driven,
             urdf("arm7.urdf", Base::Fixed),
             urdf("humanoid.urdf", Base::Floating),
             urdf("planar_slider.urdf", Base::Fixed),

@@ -4,15 +4,14 @@
 //! that ended at or before it. A sample that lacks messages, because the log ends in it or a chunk is lost, is no frame: in our logs a
 //! whole one has a message of every topic of [`TOPICS`] that the log has.
 
-use crate::output::log::decode::{JointStates, LinkPose, LogLine, MultiDofStates};
+use crate::output::log::decode::{JointStates, LinkPose, LogLine, LoggedEvent, MultiDofStates};
 use crate::output::log::names::LIBRARY;
 use crate::output::log::reader::{Item, LogChannel, read_log};
 use crate::output::log::records::{Completeness, FROM_SOME_PLACE, ReadError};
 use crate::output::log::{decode, seconds};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::path::Path;
 
 /// One sampled instant.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,6 +26,8 @@ pub struct Frame {
     pub multi_dof: MultiDofStates,
     /// What the joints carry, in the world.
     pub reactions: MultiDofStates,
+    /// The efforts of motors.
+    pub motors: JointStates,
     /// Figures of the last step.
     pub figures: Figures,
 }
@@ -36,8 +37,8 @@ pub struct Frame {
 pub struct Figures {
     /// Time at the end of the step in nanoseconds.
     pub nanoseconds: u64,
-    /// Kinetic, potential and total energy; since the start dissipated, and work put in (J).
-    pub energy: Option<[f64; 5]>,
+    /// Kinetic, potential and total energy; since the start dissipated, work put in, lost to dry friction and in impacts (J).
+    pub energy: Option<[f64; 7]>,
     /// Violation of positions [m, rad] and velocities [m/s, rad/s].
     pub violation: Option<[f64; 2]>,
     /// Last step (s), stages, and since the figures before: steps, iterations, rejected steps.
@@ -45,10 +46,12 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// What should be the same in all figures of a run (J): the total energy with what was dissipated and without the
+    /// What should be the same in all figures of a run (J): the total energy with what was dissipated or lost and without the
     /// work that was put in.
     pub fn balance(&self) -> Option<f64> {
-        self.energy.map(|[_, _, total, dissipated, work]| total + (dissipated - work))
+        self.energy.map(|[_, _, total, dissipated, work, friction, impacts]| {
+            total + ((dissipated - work) + friction + impacts)
+        })
     }
 }
 
@@ -60,11 +63,12 @@ impl Frame {
 }
 
 /// The topics of a frame, and the schemas of their messages.
-const TOPICS: [(&str, &str); 4] = [
+const TOPICS: [(&str, &str); 5] = [
     ("/tf", "foxglove.FrameTransforms"),
     ("/joint_states", "sensor_msgs/msg/JointState"),
     ("/multi_dof_joint_states", "sensor_msgs/msg/MultiDOFJointState"),
     ("/reactions", "sensor_msgs/msg/MultiDOFJointState"),
+    ("/motors", "sensor_msgs/msg/JointState"),
 ];
 
 /// Which of [`TOPICS`] a channel has.
@@ -81,6 +85,9 @@ pub trait Visitor {
 
     /// The figures of a step, in order of time.
     fn figures(&mut self, _figures: &Figures) {}
+
+    /// An event.
+    fn event(&mut self, _event: LoggedEvent) {}
 
     /// A message of any kind, before it is decoded.
     fn message(&mut self, _channel: &LogChannel, _nanoseconds: u64) {}
@@ -210,10 +217,14 @@ impl Builder<'_> {
             ("/reactions", "sensor_msgs/msg/MultiDOFJointState") => {
                 self.frame.get_or_insert_with(new_frame).reactions = decode::multi_dof_states(data)?;
             }
+            ("/motors", "sensor_msgs/msg/JointState") => {
+                self.frame.get_or_insert_with(new_frame).motors = decode::joint_states(data)?;
+            }
+            ("/events", "catena_msgs/msg/Event") => self.visitor.event(decode::event(data)?),
             ("/energy", "std_msgs/msg/Float64MultiArray") => {
                 let mut energy = decode::figures(data)?;
-                // Logs of earlier versions are of runs in which nothing was exchanged.
-                energy.resize(5, 0.0);
+                // Logs of smooth runs have no friction and no impacts, those of earlier versions are of runs in which nothing was exchanged.
+                energy.resize(7, 0.0);
                 let energy = energy.first_chunk().copied();
                 self.figures.get_or_insert_with(new_figures).energy = energy;
             }
@@ -245,103 +256,6 @@ impl Builder<'_> {
         match self.frame.take() {
             Some(frame) if !(may_lack && lacks) => self.visitor.frame(&Frame { figures: self.last, ..frame }),
             _ => ControlFlow::Continue(()),
-        }
-    }
-}
-
-/// Frames that are handed over together.
-const PIECE: usize = 64;
-
-/// Some frames.
-struct FramePiece {
-    frames: Vec<Frame>,
-    /// Whether they are the last.
-    is_last: bool,
-    /// How much of the log there was, if they are.
-    completeness: Option<Completeness>,
-}
-
-/// The frames of a log one after the other, read by a thread.
-pub struct Frames {
-    receiver: Receiver<Result<FramePiece, ReadError>>,
-    ready: std::vec::IntoIter<Frame>,
-    has_ended: bool,
-    completeness: Option<Completeness>,
-    path: PathBuf,
-}
-
-impl Frames {
-    /// Starts to read a log.
-    ///
-    /// # Errors
-    /// [`ReadError::Io`] if there can be no thread.
-    pub fn of(path: &Path) -> Result<Self, ReadError> {
-        let (sender, receiver) = sync_channel(4);
-        let log = path.to_path_buf();
-        let read = move || {
-            let mut collector = Sender { sender, piece: Vec::new() };
-            let ended = visit(&log, &mut collector);
-            let last = |completeness| FramePiece { frames: collector.piece, is_last: true, completeness };
-            let _ = collector.sender.send(ended.map(last));
-        };
-        let thread = std::thread::Builder::new().name("log".to_string()).spawn(read);
-        thread.map_err(|reason| ReadError::Io { path: path.to_path_buf(), reason })?;
-        let path = path.to_path_buf();
-        Ok(Frames { receiver, ready: Vec::new().into_iter(), has_ended: false, completeness: None, path })
-    }
-
-    /// How much of the log there was, once there are no more frames.
-    pub fn completeness(&self) -> Option<&Completeness> {
-        self.completeness.as_ref()
-    }
-}
-
-impl Iterator for Frames {
-    type Item = Result<Frame, ReadError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            if let Some(frame) = self.ready.next() {
-                return Some(Ok(frame));
-            }
-            if self.has_ended {
-                return None;
-            }
-            match self.receiver.recv() {
-                Ok(Ok(FramePiece { frames, is_last, completeness })) => {
-                    (self.ready, self.has_ended, self.completeness) = (frames.into_iter(), is_last, completeness);
-                }
-                Ok(Err(error)) => {
-                    self.has_ended = true;
-                    return Some(Err(error));
-                }
-                // A thread that has said nothing of an end has not come to it.
-                Err(_) => {
-                    self.has_ended = true;
-                    let reason = std::io::Error::other("what reads it has broken off");
-                    return Some(Err(ReadError::Io { path: self.path.clone(), reason }));
-                }
-            }
-        }
-    }
-}
-
-struct Sender {
-    sender: SyncSender<Result<FramePiece, ReadError>>,
-    piece: Vec<Frame>,
-}
-
-impl Visitor for Sender {
-    fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
-        self.piece.push(frame.clone());
-        if self.piece.len() < PIECE {
-            return ControlFlow::Continue(());
-        }
-        let frames = std::mem::take(&mut self.piece);
-        match self.sender.send(Ok(FramePiece { frames, is_last: false, completeness: None })) {
-            Ok(()) => ControlFlow::Continue(()),
-            // Nobody wants to see any more.
-            Err(_) => ControlFlow::Break(()),
         }
     }
 }

@@ -9,12 +9,18 @@
 //! | `/joint_states`      | `sensor_msgs/msg/JointState` (ros2msg, cdr)  | every sample: joints of one number       |
 //! | `/multi_dof_joint_states` | `sensor_msgs/msg/MultiDOFJointState` (ros2msg, cdr) | every sample: all other joints |
 //! | `/reactions`         | `sensor_msgs/msg/MultiDOFJointState` (ros2msg, cdr) | every sample: wrenches of all joints, in `world` |
+//! | `/motors`            | `sensor_msgs/msg/JointState` (ros2msg, cdr)  | every sample: efforts of motors, if there are any |
+//! | `/events`            | `catena_msgs/msg/Event` (ros2msg, cdr)       | events: time (s), kind, joint, impulse of an impact |
 //! | `/energy`            | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: kinetic, potential, total, dissipated, work (J) |
 //! | `/constraint`        | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: position, velocity violation |
 //! | `/solver`            | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: last step (s), stages; steps, iterations, rejected since before |
 //!
 //! The joint messages hold the whole state in the coordinates of the URDF: `/multi_dof_joint_states`, which is there
 //! only if there are such joints, has the child link's frame in the joint's frame on the parent.
+//!
+//! Of mechanisms with limits, dry friction or motors there is `/events`, and `/energy` goes on with what friction and impacts have taken.
+//! An event has the definition of its message from the log, as all ROS messages have; its log time is rounded to nanoseconds, its field
+//! `time` is not.
 //!
 //! Links that are fixed to others or to the world are in `/tf` all the same, in every sample, and not once in `/tf_static`:
 //! Lichtblick lost the transforms of that topic whenever one jumped back in a log (its pull request 1246 of July 2026), and a log
@@ -42,11 +48,15 @@ mod container;
 pub mod decode;
 mod encoder;
 mod error;
+mod events;
 mod file;
+pub mod frame_stream;
 pub mod frames;
 mod inputs;
 mod joints;
+mod motors;
 mod names;
+mod order;
 mod output;
 mod place;
 mod queue;

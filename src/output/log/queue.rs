@@ -1,6 +1,7 @@
 //! What a run has shown, on its way to the thread that makes messages of it: numbers as they are, in their order.
 
 use crate::lobatto::instants::snapshot::INSTANTS;
+use crate::mechanism::motion::event::Event;
 
 /// Bytes of a piece that is large.
 const LARGE: usize = 1 << 16;
@@ -17,19 +18,25 @@ pub(crate) struct Piece {
     pub velocities: Vec<f64>,
     /// What comes before the sample of this number, or after the last.
     pub between: Vec<(usize, Between)>,
+    /// How many events are among that.
+    events: usize,
 }
 
 /// What is logged between samples.
 pub(crate) enum Between {
     /// The figures of a step, at a time in nanoseconds.
     Figures(u64, Figures),
+    /// An event, at a time in nanoseconds.
+    Event(u64, Event),
     /// A line of `/log`, encoded.
     Line(u64, Vec<u8>),
 }
 
 /// The numbers of `/energy`, `/constraint` and `/solver`.
 pub(crate) struct Figures {
-    pub energies: [f64; 5],
+    /// Kinetic, potential and total; since the start dissipated, put in, lost to dry friction and in impacts. A smooth run has no
+    /// friction and no impacts and does not log them.
+    pub energies: [f64; 7],
     pub violation: [f64; 2],
     pub work: [f64; 5],
 }
@@ -47,6 +54,12 @@ impl Piece {
         self.between.push((self.times.len(), what));
     }
 
+    /// Adds an event before the next sample.
+    pub(crate) fn push_event(&mut self, nanoseconds: u64, event: Event) {
+        self.push_between(Between::Event(nanoseconds, event));
+        self.events += 1;
+    }
+
     /// Whether it is worth while to take it.
     pub(crate) fn is_large(&self) -> bool {
         self.size() >= LARGE && self.times.len() >= INSTANTS
@@ -57,9 +70,10 @@ impl Piece {
         self.size() > TOO_LARGE && self.times.len() > 4 * INSTANTS
     }
 
-    /// Size of the numbers in bytes; figures are few.
+    /// Size of the numbers and events in bytes; figures are few.
     fn size(&self) -> usize {
-        8 * (self.times.len() + self.positions.len() + self.velocities.len())
+        let numbers = self.times.len() + self.positions.len() + self.velocities.len();
+        8 * numbers + size_of::<(usize, Between)>() * self.events
     }
 
     /// Forgets everything and keeps the memory.
@@ -68,5 +82,6 @@ impl Piece {
         self.positions.clear();
         self.velocities.clear();
         self.between.clear();
+        self.events = 0;
     }
 }

@@ -1,9 +1,7 @@
-//! The observer that hands samples over to be logged (the table of [`crate::output::log`]).
-//!
-//! The figures of a step belong to its end, which lies after the samples inside the step; they wait for the first sample
-//! that is not earlier, so that times never go back in the file.
+//! The observer that hands samples and events over to be logged (the table of [`crate::output::log`]).
 
 use crate::lobatto::instants::snapshot::INSTANTS;
+use crate::mechanism::motion::event::Event;
 use crate::model::Model;
 use crate::output::log::background::BackgroundFile;
 use crate::output::log::comparison::{Compared, Comparison, Difference};
@@ -11,12 +9,13 @@ use crate::output::log::encoder::{SampleEncoder, foxglove_channel};
 use crate::output::log::error::LogError;
 use crate::output::log::file::{Ending, LogFile, MessageSink};
 use crate::output::log::inputs::{attach_inputs, inputs};
-use crate::output::log::queue::{Between, Figures, Piece};
+use crate::output::log::order::Order;
+use crate::output::log::queue::{Between, Piece};
+use crate::output::log::ros;
 use crate::output::log::ros::ros_channel;
 use crate::output::log::standin::{standins, with_standins};
 use crate::output::log::visual::Looks;
-use crate::output::log::{nanoseconds, ros};
-use crate::simulation::{Counts, Observer, ObserverError, Sample, StepEnd};
+use crate::simulation::{Observer, ObserverError, Sample};
 use foxglove::Encode;
 use foxglove::messages::{self, SceneUpdate, Timestamp};
 use std::collections::BTreeMap;
@@ -61,15 +60,6 @@ impl Compare {
         encoded?;
         Ok(self.comparison.settle()?)
     }
-}
-
-/// Puts samples and the figures of steps in their order.
-struct Order {
-    stages: f64,
-    waiting: Option<StepEnd>,
-    last_figures: Option<f64>,
-    last_counts: Counts,
-    last_time: u64,
 }
 
 /// The name of the metadata record that says how a run was made.
@@ -127,7 +117,7 @@ impl Recorder {
 
     /// Adds a line to `/log` at the time of the last message.
     pub fn say(&mut self, severity: Severity, text: &str) {
-        let time = self.order.last_time;
+        let time = self.order.last_time();
         let line = log_line(time, severity, text);
         Self::add(&mut self.sink, |piece| piece.push_between(Between::Line(time, line)));
     }
@@ -145,7 +135,7 @@ impl Recorder {
     /// # Errors
     /// [`LogError::Write`], also for what earlier messages could not be written for.
     pub fn finish(mut self, ending: Ending) -> Result<(), LogError> {
-        Self::add(&mut self.sink, |piece| self.order.add_figures(f64::INFINITY, piece));
+        Self::add(&mut self.sink, |piece| self.order.add_until(f64::INFINITY, piece));
         match self.sink {
             Sink::File(file) => file.finish(ending).map(drop),
             Sink::Comparison(_) => Ok(()),
@@ -154,7 +144,7 @@ impl Recorder {
 
     /// Ends a comparison: how much was compared, and the first difference, if any.
     pub fn compared(mut self) -> (Compared, Result<(), Difference>) {
-        Self::add(&mut self.sink, |piece| self.order.add_figures(f64::INFINITY, piece));
+        Self::add(&mut self.sink, |piece| self.order.add_until(f64::INFINITY, piece));
         match self.sink {
             Sink::File(_) => (Compared::default(), Ok(())),
             Sink::Comparison(mut compare) => {
@@ -163,46 +153,6 @@ impl Recorder {
                 compare.comparison.finish()
             }
         }
-    }
-}
-
-impl Order {
-    fn new(stages: f64) -> Self {
-        Order { stages, waiting: None, last_figures: None, last_counts: Counts::default(), last_time: 0 }
-    }
-
-    fn add(&mut self, sample: &Sample, piece: &mut Piece) {
-        self.add_figures(sample.time, piece);
-        self.last_time = nanoseconds(sample.time);
-        piece.push(sample.time, sample.position, sample.velocity);
-        if self.last_figures != Some(sample.step.time) {
-            self.waiting = Some(*sample.step);
-            self.add_figures(sample.time, piece);
-        }
-    }
-
-    /// Adds the figures of the step that is waiting, if it ended at or before `time`.
-    fn add_figures(&mut self, time: f64, piece: &mut Piece) {
-        let Some(end) = self.waiting.take_if(|end| end.time <= time) else { return };
-        let (energy, exchange) = (end.energy, end.exchange);
-        // Several steps may have been made since the figures before these.
-        let (counts, last) = (end.so_far, self.last_counts);
-        let figures = Figures {
-            energies: [energy.kinetic, energy.potential, energy.total(), exchange.dissipated, exchange.work],
-            violation: [end.violation.position, end.violation.velocity],
-            work: [
-                end.outcome.step,
-                self.stages,
-                (counts.steps - last.steps) as f64,
-                (counts.iterations - last.iterations) as f64,
-                (counts.rejected - last.rejected) as f64,
-            ],
-        };
-        let stamp = nanoseconds(end.time);
-        piece.push_between(Between::Figures(stamp, figures));
-        self.last_counts = counts;
-        self.last_figures = Some(end.time);
-        self.last_time = self.last_time.max(stamp);
     }
 }
 
@@ -215,6 +165,10 @@ impl Observer for Recorder {
             }
         }
         Ok(())
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.order.event(event);
     }
 }
 

@@ -101,6 +101,26 @@ uint32 stride
 ",
 );
 
+/// An event, which no package of ROS defines: viewers decode it by this definition, which is in the log.
+pub(crate) const EVENT: (&str, &str) = (
+    "catena_msgs/msg/Event",
+    "\
+std_msgs/Header header
+float64 time
+string kind
+string what
+float64 impulse
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+",
+);
+
 /// Encodes a `std_msgs/msg/String`.
 pub(crate) fn encode_string(text: &str, out: &mut Vec<u8>) {
     CdrWriter::begin(out).string(text);
@@ -134,6 +154,16 @@ impl Template {
     pub(crate) fn joint_state<'n>(frame: &str, names: impl ExactSizeIterator<Item = &'n str>) -> Self {
         let count = names.len();
         Self::new(frame, names, |writer| [0; 3].map(|_| writer.structures::<1>(count)).to_vec())
+    }
+
+    /// A `sensor_msgs/msg/JointState` with efforts alone: one row of them.
+    pub(crate) fn efforts<'n>(frame: &str, names: impl ExactSizeIterator<Item = &'n str>) -> Self {
+        let count = names.len();
+        Self::new(frame, names, |writer| {
+            writer.unsigned(0);
+            writer.unsigned(0);
+            vec![writer.structures::<1>(count)]
+        })
     }
 
     /// A `sensor_msgs/msg/MultiDOFJointState` with wrenches (force, torque) alone: one row of six numbers each.

@@ -3,15 +3,22 @@
 //! The JSON is a promise to other people's scripts; its keys and their order are tested (`tests/program/cli/report.rs`). Links and
 //! joints are given in the world and in the joint's frame on the parent as [`LinkReport`] and [`JointReport`] say.
 
+mod events;
 mod method;
 mod places;
+mod speeds;
 mod step_error;
 mod text;
 
+pub(crate) use events::joint_name;
+pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};
 pub use method::{
     AccuracyReport, COARSE, FrequencyReport, MethodReport, energy_warning, ringing_warning, singular_warning,
 };
-pub use places::{JointReport, LinkReport, LoopReport, Numbers, joint_reports, link_reports, loop_reports};
+pub use places::{
+    JointReport, LinkReport, LoopReport, Numbers, add_statuses, joint_reports, link_reports, loop_reports,
+};
+pub use speeds::SpeedWatch;
 pub use step_error::StepErrorReport;
 
 use crate::instant::assembly::Redundancy;
@@ -60,6 +67,8 @@ pub struct Report {
     /// The estimated error of fixed steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_error: Option<StepErrorReport>,
+    /// What was not smooth about the motion.
+    pub events: EventReport,
     /// Energy over the run.
     pub energy: EnergyReport,
     /// Constraint violation over the run.
@@ -130,14 +139,18 @@ pub struct EnergyReport {
     pub initial: f64,
     /// Total energy at the end.
     pub r#final: f64,
-    /// Largest deviation from the start, but for what was dissipated and put in, relative to the largest kinetic energy
+    /// Largest deviation from the start, but for what was dissipated, lost to friction and impacts, and put in, relative to the largest kinetic energy
     /// seen.
     pub max_relative_error: f64,
     /// What makes up the energy at the end.
     pub parts: EnergyParts,
     /// Turned into heat by dampers over the run.
     pub dissipated: f64,
-    /// Put in by torques without a potential over the run.
+    /// Turned into heat by dry friction over the run.
+    pub friction: f64,
+    /// Lost in impacts over the run.
+    pub impacts: f64,
+    /// Put in by motors and by loads without a potential over the run.
     pub work: f64,
 }
 
@@ -177,6 +190,8 @@ impl EnergyReport {
                 load: summary.final_energy.load,
             },
             dissipated: summary.exchange.dissipated,
+            friction: summary.exchange.friction,
+            impacts: summary.exchange.impacts,
             work: summary.exchange.work,
         }
     }

@@ -3,10 +3,12 @@
 use crate::instant::reactions::{LoopReaction, Reactions};
 use crate::mechanism::description::closure::LoopJoint;
 use crate::mechanism::description::joint::wxyz_from_rotation;
+use crate::mechanism::motion::event::JointStatus;
 use crate::mechanism::motion::gaps::loop_gaps;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::{JointRecord, LinkFrame, Model};
+use crate::output::report::events::JointStatusReport;
 use serde::Serialize;
 
 /// A link in the world.
@@ -35,6 +37,9 @@ pub struct JointReport {
     pub reaction_force: [f64; 3],
     /// Torque of the parent on the child about the joint, in the world [N m].
     pub reaction_torque: [f64; 3],
+    /// Limit, friction and motor; only of the end of a run, because a log's samples do not tell.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub status: Option<JointStatusReport>,
 }
 
 /// What a loop joint carries at the end of a run.
@@ -97,10 +102,19 @@ pub fn joint_reports(model: &Model, state: &State) -> Vec<(String, JointReport)>
             velocity: velocity.into(),
             reaction_force: reaction.force.into(),
             reaction_torque: reaction.torque.into(),
+            status: None,
         };
         Some((record.name.clone(), report))
     };
     model.joints.iter().enumerate().filter_map(report).collect()
+}
+
+/// Adds to the reports of [`joint_reports`] what the joint of each body is up to.
+pub fn add_statuses(reports: &mut [(String, JointReport)], model: &Model, statuses: &[JointStatus]) {
+    let moving = model.joints.iter().filter_map(|record| record.body);
+    for ((_, report), body) in reports.iter_mut().zip(moving) {
+        report.status = statuses.get(body).map(JointStatusReport::from);
+    }
 }
 
 /// Every loop joint of a model.

@@ -94,6 +94,9 @@ impl fmt::Display for Report {
             all if all == self.steps => writeln!(out, ", by the exact Newton method")?,
             some => writeln!(out, ", {some} by the exact Newton method")?,
         }
+        if self.events.is_nonsmooth {
+            writeln!(out, "  events      {}", self.events.counts.words())?;
+        }
         writeln!(
             out,
             "  energy      {} J at the start, largest relative error {:.1e}",
@@ -101,7 +104,17 @@ impl fmt::Display for Report {
             self.energy.max_relative_error
         )?;
         let energy = &self.energy;
-        if energy.dissipated != 0.0 || energy.work != 0.0 {
+        if self.events.is_nonsmooth {
+            writeln!(
+                out,
+                "              {} J dissipated by dampers, {} J by dry friction, {} J lost in impacts, {} J put in, {} J left in springs",
+                rounded(energy.dissipated),
+                rounded(energy.friction),
+                rounded(energy.impacts),
+                rounded(energy.work),
+                rounded(energy.parts.spring)
+            )?;
+        } else if energy.dissipated != 0.0 || energy.work != 0.0 {
             writeln!(
                 out,
                 "              {} J dissipated, {} J put in, {} J left in springs",

@@ -128,5 +128,6 @@ pub fn energy_picture(
             Panel { heading: "joint coordinates".to_string(), series: series(false) },
         ],
         notes: Vec::new(),
+        marks: Vec::new(),
     }
 }

@@ -52,6 +52,7 @@ pub fn work_precision_picture(chart: &SceneChart, foreign: &[Measurement]) -> Pi
             Panel { heading: "other programs".to_string(), series: others },
         ],
         notes: notes(chart),
+        marks: Vec::new(),
     }
 }
 

@@ -19,8 +19,11 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
             "islands": 0, "sleeping_islands": 0},
         "steps": 0, "iterations": 0, "kept_factor_iterations": 0, "rejected_steps": 0, "exact_newton_steps": 0,
         "wall_seconds": 0, "cpu_seconds": 0, "solve_cpu_seconds": 0,
+        "events": {"counts": {"limit_impact": 0, "contact_impact": 0, "rest": 0, "release": 0, "stick": 0, "slip": 0,
+            "reversal": 0, "saturation": 0, "unsaturation": 0}, "list": []},
         "energy": {"initial": 0, "final": 0, "max_relative_error": 0,
-            "parts": {"kinetic": 0, "gravity": 0, "spring": 0, "load": 0}, "dissipated": 0, "work": 0},
+            "parts": {"kinetic": 0, "gravity": 0, "spring": 0, "load": 0}, "dissipated": 0, "friction": 0,
+            "impacts": 0, "work": 0},
         "constraint": {"max_position": 0, "max_velocity": 0},
         "links": {
             "base": {"position": [0,0,0], "orientation": [0,0,0,0], "center_of_mass": [0,0,0],
@@ -30,7 +33,8 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
             "tip": {"position": [0,0,0], "orientation": [0,0,0,0], "center_of_mass": [0,0,0],
                     "linear_velocity": [0,0,0], "angular_velocity": [0,0,0]}},
         "joints": {
-            "hinge": {"position": 0, "velocity": 0, "reaction_force": [0,0,0], "reaction_torque": [0,0,0]}},
+            "hinge": {"position": 0, "velocity": 0, "reaction_force": [0,0,0], "reaction_torque": [0,0,0],
+                "limit": null, "friction": null, "effort": null}},
         "accuracy": {"wanted": 0, "estimated": 0, "holds_until": 0, "reached": true, "pilots": 0},
         "warnings": []}"#,
     )

@@ -16,28 +16,28 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// Reads CDR independently of the writer.
-struct Cdr<'d> {
+pub struct Cdr<'d> {
     data: &'d [u8],
     at: usize,
 }
 
 impl<'d> Cdr<'d> {
-    fn new(message: &'d mcap::Message) -> Self {
+    pub fn new(message: &'d mcap::Message) -> Self {
         assert_eq!(message.data[..4], [0, 1, 0, 0], "little-endian CDR");
         Cdr { data: &message.data[4..], at: 0 }
     }
 
-    fn take<const N: usize>(&mut self) -> [u8; N] {
+    pub fn take<const N: usize>(&mut self) -> [u8; N] {
         self.at = self.at.next_multiple_of(N);
         self.at += N;
         self.data[self.at - N..self.at].try_into().expect("N bytes")
     }
 
-    fn unsigned(&mut self) -> u32 {
+    pub fn unsigned(&mut self) -> u32 {
         u32::from_le_bytes(self.take())
     }
 
-    fn string(&mut self) -> String {
+    pub fn string(&mut self) -> String {
         let length = self.unsigned() as usize;
         let bytes = &self.data[self.at..self.at + length];
         self.at += length;
@@ -45,15 +45,15 @@ impl<'d> Cdr<'d> {
         String::from_utf8(bytes[..length - 1].to_vec()).expect("UTF-8")
     }
 
-    fn doubles(&mut self) -> Vec<f64> {
+    pub fn doubles(&mut self) -> Vec<f64> {
         (0..self.unsigned()).map(|_| f64::from_le_bytes(self.take())).collect()
     }
 
-    fn strings(&mut self) -> Vec<String> {
+    pub fn strings(&mut self) -> Vec<String> {
         (0..self.unsigned()).map(|_| self.string()).collect()
     }
 
-    fn assert_ended(&self) {
+    pub fn assert_ended(&self) {
         assert_eq!(self.at, self.data.len(), "nothing is left over");
     }
 }

@@ -1,0 +1,72 @@
+//! The observer that watches speeds of joints for which a largest one is given (`<limit velocity>` of a URDF).
+//!
+//! It sees the samples of a run, the first at the start and the last at the end; a speed that is exceeded between two samples
+//! alone is not seen. Nothing holds a joint back.
+
+use crate::mechanism::description::joint::JointKind;
+use crate::mechanism::description::nonsmooth::SpeedLimit;
+use crate::mechanism::ground::words::{rounded, short};
+use crate::model::Model;
+use crate::output::report::events::joint_name;
+use crate::simulation::{Observer, ObserverError, Sample};
+
+/// A speed at its limit is not beyond it for a rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Keeps the largest speeds that were seen.
+pub struct SpeedWatch {
+    joints: Vec<Watched>,
+}
+
+/// A joint that is watched.
+struct Watched {
+    name: String,
+    unit: &'static str,
+    limit: SpeedLimit,
+    /// The largest speed so far [rad/s or m/s].
+    largest: f64,
+}
+
+impl SpeedWatch {
+    /// Watches all joints of a model for which a largest speed is given, if there are any.
+    pub fn new(model: &Model) -> Option<Self> {
+        let joints: Vec<Watched> = model
+            .mechanism
+            .nonsmooth
+            .speeds
+            .iter()
+            .map(|&limit| {
+                let body = limit.coordinate.body;
+                let slides =
+                    model.mechanism.bodies.get(body).is_some_and(|body| body.joint.kind == JointKind::Prismatic);
+                let unit = if slides { "m/s" } else { "rad/s" };
+                Watched { name: joint_name(model, body).to_string(), unit, limit, largest: 0.0 }
+            })
+            .collect();
+        (!joints.is_empty()).then_some(SpeedWatch { joints })
+    }
+
+    /// What the user should know: one line for each joint that was too fast.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        let too_fast = |joint: &&Watched| joint.largest > joint.limit.speed * (1.0 + ROUNDING);
+        self.joints.iter().filter(too_fast).map(|Watched { name, unit, limit, largest }| {
+            let (seen, speed) = (rounded(*largest), limit.speed);
+            // All digits where three of them do not tell the difference.
+            let seen = if seen == rounded(speed) { short(*largest) } else { seen };
+            let speed = short(speed);
+            format!(
+                "joint {name:?} moves at up to {seen} {unit}, its <limit velocity> is {speed}: it is watched, not enforced"
+            )
+        })
+    }
+}
+
+impl Observer for SpeedWatch {
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        for joint in &mut self.joints {
+            let speed = sample.velocity.get(joint.limit.coordinate.freedom).map_or(0.0, |rate| rate.abs());
+            joint.largest = joint.largest.max(speed);
+        }
+        Ok(())
+    }
+}
