@@ -21,7 +21,7 @@ use crate::mechanism::motion::state::State;
 use nalgebra::DMatrix;
 
 /// Accelerations below this part of their terms are zero.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING: f64 = 1e-10;
 /// The part by which a joint that has been seen to reach the end of what holds it is held less.
 const LESS: f64 = 1e-9;
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
@@ -102,7 +102,8 @@ pub(crate) fn held_bodies(
     state: &State,
 ) -> Vec<bool> {
     let mut held = mode.held_bodies(elements, whole.bodies.len());
-    if !response.has_closures() || !held.contains(&true) {
+    // What follows a joint is held with it; loops may hold more.
+    if whole.loops.is_empty() || !held.contains(&true) {
         return held;
     }
     let rows: Vec<usize> = (0..whole.bodies.len())

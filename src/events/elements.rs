@@ -1,4 +1,12 @@
 //! The nonsmooth elements of a mechanism, joint by joint: all of it constant.
+//!
+//! Joints that mimic others have no freedom of their own: with `q_f = m q_l + b` a limit or friction of the follower is one of the leader,
+//!
+//! ```text
+//!     lower ≤ q_f ≤ upper   ⇔   (lower − b)/m ≤ q_l ≤ (upper − b)/m   (m > 0; exchanged for m < 0),       τ_l = |m| τ_f
+//! ```
+//!
+//! so that a gripper whose fingers all reach their ends is held once, and not twice.
 
 use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -6,7 +14,7 @@ use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
 
-/// A joint of one freedom with limits or dry friction.
+/// A joint of one freedom with limits or dry friction, its own or those of joints that follow it.
 #[derive(Clone, Debug)]
 pub(crate) struct ElementJoint {
     /// Its coordinate.
@@ -18,6 +26,21 @@ pub(crate) struct ElementJoint {
     pub restitution: f64,
     /// Dry friction [N m or N]; zero for none.
     pub friction: f64,
+    /// The bodies whose joints have these limits: it, or one that follows it.
+    owners: [usize; 2],
+    /// All joints that move with it, itself first.
+    pub members: Vec<Member>,
+}
+
+/// A joint that moves with another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Member {
+    pub coordinate: Coordinate,
+    /// m and b.
+    pub factor: f64,
+    pub offset: f64,
+    /// Whether it has friction itself.
+    pub rubs: bool,
 }
 
 /// All elements of a mechanism.
@@ -34,34 +57,89 @@ impl Elements {
     /// Those of a mechanism, in the order of its bodies. Several limits of one joint are their intersection, several frictions their sum.
     pub fn new(mechanism: &Mechanism) -> Self {
         let nonsmooth = &mechanism.nonsmooth;
-        let mut joints: Vec<ElementJoint> = Vec::new();
         let coordinates = nonsmooth.limits.iter().map(|limit| limit.coordinate);
-        let mut coordinates: Vec<Coordinate> =
-            coordinates.chain(nonsmooth.friction.iter().map(|friction| friction.coordinate)).collect();
-        coordinates.sort_by_key(|coordinate| coordinate.freedom);
-        coordinates.dedup();
-        for coordinate in coordinates {
-            let mut joint = ElementJoint {
-                coordinate,
-                lower: f64::NEG_INFINITY,
-                upper: f64::INFINITY,
-                restitution: 0.0,
-                friction: 0.0,
-            };
-            for limit in nonsmooth.limits.iter().filter(|limit| limit.coordinate == coordinate) {
-                joint.lower = joint.lower.max(limit.lower);
-                joint.upper = joint.upper.min(limit.upper);
-                joint.restitution = limit.restitution;
+        let coordinates = coordinates.chain(nonsmooth.friction.iter().map(|friction| friction.coordinate));
+        let mut leaders: Vec<Coordinate> = coordinates.map(|own| leader(mechanism, own).0).collect();
+        leaders.sort_by_key(|coordinate| coordinate.freedom);
+        leaders.dedup();
+        let mut joints: Vec<ElementJoint> = leaders.into_iter().map(|own| ElementJoint::new(mechanism, own)).collect();
+        for limit in &nonsmooth.limits {
+            let (own, factor, offset) = leader(mechanism, limit.coordinate);
+            let Some(joint) = joints.iter_mut().find(|joint| joint.coordinate == own) else { continue };
+            let ends = [limit.lower, limit.upper].map(|end| (end - offset) / factor);
+            joint.narrow(
+                if factor > 0.0 { ends } else { [ends[1], ends[0]] },
+                limit.coordinate.body,
+                limit.restitution,
+            );
+        }
+        for friction in &nonsmooth.friction {
+            let (own, factor, _) = leader(mechanism, friction.coordinate);
+            let Some(joint) = joints.iter_mut().find(|joint| joint.coordinate == own) else { continue };
+            joint.friction += factor.abs() * friction.effort;
+            for member in joint.members.iter_mut().filter(|member| member.coordinate == friction.coordinate) {
+                member.rubs = true;
             }
-            let friction = nonsmooth.friction.iter().filter(|friction| friction.coordinate == coordinate);
-            joint.friction = friction.map(|friction| friction.effort).sum();
-            joints.push(joint);
         }
         Elements { joints, motors: nonsmooth.motors.clone() }
     }
 }
 
+/// The coordinate that leads another in the end, and how: `q = m q_l + b`. A chain that leads round in a circle leads nowhere.
+fn leader(mechanism: &Mechanism, of: Coordinate) -> (Coordinate, f64, f64) {
+    let (mut own, mut factor, mut offset) = (of, 1.0, 0.0);
+    for _ in 0..mechanism.mimics.len() {
+        let Some(mimic) = mechanism.mimics.iter().find(|mimic| mimic.follower == own) else { break };
+        offset += factor * mimic.offset;
+        factor *= mimic.multiplier;
+        own = mimic.leader;
+    }
+    if factor == 0.0 || !factor.is_finite() { (of, 1.0, 0.0) } else { (own, factor, offset) }
+}
+
 impl ElementJoint {
+    fn new(mechanism: &Mechanism, coordinate: Coordinate) -> Self {
+        let itself = Member { coordinate, factor: 1.0, offset: 0.0, rubs: false };
+        let followers = mechanism.mimics.iter().filter_map(|mimic| {
+            let (own, factor, offset) = leader(mechanism, mimic.follower);
+            (own == coordinate).then_some(Member { coordinate: mimic.follower, factor, offset, rubs: false })
+        });
+        ElementJoint {
+            coordinate,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            restitution: 0.0,
+            friction: 0.0,
+            owners: [coordinate.body; 2],
+            members: std::iter::once(itself).chain(followers).collect(),
+        }
+    }
+
+    /// Takes over one more limit, of the joint of a body.
+    fn narrow(&mut self, [lower, upper]: [f64; 2], body: usize, restitution: f64) {
+        if lower > self.lower {
+            (self.lower, self.owners[0], self.restitution) = (lower, body, restitution);
+        }
+        if upper < self.upper {
+            (self.upper, self.owners[1], self.restitution) = (upper, body, restitution);
+        }
+    }
+
+    /// The body whose joint has a bound.
+    pub fn owner(&self, side: Side) -> usize {
+        self.owners[usize::from(side == Side::Upper)]
+    }
+
+    /// Puts it on a bound, and what follows it.
+    pub fn put_on(&self, side: Side, state: &mut State) {
+        let position = self.bound(side);
+        for member in &self.members {
+            let slot = member.coordinate.position;
+            state.position[slot] = member.factor * position + member.offset;
+            state.compensation[slot] = 0.0;
+        }
+    }
+
     /// Its position, with what rounding left out.
     pub fn position(&self, state: &State) -> f64 {
         state.position[self.coordinate.position] + state.compensation[self.coordinate.position]

@@ -4,11 +4,11 @@
 //! what is not from its forces is what holds it:
 //!
 //! ```text
-//!     tree:       λ_i = z_i · (reaction of joint i for a) − τ_i              z_i its axis, τ_i springs, loads and efforts
-//!     closures:   D λ = −b,   D = W Y Wᵀ,  b = W a_free                      W: rows of the held freedoms
+//!     no loops:   λ_i = Σ_j m_j (z_j · (reaction of joint j for a) − τ_j)    z_j its axis, τ_j springs, loads and efforts
+//!     loops:      D λ = −b,   D = W Y Wᵀ,  b = W a_free                      W: rows of the held freedoms
 //! ```
 //!
-//! Where D is singular λ is not unique, and the question is whether any admissible λ exists:
+//! with the sum over the joint and all that follow it by ratios m_j. Where D is singular λ is not unique, and the question is whether any admissible λ exists:
 //!
 //! ```text
 //!     margin = max m    subject to  D λ = −b,   lo_i + m w_i ≤ λ_i ≤ hi_i − m w_i       w_i = τ_f,i, or the size of the load
@@ -86,7 +86,7 @@ impl Held {
             .collect();
         let how = if joints.is_empty() {
             How::Nothing
-        } else if whole.has_closures() {
+        } else if !whole.loops.is_empty() {
             let freedoms: Vec<usize> = joints.iter().map(|&(_, freedom)| freedom).collect();
             How::Closed { unique: is_regular(&response.matrix(state, &freedoms).1) }
         } else {
@@ -142,8 +142,15 @@ impl Held {
             How::Nothing => {}
             How::Tree(tree) => {
                 tree.evaluate(whole, moving, state, efforts);
-                for &(joint, freedom) in joints.iter() {
-                    found[joint] = tree.needed(whole, elements.joints[joint].coordinate.body) - efforts[freedom];
+                for &(joint, _) in joints.iter() {
+                    // What follows a joint hands on what it needs by their ratio.
+                    let members = elements.joints[joint].members.iter();
+                    found[joint] = members
+                        .map(|member| {
+                            let at = member.coordinate;
+                            member.factor * (tree.needed(whole, at.body) - efforts[at.freedom])
+                        })
+                        .sum();
                 }
             }
             How::Closed { unique } => {

@@ -163,8 +163,7 @@ impl Eventful {
                     return Err(StepError::OutsideLimit { time: state.time, joint: name, by: -gap });
                 }
                 if gap.abs() <= allowed {
-                    state.position[joint.coordinate.position] = joint.bound(side);
-                    state.compensation[joint.coordinate.position] = 0.0;
+                    joint.put_on(side, state);
                 }
             }
         }

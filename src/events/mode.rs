@@ -52,7 +52,9 @@ impl Mode {
     pub fn held_bodies(&self, elements: &Elements, bodies: usize) -> Vec<bool> {
         let mut held = vec![false; bodies];
         for (joint, mode) in elements.joints.iter().zip(&self.joints) {
-            held[joint.coordinate.body] |= matches!(mode, JointMode::Held { .. });
+            for member in &joint.members {
+                held[member.coordinate.body] |= matches!(mode, JointMode::Held { .. });
+            }
         }
         held
     }

@@ -124,11 +124,6 @@ impl Response {
             closing.projection.velocities(&self.mechanism, &closing.start, &mut state.velocity);
         }
     }
-
-    /// Whether there are closures.
-    pub fn has_closures(&self) -> bool {
-        self.closing.is_some()
-    }
 }
 
 impl Closing {

@@ -15,13 +15,18 @@ use crate::events::mode::{JointMode, MotorMode};
 use crate::events::watched::Watched;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
-use crate::mechanism::motion::event::{Event, FrictionState, JointStatus};
+use crate::mechanism::motion::event::{Event, FrictionState, JointStatus, Side};
 use crate::mechanism::motion::inputs::{ChangingEfforts, Inputs};
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
+use crate::stepping::recipe::{Recipe, Steps};
 
 /// Events at one instant before a step is made without looking for any.
 const FLIPS: usize = 20;
+/// So often a step is made shorter,
+const SHORTENED: usize = 8;
+/// each time by this factor, before an element is believed to change its state at once.
+const SHORTER: f64 = 1.0 / 16.0;
 /// That step is no longer than this (s).
 const BLIND: f64 = 1e-9;
 /// Attempts at the length of a step that ends at an event.
@@ -46,7 +51,22 @@ impl Eventful {
         piece.begin(&self.whole, &self.efforts, since);
         let mut outcome = piece.step(until)?;
         let mut triggers = Vec::new();
-        if !blind && let Some(bracket) = self.detect(inputs, since, None) {
+        let mut bracket = if blind { None } else { self.detect(inputs, since, None) };
+        // A function that is negative from the start on may be so on the dense output of a long step alone.
+        for _ in 0..SHORTENED {
+            let piece = &mut self.pieces[self.current];
+            let shorter = since + SHORTER * (piece.small.time - since);
+            if bracket.is_none_or(|found| !found.at_start) || shorter - since < BLIND {
+                break;
+            }
+            piece.go_back(since, &self.recipe);
+            let again = piece.step(shorter)?;
+            outcome.iterations += again.iterations;
+            outcome.rejected += 1 + again.rejected;
+            outcome.exchange = again.exchange;
+            bracket = self.detect(inputs, since, None);
+        }
+        if let Some(bracket) = bracket {
             triggers = self.locate(inputs, bracket, &mut outcome)?;
         }
         let piece = &mut self.pieces[self.current];
@@ -191,7 +211,7 @@ impl Eventful {
         let mut bracket = first;
         for _ in 0..=self.watched.len().min(ATTEMPTS) {
             if bracket.at_start {
-                self.pieces[self.current].go_back();
+                self.pieces[self.current].go_back(since, &self.recipe);
                 return Ok(vec![self.watched[bracket.watched]]);
             }
             self.end_at(inputs, since, bracket, outcome)?;
@@ -319,9 +339,12 @@ impl Piece {
     }
 
     /// Throws the step away.
-    fn go_back(&mut self) {
-        let Piece { small, small_start, .. } = self;
+    fn go_back(&mut self, since: f64, recipe: &Recipe) {
+        let Piece { small, small_start, lobatto, .. } = self;
         small.copy_from(small_start);
+        if let (Some(lobatto), Steps::Chosen { .. }) = (lobatto, recipe.steps) {
+            lobatto.keep_pace(lobatto.step_pace(since), since);
+        }
     }
 
     /// Puts what moves where it was at a time of the last step (s).
@@ -399,16 +422,13 @@ impl Integrator for Eventful {
     fn joint_status(&self, _mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
         let mut status = JointStatus::default();
         for (joint, mode) in self.elements.joints.iter().zip(&self.mode.joints) {
-            if joint.coordinate.body != body {
-                continue;
-            }
+            let Some(member) = joint.members.iter().find(|member| member.coordinate.body == body) else { continue };
             let held = if let JointMode::Held { on } = *mode { Some(on) } else { None };
-            status.limit = held.flatten();
-            status.friction = (joint.friction > 0.0).then_some(if held.is_some() {
-                FrictionState::Stuck
-            } else {
-                FrictionState::Sliding
-            });
+            let own =
+                |side: Side| if (member.factor > 0.0) == (side == Side::Lower) { Side::Lower } else { Side::Upper };
+            status.limit = held.flatten().filter(|&side| joint.owner(side) == body).map(own);
+            let friction = if held.is_some() { FrictionState::Stuck } else { FrictionState::Sliding };
+            status.friction = member.rubs.then_some(friction);
         }
         for (motor, mode) in self.elements.motors.iter().zip(&self.mode.motors) {
             let at = motor.coordinate;

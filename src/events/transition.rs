@@ -9,6 +9,7 @@
 //! An element whose impacts follow each other ever faster comes to rest at `t∞ = t_k + T_k/(1 − ρ)`, with the flight `T_k` that would follow and the ratio ρ
 //! of two impacts. Where the greatest height that is left, `γ⁺²/(2 g)` with `g = 2 γ⁺/T`, is too small to matter, the impact is plastic.
 
+use crate::events::bounded::minimise;
 use crate::events::decision::{Yielding, decide};
 use crate::events::elements::{Elements, inward};
 use crate::events::impact::{Row, collide};
@@ -22,6 +23,8 @@ use crate::mechanism::motion::state::State;
 const REST: f64 = 1e-12;
 /// So many impacts within [`CROWD_TIME`] end in one without restitution.
 const CROWD: usize = 100;
+/// Rounds in which limits that kick each other open are brought to rest.
+const CALMING: usize = 8;
 /// s.
 const CROWD_TIME: f64 = 1e-4;
 /// Impacts of one limit in a row before they are taken for the beginning of infinitely many.
@@ -102,8 +105,22 @@ pub(crate) fn transit(
     }
     let (rows, ends) = rows(elements, state, memory, found, &rests);
     let rates: Vec<f64> = rows.iter().map(|row| row.inward * state.velocity[row.freedom]).collect();
-    let impact = collide(response, state, &rows);
+    let mut impact = collide(response, state, &rows);
     done.lost = impact.lost;
+    for _ in 0..CALMING {
+        let known = efforts(mode, state);
+        let low = too_low(response, state, &rows, &known, found.height);
+        if low.is_empty() {
+            break;
+        }
+        done.lost += stop(response, state, &rows, &low);
+        let plastic: Vec<Row> = rows.iter().map(|row| Row { restitution: 0.0, ..*row }).collect();
+        let more = collide(response, state, &plastic);
+        done.lost += more.lost;
+        for (sum, impulse) in impact.impulses.iter_mut().zip(more.impulses) {
+            *sum += impulse;
+        }
+    }
     for (index, row) in rows.iter().enumerate() {
         if impact.impulses[index] <= 0.0 {
             continue;
@@ -111,7 +128,7 @@ pub(crate) fn transit(
         let side = if row.inward > 0.0 { Side::Lower } else { Side::Upper };
         done.joints[row.joint] = true;
         memory.remember(row.joint, side, time, -rates[index]);
-        let body = elements.joints[row.joint].coordinate.body;
+        let body = elements.joints[row.joint].owner(side);
         done.events.push(Event { time, kind: EventKind::LimitImpact, body, impulse: Some(impact.impulses[index]) });
     }
     for (joint, &rest) in elements.joints.iter().zip(&rests) {
@@ -123,26 +140,70 @@ pub(crate) fn transit(
     let known = efforts(mode, state);
     decide(elements, mode, response, state, &known, &yielding);
     for index in 0..elements.joints.len() {
-        let body = elements.joints[index].coordinate.body;
+        let joint = &elements.joints[index];
         let (was, is) = (before.joints[index], mode.joints[index]);
         let end = ends.iter().find(|(joint, _)| *joint == index).map_or(time, |(_, end)| *end);
         let kind = match (was, is) {
-            (JointMode::Free { .. }, JointMode::Held { on: Some(_) }) => Some((EventKind::Rest, end)),
-            (JointMode::Free { .. }, JointMode::Held { on: None }) => Some((EventKind::Stick, time)),
-            (JointMode::Held { on: Some(_) }, JointMode::Free { .. }) => Some((EventKind::Release, time)),
-            (JointMode::Held { on: None }, JointMode::Free { .. }) => Some((EventKind::Slip, time)),
+            (JointMode::Free { .. }, JointMode::Held { on: Some(side) }) => {
+                Some((EventKind::Rest, end, joint.owner(side)))
+            }
+            (JointMode::Held { on: Some(side) }, JointMode::Free { .. }) => {
+                Some((EventKind::Release, time, joint.owner(side)))
+            }
+            (JointMode::Free { .. }, JointMode::Held { on: None }) => {
+                Some((EventKind::Stick, time, joint.coordinate.body))
+            }
+            (JointMode::Held { on: None }, JointMode::Free { .. }) => {
+                Some((EventKind::Slip, time, joint.coordinate.body))
+            }
             (JointMode::Free { sliding: from }, JointMode::Free { sliding: to }) if from * to < 0 => {
-                let met = done.events.iter().any(|event| event.body == body);
-                (!met).then_some((EventKind::Reversal, time))
+                let met = rows.iter().zip(&impact.impulses).any(|(row, impulse)| row.joint == index && *impulse > 0.0);
+                (!met).then_some((EventKind::Reversal, time, joint.coordinate.body))
             }
             _ => None,
         };
         done.joints[index] |= was != is;
-        if let Some((kind, time)) = kind {
+        if let Some((kind, time, body)) = kind {
             done.events.push(Event { time, kind, body, impulse: None });
         }
     }
     done
+}
+
+/// The rows that leave their limits so slowly that it does not matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that they have freely. If they are
+/// pulled back they would be back before they are higher than that, and if not they leave as well from rest. Where limits kick each other open
+/// without end, that is how they come to rest.
+fn too_low(response: &mut Response, state: &State, rows: &[Row], efforts: &[f64], height: f64) -> Vec<usize> {
+    if !rows.iter().any(|row| row.inward * state.velocity[row.freedom] > row.rest) {
+        return Vec::new();
+    }
+    let mut free = vec![0.0; state.velocity.len()];
+    response.accelerations(state, efforts, &mut free);
+    let low = |row: &Row| {
+        let (rate, pull) = (row.inward * state.velocity[row.freedom], free[row.freedom].abs());
+        rate > 0.0 && rate * rate <= 2.0 * pull * height
+    };
+    (0..rows.len()).filter(|&index| low(&rows[index])).collect()
+}
+
+/// Stops these rows, and keeps those that rest; returns the kinetic energy that this takes (J).
+fn stop(response: &mut Response, state: &mut State, rows: &[Row], low: &[usize]) -> f64 {
+    let rests = |index: &usize| low.contains(index) || state.velocity[rows[*index].freedom].abs() <= rows[*index].rest;
+    let stopped: Vec<usize> = (0..rows.len()).filter(rests).collect();
+    let freedoms: Vec<usize> = stopped.iter().map(|&index| rows[index].freedom).collect();
+    let (columns, square) = response.matrix(state, &freedoms);
+    let rates: Vec<f64> = freedoms.iter().map(|&freedom| state.velocity[freedom]).collect();
+    let unbounded = vec![(f64::NEG_INFINITY, f64::INFINITY); rates.len()];
+    let impulses = minimise(&square, &rates, &unbounded).efforts;
+    let mut lost = 0.0;
+    for (column, (&impulse, &rate)) in impulses.iter().zip(&rates).enumerate() {
+        lost -= 0.5 * rate * impulse;
+        for (freedom, rate) in state.velocity.iter_mut().enumerate() {
+            *rate += columns[(freedom, column)] * impulse;
+        }
+    }
+    freedoms.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
+    lost
 }
 
 /// Puts the state on the event, and changes the motors that are at it.
@@ -151,9 +212,7 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
     for &trigger in triggers {
         match trigger {
             Watched::Gap(index, side) => {
-                let joint = &elements.joints[index];
-                state.position[joint.coordinate.position] = joint.bound(side);
-                state.compensation[joint.coordinate.position] = 0.0;
+                elements.joints[index].put_on(side, state);
                 done.joints[index] = true;
             }
             Watched::Slide(index) => {
