@@ -108,7 +108,10 @@ impl Control {
         self.memory.kinetic = self.memory.kinetic.max(energies.kinetic);
         // Each of the two is rounded, also where they cancel.
         let rounding = self.memory.rounding.max(1e-13 * (energies.kinetic + energies.potential));
-        let allowed = ENERGY_SHARE * self.tolerance * self.memory.kinetic;
+        // A motor near its target has hardly any kinetic energy, and a displacement of the size of the tolerance changes that of its springs.
+        let (pull, stiffness) = energies.pull;
+        let stored = pull + 0.5 * stiffness * self.tolerance;
+        let allowed = ENERGY_SHARE * self.tolerance * (self.memory.kinetic + stored);
         // What rounding changes does not fall with the step.
         let change = (energies.change.abs() - rounding).max(0.0);
         // At rest nothing is allowed and nothing changes.
@@ -200,7 +203,7 @@ mod tests {
         let mut control = control();
         let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, turn: 0.0, exact: false };
         let mut decision = |change, kinetic| {
-            let energies = Energies { change, kinetic, potential: 1.0 };
+            let energies = Energies { change, kinetic, potential: 1.0, pull: (0.0, 0.0) };
             control.judge(&solved, Some(energies), 0.1, Guess::Past)
         };
         let refused = Decision::Retry { guess: Guess::Past };
@@ -224,7 +227,7 @@ mod tests {
                 let legendre = large * limit;
                 let solved = Attempt::Converged { iterations: 5, legendre, turn: 0.0, exact: false };
                 let broken_off = Attempt::Inaccurate { iterations: 4, legendre };
-                let energies = Energies { change, kinetic: 1.0, potential: 1.0 };
+                let energies = Energies { change, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0) };
                 let decision = if large <= 2.0 {
                     control.judge(&solved, Some(energies), step, Guess::Past)
                 } else {
@@ -258,7 +261,7 @@ mod tests {
         let judge = |control: &mut Control, step, legendre| {
             let solved = Attempt::Converged { iterations: 5, legendre, turn: 0.0, exact: false };
             // Ten times what a step may change, and not more than roundings do.
-            let energies = Energies { change: 3e-7, kinetic: 1.0, potential: 1.0 };
+            let energies = Energies { change: 3e-7, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0) };
             control.judge(&solved, Some(energies), step, Guess::Past) == Decision::Accept
         };
         let tight = || Control { tolerance: 1e-6, ..control() };

@@ -60,6 +60,9 @@ pub struct Energies {
     pub kinetic: f64,
     /// Size of the potential energies at the end.
     pub potential: f64,
+    /// What joint springs pull with at the end, added up [N m or N], and their stiffness [N m/rad or N/m]: of motors that follow their laws. Zero
+    /// where nothing is driven.
+    pub pull: (f64, f64),
 }
 
 /// A mechanism on its way through time.
@@ -272,6 +275,7 @@ impl Stepper {
             change: after.total() - before.total() + exchange.lost(),
             kinetic: after.kinetic,
             potential: after.potential.abs() + after.spring + after.load.abs(),
+            pull: if mechanism.forces.driven { pull(mechanism, &self.end) } else { (0.0, 0.0) },
         }
     }
 
@@ -367,6 +371,13 @@ impl Stepper {
     pub fn singular(&self) -> Option<SingularPosition> {
         self.ranks.singular()
     }
+}
+
+/// What joint springs pull with in a state, and their stiffness, added up.
+fn pull(mechanism: &Mechanism, state: &State) -> (f64, f64) {
+    mechanism.forces.joint_springs.iter().fold((0.0, 0.0), |(pull, stiffness), spring| {
+        (pull + spring.effort(state.position[spring.coordinate.position]).abs(), stiffness + spring.stiffness)
+    })
 }
 
 /// Where the solves leave more equations next to nothing than elsewhere, and kinematics agrees.
