@@ -22,6 +22,8 @@ use nalgebra::DMatrix;
 
 /// Accelerations below this part of their terms are zero.
 const ROUNDING: f64 = 1e-10;
+/// And so are those below this part of the largest of all, and of one unit.
+const DIFFERENCE: f64 = 1e-14;
 /// The part by which a joint that has been seen to reach the end of what holds it is held less.
 const LESS: f64 = 1e-9;
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
@@ -82,10 +84,13 @@ pub(crate) fn decide(
         })
         .collect();
     let found = minimise(&square, &offset, &bounds);
+    // Each acceleration is a difference of others.
+    let largest = free.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     for (row, &index) in undecided.iter().enumerate() {
         let joint = &elements.joints[index];
         let terms: f64 = (0..freedoms.len()).map(|column| (square[(row, column)] * found.efforts[column]).abs()).sum();
-        let moves = found.at[row] != 0 && found.rest[row].abs() > ROUNDING * (terms + offset[row].abs());
+        let moves = found.at[row] != 0
+            && found.rest[row].abs() > ROUNDING * (terms + offset[row].abs()) + DIFFERENCE * (1.0 + largest);
         if moves && !joint.is_locked() {
             let sliding = if joint.friction > 0.0 { found.rest[row].signum() as i8 } else { 0 };
             mode.joints[index] = JointMode::Free { sliding };

@@ -35,12 +35,17 @@ use nalgebra::DMatrix;
 /// Held joints whose response is singular to this part are held more than once.
 const SINGULAR: f64 = 1e-10;
 
+/// Roundings of an effort, relative to what it is the difference of.
+const ROUNDING: f64 = 2e-15;
+
 /// Works out what holds the joints of one mode.
 pub(crate) struct Held {
     /// Index among the elements, and degree of freedom, of each held joint.
     joints: Vec<(usize, usize)>,
     /// λ of every element joint; zero for those that are free.
     efforts: Vec<f64>,
+    /// The size of what each of them is the difference of.
+    sizes: Vec<f64>,
     /// m.
     margin: f64,
     how: How,
@@ -108,7 +113,8 @@ impl Held {
                 own: vec![0.0; whole.velocity_count],
             }))
         };
-        Held { joints, efforts: vec![0.0; elements.joints.len()], margin: f64::INFINITY, how }
+        let nothing = vec![0.0; elements.joints.len()];
+        Held { joints, efforts: nothing.clone(), sizes: nothing, margin: f64::INFINITY, how }
     }
 
     /// Whether the efforts are unique.
@@ -119,6 +125,11 @@ impl Held {
     /// λ of a joint [N m or N].
     pub fn of(&self, joint: usize) -> f64 {
         self.efforts[joint]
+    }
+
+    /// What its roundings may be [N m or N].
+    pub fn rounding(&self, joint: usize) -> f64 {
+        ROUNDING * self.sizes[joint].max(1.0)
     }
 
     /// m: positive while some efforts can hold all.
@@ -137,20 +148,20 @@ impl Held {
         state: &State,
         efforts: &[f64],
     ) {
-        let Held { joints, efforts: found, margin, how } = self;
+        let Held { joints, efforts: found, sizes, margin, how } = self;
         match how {
             How::Nothing => {}
             How::Tree(tree) => {
                 tree.evaluate(whole, moving, state, efforts);
                 for &(joint, _) in joints.iter() {
                     // What follows a joint hands on what it needs by their ratio.
-                    let members = elements.joints[joint].members.iter();
-                    found[joint] = members
-                        .map(|member| {
-                            let at = member.coordinate;
-                            member.factor * (tree.needed(whole, at.body) - efforts[at.freedom])
-                        })
-                        .sum();
+                    (found[joint], sizes[joint]) = (0.0, 0.0);
+                    for member in &elements.joints[joint].members {
+                        let at = member.coordinate;
+                        let (needed, size) = tree.needed(whole, at.body);
+                        found[joint] += member.factor * (needed - efforts[at.freedom]);
+                        sizes[joint] += member.factor.abs() * (size + efforts[at.freedom].abs());
+                    }
                 }
             }
             How::Closed { unique } => {
@@ -203,13 +214,14 @@ impl Tree {
         joint_efforts(whole, &state.position, &state.velocity, own);
     }
 
-    /// What the joint of a body has to carry along its axis besides its own springs and loads.
-    fn needed(&self, whole: &Mechanism, body: usize) -> f64 {
+    /// What the joint of a body has to carry along its axis besides its own springs and loads, and the size of all that it carries.
+    fn needed(&self, whole: &Mechanism, body: usize) -> (f64, f64) {
         let joint = &whole.bodies[body].joint;
         let axis = self.bodies[body].rotation * joint.on_child.rotation.matrix().column(2);
         let Reaction { force, torque, .. } = &self.reactions[body];
         let carried = if joint.kind == JointKind::Prismatic { axis.dot(force) } else { axis.dot(torque) };
-        carried - self.own[joint.velocity_index]
+        let size = if joint.kind == JointKind::Prismatic { force.norm() } else { torque.norm() };
+        (carried - self.own[joint.velocity_index], size + self.own[joint.velocity_index].abs())
     }
 }
 

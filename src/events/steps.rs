@@ -292,7 +292,9 @@ impl Eventful {
             // The dense output that has bracketed the root may be off by its error.
             let (from, to) = (low.min(length) - 1e-3 * full, high.max(length) + 1e-3 * full);
             length = if wanted > from.max(0.0) && wanted < to { wanted } else { 0.5 * (low + high) };
-            if length <= 0.0 {
+            // So near to the start it is there.
+            if length <= 1e-14 * since.abs().max(1.0) {
+                self.pieces[self.current].go_back(since, &self.recipe);
                 break;
             }
         }

@@ -21,6 +21,8 @@ use crate::mechanism::motion::state::State;
 
 /// Rates below this part of the fastest that a joint has had are zero.
 const REST: f64 = 1e-12;
+/// So are smaller ones than this [rad/s or m/s].
+const SLOWEST: f64 = 1e-14;
 /// So many impacts within [`CROWD_TIME`] end in one without restitution.
 const CROWD: usize = 100;
 /// Rounds in which limits that kick each other open are brought to rest.
@@ -96,7 +98,7 @@ pub(crate) fn transit(
         }
     }
     settle(elements, mode, state, found.triggers, &mut done);
-    let rests: Vec<f64> = memory.joints.iter().map(|joint| REST * joint.fastest).collect();
+    let rests: Vec<f64> = memory.joints.iter().map(|joint| SLOWEST.max(REST * joint.fastest)).collect();
     for (joint, &rest) in elements.joints.iter().zip(&rests) {
         let rate = &mut state.velocity[joint.coordinate.freedom];
         if rate.abs() <= rest {

@@ -95,7 +95,9 @@ impl Watched {
             Watched::Bears(index, side) => {
                 let (low, high) = mode.joints[index].holding(&elements.joints[index]);
                 let effort = efforts.of(index);
-                if side == Side::Lower { effort - low } else { high - effort }
+                let left = if side == Side::Lower { effort - low } else { high - effort };
+                // What rests unloaded is not let go by roundings.
+                left + efforts.rounding(index)
             }
             Watched::Margin => efforts.margin(),
             Watched::Motor(index, side) => {
