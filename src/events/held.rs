@@ -117,7 +117,9 @@ impl Held {
             }
         };
         let mut forces = whole.forces.clone();
-        forces.driven = true;
+        // Limits alone are no efforts, and cost nothing between events.
+        let Nonsmooth { friction, motors, .. } = &whole.nonsmooth;
+        forces.driven |= !friction.is_empty() || !motors.is_empty();
         forces.joint_dampers.retain_mut(|damper| freedom(damper.freedom).map(|own| damper.freedom = own).is_some());
         forces
             .joint_springs

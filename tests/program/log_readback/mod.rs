@@ -7,6 +7,7 @@ mod messages;
 
 use crate::common::scratch;
 use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::nonsmooth::Nonsmooth;
 use catena::mechanism::motion::inputs::Inputs;
 use catena::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use catena::mechanism::motion::state::State;
@@ -79,8 +80,11 @@ fn model_of(urdf: &str, base: Base) -> Model {
     Model::new(robot, &ModelOptions { base, ..ModelOptions::default() }).expect("a model")
 }
 
+/// The arm, smooth: its slide never gets near its limits.
 fn arm() -> Model {
-    model_of(URDF, Base::Fixed)
+    let mut model = model_of(URDF, Base::Fixed);
+    model.mechanism.nonsmooth = Nonsmooth::default();
+    model
 }
 
 fn simulation() -> BTreeMap<String, String> {
