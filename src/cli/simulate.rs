@@ -16,8 +16,8 @@ use catena::mechanism::motion::state::State;
 use catena::model::Model;
 use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
 use catena::output::report::{
-    AccuracyReport, ConstraintReport, EnergyReport, EventReport, IslandReport, MethodReport, ModelReport, Report,
-    SpeedWatch, StepErrorReport, add_statuses, energy_warning, joint_reports, link_reports, loop_reports,
+    AccuracyReport, ConstraintReport, EnergyReport, EventReport, FarSpring, IslandReport, MethodReport, ModelReport,
+    Report, SpeedWatch, StepErrorReport, add_statuses, balance_warning, joint_reports, link_reports, loop_reports,
     ringing_warning, singular_warning,
 };
 use catena::scene::SimulationSettings;
@@ -179,6 +179,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // They outlive the run, which they watch.
     let (mut recorder, mut progress, mut speeds);
     let start = arguments.check.then(|| state.clone());
+    let far = FarSpring::of(mechanism, &state);
     let mut simulation = Simulation::new(mechanism, state, options).map_err(setup_failure)?;
     drop(pilots);
     let model_report = ModelReport::new(model, &redundancy, simulation.parts());
@@ -186,7 +187,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Ok(accuracy) => (Some(accuracy), None),
         Err(reason) => (None, Some(reason.to_string())),
     };
-    let unreached = accuracy.as_ref().and_then(AccuracyReport::warning);
+    let mut unreached: Vec<String> = accuracy.as_ref().and_then(AccuracyReport::warning).into_iter().collect();
+    if let Some(far) = &far {
+        unreached.extend(far.warning(choice.tolerance().unwrap_or(DEFAULT_TOLERANCE)));
+        accuracy.iter_mut().for_each(|accuracy| accuracy.see_rounding(far));
+    }
     recorder = match &output {
         Some(path) => {
             let simulation = description(model, duration, rate, choice, simulation.description());
@@ -219,8 +224,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(progress) = &progress {
         progress.clear();
     }
-    let step_error = choice.step().map(|_| match &checked {
-        Some(other) => StepErrorReport::by_half_the_step(apart(mechanism, &state, other)),
+    let step_error = choice.step().and_then(|_| match &checked {
+        Some(other) => Some(StepErrorReport::by_half_the_step(apart(mechanism, &state, other))),
         None => StepErrorReport::by_energy(mechanism, &summary, duration),
     });
     if let Some(accuracy) = &mut accuracy {
@@ -228,7 +233,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let of_method: Vec<String> = MethodReport::warning(&method)
         .into_iter()
-        .chain(energy_warning(&method, summary.max_relative_energy_error))
+        .chain(balance_warning(&method, &summary))
         .chain(step_error.and_then(|error| error.warning(&method)))
         .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))
         .chain(ringing_warning(&method))

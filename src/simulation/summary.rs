@@ -123,11 +123,8 @@ impl Bookkeeper {
         let exchanged = exchange.dissipated.abs() + exchange.work.abs() + exchange.friction + exchange.impacts;
         let moved = if self.driven { exchanged.max(AT_REST * (energy.potential.abs() + energy.spring)) } else { 0.0 };
         let scale = self.largest_kinetic.max(moved);
-        summary.max_relative_energy_error = if scale > 0.0 {
-            self.largest_deviation / scale
-        } else {
-            self.largest_deviation
-        };
+        summary.max_relative_energy_error =
+            if scale > 0.0 { self.largest_deviation / scale } else { self.largest_deviation };
     }
 }
 
