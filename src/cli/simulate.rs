@@ -11,14 +11,14 @@ use crate::cli::run_log::{description, finish, log_failure};
 use crate::cli::special_output::open_special;
 use crate::cli::{Failure, check_place, print, print_json};
 use anyhow::{Context, anyhow};
-use catena::instant::assembly::redundancy;
+use catena::instant::assembly::redundancy_counted;
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
 use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
 use catena::output::report::{
     AccuracyReport, ConstraintReport, EnergyReport, EventReport, FarSpring, IslandReport, MethodReport, ModelReport,
-    Report, SpeedWatch, StepErrorReport, add_statuses, balance_warning, joint_reports, link_reports, loop_reports,
-    ringing_warning, singular_warning,
+    Report, SpeedWatch, StepErrorReport, add_statuses, balance_warning, carried_reports, link_reports, ringing_warning,
+    singular_warning,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Finished, Simulation, SimulationError, SimulationOptions, StepChoice};
@@ -167,7 +167,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::input(error));
     }
     let mechanism = &model.mechanism;
-    let redundancy = redundancy(mechanism, &state);
+    let counted = loaded.counted.clone();
+    let redundancy = counted.as_deref().map(|counted| redundancy_counted(mechanism, counted)).unwrap_or_default();
 
     // The run ends after the step it is in.
     let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
@@ -180,7 +181,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (mut recorder, mut progress, mut speeds);
     let start = arguments.check.then(|| state.clone());
     let far = FarSpring::of(mechanism, &state);
-    let mut simulation = Simulation::new(mechanism, state, options).map_err(setup_failure)?;
+    let mut simulation = Simulation::from_counted(mechanism, state, counted, options).map_err(setup_failure)?;
     drop(pilots);
     let model_report = ModelReport::new(model, &redundancy, simulation.parts());
     let (mut accuracy, accuracy_unknown) = match AccuracyReport::of(&simulation) {
@@ -246,7 +247,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (ended, log) = finish(recorder, ended, &summary, output.as_deref());
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
-    let mut joints = joint_reports(model, &state);
+    let (mut joints, loops) = carried_reports(model, &state);
     add_statuses(&mut joints, model, &statuses);
     let report = Report {
         catena: env!("CARGO_PKG_VERSION"),
@@ -269,7 +270,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         constraint: ConstraintReport::new(&summary),
         links: link_reports(model, &state),
         joints,
-        loops: loop_reports(model, &state),
+        loops,
         islands: islands.iter().map(IslandReport::new).collect(),
         warnings: model.warnings.iter().map(ToString::to_string).chain(unreached).chain(of_method).collect(),
         accuracy,
