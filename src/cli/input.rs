@@ -5,7 +5,8 @@
 
 use crate::cli::numbers::{Assignment, numbers};
 use anyhow::{Context, bail};
-use catena::instant::assembly::assemble;
+use catena::instant::assembly::assemble_counted;
+use catena::lobatto::coupled::counted::Counted;
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::{decimals, short};
@@ -17,6 +18,7 @@ use catena::output::report::{Numbers, joint_reports};
 use catena::scene::{PackagePath, Robot, Scene, SimulationSettings, Warning, read_scene, read_urdf};
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The robot or scene, and where it stands.
 #[derive(Clone, Debug, clap::Args)]
@@ -66,6 +68,8 @@ pub struct Loaded {
     pub start: Start,
     /// What the file says about the run.
     pub simulation: SimulationSettings,
+    /// What was counted of the closures at the start, once there is one.
+    pub counted: Option<Arc<Counted>>,
 }
 
 /// Changes of the start [m, rad, or a second of these] that nobody need be told.
@@ -94,7 +98,8 @@ impl Loaded {
         let in_file = || file.display().to_string();
         self.model.check_representable(&state).with_context(in_file)?;
         let given = state.clone();
-        let correction = assemble(&self.model.mechanism, &mut state).with_context(in_file)?;
+        let (correction, counted) = assemble_counted(&self.model.mechanism, &mut state).with_context(in_file)?;
+        self.counted = counted;
         self.model.check_springs(&state).with_context(in_file)?;
         // What limits alone moved is said apart.
         let mechanism = &self.model.mechanism;
@@ -245,7 +250,7 @@ impl WorldArgs {
         let mut model = Model::new(robot, &options)?;
         model.without(&self.without);
         model.warnings.extend(nothing_moves(&model, "--base floating"));
-        Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default() })
+        Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default(), counted: None })
     }
 
     /// Reduces a scene that was read.
@@ -278,7 +283,7 @@ impl WorldArgs {
         let (mut model, start) = Model::from_scene(&scene)?;
         model.without(&self.without);
         model.warnings.extend(nothing_moves(&model, "base = \"floating\" in its [[robot]]"));
-        Ok(Loaded { model, start, simulation: scene.simulation })
+        Ok(Loaded { model, start, simulation: scene.simulation, counted: None })
     }
 }
 

@@ -15,9 +15,7 @@ use catena::output::inspection::events::LoggedEvents;
 use catena::output::inspection::summary::Summary;
 use catena::output::log::frames::{Frame, Visitor, visit};
 use catena::output::log::seconds;
-use catena::output::report::{
-    JointReport, LinkReport, LoopReport, Numbers, as_object, joint_reports, link_reports, loop_reports,
-};
+use catena::output::report::{JointReport, LinkReport, LoopReport, Numbers, as_object, carried_reports, link_reports};
 use clap::Args;
 use serde::Serialize;
 use std::collections::HashMap;
@@ -212,7 +210,7 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
             (link.position, link.orientation) = (pose.position, pose.orientation);
         }
     }
-    let mut reports = joint_reports(model, &state);
+    let (mut reports, mut loops) = carried_reports(model, &state);
     let reactions: HashMap<&str, _> =
         frame.reactions.names.iter().map(String::as_str).zip(&frame.reactions.wrenches).collect();
     for (name, joint) in &mut reports {
@@ -224,7 +222,6 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
         }
     }
     // The gaps follow from the joints' coordinates, as those of the report do.
-    let mut loops = loop_reports(model, &state);
     for (name, closing) in &mut loops {
         if let Some((force, torque)) = reactions.get(name.as_str()) {
             (closing.reaction_force, closing.reaction_torque) = (*force, *torque);

@@ -3,7 +3,7 @@
 use crate::cli::input::InputArgs;
 use crate::cli::table::{Table, number, triple};
 use crate::cli::{Failure, couplings, joint_tables, print, print_json, rules};
-use catena::instant::assembly::{Redundancy, redundancy};
+use catena::instant::assembly::{Redundancy, redundancy, redundancy_counted};
 use catena::mechanism::description::joint::wxyz_from_rotation;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::counted;
@@ -42,8 +42,11 @@ pub fn run(args: &ModelArgs) -> Result<(), Failure> {
         }
     };
     let model = &loaded.model;
-    let redundancy = redundancy(&model.mechanism, &state);
-    let plan = Plan::new(&model.mechanism, &state, &args.input.keep);
+    let redundancy = match &loaded.counted {
+        Some(counted) => redundancy_counted(&model.mechanism, counted),
+        None => redundancy(&model.mechanism, &state),
+    };
+    let plan = Plan::from_counted(&model.mechanism, &state, &args.input.keep, loaded.counted.as_ref());
     if args.json {
         print_json(&as_json(model, &state, &redundancy, &plan, &args.input.keep))
     } else {

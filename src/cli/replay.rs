@@ -38,7 +38,8 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let switched_off = &recorded.arguments.input.keep[..];
     let options = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
     let mut recorder;
-    let mut simulation = Simulation::new(&model.mechanism, state, options).map_err(setup_failure)?;
+    let mut simulation = Simulation::from_counted(&model.mechanism, state, recorded.loaded.counted.clone(), options)
+        .map_err(setup_failure)?;
     let stages = simulation.description().stages as f64;
     recorder = Recorder::compare(log, model, stages).map_err(Failure::run)?;
     simulation.sample_at(rate);

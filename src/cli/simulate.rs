@@ -11,14 +11,14 @@ use crate::cli::run_log::{description, finish, log_failure};
 use crate::cli::special_output::open_special;
 use crate::cli::{Failure, check_place, print, print_json};
 use anyhow::{Context, anyhow};
-use catena::instant::assembly::redundancy;
+use catena::instant::assembly::redundancy_counted;
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
 use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
 use catena::output::report::{
-    AccuracyReport, ConstraintReport, EnergyReport, EventReport, IslandReport, MethodReport, ModelReport, Report,
-    SpeedWatch, StepErrorReport, add_statuses, energy_warning, joint_reports, link_reports, loop_reports,
-    ringing_warning, singular_warning,
+    AccuracyReport, ConstraintReport, EnergyReport, EventReport, FarSpring, IslandReport, MethodReport, ModelReport,
+    Report, SpeedWatch, StepErrorReport, add_statuses, balance_warning, carried_reports, link_reports, ringing_warning,
+    singular_warning,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Finished, Simulation, SimulationError, SimulationOptions, StepChoice};
@@ -167,7 +167,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::input(error));
     }
     let mechanism = &model.mechanism;
-    let redundancy = redundancy(mechanism, &state);
+    let counted = loaded.counted.clone();
+    let redundancy = counted.as_deref().map(|counted| redundancy_counted(mechanism, counted)).unwrap_or_default();
 
     // The run ends after the step it is in.
     let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
@@ -179,14 +180,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // They outlive the run, which they watch.
     let (mut recorder, mut progress, mut speeds);
     let start = arguments.check.then(|| state.clone());
-    let mut simulation = Simulation::new(mechanism, state, options).map_err(setup_failure)?;
+    let far = FarSpring::of(mechanism, &state);
+    let mut simulation = Simulation::from_counted(mechanism, state, counted, options).map_err(setup_failure)?;
     drop(pilots);
     let model_report = ModelReport::new(model, &redundancy, simulation.parts());
     let (mut accuracy, accuracy_unknown) = match AccuracyReport::of(&simulation) {
         Ok(accuracy) => (Some(accuracy), None),
         Err(reason) => (None, Some(reason.to_string())),
     };
-    let unreached = accuracy.as_ref().and_then(AccuracyReport::warning);
+    let mut unreached: Vec<String> = accuracy.as_ref().and_then(AccuracyReport::warning).into_iter().collect();
+    if let Some(far) = &far {
+        unreached.extend(far.warning(choice.tolerance().unwrap_or(DEFAULT_TOLERANCE)));
+        accuracy.iter_mut().for_each(|accuracy| accuracy.see_rounding(far));
+    }
     recorder = match &output {
         Some(path) => {
             let simulation = description(model, duration, rate, choice, simulation.description());
@@ -219,8 +225,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(progress) = &progress {
         progress.clear();
     }
-    let step_error = choice.step().map(|_| match &checked {
-        Some(other) => StepErrorReport::by_half_the_step(apart(mechanism, &state, other)),
+    let step_error = choice.step().and_then(|_| match &checked {
+        Some(other) => Some(StepErrorReport::by_half_the_step(apart(mechanism, &state, other))),
         None => StepErrorReport::by_energy(mechanism, &summary, duration),
     });
     if let Some(accuracy) = &mut accuracy {
@@ -228,7 +234,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let of_method: Vec<String> = MethodReport::warning(&method)
         .into_iter()
-        .chain(energy_warning(&method, summary.max_relative_energy_error))
+        .chain(balance_warning(&method, &summary))
         .chain(step_error.and_then(|error| error.warning(&method)))
         .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))
         .chain(ringing_warning(&method))
@@ -241,7 +247,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (ended, log) = finish(recorder, ended, &summary, output.as_deref());
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
-    let mut joints = joint_reports(model, &state);
+    let (mut joints, loops) = carried_reports(model, &state);
     add_statuses(&mut joints, model, &statuses);
     let report = Report {
         catena: env!("CARGO_PKG_VERSION"),
@@ -264,7 +270,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         constraint: ConstraintReport::new(&summary),
         links: link_reports(model, &state),
         joints,
-        loops: loop_reports(model, &state),
+        loops,
         islands: islands.iter().map(IslandReport::new).collect(),
         warnings: model.warnings.iter().map(ToString::to_string).chain(unreached).chain(of_method).collect(),
         accuracy,

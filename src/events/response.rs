@@ -9,6 +9,7 @@
 //! H (n × n) is the mass matrix, J the gradient of the closures. A column of Y is one solve of the articulated-body algorithm, made to fit the
 //! closures by the least motion in the metric of H ([`Projection`]); H is never formed.
 
+use crate::lobatto::coupled::counted::Counted;
 use crate::lobatto::coupled::deciding::known;
 use crate::lobatto::coupled::projection::Projection;
 use crate::lobatto::stages::start::Start;
@@ -130,7 +131,7 @@ impl Closing {
     fn place(&mut self, mechanism: &Mechanism, state: &State) {
         self.start.set(mechanism, state);
         if !std::mem::replace(&mut self.decided, true) {
-            self.projection.heed(known(mechanism, state));
+            self.projection.heed(known(&Counted::at(mechanism, state), mechanism));
         }
     }
 }

@@ -5,6 +5,7 @@
 //! as defect/h.
 
 use crate::instant::limits::{close_within, excess, most_exceeded, move_within, within};
+use crate::lobatto::coupled::counted::Counted;
 use crate::lobatto::coupled::deciding::{Decided, known_of_steps};
 use crate::lobatto::coupled::known::Known;
 use crate::lobatto::coupled::projection::{Projected, Projection};
@@ -12,8 +13,7 @@ use crate::lobatto::stages::start::Start;
 use crate::mechanism::description::closure::JointLimit;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
-use crate::mechanism::structure::ranks::counting::Ranks;
-use crate::mechanism::structure::ranks::lending::lent_inertia;
+use std::sync::Arc;
 
 /// A gap that the projection leaves larger than this [m, rad] is a mechanism that does not close.
 const OPEN: f64 = 1e-9;
@@ -107,6 +107,17 @@ pub fn closure_name(mechanism: &Mechanism, closure: usize) -> &str {
 /// # Errors
 /// [`AssemblyError`] with the closure that stays open or the joint that stays outside; the state is then where the projection gave up.
 pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, AssemblyError> {
+    assemble_counted(mechanism, state).map(|(correction, _)| correction)
+}
+
+/// The same, with what was counted of the closures where they are met, if there are any.
+///
+/// # Errors
+/// As of [`assemble`].
+pub fn assemble_counted(
+    mechanism: &Mechanism,
+    state: &mut State,
+) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
     let mut correction = Correction::default();
     let simulated = &mechanism.nonsmooth.limits;
     let wanted = state.clone();
@@ -116,13 +127,12 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
             return Err(AssemblyError::Outside { joint, excess, unit });
         }
         correction.position = largest_change(&wanted, state);
-        return Ok(correction);
+        return Ok((correction, None));
     }
     let mut projection = Projection::new(mechanism);
     let mut start = Start::new(mechanism);
     // Where the start is not closed yet the directions are those nearby.
-    let lent = lent_inertia(mechanism, state, &Ranks::at(mechanism, state));
-    projection.heed(Known { lent, ..Known::default() });
+    projection.heed(Counted::at(mechanism, state).known_nearby());
     let Projected { mut gap, mut worst, .. } = projection.positions(mechanism, &mut start, state);
     let limits = if simulated.is_empty() { &mechanism.limits } else { simulated };
     let leaves = within(limits, &wanted, AT_LIMIT) && !within(limits, state, AT_LIMIT);
@@ -144,13 +154,15 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
         return Err(AssemblyError::Open { closure: closure_name(mechanism, worst).to_string(), gap });
     }
     // Once it is closed it is known what is implied, which closes it to rounding.
-    let known = known_of_steps(mechanism, state, &mut projection, &mut start);
+    let closed = Counted::at(mechanism, state);
+    let known = known_of_steps(&closed, mechanism, &mut projection, &mut start);
     projection.heed(Known { still: Vec::new(), locked: Vec::new(), ..known });
     projection.positions(mechanism, &mut start, state);
     correction.position = largest_change(&wanted, state);
     start.set(mechanism, state);
-    let decided = Decided::at(mechanism, state);
-    let known = known_of_steps(mechanism, state, &mut projection, &mut start);
+    let counted = if closed.is_at(state) { closed } else { Counted::at(mechanism, state) };
+    let decided = Decided::from(&counted, mechanism);
+    let known = known_of_steps(&counted, mechanism, &mut projection, &mut start);
     projection.heed(known);
     start.set(mechanism, state);
     let fastest = state.velocity.iter().fold(1.0_f64, |most, rate| most.max(rate.abs()));
@@ -164,7 +176,7 @@ pub fn assemble(mechanism: &Mechanism, state: &mut State) -> Result<Correction, 
     if decided.singular > 0 && state.velocity.iter().all(|rate| rate.abs() < AT_REST) {
         return Err(AssemblyError::Undecided { extra: decided.singular });
     }
-    Ok(correction)
+    Ok((correction, Some(Arc::new(counted))))
 }
 
 /// Largest change of a number of the positions.
@@ -184,10 +196,13 @@ fn worst_joint(mechanism: &Mechanism, limits: &[JointLimit], state: &State) -> (
 
 /// Which equations are redundant in a run from a state: those that are so there and, where that is a singular position, beside it.
 pub fn redundancy(mechanism: &Mechanism, state: &State) -> Redundancy {
-    if !mechanism.has_closures() {
-        return Redundancy::default();
-    }
-    let closures = Decided::at(mechanism, state).ranks.implied;
+    let counted = mechanism.has_closures().then(|| Counted::at(mechanism, state));
+    counted.map_or_else(Redundancy::default, |counted| redundancy_counted(mechanism, &counted))
+}
+
+/// The same where the closures were counted already.
+pub fn redundancy_counted(mechanism: &Mechanism, counted: &Counted) -> Redundancy {
+    let closures = Decided::from(counted, mechanism).ranks.implied;
     let mut redundant: Vec<(String, usize)> = Vec::new();
     for closure in closures.iter().filter(|(_, implied)| *implied).map(|(closure, _)| *closure) {
         let name = closure_name(mechanism, closure);

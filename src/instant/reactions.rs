@@ -10,6 +10,7 @@
 //! unique; the one with the least `Σ s μ²` is taken, s the mobility of each equation, and what a joint of a loop carries
 //! then depends on that choice as it does on nature's.
 
+use crate::lobatto::coupled::counted::Counted;
 use crate::lobatto::coupled::deciding::known;
 use crate::lobatto::coupled::projection::Projection;
 use crate::lobatto::stages::start::Start;
@@ -22,6 +23,7 @@ use crate::mechanism::motion::state::State;
 use crate::reduced::{Reaction, ReducedOde, reactions_under};
 use nalgebra::Vector3;
 use std::borrow::Borrow;
+use std::sync::Arc;
 
 /// Works out the reactions of one state after another.
 pub struct Reactions<M> {
@@ -43,6 +45,8 @@ struct Closing {
     multipliers: Vec<f64>,
     /// Whether it is decided what is known of the closures, in the first state that was asked for.
     decided: bool,
+    /// What was counted there.
+    counted: Option<Arc<Counted>>,
 }
 
 /// What a loop joint carries.
@@ -67,6 +71,7 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
                 state: State::zero(mechanism),
                 multipliers,
                 decided: false,
+                counted: None,
             }
         });
         let count = mechanism.bodies.len();
@@ -82,6 +87,13 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         }
     }
 
+    /// Takes what was counted of the closures in the first state that will be asked for.
+    pub fn expect_at(&mut self, counted: Option<Arc<Counted>>) {
+        if let Some(closing) = &mut self.closing {
+            closing.counted = counted;
+        }
+    }
+
     /// The acceleration of each body at these positions and velocities, which place the bodies, with all closures and
     /// forces. Does not allocate.
     pub fn accelerations(&mut self, position: &[f64], velocity: &[f64], bodies: &[BodyState]) -> &[BodyAcceleration] {
@@ -89,12 +101,14 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         let mechanism = (*mechanism).borrow();
         self.ode.accelerations_of_placed(position, velocity, bodies, joint_accelerations);
         // The tree's joint accelerations are corrected for the closures.
-        if let Some(Closing { projection, start, state, multipliers, decided }) = closing {
+        if let Some(Closing { projection, start, state, multipliers, decided, counted }) = closing {
             state.position.copy_from_slice(position);
             state.velocity.copy_from_slice(velocity);
             start.set(mechanism, state);
             if !std::mem::replace(decided, true) {
-                projection.heed(known(mechanism, state));
+                let counted = counted.take().filter(|counted| counted.is_at(state));
+                let counted = counted.unwrap_or_else(|| Arc::new(Counted::at(mechanism, state)));
+                projection.heed(known(&counted, mechanism));
             }
             projection.accelerations(start, joint_accelerations, multipliers, |joints, out| {
                 body_accelerations(mechanism, bodies, velocity, joints, accelerations);

@@ -16,10 +16,12 @@
 //! means nothing. Whoever wants it to fall has to push it.
 
 use crate::instant::reactions::Reactions;
+use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::{BodyWrench, body_wrenches};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
+use std::sync::Arc;
 
 /// ε for each body of a tree: some roundings of the sums along the way to the root.
 const ROUNDING: f64 = 1e-15;
@@ -28,6 +30,11 @@ const ROUNDING_OF_CLOSURES: f64 = 1e-13;
 
 /// Whether the mechanism stays in this state for ever: it does not move, and nothing makes it.
 pub fn is_at_rest(mechanism: &Mechanism, state: &State) -> bool {
+    is_at_rest_counted(mechanism, state, None)
+}
+
+/// The same where the closures were counted already.
+pub fn is_at_rest_counted(mechanism: &Mechanism, state: &State, counted: Option<Arc<Counted>>) -> bool {
     if mechanism.bodies.is_empty() || state.velocity.iter().any(|&rate| rate != 0.0) {
         return false;
     }
@@ -38,6 +45,7 @@ pub fn is_at_rest(mechanism: &Mechanism, state: &State) -> bool {
     let mut wrenches = vec![BodyWrench::default(); bodies.len()];
     body_wrenches(mechanism, &bodies, &mut wrenches);
     let mut reactions = Reactions::new(mechanism);
+    reactions.expect_at(counted);
     let accelerations = reactions.accelerations(&state.position, &state.velocity, &bodies);
     let rounding = if mechanism.has_closures() { ROUNDING_OF_CLOSURES } else { ROUNDING };
     let rounding = rounding * bodies.len() as f64;

@@ -26,6 +26,7 @@
 //! Pilots have the number of stages of the run ([`crate::stepping::stage_choice`]), later pairs that of a tolerance that would begin with them. A pair
 //! with few stages whose first steps are limited by stability, and not by accuracy, begins again with more.
 
+use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::distance::size;
@@ -37,6 +38,7 @@ use crate::stepping::control::COARSEST_STOP;
 use crate::stepping::integrator::{Lobatto, MethodError};
 use crate::stepping::recipe::Steps;
 use crate::stepping::stage_choice::StageChoice;
+use std::sync::Arc;
 
 /// Ratio of the stops of the two pilots of a pair.
 const RATIO: f64 = 30.0;
@@ -113,10 +115,27 @@ pub fn calibrate(
     kept: &[Rule],
     go_on: &mut dyn FnMut(&StepOutcome) -> bool,
 ) -> Result<Calibration, CalibrationError> {
+    calibrate_counted(mechanism, state, None, duration, tolerance, kept, go_on)
+}
+
+/// The same where the closures were counted already.
+///
+/// # Errors
+/// As of [`calibrate`].
+pub(crate) fn calibrate_counted(
+    mechanism: &Mechanism,
+    state: &State,
+    counted: Option<&Arc<Counted>>,
+    duration: f64,
+    tolerance: f64,
+    kept: &[Rule],
+    go_on: &mut dyn FnMut(&StepOutcome) -> bool,
+) -> Result<Calibration, CalibrationError> {
     let calm = if mechanism.is_plain_tree() { CALM } else { CALM_WITH_FORCES };
     let size = size(mechanism, state);
     let course = Course { start: state.time, end: state.time + duration, apart: SATURATED * size };
-    let mut search = Search { mechanism, state, tolerance, coarsest: calm * tolerance, kept, course, pilots: 0 };
+    let mut search =
+        Search { mechanism, state, counted, tolerance, coarsest: calm * tolerance, kept, course, pilots: 0 };
     let Couple { coarse, fine, parted } = search.couple(go_on)?;
 
     // Errors below rounding cannot be seen and need not be.
@@ -165,6 +184,7 @@ pub fn calibrate(
 struct Search<'s> {
     mechanism: &'s Mechanism,
     state: &'s State,
+    counted: Option<&'s Arc<Counted>>,
     tolerance: f64,
     /// The coarsest stop of a run.
     coarsest: f64,
@@ -190,7 +210,7 @@ impl<'s> Search<'s> {
         let steps = Steps::Chosen { tolerance: energy, stop, stages };
         Ok(TrialRun {
             mechanism: self.mechanism,
-            integrator: RunIntegrator::new(self.mechanism, steps, self.kept)?,
+            integrator: RunIntegrator::new(self.mechanism, steps, self.kept)?.counted(self.counted.cloned()),
             stop,
             stages,
             state: self.state.clone(),

@@ -1,11 +1,13 @@
 //! The integrators of a run: one for a mechanism that is one and moves, and one for each island otherwise; calibrated where an accuracy
 //! is wanted.
 
+use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
+use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::integrator::StepError;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::state::State;
-use crate::simulation::accuracy::{Calibration, calibrate};
+use crate::simulation::accuracy::{Calibration, calibrate_counted};
 use crate::simulation::islands::Islands;
 use crate::simulation::partition::Plan;
 use crate::simulation::run_integrator::RunIntegrator;
@@ -13,6 +15,7 @@ use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::Threads;
 use crate::simulation::trial_run::CalibrationError;
 use crate::stepping::integrator::MethodError;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// About what a trial run takes for each body and simulated second (s): no less than that, for want of knowing it.
@@ -68,6 +71,8 @@ pub(crate) struct Wanted<'w> {
     pub duration: f64,
     /// Set from outside to end trial runs.
     pub interrupt: Option<&'w AtomicBool>,
+    /// What was counted of the closures of the whole at the start.
+    pub counted: Option<Arc<Counted>>,
 }
 
 impl Integrators {
@@ -90,9 +95,9 @@ impl Integrators {
             },
         );
         let kept = plan.kept.clone();
-        let make = |mechanism: &Mechanism, state: &State| wanted.integrator(mechanism, state, &kept);
+        let make = |mechanism: &Mechanism, state: &State| wanted.integrator(mechanism, state, &kept, None);
         if plan.is_whole() {
-            let (integrator, found) = make(mechanism, state)?;
+            let (integrator, found) = wanted.integrator(mechanism, state, &kept, wanted.counted.clone())?;
             return Ok((Integrators::Whole(integrator), vec![found]));
         }
         let trials = if choice.tolerance().is_some() { 2.0 } else { 0.0 };
@@ -118,15 +123,19 @@ impl Wanted<'_> {
         &self,
         mechanism: &Mechanism,
         state: &State,
-        kept: &[crate::mechanism::description::rules::Rule],
+        kept: &[Rule],
+        counted: Option<Arc<Counted>>,
     ) -> Result<(RunIntegrator, Result<Calibration, UnknownAccuracy>), SimulationError> {
-        let uncalibrated = || self.choice.integrator(mechanism, kept);
+        // Events hold joints, which leaves other mechanisms.
+        let counts = mechanism.has_closures() && mechanism.nonsmooth.is_empty();
+        let counted = counted.or_else(|| counts.then(|| Arc::new(Counted::at(mechanism, state))));
+        let uncalibrated = || Ok::<_, MethodError>(self.choice.integrator(mechanism, kept)?.counted(counted.clone()));
         let Some(tolerance) = self.choice.tolerance() else {
             return Ok((uncalibrated()?, Err(UnknownAccuracy::NotAsked)));
         };
         let go_on = || !self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
-        match calibrate(mechanism, state, self.duration, tolerance, kept, &mut |_| go_on()) {
-            Ok(found) => Ok((found.run_integrator(mechanism, tolerance, kept)?, Ok(found))),
+        match calibrate_counted(mechanism, state, counted.as_ref(), self.duration, tolerance, kept, &mut |_| go_on()) {
+            Ok(found) => Ok((found.run_integrator(mechanism, tolerance, kept)?.counted(counted), Ok(found))),
             Err(interrupted @ CalibrationError::Interrupted) => Err(SimulationError::Interrupted(interrupted)),
             Err(CalibrationError::Method(error)) => Err(SimulationError::Method(error)),
             // The run will fail where the trial run did, and leave its log up to there.

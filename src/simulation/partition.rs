@@ -3,12 +3,14 @@
 //! A step has a cost of its own. Small islands share it where they step together; those that move in parallel planes stay among themselves,
 //! because a plane takes less than space.
 
-use crate::instant::rest::is_at_rest;
+use crate::instant::rest::is_at_rest_counted;
+use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::{Island, islands};
 use crate::mechanism::structure::plane::Plane;
+use std::sync::Arc;
 
 /// What a mechanism falls into.
 #[derive(Clone, Debug)]
@@ -22,12 +24,25 @@ pub struct Plan {
 impl Plan {
     /// Applies the rules, except for those that are switched off.
     pub fn new(mechanism: &Mechanism, state: &State, switched_off: &[Rule]) -> Self {
+        Self::from_counted(mechanism, state, switched_off, None)
+    }
+
+    /// The same where the closures of the whole were counted already.
+    pub fn from_counted(
+        mechanism: &Mechanism,
+        state: &State,
+        switched_off: &[Rule],
+        counted: Option<&Arc<Counted>>,
+    ) -> Self {
         let all =
             if switched_off.contains(&Rule::Islands) { vec![Island::whole(mechanism)] } else { islands(mechanism) };
+        let of_all = counted.filter(|_| all.len() == 1);
         let sleeps = |island: &Island| {
             // Motors change their minds, and their efforts are not among the forces.
             let driven = !island.mechanism.nonsmooth.motors.is_empty();
-            !switched_off.contains(&Rule::Sleep) && !driven && is_at_rest(&island.mechanism, &island.state(state))
+            !switched_off.contains(&Rule::Sleep)
+                && !driven
+                && is_at_rest_counted(&island.mechanism, &island.state(state), of_all.cloned())
         };
         let with_sleep = |island: Island| {
             let asleep = sleeps(&island);

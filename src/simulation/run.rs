@@ -6,6 +6,7 @@
 //!     StepChoice ───────────┘                └─finish─▶ Finished: the state, the figures, how the steps were made
 //! ```
 
+use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::event::{Event, JointStatus};
@@ -21,6 +22,7 @@ use crate::simulation::observer::Observer;
 use crate::simulation::partition::Plan;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::summary::Summary;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// How a run is to be made.
@@ -130,10 +132,23 @@ impl<'s> Simulation<'s> {
         state: State,
         options: SimulationOptions<'s>,
     ) -> Result<Self, SimulationError> {
+        Self::from_counted(mechanism, state, None, options)
+    }
+
+    /// The same from a state in which the closures were counted already, if there are any.
+    ///
+    /// # Errors
+    /// As of [`Simulation::new`].
+    pub fn from_counted(
+        mechanism: &'s Mechanism,
+        state: State,
+        counted: Option<Arc<Counted>>,
+        options: SimulationOptions<'s>,
+    ) -> Result<Self, SimulationError> {
         let SimulationOptions { duration, steps, switched_off, interrupt } = options;
-        let plan = Plan::new(mechanism, &state, switched_off);
+        let plan = Plan::from_counted(mechanism, &state, switched_off, counted.as_ref());
         let parts = (plan.islands.len(), plan.sleeping());
-        let wanted = Wanted { choice: steps, duration, interrupt };
+        let wanted = Wanted { choice: steps, duration, interrupt, counted };
         let (integrators, calibrations) = Integrators::new(mechanism, &state, plan, &wanted)?;
         Ok(Simulation {
             mechanism,

@@ -1,6 +1,7 @@
 //! What makes the steps of a run: the scheme alone, or with events where the mechanism has limits, dry friction or motors.
 
 use crate::events::Eventful;
+use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::event::{Event, JointStatus};
@@ -9,6 +10,7 @@ use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepEr
 use crate::mechanism::motion::state::State;
 use crate::stepping::integrator::{Lobatto, MethodError};
 use crate::stepping::recipe::{Recipe, Steps};
+use std::sync::Arc;
 
 /// The integrator of a run, or of an island.
 pub enum RunIntegrator {
@@ -36,6 +38,15 @@ impl RunIntegrator {
         } else {
             RunIntegrator::Eventful(Box::new(Eventful::new(mechanism, recipe)?))
         })
+    }
+
+    /// The same from a state in which the closures were counted already. Events hold joints, which leaves other mechanisms: they count anew.
+    #[must_use]
+    pub fn counted(self, counted: Option<Arc<Counted>>) -> Self {
+        match self {
+            RunIntegrator::Smooth(lobatto) => RunIntegrator::from(lobatto.counted(counted)),
+            RunIntegrator::Eventful(_) => self,
+        }
     }
 
     /// Whether a step that was to be chosen for its accuracy was shortened for the stability of the scheme.

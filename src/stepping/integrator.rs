@@ -9,6 +9,7 @@ use crate::reversible::Reversible;
 use crate::stage_choice::StageChoice;
 use crate::stepper::Stepper;
 use catena_kernels::{precise_step_for, step_for};
+use catena_lobatto::coupled::counted::Counted;
 use catena_lobatto::numbers::lanes::Isa;
 use catena_lobatto::stages::attempt::StopRule;
 use catena_lobatto::step::interface::Step;
@@ -20,6 +21,7 @@ use catena_mechanism::description::rules::Rule;
 use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
+use std::sync::Arc;
 
 /// The constrained Lobatto IIIA–IIIB scheme as an [`Integrator`].
 ///
@@ -204,6 +206,13 @@ impl Lobatto {
         if let Mode::Chosen(control) = &self.mode {
             self.stepper.kernel.expect(mechanism, control.rule().increment);
         }
+    }
+
+    /// The same from a state in which the closures were counted already.
+    #[must_use]
+    pub fn counted(mut self, counted: Option<Arc<Counted>>) -> Self {
+        self.stepper.counted = counted;
+        self
     }
 
     /// The same without some rules by which it would do less: without [`Rule::Planar`] every body has six coordinates, without

@@ -10,6 +10,7 @@ use crate::modes::Modes;
 use crate::pace::Pace;
 use crate::sampling::LastStep;
 use crate::watch::{FIRST_LOOK, Watch};
+use catena_lobatto::coupled::counted::Counted;
 use catena_lobatto::numbers::lanes::MAX_LANES;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
@@ -89,6 +90,8 @@ pub(crate) struct Stepper {
     outside: Outside,
     /// Efforts that change in time, at the stages of an attempt.
     changing: Vec<f64>,
+    /// What was counted of the closures where the first step is going to begin.
+    pub counted: Option<Arc<Counted>>,
 }
 
 /// What acts on a mechanism, as a kernel was made for it.
@@ -128,6 +131,7 @@ impl Stepper {
             left_at: None,
             outside: Outside::new(mechanism),
             changing: Vec::new(),
+            counted: None,
         }
     }
 
@@ -170,14 +174,15 @@ impl Stepper {
     pub fn meet(&mut self, mechanism: &Mechanism, state: &State) -> bool {
         let moved = self.left_at != Some(state.time) || *state != self.end;
         if moved {
-            self.kernel.begin(mechanism, state);
-            if mechanism.has_closures() {
-                self.ranks.ask(mechanism, state, state.time);
+            if let Some(counted) = self.counted.take() {
+                self.kernel.expect_at(counted);
             }
+            self.kernel.begin(mechanism, state);
             self.watch.forget();
             self.modes.forget();
             if let Some(known) = self.kernel.known() {
                 self.modes.heed(known);
+                self.ranks.hear(known.weak, state.time);
             }
         }
         moved
@@ -390,9 +395,6 @@ struct Ranks {
     refuted: usize,
 }
 
-/// Pivots below this part of the first are weak: some milliradians from a singular position.
-const WEAK: f64 = 1e-2;
-
 /// Kinematics is asked no more once it has not agreed so often: what solves leave of light bodies says nothing.
 const REFUTED: usize = 64;
 
@@ -408,9 +410,13 @@ impl Ranks {
 
     /// Asks kinematics whether a position is singular.
     fn ask(&mut self, mechanism: &Mechanism, state: &State, time: f64) {
-        let (rank, strong) = counting::Ranks::rank_and_strong(mechanism, state, WEAK);
-        if rank > strong {
-            self.singular = Some(SingularPosition { time, extra: rank - strong });
+        self.hear(counting::Ranks::at(mechanism, state).weak, time);
+    }
+
+    /// Takes how many independent equations are weak in a position.
+    fn hear(&mut self, weak: usize, time: f64) {
+        if weak > 0 {
+            self.singular = Some(SingularPosition { time, extra: weak });
         } else {
             self.refuted += 1;
         }

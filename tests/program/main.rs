@@ -6,6 +6,7 @@ mod common;
 mod accuracy_said;
 mod chart;
 mod cli;
+mod far_springs;
 mod inspect;
 mod log_readback;
 mod log_safety;

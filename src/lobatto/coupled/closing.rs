@@ -1,28 +1,39 @@
 //! What keeps a state on the closures: the velocities at the end of a step, and what is interpolated inside it.
 
+use crate::coupled::counted::Counted;
 use crate::coupled::deciding::known_of_steps;
 use crate::coupled::known::Known;
 use crate::coupled::projection::Projection;
 use crate::coupled::system::{Geometry, One};
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
+use std::sync::Arc;
 
 /// The projection of a kernel on its closures, and a state to work with.
 pub(crate) struct Closing<G: Geometry<One>> {
     projection: Projection<G>,
     start: G::Start,
     state: State,
+    /// What was counted in a state from which steps may start.
+    counted: Option<Arc<Counted>>,
 }
 
 impl<G: Geometry<One>> Closing<G> {
     /// With the projection for a mechanism.
     pub fn new(mechanism: &Mechanism, projection: Projection<G>) -> Self {
-        Closing { projection, start: G::start(mechanism), state: State::zero(mechanism) }
+        Closing { projection, start: G::start(mechanism), state: State::zero(mechanism), counted: None }
+    }
+
+    /// Takes what was counted where steps are going to start.
+    pub fn expect(&mut self, counted: Arc<Counted>) {
+        self.counted = Some(counted);
     }
 
     /// Decides what is known of the closures in a state from which steps start ([`crate::coupled::deciding`]).
     pub fn begin(&mut self, mechanism: &Mechanism, state: &State) {
-        let known = known_of_steps(mechanism, state, &mut self.projection, &mut self.start);
+        let counted = self.counted.take().filter(|counted| counted.is_at(state));
+        let counted = counted.unwrap_or_else(|| Arc::new(Counted::at(mechanism, state)));
+        let known = known_of_steps(&counted, mechanism, &mut self.projection, &mut self.start);
         self.projection.heed(known);
         self.state.copy_from(state);
         self.projection.place(mechanism, &mut self.start, &self.state);
@@ -46,7 +57,7 @@ impl<G: Geometry<One>> Closing<G> {
 
     /// Brings interpolated positions and velocities back on the closures. Does not allocate.
     pub fn project(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]) {
-        let Closing { projection, start, state } = self;
+        let Closing { projection, start, state, .. } = self;
         state.position.copy_from_slice(position);
         state.velocity.copy_from_slice(velocity);
         state.compensation.fill(0.0);

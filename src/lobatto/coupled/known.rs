@@ -13,6 +13,8 @@ pub struct Known {
     pub locked: Vec<bool>,
     /// Inertia that the matrix has besides that of the bodies, for every freedom [kg m² or kg]; empty if there is none.
     pub lent: Vec<f64>,
+    /// Number of independent equations that are weak where steps begin: what a singular position makes redundant.
+    pub weak: usize,
 }
 
 impl Known {
@@ -23,6 +25,7 @@ impl Known {
         self.still.clone_from(&other.still);
         self.locked.clone_from(&other.locked);
         self.lent.clone_from(&other.lent);
+        self.weak = other.weak;
     }
 
     /// What is known of the freedoms alone: equations are others in a plane and in space.

@@ -7,10 +7,11 @@
 //!
 //! [`mod@system`] has the symbols; [`front`] and [`operations`] eliminate after the order of [`crate::plan::elimination`]; [`space`] is the geometry in space
 //! ([`crate::planar::geometry`] that in a plane); [`newton`] iterates; [`projection`] and [`closing`] bring states and velocities onto the closures.
-//! Once, at the start of a run, [`deciding`] decides what is [`known`] of them: which [`equations`] are empty or implied, which freedoms are still, and
+//! Once, at the start of a run, [`deciding`] decides from what was [`counted`] what is [`known`] of them: which [`equations`] are empty or implied, which freedoms are still, and
 //! what light ones are [`lent`].
 
 pub mod closing;
+pub mod counted;
 pub mod deciding;
 pub mod equations;
 pub mod front;

@@ -7,6 +7,8 @@
 //!     ℓ² = d·d + z²,     T = k (ℓ − ℓ_r) + c ℓ̇           tension (N), with ℓ̇ of the scheme: [`crate::equations::forces`]
 //!     force T d/ℓ on a and −T d/ℓ on b                   torque about an anchor: arm × force [N m]
 //! ```
+//!
+//! Where an arm is very long both forces act at the other end: [`catena_mechanism::forces::line_of_action`].
 
 use crate::numbers::euclidean::Euclidean;
 use crate::numbers::lanes::Lanes;
@@ -65,7 +67,12 @@ where
         for side in 0..2 {
             if let Some(body) = ends[side] {
                 let force = if side == 0 { pull } else { pull.times(V::splat(-1.0)) };
-                let arm = swings[side].times_plus(place.moved, B::Vector::splat(&known.arms[side]));
+                let arm = match &known.common {
+                    Some((common, arm)) if *common != side => {
+                        moves[*common].minus(bodies.anchor(body)).times_plus(place.moved, B::Vector::splat(arm))
+                    }
+                    _ => swings[side].times_plus(place.moved, B::Vector::splat(&known.arms[side])),
+                };
                 let sum = &mut wrenches[body];
                 sum.0 = sum.0.plus(force);
                 sum.1 = arm.cross_plus(force, sum.1);

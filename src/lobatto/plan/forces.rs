@@ -3,6 +3,7 @@
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::forces::PointSpring;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::line_of_action::common_end;
 use catena_mechanism::forces::point_spring::Line;
 use catena_mechanism::forces::total::scalar_coordinate;
 use catena_mechanism::ground::matrices::times;
@@ -79,6 +80,8 @@ pub struct AppliedStart {
 pub(crate) struct LineStart<C> {
     /// From the anchors of the two bodies to the ends (m).
     pub(crate) arms: [C; 2],
+    /// Where one of them is very long, the end at which both forces act, and the arm of the other body to it (m).
+    pub(crate) common: Option<(usize, C)>,
     /// d, from a to b (m).
     pub(crate) separation: C,
     /// z² of what d has along the normal of a plane, and never changes (m²).
@@ -110,11 +113,17 @@ impl AppliedStart {
         let arm = |body: usize, point: &nalgebra::Vector3<f64>| {
             times(&bodies[body].rotation, &(point - mechanism.bodies[body].joint.on_child.translation.vector))
         };
+        let anchor = |body: usize| {
+            let on_child = &mechanism.bodies[body].joint.on_child.translation.vector;
+            bodies[body].position + times(&bodies[body].rotation, on_child)
+        };
         for (start, spring) in self.lines.iter_mut().zip(&forces.point_springs) {
             let ends = [&spring.a, &spring.b];
             let [(from, from_rate), (to, to_rate)] = ends.map(|end| end.point(bodies));
             let line = Line::new(to - from, &(to_rate - from_rate));
+            let anchors = [0, 1].map(|side: usize| ends[side].body.map(anchor));
             *start = LineStart {
+                common: common_end([from, to], anchors).map(|(end, arm)| (end, arm.into())),
                 arms: ends.map(|end| end.body.map_or([0.0; 3], |body| arm(body, &end.frame.translation.vector).into())),
                 separation: line.separation.into(),
                 square: 0.0,

@@ -9,6 +9,7 @@ use crate::planar::body::{PlanarBody, turned};
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::closure::Attachment;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::forces::line_of_action::common_end;
 use catena_mechanism::forces::point_spring::NO_LENGTH;
 use catena_mechanism::forces::total::{Stored, scalar_coordinate};
 use catena_mechanism::motion::state::State;
@@ -149,7 +150,15 @@ impl ForcesStart {
             let square = line.height * line.height;
             let length = (separation[0] * separation[0] + separation[1] * separation[1] + square + NO_LENGTH).sqrt();
             let rate = separation[0] * (b_rate[0] - a_rate[0]) + separation[1] * (b_rate[1] - a_rate[1]);
-            *start = LineStart { arms: [a_arm, b_arm], separation, square, length, rate: rate / length };
+            let anchors = [0, 1].map(|side: usize| line.ends[side].body.map(|body| bodies[body].position.into()));
+            *start = LineStart {
+                arms: [a_arm, b_arm],
+                common: common_end([a.into(), b.into()], anchors).map(|(end, arm)| (end, arm.into())),
+                separation,
+                square,
+                length,
+                rate: rate / length,
+            };
             stored.spring += spring.energy(length);
         }
         for (start, wrench) in self.arms.iter_mut().zip(&plan.wrenches) {

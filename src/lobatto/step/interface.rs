@@ -1,17 +1,21 @@
 //! What a step is to those who string steps together: when its iteration ends, how an attempt at it ended, and what can be asked
 //! of it. It is made by [`crate::step::kernel`], to 32 digits by [`crate::step::precise`].
 
+use crate::coupled::counted::Counted;
 use crate::coupled::known::Known;
 use crate::stages::attempt::{Attempt, Guess, StopRule};
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
+use std::sync::Arc;
 
 /// A step of the scheme for one number of lanes; what the integrator sees of it.
 pub trait Step: Send {
     /// Steps iterated as far as `stop` (rad, m) are to come: makes room for what only they need.
     fn expect(&mut self, _mechanism: &Mechanism, _stop: f64) {}
+    /// Takes what was counted of the closures where steps are going to begin.
+    fn expect_at(&mut self, _counted: Arc<Counted>) {}
     /// Takes a state as the start of the next step, when it is not where the last step ended.
     fn begin(&mut self, mechanism: &Mechanism, state: &State);
     /// Takes the efforts that drive the joints in the next step, one entry a degree of freedom; without entries none act. Only steps of a mechanism

@@ -5,6 +5,7 @@
 //! ```
 
 use crate::coupled::closing::Closing;
+use crate::coupled::counted::Counted;
 use crate::coupled::known::Known;
 use crate::numbers::extended::Extended;
 use crate::numbers::lanes::{Lanes, in_lanes};
@@ -19,6 +20,7 @@ use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
+use std::sync::Arc;
 
 impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
     /// Takes the end of a step that was solved to 32 digits: moves `state` there; returns its energy.
@@ -47,6 +49,12 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
 impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
     fn expect(&mut self, mechanism: &Mechanism, stop: f64) {
         self.workspace.prepare_single(mechanism, self.tableau, stop);
+    }
+
+    fn expect_at(&mut self, counted: Arc<Counted>) {
+        if let Some(closing) = &mut self.closing {
+            closing.expect(counted);
+        }
     }
 
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {

@@ -5,6 +5,7 @@ mod differences;
 pub mod joint_damper;
 pub mod joint_load;
 pub mod joint_spring;
+pub mod line_of_action;
 pub mod point_spring;
 pub mod total;
 pub mod wrench;

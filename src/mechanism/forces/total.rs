@@ -8,6 +8,7 @@ use crate::description::body_state::BodyState;
 use crate::description::closure::Coordinate;
 use crate::description::joint::FreeRotation;
 use crate::description::mechanism::Mechanism;
+use crate::forces::line_of_action::common_end;
 use nalgebra::Vector3;
 
 /// Energy (J) stored in what has a potential besides gravity.
@@ -76,9 +77,13 @@ pub fn body_wrenches(mechanism: &Mechanism, bodies: &[BodyState], wrenches: &mut
     wrenches.fill((Vector3::zeros(), Vector3::zeros()));
     for spring in &mechanism.forces.point_springs {
         let force = spring.force(&spring.line(bodies));
-        for (end, force) in [(&spring.a, -force), (&spring.b, force)] {
-            if let Some(body) = end.body {
-                let arm = end.point(bodies).0 - bodies[body].position;
+        let ends = [&spring.a, &spring.b];
+        let places = ends.map(|end| end.point(bodies).0);
+        let common = common_end(places, ends.map(|end| end.body.map(|body| bodies[body].position)));
+        for (side, force) in [-force, force].into_iter().enumerate() {
+            if let Some(body) = ends[side].body {
+                let at = common.map_or(side, |(end, _)| end);
+                let arm = places[at] - bodies[body].position;
                 wrenches[body].0 += force;
                 wrenches[body].1 += arm.cross(&force);
             }

@@ -2,6 +2,7 @@
 
 use crate::mechanism::ground::words::{counted, rounded};
 use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
+use crate::output::report::rounding::{FarSpring, is_energy_rounding};
 use crate::simulation::accuracy::Calibration;
 use crate::simulation::{Simulation, Summary, UnknownAccuracy};
 use serde::Serialize;
@@ -113,28 +114,6 @@ pub fn singular_warning(description: &MethodDescription) -> Option<String> {
     ))
 }
 
-/// Energy errors beyond this part of the kinetic energy are said to the user: a digit or two are right at best.
-pub const COARSE: f64 = 1e-2;
-
-/// What the user should know, if the energy does not balance.
-pub fn energy_warning(description: &MethodDescription, relative_error: f64) -> Option<String> {
-    // What is not a number does not balance either.
-    if relative_error <= COARSE {
-        return None;
-    }
-    let remedy =
-        if description.adaptive { "a smaller --tolerance" } else { "a smaller --step, more --stages, or --tolerance" };
-    if !relative_error.is_finite() {
-        return Some(format!(
-            "energies are beyond what a double holds, so nothing is known of the accuracy; use {remedy}"
-        ));
-    }
-    Some(format!(
-        "the energy balance is off by {} % of the largest kinetic energy: the steps are too long for this motion; use {remedy}",
-        rounded(100.0 * relative_error)
-    ))
-}
-
 /// The accuracy to expect of a run, from pilot runs.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct AccuracyReport {
@@ -165,8 +144,6 @@ pub struct AccuracyReport {
 const FINEST: f64 = 1e-11;
 /// Energy errors over the wanted accuracy (1/m) beyond which trial runs are not believed: steps are kept within one.
 const UNBALANCED: f64 = 10.0;
-/// Changes of the energy by this part of it are rounding.
-const ROUNDING: f64 = 1e-12;
 /// Error at the end over the stop of the iteration.
 const CALM: f64 = 100.0;
 
@@ -223,14 +200,18 @@ impl AccuracyReport {
         })
     }
 
+    /// Sees how the ends of springs are rounded: what that hides cannot be told.
+    pub fn see_rounding(&mut self, far: &FarSpring) {
+        self.estimated = self.estimated.max(far.rounding());
+        self.reached &= far.rounding() <= self.wanted;
+    }
+
     /// Sees how the run kept its energy: steps that change it by more than the tolerance are not as accurate as trial runs have shown.
     pub fn see_energy(&mut self, summary: &Summary) {
         let error = summary.max_relative_energy_error;
-        let rounding = ROUNDING * summary.initial_energy.total().abs().max(summary.final_energy.total().abs());
-        let is_rounding = error * summary.largest_kinetic <= rounding;
         // What is not a number does not balance either.
         let balances = error <= UNBALANCED * self.wanted.max(FINEST);
-        if self.reached && !is_rounding && !balances {
+        if self.reached && !is_energy_rounding(summary) && !balances {
             self.reached = false;
             self.unbalanced = Some(error);
         }

@@ -6,18 +6,18 @@
 mod events;
 mod method;
 mod places;
+mod rounding;
 mod speeds;
 mod step_error;
 mod text;
 
 pub(crate) use events::joint_name;
 pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};
-pub use method::{
-    AccuracyReport, COARSE, FrequencyReport, MethodReport, energy_warning, ringing_warning, singular_warning,
-};
+pub use method::{AccuracyReport, FrequencyReport, MethodReport, ringing_warning, singular_warning};
 pub use places::{
-    JointReport, LinkReport, LoopReport, Numbers, add_statuses, joint_reports, link_reports, loop_reports,
+    JointReport, LinkReport, LoopReport, Numbers, add_statuses, carried_reports, joint_reports, link_reports,
 };
+pub use rounding::{COARSE, FarSpring, balance_warning, energy_warning};
 pub use speeds::SpeedWatch;
 pub use step_error::StepErrorReport;
 

@@ -1,6 +1,7 @@
 //! Where links, joints and loops are in a state, how they move, and what they carry.
 
 use crate::instant::reactions::{LoopReaction, Reactions};
+use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::LoopJoint;
 use crate::mechanism::description::joint::wxyz_from_rotation;
 use crate::mechanism::motion::event::JointStatus;
@@ -9,6 +10,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::{JointRecord, LinkFrame, Model};
 use crate::output::report::events::JointStatusReport;
+use crate::reduced::Reaction;
 use serde::Serialize;
 
 /// A link in the world.
@@ -72,8 +74,11 @@ impl From<Vec<f64>> for Numbers {
     }
 }
 
+/// Reports by name.
+pub type Reports<T> = Vec<(String, T)>;
+
 /// Every link of a model in a state, in the order of the URDF.
-pub fn link_reports(model: &Model, state: &State) -> Vec<(String, LinkReport)> {
+pub fn link_reports(model: &Model, state: &State) -> Reports<LinkReport> {
     let bodies = body_states(&model.mechanism, state);
     let report = |(index, link): (usize, &LinkFrame)| {
         let link_state = model.link_state(&bodies, index);
@@ -90,10 +95,26 @@ pub fn link_reports(model: &Model, state: &State) -> Vec<(String, LinkReport)> {
 }
 
 /// Every joint of a model that moves, in the order of the URDF; a floating base comes first.
-pub fn joint_reports(model: &Model, state: &State) -> Vec<(String, JointReport)> {
+pub fn joint_reports(model: &Model, state: &State) -> Reports<JointReport> {
+    carried_reports(model, state).0
+}
+
+/// The reports of joints and of loop joints, for whose reactions the closures are counted once.
+pub fn carried_reports(model: &Model, state: &State) -> (Reports<JointReport>, Reports<LoopReport>) {
     let mechanism = &model.mechanism;
     let mut carried = Reactions::new(mechanism);
     let (reactions, _) = carried.at(&state.position, &state.velocity);
+    let joints = reports_of_joints(model, state, reactions);
+    if mechanism.loops.is_empty() {
+        return (joints, Vec::new());
+    }
+    let bodies = body_states(mechanism, state);
+    let (_, reactions) = carried.of_placed(&state.position, &state.velocity, &bodies);
+    let loops = reports_of_loops(model, &bodies, reactions);
+    (joints, loops)
+}
+
+fn reports_of_joints(model: &Model, state: &State, reactions: &[Reaction]) -> Reports<JointReport> {
     let report = |(index, record): (usize, &JointRecord)| {
         let reaction = reactions[record.body?];
         let (position, velocity) = model.joint_user_coordinates(index, &state.position, &state.velocity);
@@ -117,22 +138,14 @@ pub fn add_statuses(reports: &mut [(String, JointReport)], model: &Model, status
     }
 }
 
-/// Every loop joint of a model.
-pub fn loop_reports(model: &Model, state: &State) -> Vec<(String, LoopReport)> {
-    let mechanism = &model.mechanism;
-    if mechanism.loops.is_empty() {
-        return Vec::new();
-    }
-    let bodies = body_states(mechanism, state);
-    let mut carried = Reactions::new(mechanism);
-    let (_, reactions) = carried.of_placed(&state.position, &state.velocity, &bodies);
+fn reports_of_loops(model: &Model, bodies: &[BodyState], reactions: &[LoopReaction]) -> Reports<LoopReport> {
     let report = |(joint, reaction): (&LoopJoint, &LoopReaction)| {
         let report = LoopReport {
-            gap: loop_gaps(joint, &bodies).largest().0,
+            gap: loop_gaps(joint, bodies).largest().0,
             reaction_force: reaction.force.into(),
             reaction_torque: reaction.torque.into(),
         };
         (joint.name.clone(), report)
     };
-    mechanism.loops.iter().zip(reactions).map(report).collect()
+    model.mechanism.loops.iter().zip(reactions).map(report).collect()
 }

@@ -11,6 +11,7 @@
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::ground::words::rounded;
 use crate::mechanism::motion::integrator::MethodDescription;
+use crate::output::report::rounding::{COARSE, is_energy_rounding};
 use crate::simulation::Summary;
 use serde::Serialize;
 
@@ -36,12 +37,15 @@ impl StepErrorReport {
         StepErrorReport { estimated: apart, by: "half the step" }
     }
 
-    /// From what the run has done to the energy in so much time (s).
-    pub fn by_energy(mechanism: &Mechanism, summary: &Summary, duration: f64) -> Self {
+    /// From what the run has done to the energy in so much time (s); `None` where rounding hides that.
+    pub fn by_energy(mechanism: &Mechanism, summary: &Summary, duration: f64) -> Option<Self> {
+        if summary.max_relative_energy_error > COARSE && is_energy_rounding(summary) {
+            return None;
+        }
         let error = summary.max_relative_energy_error;
         let speed = (2.0 * summary.largest_kinetic / mechanism.total_mass().max(f64::MIN_POSITIVE)).sqrt();
         let estimated = AMPLIFIED * error.max(ROUNDING) * speed * duration;
-        StepErrorReport { estimated, by: "energy" }
+        Some(StepErrorReport { estimated, by: "energy" })
     }
 
     /// What the user should know of steps that were too long.

@@ -93,11 +93,18 @@ fn fixed_steps_of_closed_loops_in_the_plane_are_those_in_space() {
             let make = || Lobatto::fixed(&model.mechanism, stages, step).expect("stages");
             let [(flat, ours), (full, theirs)] = both(&model, make, 10.0 * step);
             let difference = apart(&flat, &full);
-            // Both round, and closures of short levers amplify it: to 1.1e-11 at most, with a factor of three for other processors.
-            assert!(difference < 3e-11, "{name}, {stages} stages: {difference:e}");
+            let of_positions = apart(&State { velocity: full.velocity.clone(), ..flat.clone() }, &full);
+            // Places round by 2.4e-13 at most and velocities by that over a step, 9.3e-12, which Portable, Avx2 and Avx512 were measured to do. A
+            // start that is moved by four roundings ends 7e-12 away in either run, so that no computation of the same steps can promise less.
+            assert!(of_positions < 1e-12, "{name}, {stages} stages: {of_positions:e}");
+            assert!(difference < 1e-11, "{name}, {stages} stages: {difference:e}");
             let iterations = |outcomes: &[StepOutcome]| outcomes.iter().map(|one| one.iterations).sum::<usize>();
-            count += iterations(&ours);
-            expected += iterations(&theirs);
+            // A step ends where an increment is at rounding (2e-16), or where one below 1e-11 is more than half of the one before. Guesses of
+            // seven stages are that good: then steps have two iterations or five, as roundings will (in all 47 in the plane and 36 in space).
+            let (own, full) = (iterations(&ours), iterations(&theirs));
+            assert!(own <= full + 2 * ours.len(), "{name}, {stages} stages: {own} iterations, not {full}");
+            count += own;
+            expected += full;
             steps += ours.len();
             // Some metres, rounded.
             assert!(gap(&model.mechanism, &flat) < 3e-14, "{name}: {:e}", gap(&model.mechanism, &flat));
@@ -113,8 +120,7 @@ fn fixed_steps_of_closed_loops_in_the_plane_are_those_in_space() {
             );
             assert_eq!(expected != 0.0, !model.mechanism.forces.is_empty(), "{name}");
         }
-        // The same matrix, but for rows that say nothing: as many iterations, and one more or less a step at rounding, where a guess may be good
-        // enough in one of them for all steps of one number of stages.
+        // The same matrix, but for rows that say nothing: as many iterations, and one more or less a step, over all numbers of stages.
         assert!(count <= expected + steps, "{name}: {count} iterations, not {expected}");
     }
 }

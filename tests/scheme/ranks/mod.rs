@@ -2,7 +2,8 @@
 
 mod random;
 
-use catena::instant::assembly::{assemble, redundancy};
+use catena::instant::assembly::{assemble, assemble_counted, redundancy};
+use catena::lobatto::coupled::counted::Counted;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::motion::gaps::loop_gaps;
 use catena::mechanism::motion::integrator::Integrator;
@@ -10,6 +11,7 @@ use catena::mechanism::motion::kinematics::body_states;
 use catena::mechanism::motion::state::State;
 use catena::stepping::Lobatto;
 use random::{gradient, mechanism, orders, rank, reordered};
+use std::sync::Arc;
 
 /// How long the random mechanisms move (s).
 const SPAN: f64 = 0.1;
@@ -81,6 +83,21 @@ fn random_mechanisms(seeds: std::ops::Range<u64>) {
     assert!(judged * 100 >= count * 99, "{judged} of {count} are clear");
     // Without trial runs a tolerance of 1e-9 is that of the steps alone.
     assert!(worst < 1e-6, "{worst:e}");
+}
+
+#[test]
+fn what_was_counted_at_the_start_changes_no_bit_of_a_run_and_what_was_counted_elsewhere_is_not_taken() {
+    for seed in 0..20 {
+        let (mechanism, state) = mechanism(seed);
+        let mut closed = state.clone();
+        let Ok((_, counted)) = assemble_counted(&mechanism, &mut closed) else { continue };
+        let fixed = || Lobatto::fixed(&mechanism, 6, 0.005).unwrap();
+        let elsewhere = Arc::new(Counted::at(&mechanism, &State::zero(&mechanism)));
+        let expected = end(seed, &mechanism, &state, fixed());
+        assert!(counted.as_ref().is_some_and(|counted| counted.is_at(&closed)), "mechanism {seed}");
+        assert_eq!(end(seed, &mechanism, &state, fixed().counted(counted)), expected, "mechanism {seed}");
+        assert_eq!(end(seed, &mechanism, &state, fixed().counted(Some(elsewhere))), expected, "mechanism {seed}");
+    }
 }
 
 #[test]

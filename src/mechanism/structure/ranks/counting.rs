@@ -29,6 +29,8 @@ const COARSEST: f64 = 1e-4;
 const STILL: f64 = 1e-10;
 /// Rows of a projection are independent if this part of the first is left; what roundings leave is far below.
 const PROJECTED: f64 = 1e-6;
+/// Pivots below this part of the first are weak: some milliradians from a singular position.
+pub const WEAK: f64 = 1e-2;
 /// Blocks of more rows than this are decided by insertion, whose cost is linear in the number of loops.
 const DENSE: usize = 300;
 
@@ -48,6 +50,8 @@ pub struct Ranks {
     pub lengths: Vec<f64>,
     /// The smallest pivot that counts, as a part of the first of its block; one where there is none.
     pub weakest: f64,
+    /// Number of independent equations that are weak: their pivots are below [`WEAK`] of the first of their block.
+    pub weak: usize,
 }
 
 impl Ranks {
@@ -55,12 +59,6 @@ impl Ranks {
     pub fn at(mechanism: &Mechanism, state: &State) -> Self {
         let (rows, lengths) = closure_rows(mechanism, state, &body_states(mechanism, state));
         Ranks::of(&rows, lengths, ROUNDING)
-    }
-
-    /// The rank of a mechanism in a state, and that without what is weak: pivots below this part of the first.
-    pub fn rank_and_strong(mechanism: &Mechanism, state: &State, weak: f64) -> (usize, usize) {
-        let (rows, lengths) = closure_rows(mechanism, state, &body_states(mechanism, state));
-        (Ranks::of(&rows, lengths.clone(), ROUNDING).rank(), Ranks::of(&rows, lengths, weak).rank())
     }
 
     /// What equations say that are dimensionless with the lengths of the freedoms; pivots below a part `rounding` of the first do not count.
@@ -73,6 +71,7 @@ impl Ranks {
             free: Some(Vec::new()),
             lengths,
             weakest: 1.0,
+            weak: 0,
         };
         for block in blocks(rows, count) {
             ranks.decide(rows, &block, rounding);
@@ -121,10 +120,14 @@ impl Ranks {
             if let (Some(first), Some(last)) = (found.pivots.first(), found.pivots.last()) {
                 self.weakest = self.weakest.min(last / first);
             }
+            self.weak += found.order.len() - found.rank_above(threshold.max(WEAK));
             found.order
         } else {
             self.free = None;
-            insertion::independent(members.iter().map(|&row| &rows[row].entries[..]), threshold)
+            let members = || members.iter().map(|&row| &rows[row].entries[..]);
+            let found = insertion::independent(members(), threshold);
+            self.weak += found.len() - insertion::independent(members(), threshold.max(WEAK)).len();
+            found
         };
         if independent.len() == freedoms.len() {
             freedoms.iter().for_each(|&freedom| (self.still[freedom], self.locked[freedom]) = (true, true));

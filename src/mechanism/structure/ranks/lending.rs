@@ -77,7 +77,8 @@ fn factor(mechanism: &Mechanism, state: &State, lengths: &[f64]) -> DMatrix<f64>
         }
     }
     let mut order: Vec<usize> = (0..factor.nrows()).collect();
-    order.sort_by(|&one, &other| factor.row(other).amax().total_cmp(&factor.row(one).amax()));
+    let largest: Vec<f64> = factor.row_iter().map(|row| row.amax()).collect();
+    order.sort_by(|&one, &other| largest[other].total_cmp(&largest[one]));
     factor.select_rows(&order)
 }
 

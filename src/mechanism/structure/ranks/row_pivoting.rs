@@ -20,6 +20,8 @@ pub struct Pivoted {
     pub order: Vec<usize>,
     /// What was left of each of them when it was taken.
     pub pivots: Vec<f64>,
+    /// The longest that was left before each of them, of which a pivot is the first that is about as long.
+    pub longest: Vec<f64>,
     /// Orthonormal vectors that span the rows.
     pub basis: Vec<Vec<f64>>,
 }
@@ -49,6 +51,7 @@ pub fn pivoted(mut rows: Vec<Vec<f64>>, threshold: f64) -> Pivoted {
         }
         found.order.push(row);
         found.pivots.push(norms[place]);
+        found.longest.push(largest);
         found.basis.push(unit);
         if found.basis.len() == found.basis[0].len() {
             return found;
@@ -57,6 +60,12 @@ pub fn pivoted(mut rows: Vec<Vec<f64>>, threshold: f64) -> Pivoted {
 }
 
 impl Pivoted {
+    /// How many rows are independent for a larger threshold, which ends the same pivots earlier.
+    pub fn rank_above(&self, threshold: f64) -> usize {
+        let first = self.pivots.first().copied().unwrap_or(0.0);
+        self.longest.iter().take_while(|&&longest| longest > threshold * first).count()
+    }
+
     /// The part of each of `count` unit vectors that the rows do not span: the rows of the projection on the null space.
     pub fn null_parts(&self, count: usize) -> Vec<Vec<f64>> {
         (0..count)

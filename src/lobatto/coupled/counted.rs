@@ -1,0 +1,77 @@
+//! What kinematics says of the closures in one state, counted once and handed on: to the assembly, to what is decided for a run, and to the kernels.
+
+use crate::coupled::known::Known;
+use crate::coupled::projection::Projection;
+use crate::stages::start::Start;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::state::State;
+use catena_mechanism::structure::ranks::counting::Ranks;
+use catena_mechanism::structure::ranks::lending::lent_inertia;
+use std::sync::OnceLock;
+
+/// How far the neighbours are displaced (rad, and of a slide in lengths of its loops).
+const ASIDE: f64 = 1e-3;
+/// A neighbour with larger gaps [rad, and over the size of the loops] is not on the closures.
+const CLOSED: f64 = 1e-11;
+
+/// The ranks in a state and beside it, and what light freedoms are lent there.
+#[derive(Clone, Debug)]
+pub struct Counted {
+    /// The state.
+    pub(crate) state: State,
+    /// The ranks in it.
+    pub(crate) ranks: Ranks,
+    /// What every freedom is lent [kg m² or kg]; empty if none is.
+    pub(crate) lent: Vec<f64>,
+    neighbours: OnceLock<Vec<State>>,
+    beside: OnceLock<Vec<Ranks>>,
+}
+
+impl Counted {
+    /// Counts in a state, on the closures or near them.
+    pub fn at(mechanism: &Mechanism, state: &State) -> Self {
+        let ranks = Ranks::at(mechanism, state);
+        let lent = lent_inertia(mechanism, state, &ranks);
+        Counted { state: state.clone(), ranks, lent, neighbours: OnceLock::new(), beside: OnceLock::new() }
+    }
+
+    /// Whether it was counted at these positions. Velocities do not matter.
+    pub fn is_at(&self, state: &State) -> bool {
+        self.state.position == state.position && self.state.compensation == state.compensation
+    }
+
+    /// What is known where the state is not on the closures yet.
+    pub fn known_nearby(&self) -> Known {
+        Known { lent: self.lent.clone(), ..Known::default() }
+    }
+
+    /// Two states beside this one, back on the closures; fewer where they could not be put there.
+    pub(crate) fn neighbours(&self, mechanism: &Mechanism) -> &[State] {
+        let both = || [0.4, 2.6].iter().filter_map(|&phase| self.neighbour(mechanism, phase)).collect();
+        self.neighbours.get_or_init(both)
+    }
+
+    /// The ranks in the neighbours.
+    pub(crate) fn beside(&self, mechanism: &Mechanism) -> &[Ranks] {
+        let all = || self.neighbours(mechanism).iter().map(|neighbour| Ranks::at(mechanism, neighbour)).collect();
+        self.beside.get_or_init(all)
+    }
+
+    fn neighbour(&self, mechanism: &Mechanism, phase: f64) -> Option<State> {
+        let lengths = &self.ranks.lengths;
+        let aside = |(freedom, length): (usize, &f64)| ASIDE * length * (1.7 * freedom as f64 + phase).sin();
+        let aside: Vec<f64> = lengths.iter().enumerate().map(aside).collect();
+        let mut neighbour = self.state.clone();
+        neighbour.displace(mechanism, &aside);
+        let (mut projection, mut start) = (Projection::new(mechanism), Start::new(mechanism));
+        let mut known = self.known_nearby();
+        projection.heed(known.clone());
+        let first = projection.positions(mechanism, &mut start, &mut neighbour).gap;
+        // Where much is redundant all equations alike leave roundings; where the position is singular those that are implied here are needed beside.
+        known.implied = self.ranks.implied.iter().map(|(_, implied)| *implied).collect();
+        projection.heed(known);
+        let gap = if first <= CLOSED { first } else { projection.positions(mechanism, &mut start, &mut neighbour).gap };
+        let length = lengths.iter().fold(1.0_f64, |most, &length| most.max(length));
+        (gap <= CLOSED * length).then_some(neighbour)
+    }
+}

@@ -1,0 +1,99 @@
+//! What roundings hide: lengths of springs with an end far away, and the balance of energies far larger than those of the motion.
+//!
+//! ```text
+//!     δ = ε max(ℓ, |P_a − x_a|, |P_b − x_b|)     (m)      of the ends of a spring, ε = 2⁻⁵²
+//!     δV = 1e-12 V                               (J)      of stored energies V, over a run
+//! ```
+
+use crate::mechanism::description::closure::Attachment;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::words::rounded;
+use crate::mechanism::motion::integrator::MethodDescription;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::simulation::Summary;
+
+/// Changes of the energy by this part of it are rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// A tolerance of so many roundings of places takes no more steps than with springs nearby.
+const ENOUGH: f64 = 100.0;
+
+/// The spring whose ends are rounded most.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FarSpring {
+    name: String,
+    /// Its length, or that of an arm of it (m).
+    distance: f64,
+}
+
+impl FarSpring {
+    /// Of a mechanism in a state; `None` without springs between points.
+    pub fn of(mechanism: &Mechanism, state: &State) -> Option<Self> {
+        let bodies = body_states(mechanism, state);
+        let arm = |end: &Attachment| end.body.map_or(0.0, |_| end.frame.translation.vector.norm());
+        let springs = mechanism.forces.point_springs.iter().map(|spring| FarSpring {
+            name: spring.name.clone(),
+            distance: spring.line(&bodies).length.max(arm(&spring.a)).max(arm(&spring.b)),
+        });
+        springs.max_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+
+    /// What its ends are rounded by (m).
+    pub fn rounding(&self) -> f64 {
+        f64::EPSILON * self.distance
+    }
+
+    /// What the user should know where that is more than the accuracy that is wanted (m).
+    pub fn warning(&self, wanted: f64) -> Option<String> {
+        let (FarSpring { name, distance }, rounding) = (self, self.rounding());
+        (rounding > wanted).then(|| {
+            format!(
+                "spring {name:?} reaches {distance:.1e} m, where places are rounded by {rounding:.1e} m, so that an accuracy of {wanted:e} m \
+                 cannot be reached; move its far end nearer, or use --tolerance {:.0e}",
+                ENOUGH * rounding
+            )
+        })
+    }
+}
+
+/// Whether rounding of what is stored explains all that the energy balance of a run is off by.
+pub(super) fn is_energy_rounding(summary: &Summary) -> bool {
+    let rounding = ROUNDING * summary.initial_energy.total().abs().max(summary.final_energy.total().abs());
+    summary.max_relative_energy_error * summary.largest_kinetic <= rounding
+}
+
+/// What the user should know, if the energy does not balance, or if that cannot be told.
+pub fn balance_warning(description: &MethodDescription, summary: &Summary) -> Option<String> {
+    let error = summary.max_relative_energy_error;
+    if error > COARSE && is_energy_rounding(summary) {
+        let (stored, kinetic) = (summary.initial_energy.total(), rounded(summary.largest_kinetic));
+        return Some(format!(
+            "rounding of the total energy, {stored:.1e} J, hides that of the motion, {kinetic} J: the energy balance says nothing of this run; \
+             move the far ends of springs nearer"
+        ));
+    }
+    energy_warning(description, error)
+}
+
+/// Energy errors beyond this part of the kinetic energy are said to the user: a digit or two are right at best.
+pub const COARSE: f64 = 1e-2;
+
+/// What the user should know, if the energy does not balance.
+pub fn energy_warning(description: &MethodDescription, relative_error: f64) -> Option<String> {
+    // What is not a number does not balance either.
+    if relative_error <= COARSE {
+        return None;
+    }
+    let remedy =
+        if description.adaptive { "a smaller --tolerance" } else { "a smaller --step, more --stages, or --tolerance" };
+    if !relative_error.is_finite() {
+        return Some(format!(
+            "energies are beyond what a double holds, so nothing is known of the accuracy; use {remedy}"
+        ));
+    }
+    Some(format!(
+        "the energy balance is off by {} % of the largest kinetic energy: the steps are too long for this motion; use {remedy}",
+        rounded(100.0 * relative_error)
+    ))
+}
