@@ -30,7 +30,7 @@ pub(crate) struct Bounded {
 /// Solves the problem.
 pub(crate) fn minimise(matrix: &DMatrix<f64>, offset: &[f64], bounds: &[(f64, f64)]) -> Bounded {
     let count = offset.len();
-    let mut efforts: Vec<f64> = bounds.iter().map(|&(lower, upper)| 0.0_f64.clamp(lower, upper)).collect();
+    let mut efforts: Vec<f64> = bounds.iter().map(|&(lower, upper)| 0.0_f64.max(lower).min(upper)).collect();
     let mut at: Vec<i8> = vec![0; count];
     let rest_of = |efforts: &[f64]| {
         let product = matrix * DVector::from_column_slice(efforts);

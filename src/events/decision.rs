@@ -80,6 +80,7 @@ pub(crate) fn decide(
         .map(|(&index, load)| {
             let (low, high) = mode.joints[index].holding(&elements.joints[index]);
             let less = if yielding.all { LESS * elements.joints[index].friction.max(*load) } else { 0.0 };
+            let less = less.min(0.25 * (high - low));
             if low.is_finite() || high.is_finite() { (low + less, high - less) } else { (low, high) }
         })
         .collect();

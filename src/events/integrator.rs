@@ -47,6 +47,8 @@ pub struct Eventful {
     pub(super) sample: State,
     pub(super) efforts: Vec<f64>,
     pub(super) events: Vec<Event>,
+    /// The efforts from outside in the last step.
+    pub(super) outside: Vec<f64>,
     /// When the run began (s).
     pub(super) began: f64,
     pub(super) flips: (usize, f64),
@@ -115,6 +117,7 @@ impl Eventful {
             left: None,
             efforts: vec![0.0; mechanism.velocity_count],
             events: Vec::new(),
+            outside: Vec::new(),
             began: 0.0,
             flips: (0, f64::MIN),
             steps: 0,
@@ -182,6 +185,8 @@ impl Eventful {
                 JointMode::Free { sliding: 0 }
             };
         }
+        self.outside.clear();
+        self.outside.extend_from_slice(inputs.efforts);
         let events = self.events.len();
         self.lost_at_start += self.pass(inputs, state, &[]);
         let keep = |event: &Event| event.impulse.is_some();
@@ -195,7 +200,7 @@ impl Eventful {
         let motor = &self.elements.motors[index];
         let effort = unbounded(&self.elements, index, state.time, state.time, state);
         if motor.period > 0.0 {
-            MotorMode::Given(effort.clamp(-motor.max_effort, motor.max_effort))
+            MotorMode::Given(motor.bounded(effort))
         } else if effort.abs() >= motor.max_effort {
             MotorMode::Saturated(if effort > 0.0 { 1 } else { -1 })
         } else {

@@ -98,6 +98,18 @@ impl Eventful {
         Ok(outcome)
     }
 
+    /// Other efforts from outside: what joints at rest do is decided anew.
+    fn heed(&mut self, inputs: Inputs, state: &mut State) {
+        if self.outside == inputs.efforts {
+            return;
+        }
+        self.outside.clear();
+        self.outside.extend_from_slice(inputs.efforts);
+        if self.mode.joints.iter().any(|joint| matches!(joint, JointMode::Held { .. })) {
+            self.lost_at_start += self.pass(inputs, state, &[]);
+        }
+    }
+
     /// At a given instant of a target or a tick: the efforts that begin there. Whether joints at rest have to be decided anew.
     fn meet_instants(&mut self, state: &State) -> bool {
         let (before, now) = (self.origin.time, state.time);
@@ -379,6 +391,7 @@ impl Integrator for Eventful {
         if moved || self.is_other(mechanism) {
             self.begin(mechanism, inputs, state)?;
         }
+        self.heed(inputs, state);
         let next = self.next_instant(state.time, until);
         let mut outcome = self.advance(inputs, state, next)?;
         // What is left is less than the time can tell.

@@ -8,12 +8,14 @@
 //! | what | where |
 //! |---|---|
 //! | the run as an object | `run`, `integrators`, `run_integrator`, `step_choice` |
+//! | who decides on efforts | `controller` |
 //! | one mechanism, step by step | `course`, `summary`, `observer` |
 //! | independent parts side by side | `partition`, `islands`, `island`, `merged`, `threads` |
 //! | the accuracy that a tolerance means | `accuracy`, `trial_run` |
 
 #[doc(hidden)]
 pub mod accuracy;
+mod controller;
 mod course;
 mod integrators;
 mod island;
@@ -32,6 +34,7 @@ mod summary;
 pub mod threads;
 mod trial_run;
 
+pub use controller::{ControlError, Controller};
 pub(crate) use course::Course;
 pub use course::{RunError, RunOptions, run};
 pub use integrators::{SimulationError, UnknownAccuracy};

@@ -85,7 +85,12 @@ impl Motor {
 
     /// Its effort at an instant [N m or N], were it worked out there.
     pub fn effort(&self, time: f64, position: f64, rate: f64) -> f64 {
-        self.unbounded(time, time, position, rate).clamp(-self.max_effort, self.max_effort)
+        self.bounded(self.unbounded(time, time, position, rate))
+    }
+
+    /// An effort within its bound [N m or N].
+    pub fn bounded(&self, effort: f64) -> f64 {
+        effort.min(self.max_effort).max(-self.max_effort)
     }
 
     /// The next instant after `time` at which its effort may change its law: a tick, or a given instant of its target (s).

@@ -1,0 +1,91 @@
+//! Somebody who decides on efforts while a run goes on: state in, efforts out, at fixed instants.
+//!
+//! ```text
+//!     t_k = t₀ + k T,   τ(t) = u(t_k, q_k, v_k)   for t_k ≤ t < t_{k+1}         T: the period (s)
+//! ```
+//!
+//! Steps end at the instants exactly, and the state there is that of the end of a step: nothing of the dense output's lower order. The efforts are
+//! constant in between, so that every piece is smooth and the order of the scheme is kept. (A continuous law along one coordinate is a
+//! [`Motor`](crate::mechanism::description::nonsmooth::Motor), whose gains are in the equations of the steps.)
+
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::state::State;
+use crate::simulation::course::RunError;
+use crate::simulation::run::{InputError, Simulation};
+
+/// Decides on the efforts of a run.
+///
+/// The same state has to give the same efforts for a run to be the same twice.
+pub trait Controller {
+    /// How long efforts are held (s): greater than zero.
+    fn period(&self) -> f64;
+
+    /// The efforts from this state on, one entry a degree of freedom [N m or N]; zero unless they are written.
+    fn efforts(&mut self, mechanism: &Mechanism, state: &State, efforts: &mut [f64]);
+}
+
+/// Why a controlled run has ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum ControlError {
+    /// The run.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The efforts.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The period.
+    #[error("a controller's period of {0} s: give a finite time that is longer than zero")]
+    Period(f64),
+}
+
+impl Simulation<'_> {
+    /// Makes steps to the end of the run under the efforts of a controller, which is asked now and after each of its periods.
+    ///
+    /// ```
+    /// # use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+    /// # use catena::mechanism::description::mechanism::{Body, Mechanism};
+    /// # use catena::mechanism::motion::state::State;
+    /// # use catena::simulation::{Controller, Simulation, SimulationOptions, StepChoice};
+    /// # use nalgebra::Vector3;
+    /// /// Brakes a trolley in proportion to its speed, a hundred times a second.
+    /// struct Brake;
+    /// impl Controller for Brake {
+    ///     fn period(&self) -> f64 {
+    ///         0.01
+    ///     }
+    ///     fn efforts(&mut self, _: &Mechanism, state: &State, efforts: &mut [f64]) {
+    ///         efforts[0] = -2.0 * state.velocity[0];
+    ///     }
+    /// }
+    /// # let joint = Joint::new("rail", JointKind::Prismatic, Pose::identity(), Pose::identity());
+    /// # let body = Body { name: "trolley".into(), parent: None, mass: 2.0, inertia: Vector3::repeat(0.1), joint };
+    /// # let mechanism = Mechanism::new("rail", Vector3::zeros(), vec![body])?;
+    /// let mut start = State::zero(&mechanism);
+    /// start.velocity[0] = 1.0;
+    /// let options = SimulationOptions { duration: 1.0, steps: StepChoice::Tolerance(1e-9), switched_off: &[], interrupt: None };
+    /// let mut simulation = Simulation::new(&mechanism, start, options)?;
+    /// simulation.run_under(&mut Brake)?;
+    /// assert!((simulation.state().velocity[0] - 0.99_f64.powi(100)).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ControlError`]: the run fails, an effort is not finite, or the period is none.
+    pub fn run_under(&mut self, controller: &mut dyn Controller) -> Result<(), ControlError> {
+        let (begin, period) = (self.state().time, controller.period());
+        if !(period > 0.0 && period.is_finite()) {
+            return Err(ControlError::Period(period));
+        }
+        let mut efforts = vec![0.0; self.mechanism().velocity_count];
+        for tick in 1_u64.. {
+            if self.state().time >= self.end() {
+                break;
+            }
+            efforts.fill(0.0);
+            controller.efforts(self.mechanism(), self.state(), &mut efforts);
+            self.set_efforts(&efforts)?;
+            self.step_to((begin + tick as f64 * period).min(self.end()))?;
+        }
+        Ok(())
+    }
+}
