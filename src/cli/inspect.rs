@@ -212,7 +212,7 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
             (link.position, link.orientation) = (pose.position, pose.orientation);
         }
     }
-    let mut reports = joint_reports(model, &state);
+    let mut reports = joint_reports(model, &state, &[]);
     let reactions: HashMap<&str, _> =
         frame.reactions.names.iter().map(String::as_str).zip(&frame.reactions.wrenches).collect();
     for (name, joint) in &mut reports {
@@ -224,7 +224,7 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
         }
     }
     // The gaps follow from the joints' coordinates, as those of the report do.
-    let mut loops = loop_reports(model, &state);
+    let mut loops = loop_reports(model, &state, &[]);
     for (name, closing) in &mut loops {
         if let Some((force, torque)) = reactions.get(name.as_str()) {
             (closing.reaction_force, closing.reaction_torque) = (*force, *torque);

@@ -17,8 +17,8 @@ use catena::model::Model;
 use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
 use catena::output::report::{
     AccuracyReport, ConstraintReport, EnergyReport, EventReport, IslandReport, MethodReport, ModelReport, Report,
-    SpeedWatch, StepErrorReport, add_statuses, energy_warning, joint_reports, link_reports, loop_reports,
-    ringing_warning, singular_warning,
+    SpeedWatch, StepErrorReport, energy_warning, joint_reports, link_reports, loop_reports, ringing_warning,
+    singular_warning,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Finished, Simulation, SimulationError, SimulationOptions, StepChoice};
@@ -241,8 +241,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (ended, log) = finish(recorder, ended, &summary, output.as_deref());
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
-    let mut joints = joint_reports(model, &state);
-    add_statuses(&mut joints, model, &statuses);
+    let joints = joint_reports(model, &state, &statuses);
     let report = Report {
         catena: env!("CARGO_PKG_VERSION"),
         input: arguments.input.input.display().to_string(),
@@ -264,7 +263,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         constraint: ConstraintReport::new(&summary),
         links: link_reports(model, &state),
         joints,
-        loops: loop_reports(model, &state),
+        loops: loop_reports(model, &state, &statuses),
         islands: islands.iter().map(IslandReport::new).collect(),
         warnings: model.warnings.iter().map(ToString::to_string).chain(unreached).chain(of_method).collect(),
         accuracy,

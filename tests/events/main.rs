@@ -10,4 +10,5 @@ mod mechanisms;
 mod motors;
 mod orders;
 mod pendulum;
+mod reactions;
 mod slides;

@@ -15,9 +15,7 @@ pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};
 pub use method::{
     AccuracyReport, COARSE, FrequencyReport, MethodReport, energy_warning, ringing_warning, singular_warning,
 };
-pub use places::{
-    JointReport, LinkReport, LoopReport, Numbers, add_statuses, joint_reports, link_reports, loop_reports,
-};
+pub use places::{JointReport, LinkReport, LoopReport, Numbers, joint_reports, link_reports, loop_reports};
 pub use speeds::SpeedWatch;
 pub use step_error::StepErrorReport;
 

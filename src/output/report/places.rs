@@ -3,6 +3,7 @@
 use crate::instant::reactions::{LoopReaction, Reactions};
 use crate::mechanism::description::closure::LoopJoint;
 use crate::mechanism::description::joint::wxyz_from_rotation;
+use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::event::JointStatus;
 use crate::mechanism::motion::gaps::loop_gaps;
 use crate::mechanism::motion::kinematics::body_states;
@@ -89,10 +90,23 @@ pub fn link_reports(model: &Model, state: &State) -> Vec<(String, LinkReport)> {
     model.links.iter().enumerate().map(report).collect()
 }
 
-/// Every joint of a model that moves, in the order of the URDF; a floating base comes first.
-pub fn joint_reports(model: &Model, state: &State) -> Vec<(String, JointReport)> {
+/// The efforts of the motors in a state [N m or N]: what the statuses of the bodies' joints say, if there are any, else what their laws give there.
+fn motor_efforts(model: &Model, state: &State, statuses: &[JointStatus]) -> Vec<f64> {
+    let motors = model.mechanism.nonsmooth.motors.iter();
+    let effort = |motor: &Motor| {
+        let at = motor.coordinate;
+        let known = statuses.get(at.body).and_then(|status| status.effort);
+        known.unwrap_or_else(|| motor.effort(state.time, state.position[at.position], state.velocity[at.freedom]))
+    };
+    motors.map(effort).collect()
+}
+
+/// Every joint of a model that moves, in the order of the URDF; a floating base comes first. `statuses` has what the joint of each body is up
+/// to, where that is known: the effort of a sampled motor does not follow from the state.
+pub fn joint_reports(model: &Model, state: &State, statuses: &[JointStatus]) -> Vec<(String, JointReport)> {
     let mechanism = &model.mechanism;
     let mut carried = Reactions::new(mechanism);
+    carried.drive(&motor_efforts(model, state, statuses));
     let (reactions, _) = carried.at(&state.position, &state.velocity);
     let report = |(index, record): (usize, &JointRecord)| {
         let reaction = reactions[record.body?];
@@ -102,29 +116,22 @@ pub fn joint_reports(model: &Model, state: &State) -> Vec<(String, JointReport)>
             velocity: velocity.into(),
             reaction_force: reaction.force.into(),
             reaction_torque: reaction.torque.into(),
-            status: None,
+            status: statuses.get(record.body?).map(JointStatusReport::from),
         };
         Some((record.name.clone(), report))
     };
     model.joints.iter().enumerate().filter_map(report).collect()
 }
 
-/// Adds to the reports of [`joint_reports`] what the joint of each body is up to.
-pub fn add_statuses(reports: &mut [(String, JointReport)], model: &Model, statuses: &[JointStatus]) {
-    let moving = model.joints.iter().filter_map(|record| record.body);
-    for ((_, report), body) in reports.iter_mut().zip(moving) {
-        report.status = statuses.get(body).map(JointStatusReport::from);
-    }
-}
-
-/// Every loop joint of a model.
-pub fn loop_reports(model: &Model, state: &State) -> Vec<(String, LoopReport)> {
+/// Every loop joint of a model; `statuses` as in [`joint_reports`].
+pub fn loop_reports(model: &Model, state: &State, statuses: &[JointStatus]) -> Vec<(String, LoopReport)> {
     let mechanism = &model.mechanism;
     if mechanism.loops.is_empty() {
         return Vec::new();
     }
     let bodies = body_states(mechanism, state);
     let mut carried = Reactions::new(mechanism);
+    carried.drive(&motor_efforts(model, state, statuses));
     let (_, reactions) = carried.of_placed(&state.position, &state.velocity, &bodies);
     let report = |(joint, reaction): (&LoopJoint, &LoopReaction)| {
         let report = LoopReport {
