@@ -127,7 +127,7 @@ impl Loaded {
             let body = record.and_then(|record| record.body);
             body.map_or("", |body| self.model.mechanism.bodies[body].joint.kind.unit(0))
         };
-        let reports = joint_reports(&self.model, state);
+        let reports = joint_reports(&self.model, state, &[]);
         let mut all = Vec::new();
         for (joint, report) in &reports {
             for (given, starts, per_second) in

@@ -210,7 +210,7 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
             (link.position, link.orientation) = (pose.position, pose.orientation);
         }
     }
-    let (mut reports, mut loops) = carried_reports(model, &state);
+    let (mut reports, mut loops) = carried_reports(model, &state, &[]);
     let reactions: HashMap<&str, _> =
         frame.reactions.names.iter().map(String::as_str).zip(&frame.reactions.wrenches).collect();
     for (name, joint) in &mut reports {

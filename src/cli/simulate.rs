@@ -17,7 +17,7 @@ use catena::model::Model;
 use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
 use catena::output::report::{
     AccuracyReport, ConstraintReport, EnergyReport, EventReport, FarSpring, IslandReport, MethodReport, ModelReport,
-    Report, SpeedWatch, StepErrorReport, add_statuses, balance_warning, carried_reports, link_reports, ringing_warning,
+    Report, SpeedWatch, StepErrorReport, balance_warning, carried_reports, link_reports, ringing_warning,
     singular_warning,
 };
 use catena::scene::SimulationSettings;
@@ -247,8 +247,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (ended, log) = finish(recorder, ended, &summary, output.as_deref());
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
-    let (mut joints, loops) = carried_reports(model, &state);
-    add_statuses(&mut joints, model, &statuses);
+    let (joints, loops) = carried_reports(model, &state, &statuses);
     let report = Report {
         catena: env!("CARGO_PKG_VERSION"),
         input: arguments.input.input.display().to_string(),

@@ -12,10 +12,10 @@
 //!
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 
-use crate::events::bounded::minimise;
-use crate::events::elements::Elements;
 use crate::events::mode::{JointMode, Mode};
-use crate::events::response::Response;
+use crate::instant::bounded::minimise;
+use crate::instant::elements::Elements;
+use crate::instant::response::Response;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use nalgebra::DMatrix;

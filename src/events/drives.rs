@@ -11,9 +11,9 @@
 //! so that stiff gains cost iterations, not steps. Its work is that of the three: of the spring `−½ kp [(q − r₀)²]`, of the damper
 //! `−h Σ b_k kd q̇_k²` and of the effort `h Σ b_k e_k q̇_k`, with the rates of the scheme.
 
-use crate::events::elements::Elements;
 use crate::events::held::Held;
 use crate::events::mode::{Mode, MotorMode};
+use crate::instant::elements::Elements;
 use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::forces::{JointDamper, JointSpring};
 use crate::mechanism::description::mechanism::Mechanism;

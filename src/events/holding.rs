@@ -16,11 +16,11 @@
 //!
 //! a linear programme, solved by clarabel. Source of the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
-use crate::events::bounded;
-use crate::events::elements::Elements;
 use crate::events::held::Held as Moving;
 use crate::events::mode::{JointMode, Mode};
-use crate::events::response::Response;
+use crate::instant::bounded;
+use crate::instant::elements::Elements;
+use crate::instant::response::Response;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::JointKind;
 use crate::mechanism::description::mechanism::Mechanism;

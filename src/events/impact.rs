@@ -14,8 +14,8 @@
 //! Sources: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics" (1988); rounds: B. Smith et al., "Reflections on
 //! simultaneous impact", ACM Trans. Graphics 31 (2012).
 
-use crate::events::bounded::minimise;
-use crate::events::response::Response;
+use crate::instant::bounded::minimise;
+use crate::instant::response::Response;
 use crate::mechanism::motion::state::State;
 use nalgebra::{DMatrix, DVector};
 

@@ -2,13 +2,13 @@
 
 use crate::events::decision::held_bodies;
 use crate::events::drives::Drives;
-use crate::events::elements::Elements;
 use crate::events::held::Held;
 use crate::events::holding::Held as Holding;
 use crate::events::mode::{JointMode, Mode, MotorMode};
-use crate::events::response::Response;
 use crate::events::transition::{Found, Memory, transit};
 use crate::events::watched::{Watched, unbounded};
+use crate::instant::elements::Elements;
+use crate::instant::response::Response;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;

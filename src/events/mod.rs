@@ -16,26 +16,23 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | limits, friction, motors, and the states they can be in | `elements`, `mode` |
+//! | limits, friction, motors, and the states they can be in | [`crate::instant::elements`], `mode` |
 //! | what is left to move while joints are held | `held` |
 //! | motors within steps | `drives` |
 //! | functions whose sign is watched; where one changes | `watched`, `detection` |
-//! | accelerations and velocities under efforts and impulses | `response`, `bounded` |
+//! | accelerations and velocities under efforts and impulses | [`crate::instant::response`], [`crate::instant::bounded`] |
 //! | what an event does | `impact`, `decision`, `transition` |
 //! | efforts that hold joints | `holding` |
 //! | the integrator: its modes, its steps | `integrator`, `steps` |
 
-mod bounded;
 mod decision;
 mod detection;
 mod drives;
-mod elements;
 mod held;
 mod holding;
 mod impact;
 mod integrator;
 mod mode;
-mod response;
 mod steps;
 mod transition;
 mod watched;

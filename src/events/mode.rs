@@ -10,7 +10,7 @@
 //! | motor | at its bound | `± bound` |
 //! | motor | sampled | as worked out at the last tick |
 
-use crate::events::elements::{ElementJoint, Elements};
+use crate::instant::elements::{ElementJoint, Elements};
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
 
@@ -93,12 +93,9 @@ impl Mode {
 impl JointMode {
     /// The efforts that can hold a joint: λ from … to [N m or N].
     pub fn holding(self, joint: &ElementJoint) -> (f64, f64) {
-        let friction = joint.friction;
         match self {
-            JointMode::Held { .. } if joint.is_locked() => (f64::NEG_INFINITY, f64::INFINITY),
-            JointMode::Held { on: Some(Side::Lower) } => (-friction, f64::INFINITY),
-            JointMode::Held { on: Some(Side::Upper) } => (f64::NEG_INFINITY, friction),
-            JointMode::Held { on: None } | JointMode::Free { .. } => (-friction, friction),
+            JointMode::Held { on } => joint.holding(on),
+            JointMode::Free { .. } => joint.holding(None),
         }
     }
 }

@@ -9,13 +9,13 @@
 //! An element whose impacts follow each other ever faster comes to rest at `t∞ = t_k + T_k/(1 − ρ)`, with the flight `T_k` that would follow and the ratio ρ
 //! of two impacts. Where the greatest height that is left, `γ⁺²/(2 g)` with `g = 2 γ⁺/T`, is too small to matter, the impact is plastic.
 
-use crate::events::bounded::minimise;
 use crate::events::decision::{Yielding, decide};
-use crate::events::elements::{Elements, inward};
 use crate::events::impact::{Row, collide};
 use crate::events::mode::{JointMode, Mode, MotorMode};
-use crate::events::response::Response;
 use crate::events::watched::Watched;
+use crate::instant::bounded::minimise;
+use crate::instant::elements::{Elements, inward};
+use crate::instant::response::Response;
 use crate::mechanism::motion::event::{Event, EventKind, Side};
 use crate::mechanism::motion::state::State;
 

@@ -9,9 +9,9 @@
 //! | what a motor can still do | `bound − u`, `bound + u` | it reaches its bound |
 //! | what a motor at its bound has too much | `± u − bound` | it comes back |
 
-use crate::events::elements::Elements;
 use crate::events::holding::Held as HeldEfforts;
 use crate::events::mode::{JointMode, Mode, MotorMode};
+use crate::instant::elements::Elements;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
 

@@ -1,11 +1,15 @@
 //! The problem at one instant: how closed loops are assembled, what joints and loops carry, whether anything moves at all.
 
 pub mod assembly;
+pub(crate) mod bounded;
 mod box_programme;
+pub(crate) mod elements;
+mod exerted;
 #[doc(hidden)]
 pub mod limits;
 mod mass_matrix;
 pub mod reactions;
+pub(crate) mod response;
 pub mod rest;
 #[doc(hidden)]
 pub mod snapshots;

@@ -6,10 +6,12 @@
 //!     H a = τ − c + Jᵀ μ,    J a + J̇ v = 0
 //! ```
 //!
+//! with the efforts τ of forces in joints, and of motors, dry friction and limits ([`crate::instant::exerted`]);
 //! then Newton and Euler for every subtree with the multipliers' wrenches on the bodies. Where equations are redundant μ is not
 //! unique; the one with the least `Σ s μ²` is taken, s the mobility of each equation, and what a joint of a loop carries
 //! then depends on that choice as it does on nature's.
 
+use crate::instant::exerted::Exerted;
 use crate::lobatto::coupled::counted::Counted;
 use crate::lobatto::coupled::deciding::known;
 use crate::lobatto::coupled::projection::Projection;
@@ -18,6 +20,7 @@ use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::{BodyWrench, body_wrenches};
 use crate::mechanism::motion::gaps::gap_accelerations;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, forward_kinematics};
 use crate::mechanism::motion::state::State;
 use crate::reduced::{Reaction, ReducedOde, reactions_under};
@@ -35,6 +38,9 @@ pub struct Reactions<M> {
     reactions: Vec<Reaction>,
     loops: Vec<LoopReaction>,
     closing: Option<Closing>,
+    exerted: Option<Exerted>,
+    /// The efforts of motors.
+    motors: Vec<f64>,
 }
 
 /// What mechanisms with closures need besides.
@@ -75,14 +81,24 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
             }
         });
         let count = mechanism.bodies.len();
+        let exerted = Exerted::new(mechanism);
+        let ode = if exerted.is_some() {
+            let mut driven = mechanism.clone();
+            driven.forces.driven = true;
+            ReducedOde::new(&driven)
+        } else {
+            ReducedOde::new(mechanism)
+        };
         Reactions {
-            ode: ReducedOde::new(mechanism),
+            ode,
             joint_accelerations: vec![0.0; mechanism.velocity_count],
             accelerations: vec![BodyAcceleration::default(); count],
             applied: vec![BodyWrench::default(); count],
             reactions: vec![Reaction::default(); count],
             loops: vec![LoopReaction::default(); mechanism.loops.len()],
             closing,
+            exerted,
+            motors: Vec::with_capacity(mechanism.nonsmooth.motors.len()),
             mechanism: of,
         }
     }
@@ -94,9 +110,22 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         }
     }
 
+    /// Takes the efforts of the motors for all states that follow: one entry a motor of the mechanism [N m or N]; before, no motor drives.
+    pub fn drive(&mut self, motors: &[f64]) {
+        self.motors.clear();
+        self.motors.extend_from_slice(motors);
+    }
+
     /// The acceleration of each body at these positions and velocities, which place the bodies, with all closures and
-    /// forces. Does not allocate.
+    /// forces, but without motors, dry friction and limits. Does not allocate.
     pub fn accelerations(&mut self, position: &[f64], velocity: &[f64], bodies: &[BodyState]) -> &[BodyAcceleration] {
+        self.ode.drive(Inputs::NONE);
+        self.accelerate(position, velocity, bodies);
+        &self.accelerations
+    }
+
+    /// The same under the efforts that the system in joint coordinates has been handed.
+    fn accelerate(&mut self, position: &[f64], velocity: &[f64], bodies: &[BodyState]) {
         let Reactions { mechanism, joint_accelerations, accelerations, closing, .. } = self;
         let mechanism = (*mechanism).borrow();
         self.ode.accelerations_of_placed(position, velocity, bodies, joint_accelerations);
@@ -116,18 +145,21 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
             });
         }
         body_accelerations(mechanism, bodies, velocity, joint_accelerations, accelerations);
-        accelerations
     }
 
     /// What each joint carries at these positions and velocities, which place the bodies: one entry a body, and what each
-    /// loop carries. Does not allocate.
+    /// loop carries. Motors, dry friction and limits take part. Does not allocate while no joint is held.
     pub fn of_placed(
         &mut self,
         position: &[f64],
         velocity: &[f64],
         bodies: &[BodyState],
     ) -> (&[Reaction], &[LoopReaction]) {
-        self.accelerations(position, velocity, bodies);
+        if let Some(exerted) = &mut self.exerted {
+            let efforts = exerted.at(position, velocity, &self.motors);
+            self.ode.drive(Inputs::constant(efforts));
+        }
+        self.accelerate(position, velocity, bodies);
         let Reactions { mechanism, accelerations, applied, reactions, loops, closing, .. } = self;
         let mechanism = (*mechanism).borrow();
         body_wrenches(mechanism, bodies, applied);

@@ -1,12 +1,12 @@
 //! Where the links are and what joints and loops carry at a few instants of a motion: what a log has of a sample.
 //!
 //! Trees with nothing but gravity and forces in joints are looked at in lanes (`lobatto::instants::instants`); mechanisms with
-//! closures or forces on bodies one instant after the other, by [`crate::instant::reactions`], which is also what the lanes are held
-//! against in the tests.
+//! closures, forces on bodies, motors, dry friction or limits one instant after the other, by [`crate::instant::reactions`], which is also
+//! what the lanes are held against in the tests.
 
 use crate::instant::reactions::Reactions;
 use crate::kernels::instants_for;
-use crate::lobatto::instants::snapshot::{Instants, LinkPlace, Row, Snapshots};
+use crate::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::{JointKind, wxyz_from_rotation};
 use crate::mechanism::description::mechanism::Mechanism;
@@ -14,13 +14,41 @@ use crate::mechanism::motion::kinematics::forward_kinematics;
 use nalgebra::Vector3;
 
 /// The fastest way to look at a mechanism and its links.
-pub fn instants(mechanism: &Mechanism, links: &[LinkPlace]) -> Box<dyn Instants> {
-    let forces = &mechanism.forces;
-    let only_joints = forces.point_springs.is_empty() && forces.wrenches.is_empty();
-    if only_joints && !mechanism.has_closures() {
-        instants_for(mechanism, links)
-    } else {
-        Box::new(SerialInstants::new(mechanism, links))
+pub enum View {
+    /// Eight instants at once.
+    Lanes(Box<dyn Instants>),
+    /// One after the other.
+    Serial(Box<SerialInstants>),
+}
+
+impl View {
+    /// Sets up a mechanism and its links.
+    pub fn new(mechanism: &Mechanism, links: &[LinkPlace]) -> Self {
+        let forces = &mechanism.forces;
+        let only_joints = forces.point_springs.is_empty() && forces.wrenches.is_empty();
+        if only_joints && !mechanism.has_closures() && mechanism.nonsmooth.is_empty() {
+            View::Lanes(instants_for(mechanism, links))
+        } else {
+            View::Serial(Box::new(SerialInstants::new(mechanism, links)))
+        }
+    }
+
+    /// Takes the efforts of the motors at the instants that are looked at next [N m or N]: one entry a motor, instant after instant.
+    pub fn drive(&mut self, motors: &[f64]) {
+        match self {
+            // It has none.
+            View::Lanes(_) => {}
+            View::Serial(serial) => serial.drive(motors),
+        }
+    }
+}
+
+impl Instants for View {
+    fn look(&mut self, positions: &[f64], velocities: &[f64], count: usize, out: &mut Snapshots) {
+        match self {
+            View::Lanes(lanes) => lanes.look(positions, velocities, count, out),
+            View::Serial(serial) => serial.look(positions, velocities, count, out),
+        }
     }
 }
 
@@ -30,6 +58,8 @@ pub struct SerialInstants {
     links: Vec<LinkPlace>,
     bodies: Vec<BodyState>,
     reactions: Reactions<Mechanism>,
+    /// The efforts of motors, instant after instant.
+    motors: Vec<f64>,
 }
 
 impl SerialInstants {
@@ -39,12 +69,21 @@ impl SerialInstants {
             links: links.to_vec(),
             bodies: vec![WORLD; mechanism.bodies.len()],
             reactions: Reactions::new(mechanism.clone()),
+            motors: Vec::with_capacity(INSTANTS * mechanism.nonsmooth.motors.len()),
             mechanism: mechanism.clone(),
         }
     }
 
+    /// Takes the efforts of the motors at the instants that are looked at next [N m or N]: one entry a motor, instant after instant.
+    pub fn drive(&mut self, motors: &[f64]) {
+        self.motors.clear();
+        self.motors.extend_from_slice(motors);
+    }
+
     fn look_at(&mut self, instant: usize, position: &[f64], velocity: &[f64], out: &mut Snapshots) {
-        let SerialInstants { mechanism, links, bodies, reactions } = self;
+        let SerialInstants { mechanism, links, bodies, reactions, motors } = self;
+        let count = mechanism.nonsmooth.motors.len();
+        reactions.drive(motors.get(instant * count..(instant + 1) * count).unwrap_or_default());
         forward_kinematics(mechanism, position, velocity, bodies);
         for ((body, in_body), rows) in links.iter().zip(&mut out.poses) {
             let on = body.map_or(WORLD, |body| bodies[body]);

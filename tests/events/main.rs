@@ -10,5 +10,6 @@ mod mechanisms;
 mod motors;
 mod orders;
 mod pendulum;
+mod reactions;
 mod robots;
 mod slides;

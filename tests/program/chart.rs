@@ -287,3 +287,23 @@ fn a_budget_that_runs_out_is_said() {
     let report = Report { scenes: vec![chart], ..Report::default() };
     assert!(report.summary().contains("the budget ran out"), "{}", report.summary());
 }
+
+#[test]
+fn a_chart_says_in_one_line_what_its_methods_leave_out() {
+    let folder = scratch("nonsmooth");
+    let urdf = r#"<robot name="r"><link name="base"/><link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
+        <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <joint name="hinge" type="revolute"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>
+        <limit lower="-1" upper="1" effort="1" velocity="9"/><dynamics friction="0.1"/></joint></robot>"#;
+    std::fs::write(folder.join("rod.urdf"), urdf).unwrap();
+    let said = |more: &[&str]| {
+        let arguments = ["rod.urdf", "-o", "chart", "--quick", "--duration", "0.2", "--budget", "0.2"];
+        let ended = catena(&folder, &[&arguments[..], more].concat());
+        assert!(ended.status.success());
+        String::from_utf8_lossy(&ended.stderr).into_owned()
+    };
+    let warned =
+        "catena: warning: rod: charts are of smooth motions: 1 joint limit and 1 joint with friction are left out\n";
+    assert_eq!(said(&[]), warned);
+    assert_eq!(said(&["--without", "limits", "--without", "friction"]), "");
+}

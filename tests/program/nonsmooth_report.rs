@@ -6,7 +6,7 @@ use catena::mechanism::motion::event::{Event, EventCounts, EventKind, FrictionSt
 use catena::mechanism::motion::integrator::MethodDescription;
 use catena::model::{Model, ModelOptions};
 use catena::output::report::{
-    ConstraintReport, EnergyReport, EventReport, MethodReport, ModelReport, Report, add_statuses, joint_reports,
+    ConstraintReport, EnergyReport, EventReport, MethodReport, ModelReport, Report, joint_reports,
 };
 use catena::scene::{PackagePath, robot_from_text};
 use catena::simulation::{Finished, Summary};
@@ -47,8 +47,7 @@ fn pendulum() -> Model {
 
 fn report(model: &Model) -> Report {
     let finished = finished(model);
-    let mut joints = joint_reports(model, &finished.state);
-    add_statuses(&mut joints, model, &finished.joints);
+    let joints = joint_reports(model, &finished.state, &finished.joints);
     Report {
         catena: "",
         input: String::new(),

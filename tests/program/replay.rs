@@ -164,6 +164,70 @@ fn a_scene_whose_urdf_has_an_absolute_path_is_looked_at_and_replayed_from_the_lo
     }
 }
 
+/// Two links of 1 kg, the hinge of the second with friction that can hold it.
+const DRIVEN: &str = r#"<robot name="arm"><link name="base"/>
+    <link name="upper"><inertial><origin xyz="0 0 -0.2"/><mass value="1"/>
+    <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <link name="lower"><inertial><origin xyz="0 0 -0.2"/><mass value="1"/>
+    <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/></joint>
+    <joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/><origin xyz="0 0 -0.4"/><axis xyz="0 1 0"/>
+    <dynamics friction="0.5"/></joint></robot>"#;
+
+#[test]
+fn a_log_carries_the_tables_of_its_targets_also_those_of_one_name() {
+    let folder = folder("tables");
+    std::fs::write(folder.join("arm.urdf"), DRIVEN).expect("written");
+    for (side, value) in [("left", 0.4), ("right", -0.7)] {
+        std::fs::create_dir(folder.join(side)).expect("made");
+        std::fs::write(folder.join(side).join("target.csv"), format!("0,0\n0.3,{value}\n")).expect("written");
+    }
+    let scene = "[[robot]]\nurdf = \"arm.urdf\"\n[simulation]\nduration = 1\n\
+        [[motor]]\njoint = \"shoulder\"\nkind = \"position\"\nkp = 50\nkd = 5\ntarget = \"left/target.csv\"\n\
+        [[motor]]\njoint = \"elbow\"\nkind = \"position\"\nkp = 50\nkd = 2\ntarget = \"right/target.csv\"\nperiod = 0.01\n";
+    std::fs::write(folder.join("driven.toml"), scene).expect("written");
+    let output = run(&folder, &["simulate", "driven.toml", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let log = std::fs::read(folder.join("driven.mcap")).expect("a log");
+    let summary = mcap::Summary::read(&log).expect("complete").expect("with a summary");
+    let names: Vec<&str> = summary.attachment_indexes.iter().map(|index| index.name.as_str()).collect();
+    assert_eq!(names, ["driven.toml", "arm.urdf", "target.csv", "target.csv (2)"]);
+    for made in ["left", "right"] {
+        std::fs::remove_dir_all(folder.join(made)).expect("removed");
+    }
+    let output = run(&folder, &["replay", "driven.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let lacking = rewritten_with(&log, |_| {}, |name| name != "target.csv (2)", |_, _, _| {});
+    std::fs::write(folder.join("lacking.mcap"), lacking).expect("written");
+    let output = run(&folder, &["replay", "lacking.mcap"]);
+    assert_one_error(&output, 2, "lacking");
+    assert!(text(&output.stderr).contains("the log does not carry it"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn the_efforts_of_a_log_are_those_of_its_motors_and_friction() {
+    let folder = folder("efforts");
+    std::fs::write(folder.join("arm.urdf"), DRIVEN).expect("written");
+    let scene = "[[robot]]\nurdf = \"arm.urdf\"\npositions = { elbow = 0.1 }\n[simulation]\nduration = 0.5\n\
+        [[motor]]\njoint = \"shoulder\"\nkind = \"position\"\nkp = 20\nkd = 40\ntarget = 0.1\n";
+    std::fs::write(folder.join("arm.toml"), scene).expect("written");
+    let output = run(&folder, &["simulate", "arm.toml", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    let output = run(&folder, &["inspect", "arm.mcap", "--at", "0.5", "--json"]);
+    let logged: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    for said in [&report, &logged] {
+        let joints = &said["joints"];
+        // The axes are the world's y.
+        let along = |joint: &str| joints[joint]["reaction_torque"][1].as_f64().expect("a torque");
+        let of = |joint: &str, what: &str| joints[joint][what].as_f64().expect("a number");
+        let motor = 20.0 * (0.1 - of("shoulder", "position")) - 40.0 * of("shoulder", "velocity");
+        assert!((along("shoulder") - motor).abs() < 1e-9, "{} and not {motor}", along("shoulder"));
+        assert_eq!(of("elbow", "velocity"), 0.0, "held");
+        assert!(along("elbow").abs() > 0.1 && along("elbow").abs() < 0.5, "{}", along("elbow"));
+    }
+}
+
 /// A log may come from anybody, and says what it likes about paths.
 #[test]
 fn a_replay_reads_nothing_but_the_log_and_writes_nothing() {

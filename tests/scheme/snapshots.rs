@@ -2,7 +2,7 @@
 
 use crate::common::Numbers;
 use crate::models;
-use catena::instant::snapshots::{SerialInstants, instants};
+use catena::instant::snapshots::{SerialInstants, View};
 use catena::kernels::instants_for;
 use catena::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
 use catena::lobatto::instants::tree::LaneInstants;
@@ -133,7 +133,7 @@ fn quaternions_have_unit_length_after_a_thousand_joints() {
     let mechanism = models::chain(1000).mechanism;
     let links: Vec<LinkPlace> = (0..1000).map(|body| (Some(body), Pose::identity())).collect();
     let states = states(&mechanism, 3);
-    let out = look(instants(&mechanism, &links).as_mut(), &mechanism, links.len(), &states, 3);
+    let out = look(&mut View::new(&mechanism, &links), &mechanism, links.len(), &states, 3);
     for [_, _, _, w, x, y, z] in &out.poses {
         for instant in 0..3 {
             let length = [w, x, y, z].iter().map(|row| row[instant] * row[instant]).sum::<f64>();
@@ -151,7 +151,7 @@ fn joints_that_have_turned_a_million_times_are_where_they_are() {
     let angles = [0.0, 0.5 * turn, -0.5 * turn, 1.5 * turn + 1e-9, 1e3, -1e4 * turn, 6e6 + 0.1, f64::MIN_POSITIVE];
     let states = (angles.iter().flat_map(|&angle| [angle, -angle]).collect(), vec![1.0; 2 * INSTANTS]);
     let serial = look(&mut SerialInstants::new(&mechanism, &links), &mechanism, links.len(), &states, INSTANTS);
-    let lanes = look(instants(&mechanism, &links).as_mut(), &mechanism, links.len(), &states, INSTANTS);
+    let lanes = look(&mut View::new(&mechanism, &links), &mechanism, links.len(), &states, INSTANTS);
     for (of_link, serial) in lanes.poses.iter().zip(&serial.poses) {
         for instant in 0..INSTANTS {
             let numbers = |pose: &[Row; 7]| pose.map(|row| row[instant]);

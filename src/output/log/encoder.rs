@@ -3,7 +3,7 @@
 //! Everything that does not change is prepared once: names, message layouts, buffers. Samples are looked at several at once
 //! ([`crate::instant::snapshots`]); what is in a message does not depend on which samples its own was looked at with.
 
-use crate::instant::snapshots::instants;
+use crate::instant::snapshots::View;
 use crate::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Snapshots};
 use crate::mechanism::description::joint::Pose;
 use crate::model::{LinkFrame, Model};
@@ -38,7 +38,7 @@ pub(crate) struct SampleEncoder {
     joints: JointMessages,
     motors: Option<MotorMessages>,
     events: Option<EventMessages>,
-    instants: Box<dyn Instants>,
+    instants: View,
     snapshots: Snapshots,
     position_count: usize,
     velocity_count: usize,
@@ -68,7 +68,7 @@ impl SampleEncoder {
             joints: JointMessages::new(sink, model, world)?,
             motors: MotorMessages::new(sink, model)?,
             events: EventMessages::new(sink, model)?,
-            instants: instants(mechanism, &places),
+            instants: View::new(mechanism, &places),
             snapshots: Snapshots::new(mechanism, places.len()),
             position_count: mechanism.position_count,
             velocity_count: mechanism.velocity_count,
@@ -87,6 +87,10 @@ impl SampleEncoder {
             let first = group * INSTANTS;
             let positions = &piece.positions[first * self.position_count..][..times.len() * self.position_count];
             let velocities = &piece.velocities[first * self.velocity_count..][..times.len() * self.velocity_count];
+            if let Some(motors) = &mut self.motors {
+                motors.work_out(times, positions, velocities);
+                self.instants.drive(motors.efforts());
+            }
             self.instants.look(positions, velocities, times.len(), &mut self.snapshots);
             for (instant, &time) in times.iter().enumerate() {
                 while let Some((_, what)) = between.next_if(|(before, _)| *before <= first + instant) {
@@ -101,8 +105,8 @@ impl SampleEncoder {
                 let position = &positions[instant * self.position_count..][..self.position_count];
                 let velocity = &velocities[instant * self.velocity_count..][..self.velocity_count];
                 self.joints.write((position, velocity), (&self.snapshots, instant), stamp, sink)?;
-                if let Some(motors) = &mut self.motors {
-                    motors.write(time, (position, velocity), stamp, sink)?;
+                if let Some(motors) = &self.motors {
+                    motors.write(instant, stamp, sink)?;
                 }
             }
         }

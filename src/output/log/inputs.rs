@@ -1,7 +1,8 @@
 //! The input files as attachments, so that a run can be made again from its log alone.
 //!
-//! The main input (the scene file, or else the URDF) comes first, then the robots of a scene in their order: that, and no path,
-//! tells which is which. The metadata record `inputs` has for each attachment the SHA-256 of its bytes and, for people, the path
+//! The main input (the scene file, or else the URDF) comes first, then the robots of a scene in their order, then the CSV files of its
+//! targets in the order in which they were read: that, and no path, tells which is which. Attachments have the names of their files, with a
+//! number where another attachment has that name already. The metadata record `inputs` has for each attachment the SHA-256 of its bytes and, for people, the path
 //! it was read from, relative to the folder of the main input if it is below that: `HASH PATH`.
 
 use crate::model::Model;
@@ -31,12 +32,14 @@ pub(crate) fn inputs(model: &Model) -> Vec<Input<'_>> {
         model.robots.iter().enumerate().map(|(index, placed)| {
             (model.prefix(index), &*placed.robot.path, &*placed.robot.source, "application/xml")
         });
+    let tables = model.tables.iter().map(|table| (String::new(), &*table.path, &*table.text, "text/csv"));
     let mut main_folder = None;
-    let mut all = Vec::new();
-    for (prefix, path, text, media_type) in scene.chain(robots) {
+    let mut all: Vec<Input> = Vec::new();
+    for (prefix, path, text, media_type) in scene.chain(robots).chain(tables) {
         let folder = *main_folder.get_or_insert(path.parent().unwrap_or(Path::new("")));
+        let name = format!("{prefix}{}", path.file_name().unwrap_or(path.as_os_str()).to_string_lossy());
         all.push(Input {
-            name: format!("{prefix}{}", path.file_name().unwrap_or(path.as_os_str()).to_string_lossy()),
+            name: unique(name, &all),
             relative: path.strip_prefix(folder).unwrap_or(path),
             media_type,
             text,
@@ -44,6 +47,13 @@ pub(crate) fn inputs(model: &Model) -> Vec<Input<'_>> {
         });
     }
     all
+}
+
+/// The name, with a number if one of these has it.
+fn unique(name: String, taken: &[Input]) -> String {
+    let is_free = |name: &String| taken.iter().all(|input| input.name != *name);
+    let numbered = (2..).map(|number| format!("{name} ({number})"));
+    [name.clone()].into_iter().chain(numbered).find(is_free).unwrap_or(name)
 }
 
 /// Attaches what was read.

@@ -11,6 +11,7 @@
 //! It is exact where ticks are samples, and otherwise off by O(h⁴), or by the jump of the rate if an impact lies between the same two
 //! samples. A log with at least one sample per tick at the times of the ticks has exact efforts.
 
+use crate::lobatto::instants::snapshot::INSTANTS;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::model::Model;
 use crate::output::log::error::LogError;
@@ -24,6 +25,7 @@ pub(crate) struct MotorMessages {
     channel: u16,
     template: Template,
     motors: Vec<LoggedMotor>,
+    /// One entry a motor, sample after sample.
     efforts: Vec<f64>,
 }
 
@@ -38,27 +40,35 @@ impl MotorMessages {
             channel: ros_channel(sink, "/motors", ros::JOINT_STATE)?,
             template: Template::efforts("", motors.iter().map(|motor| joint_name(model, motor.coordinate.body))),
             motors: motors.iter().cloned().map(LoggedMotor::new).collect(),
-            efforts: Vec::with_capacity(motors.len()),
+            efforts: Vec::with_capacity(INSTANTS * motors.len()),
         }))
     }
 
-    /// Adds the message of a sample; samples come in order of time.
-    pub(crate) fn write(
-        &mut self,
-        time: f64,
-        (position, velocity): (&[f64], &[f64]),
-        stamp: u64,
-        sink: &mut dyn MessageSink,
-    ) -> Result<(), LogError> {
+    /// Works out the efforts at some samples; samples come in order of time.
+    pub(crate) fn work_out(&mut self, times: &[f64], positions: &[f64], velocities: &[f64]) {
         self.efforts.clear();
-        for logged in &mut self.motors {
-            let coordinate = logged.motor.coordinate;
-            let seen = Seen { time, position: position[coordinate.position], rate: velocity[coordinate.freedom] };
-            self.efforts.push(logged.effort(seen));
+        let samples =
+            positions.chunks(positions.len() / times.len()).zip(velocities.chunks(velocities.len() / times.len()));
+        for (&time, (position, velocity)) in times.iter().zip(samples) {
+            for logged in &mut self.motors {
+                let coordinate = logged.motor.coordinate;
+                let seen = Seen { time, position: position[coordinate.position], rate: velocity[coordinate.freedom] };
+                self.efforts.push(logged.effort(seen));
+            }
         }
+    }
+
+    /// The efforts at those samples: one entry a motor, sample after sample.
+    pub(crate) fn efforts(&self) -> &[f64] {
+        &self.efforts
+    }
+
+    /// Adds the message of one of them.
+    pub(crate) fn write(&self, sample: usize, stamp: u64, sink: &mut dyn MessageSink) -> Result<(), LogError> {
+        let count = self.motors.len();
         let message = sink.message(self.channel, stamp, self.template.encoded())?;
         self.template.fill_stamp(message, stamp);
-        self.template.fill(message, 0, self.efforts.iter().copied());
+        self.template.fill(message, 0, self.efforts[sample * count..][..count].iter().copied());
         Ok(())
     }
 }

@@ -14,9 +14,7 @@ mod text;
 pub(crate) use events::joint_name;
 pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};
 pub use method::{AccuracyReport, FrequencyReport, MethodReport, ringing_warning, singular_warning};
-pub use places::{
-    JointReport, LinkReport, LoopReport, Numbers, add_statuses, carried_reports, joint_reports, link_reports,
-};
+pub use places::{JointReport, LinkReport, LoopReport, Numbers, carried_reports, joint_reports, link_reports};
 pub use rounding::{COARSE, FarSpring, balance_warning, energy_warning};
 pub use speeds::SpeedWatch;
 pub use step_error::StepErrorReport;

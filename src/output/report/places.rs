@@ -4,6 +4,7 @@ use crate::instant::reactions::{LoopReaction, Reactions};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::LoopJoint;
 use crate::mechanism::description::joint::wxyz_from_rotation;
+use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::event::JointStatus;
 use crate::mechanism::motion::gaps::loop_gaps;
 use crate::mechanism::motion::kinematics::body_states;
@@ -94,17 +95,34 @@ pub fn link_reports(model: &Model, state: &State) -> Reports<LinkReport> {
     model.links.iter().enumerate().map(report).collect()
 }
 
+/// The efforts of the motors in a state [N m or N]: what the statuses of the bodies' joints say, if there are any, else what their laws give there.
+fn motor_efforts(model: &Model, state: &State, statuses: &[JointStatus]) -> Vec<f64> {
+    let motors = model.mechanism.nonsmooth.motors.iter();
+    let effort = |motor: &Motor| {
+        let at = motor.coordinate;
+        let known = statuses.get(at.body).and_then(|status| status.effort);
+        known.unwrap_or_else(|| motor.effort(state.time, state.position[at.position], state.velocity[at.freedom]))
+    };
+    motors.map(effort).collect()
+}
+
 /// Every joint of a model that moves, in the order of the URDF; a floating base comes first.
-pub fn joint_reports(model: &Model, state: &State) -> Reports<JointReport> {
-    carried_reports(model, state).0
+/// `statuses` has what the joint of each body is up to, where that is known: the effort of a sampled motor does not follow from the state.
+pub fn joint_reports(model: &Model, state: &State, statuses: &[JointStatus]) -> Reports<JointReport> {
+    carried_reports(model, state, statuses).0
 }
 
 /// The reports of joints and of loop joints, for whose reactions the closures are counted once.
-pub fn carried_reports(model: &Model, state: &State) -> (Reports<JointReport>, Reports<LoopReport>) {
+pub fn carried_reports(
+    model: &Model,
+    state: &State,
+    statuses: &[JointStatus],
+) -> (Reports<JointReport>, Reports<LoopReport>) {
     let mechanism = &model.mechanism;
     let mut carried = Reactions::new(mechanism);
+    carried.drive(&motor_efforts(model, state, statuses));
     let (reactions, _) = carried.at(&state.position, &state.velocity);
-    let joints = reports_of_joints(model, state, reactions);
+    let joints = reports_of_joints(model, state, reactions, statuses);
     if mechanism.loops.is_empty() {
         return (joints, Vec::new());
     }
@@ -114,7 +132,12 @@ pub fn carried_reports(model: &Model, state: &State) -> (Reports<JointReport>, R
     (joints, loops)
 }
 
-fn reports_of_joints(model: &Model, state: &State, reactions: &[Reaction]) -> Reports<JointReport> {
+fn reports_of_joints(
+    model: &Model,
+    state: &State,
+    reactions: &[Reaction],
+    statuses: &[JointStatus],
+) -> Reports<JointReport> {
     let report = |(index, record): (usize, &JointRecord)| {
         let reaction = reactions[record.body?];
         let (position, velocity) = model.joint_user_coordinates(index, &state.position, &state.velocity);
@@ -123,19 +146,11 @@ fn reports_of_joints(model: &Model, state: &State, reactions: &[Reaction]) -> Re
             velocity: velocity.into(),
             reaction_force: reaction.force.into(),
             reaction_torque: reaction.torque.into(),
-            status: None,
+            status: statuses.get(record.body?).map(JointStatusReport::from),
         };
         Some((record.name.clone(), report))
     };
     model.joints.iter().enumerate().filter_map(report).collect()
-}
-
-/// Adds to the reports of [`joint_reports`] what the joint of each body is up to.
-pub fn add_statuses(reports: &mut [(String, JointReport)], model: &Model, statuses: &[JointStatus]) {
-    let moving = model.joints.iter().filter_map(|record| record.body);
-    for ((_, report), body) in reports.iter_mut().zip(moving) {
-        report.status = statuses.get(body).map(JointStatusReport::from);
-    }
 }
 
 fn reports_of_loops(model: &Model, bodies: &[BodyState], reactions: &[LoopReaction]) -> Reports<LoopReport> {

@@ -210,7 +210,7 @@ fn reactions_are_those_of_the_report() {
         let time = message.log_time as f64 * 1e-9;
         state.position.copy_from_slice(&VELOCITY.map(|rate| rate * time));
         state.velocity.copy_from_slice(&VELOCITY);
-        for (name, report) in catena::output::report::joint_reports(&model, &state) {
+        for (name, report) in catena::output::report::joint_reports(&model, &state, &[]) {
             let expected = [report.reaction_force, report.reaction_torque].concat();
             for expected in expected {
                 let logged = f64::from_le_bytes(cdr.take());

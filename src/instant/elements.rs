@@ -182,6 +182,16 @@ impl ElementJoint {
         finite.into_iter().filter(|(_, finite)| *finite).map(|(side, _)| side)
     }
 
+    /// The efforts that can hold it at rest, on this limit or on none: λ from … to [N m or N].
+    pub fn holding(&self, on: Option<Side>) -> (f64, f64) {
+        match on {
+            _ if self.is_locked() => (f64::NEG_INFINITY, f64::INFINITY),
+            Some(Side::Lower) => (-self.friction, f64::INFINITY),
+            Some(Side::Upper) => (f64::NEG_INFINITY, self.friction),
+            None => (-self.friction, self.friction),
+        }
+    }
+
     /// Whether its bounds leave no room.
     pub fn is_locked(&self) -> bool {
         self.lower >= self.upper
