@@ -38,6 +38,15 @@ const SINGULAR: f64 = 1e-10;
 /// Roundings of an effort, relative to what it is the difference of.
 const ROUNDING: f64 = 2e-15;
 
+/// A mechanism, its elements, what they do, and what moves while they do it.
+#[derive(Clone, Copy)]
+pub(crate) struct Present<'p> {
+    pub whole: &'p Mechanism,
+    pub elements: &'p Elements,
+    pub mode: &'p Mode,
+    pub moving: &'p Moving,
+}
+
 /// Works out what holds the joints of one mode.
 pub(crate) struct Held {
     /// Index among the elements, and degree of freedom, of each held joint.
@@ -77,14 +86,8 @@ struct Tree {
 
 impl Held {
     /// For a mode in a state, and what moves in it.
-    pub fn new(
-        whole: &Mechanism,
-        elements: &Elements,
-        mode: &Mode,
-        moving: &Moving,
-        response: &mut Response,
-        state: &State,
-    ) -> Self {
+    pub fn new(at: &Present, response: &mut Response, state: &State) -> Self {
+        let Present { whole, elements, mode, moving } = *at;
         let joints: Vec<(usize, usize)> = (elements.joints.iter().zip(&mode.joints).enumerate())
             .filter(|(_, (_, mode))| matches!(mode, JointMode::Held { .. }))
             .map(|(index, (joint, _))| (index, joint.coordinate.freedom))
@@ -138,16 +141,8 @@ impl Held {
     }
 
     /// Works them out for a state of the whole under efforts from outside, of friction and of motors: one entry a degree of freedom.
-    pub fn evaluate(
-        &mut self,
-        whole: &Mechanism,
-        elements: &Elements,
-        mode: &Mode,
-        moving: &Moving,
-        response: &mut Response,
-        state: &State,
-        efforts: &[f64],
-    ) {
+    pub fn evaluate(&mut self, at: &Present, response: &mut Response, state: &State, efforts: &[f64]) {
+        let Present { whole, elements, mode, moving } = *at;
         let Held { joints, efforts: found, sizes, margin, how } = self;
         match how {
             How::Nothing => {}

@@ -3,8 +3,9 @@
 use crate::events::decision::held_bodies;
 use crate::events::drives::Drives;
 use crate::events::held::Held;
-use crate::events::holding::Held as Holding;
+use crate::events::holding::{Held as Holding, Present};
 use crate::events::mode::{JointMode, Mode, MotorMode};
+use crate::events::piece::{Key, Piece};
 use crate::events::transition::{Found, Memory, transit};
 use crate::events::watched::{Watched, unbounded};
 use crate::instant::elements::Elements;
@@ -59,29 +60,6 @@ pub struct Eventful {
     pub(super) idle: MethodDescription,
 }
 
-/// What moves while a mode lasts, and its steps.
-pub(super) struct Piece {
-    pub(super) key: Key,
-    pub(super) moving: Held,
-    pub(super) drives: Drives,
-    /// None if nothing moves.
-    pub(super) lobatto: Option<Lobatto>,
-    pub(super) small: State,
-    pub(super) small_start: State,
-    pub(super) small_efforts: Vec<f64>,
-    pub(super) small_position: Vec<f64>,
-    pub(super) small_velocity: Vec<f64>,
-    pub(super) used: usize,
-}
-
-/// What the workspace of a mode depends on: what is held and where, and which motors follow their laws.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Key {
-    pub(super) held: Vec<bool>,
-    pub(super) places: Vec<f64>,
-    pub(super) motors: Vec<bool>,
-}
-
 impl Eventful {
     /// For a mechanism with limits, friction or motors.
     ///
@@ -98,7 +76,10 @@ impl Eventful {
         let state = State::zero(mechanism);
         let mut response = Response::new(mechanism);
         let nothing = Held::new(mechanism, &state, vec![false; mechanism.bodies.len()]);
-        let holding = Holding::new(mechanism, &elements, &mode, &nothing, &mut response, &state);
+        let holding = {
+            let present = Present { whole: mechanism, elements: &elements, mode: &mode, moving: &nothing };
+            Holding::new(&present, &mut response, &state)
+        };
         Ok(Eventful {
             memory: Memory::new(elements.joints.len()),
             fresh_joints: vec![false; elements.joints.len()],
@@ -252,7 +233,10 @@ impl Eventful {
             lobatto.keep_pace(pace, state.time);
         }
         let Piece { moving, .. } = piece;
-        self.holding = Holding::new(&self.whole, &self.elements, &self.mode, moving, &mut self.response, state);
+        self.holding = {
+            let present = Present { whole: &self.whole, elements: &self.elements, mode: &self.mode, moving };
+            Holding::new(&present, &mut self.response, state)
+        };
         self.watched = Watched::of(&self.elements, &self.mode, self.holding.is_unique());
     }
 

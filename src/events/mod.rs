@@ -19,11 +19,11 @@
 //! | limits, friction, motors, and the states they can be in | [`crate::instant::elements`], `mode` |
 //! | what is left to move while joints are held | `held` |
 //! | motors within steps | `drives` |
-//! | functions whose sign is watched; where one changes | `watched`, `detection` |
+//! | functions whose sign is watched; where one changes; the step that ends there | `watched`, `detection`, `location` |
 //! | accelerations and velocities under efforts and impulses | [`crate::instant::response`], [`crate::instant::bounded`] |
 //! | what an event does | `impact`, `decision`, `transition` |
 //! | efforts that hold joints | `holding` |
-//! | the integrator: its modes, its steps | `integrator`, `steps` |
+//! | the integrator: its modes, what moves in each, its steps | `integrator`, `piece`, `steps` |
 
 mod decision;
 mod detection;
@@ -32,7 +32,9 @@ mod held;
 mod holding;
 mod impact;
 mod integrator;
+mod location;
 mod mode;
+mod piece;
 mod steps;
 mod transition;
 mod watched;

@@ -2,24 +2,19 @@
 //!
 //! ```text
 //!     step h of what moves ─▶ φ on its dense output ─▶ none: accepted
-//!                                                   └▶ a bracket: again with h − φ/φ̇, until φ(q̄, v̄, t₀ + h) = 0 to rounding
-//!                                                                 earlier ones? the same again
+//!                                                   └▶ a bracket: located (location.rs)
 //! ```
-//!
-//! φ̇ at the end of the step is its slope in h but for terms of the order of the scheme, so that a secant is as good as one more unknown.
 
-use crate::events::detection::{Bracket, first_sign_change};
 use crate::events::drives::displacement;
-use crate::events::integrator::{Eventful, Piece};
+use crate::events::integrator::Eventful;
 use crate::events::mode::{JointMode, MotorMode};
-use crate::events::watched::Watched;
+use crate::events::piece::Piece;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::event::{Event, FrictionState, JointStatus, Side};
-use crate::mechanism::motion::inputs::{ChangingEfforts, Inputs};
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
-use crate::stepping::recipe::{Recipe, Steps};
 
 /// Events at one instant before a step is made without looking for any.
 const FLIPS: usize = 20;
@@ -29,12 +24,8 @@ const SHORTENED: usize = 8;
 const SHORTER: f64 = 1.0 / 16.0;
 /// That step is no longer than this (s).
 const BLIND: f64 = 1e-9;
-/// Attempts at the length of a step that ends at an event.
-const ATTEMPTS: usize = 12;
-/// Functions this near to zero at an event, relative to their size, belong to it.
-const TOGETHER: f64 = 1e-11;
 /// Instants that are nearer to each other are one (relative to one second, or to the time if that is more).
-const ONE_INSTANT: f64 = 1e-12;
+pub(super) const ONE_INSTANT: f64 = 1e-12;
 
 impl Eventful {
     /// Makes one step towards `until`, which no effort's law changes before.
@@ -149,233 +140,6 @@ impl Eventful {
             friction,
             impacts: 0.0,
         }
-    }
-
-    /// The functions that may change their sign in the last step of the piece in use.
-    fn candidates(&self, since: f64) -> Vec<usize> {
-        let small = &self.pieces[self.current].small;
-        let length = small.time - since;
-        let near = |watched: &Watched| match *watched {
-            Watched::Gap(index, side) => {
-                let joint = &self.elements.joints[index];
-                let piece = &self.pieces[self.current];
-                let Some(own) = piece.moving.coordinate(&self.whole, joint.coordinate) else { return false };
-                let (start, end) = (&piece.small_start, small);
-                let fastest = start.velocity[own.freedom].abs().max(end.velocity[own.freedom].abs());
-                let nearest = [start, end].map(|state| joint.gap(side, state.position[own.position]));
-                // Twice what a cubic through both ends could do between them.
-                nearest[0].min(nearest[1]) <= length * fastest + (nearest[0] - nearest[1]).abs()
-            }
-            _ => true,
-        };
-        self.watched.iter().enumerate().filter(|(_, watched)| near(watched)).map(|(index, _)| index).collect()
-    }
-
-    /// Where a function changes its sign first in the last step; `but` is one that is known.
-    fn detect(&mut self, inputs: Inputs, since: f64, but: Option<usize>) -> Option<Bracket> {
-        let mut which = self.candidates(since);
-        which.retain(|index| Some(*index) != but);
-        if which.is_empty() {
-            return None;
-        }
-        let noise: Vec<f64> = which
-            .iter()
-            .map(|&index| {
-                let watched = self.watched[index];
-                let fresh = match watched {
-                    Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => {
-                        self.fresh_joints[joint]
-                    }
-                    Watched::Margin => self.fresh_joints.contains(&true),
-                    Watched::Motor(motor, _) | Watched::Excess(motor) => self.fresh_motors[motor],
-                };
-                if fresh { f64::INFINITY } else { TOGETHER * watched.scale(&self.elements) }
-            })
-            .collect();
-        let end = self.pieces[self.current].small.time;
-        let found = first_sign_change(which.len(), since, end, &noise, |time, values| {
-            self.evaluate(inputs, since, time, &which, values);
-        })?;
-        Some(Bracket { watched: which[found.watched], ..found })
-    }
-
-    /// The values of some functions at a time of the last step.
-    fn evaluate(&mut self, inputs: Inputs, since: f64, time: f64, which: &[usize], values: &mut [f64]) {
-        let Eventful { whole, elements, mode, response, pieces, current, holding, sample, watched, origin, .. } = self;
-        let piece = &mut pieces[*current];
-        sample.copy_from(origin);
-        piece.place(whole, time, sample);
-        if which.iter().any(|&index| watched[index].needs_efforts()) {
-            let mut efforts = vec![0.0; whole.velocity_count];
-            efforts[..inputs.efforts.len()].copy_from_slice(inputs.efforts);
-            mode.add_constant_efforts(elements, &mut efforts);
-            mode.add_motor_efforts(elements, since, time, sample, &mut efforts);
-            holding.evaluate(whole, elements, mode, &piece.moving, response, sample, &efforts);
-        }
-        for (value, &index) in values.iter_mut().zip(which) {
-            *value = watched[index].value(elements, mode, holding, since, time, sample);
-        }
-    }
-
-    /// Makes the step again so that it ends at the first event; returns the functions that are zero there.
-    fn locate(&mut self, inputs: Inputs, first: Bracket, outcome: &mut StepOutcome) -> Result<Vec<Watched>, StepError> {
-        let since = self.origin.time;
-        let mut bracket = first;
-        for _ in 0..=self.watched.len().min(ATTEMPTS) {
-            if bracket.at_start {
-                self.pieces[self.current].go_back(since, &self.recipe);
-                return Ok(vec![self.watched[bracket.watched]]);
-            }
-            self.end_at(inputs, since, bracket, outcome)?;
-            let end = self.pieces[self.current].small.time;
-            match self.detect(inputs, since, Some(bracket.watched)) {
-                Some(earlier) if earlier.root < end - 1e-9 * (end - since) => bracket = earlier,
-                _ => break,
-            }
-        }
-        let all: Vec<usize> = (0..self.watched.len()).collect();
-        let mut values = vec![0.0; all.len()];
-        let end = self.pieces[self.current].small.time;
-        self.evaluate(inputs, since, end, &all, &mut values);
-        let state = &self.sample;
-        let meets = |index: usize| {
-            let watched = self.watched[index];
-            let allowed = match watched {
-                // Those that get there at the same time; the top of a small bounce does not.
-                Watched::Gap(joint, _) => {
-                    self.elements.joints[joint].rate(state).abs() * ONE_INSTANT * end.abs().max(1.0)
-                }
-                _ => TOGETHER * watched.scale(&self.elements),
-            };
-            index == bracket.watched || values[index].abs() <= allowed
-        };
-        Ok((0..self.watched.len()).filter(|&index| meets(index)).map(|index| self.watched[index]).collect())
-    }
-
-    /// Makes the step again with the length at which a function is zero.
-    fn end_at(
-        &mut self,
-        inputs: Inputs,
-        since: f64,
-        bracket: Bracket,
-        outcome: &mut StepOutcome,
-    ) -> Result<(), StepError> {
-        let which = [bracket.watched];
-        let full = self.pieces[self.current].small.time - since;
-        let scale = self.watched[bracket.watched].scale(&self.elements);
-        let (mut low, mut high) = (bracket.low - since, (bracket.high - since).max(bracket.root - since));
-        let mut length = bracket.root - since;
-        let mut slope = bracket.slope;
-        let mut before: Option<(f64, f64)> = None;
-        for attempt in 0..ATTEMPTS {
-            let done = self.pieces[self.current].again(since, length)?;
-            outcome.iterations += done.iterations;
-            outcome.exchange = done.exchange;
-            outcome.rejected += usize::from(attempt == 0);
-            let mut value = [0.0];
-            let end = self.pieces[self.current].small.time;
-            self.evaluate(inputs, since, end, &which, &mut value);
-            let [value] = value;
-            if let Some((other, there)) = before
-                && other != length
-                && value != there
-            {
-                slope = (value - there) / (length - other);
-            }
-            if value.abs() <= 2e-16 * scale || slope == 0.0 {
-                break;
-            }
-            let change = -value / slope;
-            // Shorter than the time can tell.
-            if change.abs() <= 0.5 * f64::EPSILON * end.abs().max(full) {
-                break;
-            }
-            if before.is_some_and(|(_, there)| attempt > 3 && value.abs() >= there.abs() && value.abs() < 1e-13 * scale)
-            {
-                break;
-            }
-            if value > 0.0 {
-                low = low.max(length)
-            } else {
-                high = high.min(length)
-            }
-            before = Some((length, value));
-            let wanted = length + change;
-            // The dense output that has bracketed the root may be off by its error.
-            let (from, to) = (low.min(length) - 1e-3 * full, high.max(length) + 1e-3 * full);
-            length = if wanted > from.max(0.0) && wanted < to { wanted } else { 0.5 * (low + high) };
-            // So near to the start it is there.
-            if length <= 1e-14 * since.abs().max(1.0) {
-                self.pieces[self.current].go_back(since, &self.recipe);
-                break;
-            }
-        }
-        Ok(())
-    }
-}
-
-impl Piece {
-    /// A step of what moves begins at a time (s), under these efforts on the whole.
-    fn begin(&mut self, whole: &Mechanism, efforts: &[f64], since: f64) {
-        self.drives.begin(since);
-        self.small.time = since;
-        self.moving.gather_velocities(whole, efforts, &mut self.small_efforts);
-        self.small_start.copy_from(&self.small);
-    }
-
-    /// Makes it, towards `until`.
-    fn step(&mut self, until: f64) -> Result<StepOutcome, StepError> {
-        let Piece { moving, drives, lobatto, small, small_efforts, .. } = self;
-        let changing = drives.change().then_some(&*drives as &dyn ChangingEfforts);
-        let inputs = Inputs { efforts: small_efforts, changing };
-        match lobatto {
-            Some(lobatto) => lobatto.step(&moving.mechanism, inputs, small, until),
-            None => {
-                let step = until - small.time;
-                small.time = until;
-                Ok(StepOutcome { step, ..StepOutcome::default() })
-            }
-        }
-    }
-
-    /// Makes it again with another length (s).
-    fn again(&mut self, since: f64, length: f64) -> Result<StepOutcome, StepError> {
-        let Piece { moving, drives, lobatto, small, small_efforts, .. } = self;
-        let changing = drives.change().then_some(&*drives as &dyn ChangingEfforts);
-        let inputs = Inputs { efforts: small_efforts, changing };
-        match lobatto {
-            Some(lobatto) => lobatto.again(&moving.mechanism, inputs, small, length),
-            None => {
-                small.time = since + length;
-                Ok(StepOutcome { step: length, ..StepOutcome::default() })
-            }
-        }
-    }
-
-    /// Throws the step away.
-    fn go_back(&mut self, since: f64, recipe: &Recipe) {
-        let Piece { small, small_start, lobatto, .. } = self;
-        small.copy_from(small_start);
-        if let (Some(lobatto), Steps::Chosen { .. }) = (lobatto, recipe.steps) {
-            lobatto.keep_pace(lobatto.step_pace(since), since);
-        }
-    }
-
-    /// Puts what moves where it was at a time of the last step (s).
-    fn place(&mut self, whole: &Mechanism, time: f64, state: &mut State) {
-        let Piece { moving, lobatto, small, small_start, small_position, small_velocity, .. } = self;
-        state.time = time;
-        let Some(lobatto) = lobatto else { return };
-        for (at, of) in [(small_start.time, &*small_start), (small.time, &*small)] {
-            if time == at {
-                moving.spread(whole, of, state);
-                return;
-            }
-        }
-        lobatto.dense(&moving.mechanism, time, small_position, small_velocity);
-        moving.spread_positions(whole, small_position, &mut state.position);
-        state.compensation.fill(0.0);
-        moving.spread_velocities(whole, small_velocity, &mut state.velocity);
     }
 }
 

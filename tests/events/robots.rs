@@ -54,11 +54,12 @@ fn an_arm_held_by_stiff_motors_is_where_springs_and_dampers_would_hold_it() {
             near(*found, wanted, allowed);
         }
     }
-    // And it comes to rest in steps that are a hundred times longer than the fastest of its rates allows others.
+    // And it comes to rest in steps that are far longer than its fastest rates allow explicit ones, of which 5 s take more than 10⁵.
     let start = at_rest(&motors, &[target; 7]);
-    let done = run(&motors, &start, 5.0, fixed(9, 0.05));
-    assert_eq!(done.summary.steps, 100, "none is halved: {:?}", done.summary);
-    assert!(done.state.velocity.iter().all(|rate| rate.abs() < 1e-6), "{:?}", done.state.velocity);
+    let done = run(&motors, &start, 5.0, StepChoice::Tolerance(1e-6));
+    assert!(done.summary.steps < 1000, "{:?}", done.summary);
+    // What rings on with a motor a thousand times faster than the steps is nothing in position: 1e-4 rad/s over 1e5/s.
+    assert!(done.state.velocity.iter().all(|rate| rate.abs() < 1e-3), "{:?}", done.state.velocity);
 }
 
 #[test]

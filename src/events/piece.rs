@@ -1,0 +1,100 @@
+//! What moves while a mode lasts, and its steps.
+//!
+//! A piece is kept with its workspace while it may be needed again: what it depends on is what is held and where, and which motors follow their laws.
+
+use crate::events::drives::Drives;
+use crate::events::held::Held;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::inputs::{ChangingEfforts, Inputs};
+use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
+use crate::mechanism::motion::state::State;
+use crate::stepping::integrator::Lobatto;
+use crate::stepping::recipe::{Recipe, Steps};
+
+/// What moves while a mode lasts, and its steps.
+pub(super) struct Piece {
+    pub(super) key: Key,
+    pub(super) moving: Held,
+    pub(super) drives: Drives,
+    /// None if nothing moves.
+    pub(super) lobatto: Option<Lobatto>,
+    pub(super) small: State,
+    pub(super) small_start: State,
+    pub(super) small_efforts: Vec<f64>,
+    pub(super) small_position: Vec<f64>,
+    pub(super) small_velocity: Vec<f64>,
+    pub(super) used: usize,
+}
+
+/// What the workspace of a mode depends on: what is held and where, and which motors follow their laws.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Key {
+    pub(super) held: Vec<bool>,
+    pub(super) places: Vec<f64>,
+    pub(super) motors: Vec<bool>,
+}
+
+impl Piece {
+    /// A step of what moves begins at a time (s), under these efforts on the whole.
+    pub(super) fn begin(&mut self, whole: &Mechanism, efforts: &[f64], since: f64) {
+        self.drives.begin(since);
+        self.small.time = since;
+        self.moving.gather_velocities(whole, efforts, &mut self.small_efforts);
+        self.small_start.copy_from(&self.small);
+    }
+
+    /// Makes it, towards `until`.
+    pub(super) fn step(&mut self, until: f64) -> Result<StepOutcome, StepError> {
+        let Piece { moving, drives, lobatto, small, small_efforts, .. } = self;
+        let changing = drives.change().then_some(&*drives as &dyn ChangingEfforts);
+        let inputs = Inputs { efforts: small_efforts, changing };
+        match lobatto {
+            Some(lobatto) => lobatto.step(&moving.mechanism, inputs, small, until),
+            None => {
+                let step = until - small.time;
+                small.time = until;
+                Ok(StepOutcome { step, ..StepOutcome::default() })
+            }
+        }
+    }
+
+    /// Makes it again with another length (s).
+    pub(super) fn again(&mut self, since: f64, length: f64) -> Result<StepOutcome, StepError> {
+        let Piece { moving, drives, lobatto, small, small_efforts, .. } = self;
+        let changing = drives.change().then_some(&*drives as &dyn ChangingEfforts);
+        let inputs = Inputs { efforts: small_efforts, changing };
+        match lobatto {
+            Some(lobatto) => lobatto.again(&moving.mechanism, inputs, small, length),
+            None => {
+                small.time = since + length;
+                Ok(StepOutcome { step: length, ..StepOutcome::default() })
+            }
+        }
+    }
+
+    /// Throws the step away.
+    pub(super) fn go_back(&mut self, since: f64, recipe: &Recipe) {
+        let Piece { small, small_start, lobatto, .. } = self;
+        small.copy_from(small_start);
+        if let (Some(lobatto), Steps::Chosen { .. }) = (lobatto, recipe.steps) {
+            lobatto.keep_pace(lobatto.step_pace(since), since);
+        }
+    }
+
+    /// Puts what moves where it was at a time of the last step (s).
+    pub(super) fn place(&mut self, whole: &Mechanism, time: f64, state: &mut State) {
+        let Piece { moving, lobatto, small, small_start, small_position, small_velocity, .. } = self;
+        state.time = time;
+        let Some(lobatto) = lobatto else { return };
+        for (at, of) in [(small_start.time, &*small_start), (small.time, &*small)] {
+            if time == at {
+                moving.spread(whole, of, state);
+                return;
+            }
+        }
+        lobatto.dense(&moving.mechanism, time, small_position, small_velocity);
+        moving.spread_positions(whole, small_position, &mut state.position);
+        state.compensation.fill(0.0);
+        moving.spread_velocities(whole, small_velocity, &mut state.velocity);
+    }
+}
