@@ -21,7 +21,8 @@ pub struct StressArgs {
     output: PathBuf,
 
     /// Only the problem of this name (repeatable): mass_ratio, chain_length, spin_rate, stiff_spring, stiff_damper,
-    /// singular_positions, over_constraint, inertia, gimbal_lock, long_time, inconsistent_start, violent_motion
+    /// singular_positions, over_constraint, light_couplings, inertia, gimbal_lock, long_time, inconsistent_start, violent_motion,
+    /// joint_limits, dry_friction, motor_gain
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
 

@@ -24,8 +24,11 @@ pub(crate) struct Exerted {
     elements: Elements,
     response: Response,
     state: State,
-    /// One entry a degree of freedom.
+    /// One entry a degree of freedom, for the state above and these efforts of motors.
     efforts: Vec<f64>,
+    motors: Vec<f64>,
+    /// Whether any state has been asked for.
+    known: bool,
     free: Vec<f64>,
     /// Joints at rest that something can hold: degree of freedom, and the efforts that can.
     at_rest: Vec<(usize, (f64, f64))>,
@@ -40,6 +43,8 @@ impl Exerted {
                 response: Response::new(mechanism),
                 state: State::zero(mechanism),
                 efforts: vec![0.0; mechanism.velocity_count],
+                motors: Vec::with_capacity(elements.motors.len()),
+                known: false,
                 free: vec![0.0; mechanism.velocity_count],
                 at_rest: Vec::with_capacity(elements.joints.len()),
                 elements,
@@ -50,7 +55,14 @@ impl Exerted {
     /// The efforts at these positions and velocities, with those of the motors: one entry a motor, or none if no motor drives. Does not
     /// allocate while no joint is held.
     pub fn at(&mut self, position: &[f64], velocity: &[f64], motors: &[f64]) -> &[f64] {
-        let Exerted { elements, response, state, efforts, free, at_rest } = self;
+        let Exerted { elements, response, state, efforts, motors: before, known, free, at_rest } = self;
+        // What is held stays where it is.
+        let same = state.position == position && state.velocity == velocity && before == motors;
+        if std::mem::replace(known, true) && same {
+            return efforts;
+        }
+        before.clear();
+        before.extend_from_slice(motors);
         state.position.copy_from_slice(position);
         state.velocity.copy_from_slice(velocity);
         efforts.fill(0.0);

@@ -94,8 +94,16 @@ impl Dop853 {
         Dop853::with_control(mechanism, Control::Fixed(step))
     }
 
+    /// For a system, with `tolerance` both absolute and relative on every entry of the state.
+    pub fn of_system(ode: ReducedOde, tolerance: f64) -> Self {
+        Dop853::with_system(ode, Control::Tolerance(tolerance))
+    }
+
     fn with_control(mechanism: &Mechanism, control: Control) -> Self {
-        let ode = ReducedOde::new(mechanism);
+        Dop853::with_system(ReducedOde::new(mechanism), control)
+    }
+
+    fn with_system(ode: ReducedOde, control: Control) -> Self {
         let zeros = |count: usize| vec![0.0; count * ode.dimension()];
         Dop853 {
             control,

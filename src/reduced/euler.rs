@@ -28,8 +28,13 @@ pub struct Euler {
 impl Euler {
     /// For one mechanism, with a fixed step (s).
     pub fn new(mechanism: &Mechanism, step: f64) -> Self {
+        Euler::of_system(mechanism, ReducedOde::new(mechanism), step)
+    }
+
+    /// For a system of a mechanism, with a fixed step (s).
+    pub fn of_system(mechanism: &Mechanism, ode: ReducedOde, step: f64) -> Self {
         Euler {
-            ode: ReducedOde::new(mechanism),
+            ode,
             step,
             start: State::zero(mechanism),
             end: State::zero(mechanism),

@@ -6,6 +6,7 @@
 //! - [`articulated_body`] and `articulated_inertia`: joint accelerations, O(n);
 //! - [`inverse_dynamics`]: the wrenches the joints carry;
 //! - [`ode`]: the first-order system y = (position, velocity);
+//! - [`regularised`]: limits, dry friction and motors as ordinary forces;
 //! - [`euler`], [`rk4`], [`dop853`]: three ways to integrate it.
 
 #![deny(unsafe_code)]
@@ -18,6 +19,7 @@ pub mod euler;
 pub mod inverse_dynamics;
 mod link;
 pub mod ode;
+pub mod regularised;
 pub mod rk4;
 mod weighted_sums;
 
@@ -26,4 +28,5 @@ pub use dop853::Dop853;
 pub use euler::Euler;
 pub use inverse_dynamics::{Reaction, joint_reactions, reactions_under};
 pub use ode::ReducedOde;
+pub use regularised::{Regularised, SoftFriction, SoftLimit};
 pub use rk4::Rk4;

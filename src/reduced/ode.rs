@@ -14,6 +14,7 @@
 //! |q| do no harm between the renormalisations at the ends of the steps.
 
 use crate::articulated_body::ArticulatedBody;
+use crate::regularised::Regularised;
 use catena_mechanism::description::body_state::{BodyState, WORLD};
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -46,6 +47,9 @@ struct Forced {
     efforts: Vec<f64>,
     /// Those of them that come from outside.
     driven: Vec<f64>,
+    /// Limits, friction and motors, and their efforts.
+    regularised: Regularised,
+    soft: Vec<f64>,
     /// Up to the last state that was stored.
     total: Exchange,
 }
@@ -59,6 +63,8 @@ impl Forced {
             wrenches: vec![BodyWrench::default(); count],
             efforts: vec![0.0; mechanism.velocity_count],
             driven: vec![0.0; mechanism.velocity_count],
+            regularised: Regularised::default(),
+            soft: vec![0.0; mechanism.velocity_count],
             total: Exchange::default(),
         })
     }
@@ -66,8 +72,10 @@ impl Forced {
     /// The efforts and wrenches of all forces, where the bodies have been placed.
     fn evaluate(&mut self, position: &[f64], velocity: &[f64]) {
         joint_efforts(&self.mechanism, position, velocity, &mut self.efforts);
-        for (effort, driven) in self.efforts.iter_mut().zip(&self.driven) {
-            *effort += driven;
+        self.soft.fill(0.0);
+        self.regularised.add_efforts(position, velocity, &mut self.soft);
+        for ((effort, driven), soft) in self.efforts.iter_mut().zip(&self.driven).zip(&self.soft) {
+            *effort += driven + soft;
         }
         body_wrenches(&self.mechanism, &self.bodies, &mut self.wrenches);
         for ((wrench, body), state) in self.wrenches.iter_mut().zip(&self.mechanism.bodies).zip(&self.bodies) {
@@ -79,7 +87,8 @@ impl Forced {
     /// The powers (W) of forces without potential and of the efforts from outside.
     fn powers(&self, velocity: &[f64]) -> Exchange {
         let mut powers = powers(&self.mechanism, velocity, &self.bodies);
-        powers.work += self.driven.iter().zip(velocity).map(|(effort, rate)| effort * rate).sum::<f64>();
+        let outside = self.driven.iter().zip(&self.soft).zip(velocity);
+        powers.work += outside.map(|((driven, soft), rate)| (driven + soft) * rate).sum::<f64>();
         powers
     }
 }
@@ -110,6 +119,17 @@ impl ReducedOde {
             quaternions,
             forced: Forced::new(mechanism),
         }
+    }
+
+    /// The system with limits, friction and motors as ordinary forces. All that they do counts as work put in.
+    pub fn with_regularised(mechanism: &Mechanism, regularised: Regularised) -> Self {
+        let mut driven = mechanism.clone();
+        driven.forces.driven = true;
+        let mut system = ReducedOde::new(&driven);
+        if let Some(forced) = &mut system.forced {
+            forced.regularised = regularised;
+        }
+        system
     }
 
     /// The mechanism that the system has to be set up for anew, because other forces act now or efforts that it does not know; gravity and masses,

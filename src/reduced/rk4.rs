@@ -31,7 +31,11 @@ pub struct Rk4 {
 impl Rk4 {
     /// For one mechanism, with a fixed step (s).
     pub fn new(mechanism: &Mechanism, step: f64) -> Self {
-        let ode = ReducedOde::new(mechanism);
+        Rk4::of_system(ReducedOde::new(mechanism), step)
+    }
+
+    /// For a system, with a fixed step (s).
+    pub fn of_system(ode: ReducedOde, step: f64) -> Self {
         let zeros = vec![0.0; ode.dimension()];
         Rk4 {
             ode: RefCell::new(ode),

@@ -21,7 +21,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
 /// Problem, and places of the difficulties in the reduced map.
-const REDUCED: [(&str, &[usize]); 10] = [
+const REDUCED: [(&str, &[usize]); 13] = [
     ("mass_ratio", &[0, 4]),
     ("chain_length", &[0, 2]),
     ("spin_rate", &[0, 4]),
@@ -32,6 +32,9 @@ const REDUCED: [(&str, &[usize]); 10] = [
     ("inertia", &[0, 4, 7]),
     ("gimbal_lock", &[0, 2]),
     ("inconsistent_start", &[3, 6]),
+    ("joint_limits", &[0, 2]),
+    ("dry_friction", &[1, 5]),
+    ("motor_gain", &[1, 3]),
 ];
 
 fn problem(name: &str) -> Problem {
@@ -121,8 +124,14 @@ fn loops_that_cannot_be_closed_are_refused_by_us_at_every_setting() {
 #[test]
 fn the_right_answers_are_those_of_a_formulation_that_shares_no_code() {
     let tightest = Setting::Tolerance(1e-10);
-    for (name, place) in [("mass_ratio", 0), ("chain_length", 2), ("spin_rate", 4), ("stiff_spring", 2), ("inertia", 7)]
-    {
+    for (name, place) in [
+        ("mass_ratio", 0),
+        ("chain_length", 2),
+        ("spin_rate", 4),
+        ("stiff_spring", 2),
+        ("inertia", 7),
+        ("motor_gain", 1),
+    ] {
         let map = reduced().iter().find(|map| map.thinned.problem.name == name).unwrap();
         let rival = Method::Chart(ChartMethod::Dop853);
         let cell = map
@@ -132,6 +141,25 @@ fn the_right_answers_are_those_of_a_formulation_that_shares_no_code() {
             .unwrap();
         // A tolerance of 1e-10 is amplified by these motions a hundredfold at most.
         assert!(cell.end_error < 1e-7, "{}", words(map, cell));
+    }
+}
+
+#[test]
+fn springs_as_limits_and_smooth_friction_tend_to_what_events_give() {
+    // What a regularisation leaves is proportional to the tolerance, of which depth and creep are made.
+    for (name, place, ends) in [("joint_limits", 0, [1e-4, 1e-6, 1e-8]), ("dry_friction", 5, [1e-2, 1e-3, 1e-4])] {
+        let case = (problem(name).build)(place).unwrap();
+        let interrupt = AtomicBool::new(false);
+        let answer = Answer::of(&case, &interrupt).unwrap();
+        let rival = Method::Chart(ChartMethod::Dop853);
+        let error = |tolerance: f64| {
+            let cell = Cell::run(&case, &answer, rival, Setting::Tolerance(tolerance), place, &interrupt).unwrap();
+            assert_eq!(cell.ended, Ended::Survived, "{name}");
+            cell.end_error / tolerance
+        };
+        let [coarse, middle, fine] = ends.map(error);
+        let near = |ratio: f64| (0.3..3.0).contains(&ratio);
+        assert!(near(coarse / middle) && near(middle / fine), "{name}: {coarse:e} {middle:e} {fine:e}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! Stability maps: where which method survives, and whether what it then says is right.
 //!
 //! A [`Problem`] is a family of mechanisms that become harder ([`problems`]); each is run by every [`Method`] over a range of steps or
-//! tolerances ([`runner`]; [`baumgarte`] is the integrator of the textbooks), and every run is a [`Cell`] with a
+//! tolerances ([`runner`]; [`baumgarte`] is the integrator of the textbooks, `regularised` the comparators on limits, friction and motors), and every run is a [`Cell`] with a
 //! [`Verdict`] against a right answer ([`truth`]). No cell can hold up the others: its work is bounded, and a failure is a
 //! result like any other.
 //!
@@ -18,6 +18,7 @@ mod page;
 mod picture;
 pub mod problem;
 pub mod problems;
+mod regularised;
 pub mod report;
 pub mod runner;
 pub mod table;

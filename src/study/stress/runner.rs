@@ -9,12 +9,13 @@ use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::output::report::{AccuracyReport, energy_warning};
-use crate::simulation::CalibrationError;
 use crate::simulation::accuracy::calibrate;
+use crate::simulation::{CalibrationError, StepChoice};
 use crate::study::chart::{Method as ChartMethod, Setting};
 use crate::study::stress::baumgarte::{Baumgarte, BaumgarteError};
 use crate::study::stress::method::Method;
 use crate::study::stress::problem::Case;
+use crate::study::stress::regularised::comparator;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How a run failed.
@@ -79,7 +80,9 @@ impl<'m> Runner<'m> {
             };
             match calibrate(&case.mechanism, state, case.duration, tolerance, &[], go_on) {
                 Ok(found) => {
-                    *integrator = Box::new(found.integrator(&case.mechanism, tolerance));
+                    if let Ok(calibrated) = found.run_integrator(&case.mechanism, tolerance, &[]) {
+                        *integrator = Box::new(calibrated);
+                    }
                     let end = state.time + case.duration;
                     runner.foretold = AccuracyReport::new(tolerance, end, &found).warning();
                 }
@@ -105,8 +108,12 @@ impl<'m> Runner<'m> {
         setting: Setting,
     ) -> Result<Self, Refused> {
         let bodies = mechanism.bodies.len() as f64;
+        let smooth = mechanism.nonsmooth.is_empty();
         let method = match (method, setting) {
             (Method::Chart(method), _) => method,
+            (Method::Baumgarte, _) if !smooth => {
+                return Err(Refused::NotApplicable("it knows neither limits nor friction nor motors"));
+            }
             (Method::Baumgarte, Setting::Step(step)) => {
                 let integrator = Baumgarte::new(mechanism, start, step).map_err(Refused::NotApplicable)?;
                 let rows = integrator.rows() as f64;
@@ -124,7 +131,12 @@ impl<'m> Runner<'m> {
         let mut state = start.clone();
         assemble(mechanism, &mut state)
             .map_err(|error| Refused::Failed(Failure { time: start.time, ..Failure::of_start(&error) }))?;
-        let Some(integrator) = method.integrator(mechanism, setting) else {
+        let integrator = match (smooth, method.is_ours()) {
+            (true, _) => method.integrator(mechanism, setting),
+            (false, true) => with_events(mechanism, method, setting),
+            (false, false) => comparator(mechanism, &state, method, setting),
+        };
+        let Some(integrator) = integrator else {
             return Err(Refused::NotApplicable("the method does not know such a setting"));
         };
         // An iteration or evaluation. With forces or loops the stages are coupled, which costs ten times as much.
@@ -145,6 +157,8 @@ impl<'m> Runner<'m> {
                 let outcome = integrator.advance(self.mechanism, state, until).map_err(|error| Failure::of(&error))?;
                 lost.dissipated += outcome.exchange.dissipated;
                 lost.work += outcome.exchange.work;
+                lost.friction += outcome.exchange.friction;
+                lost.impacts += outcome.exchange.impacts;
                 Ok(self.unit * outcome.iterations.max(1) as f64)
             }
             Work::Maximal { integrator, .. } => {
@@ -196,6 +210,16 @@ impl<'m> Runner<'m> {
         let description = integrator.description();
         (description.name == "lobatto").then(|| energy_warning(&description, relative_error)).flatten()
     }
+}
+
+/// Ours on a mechanism with limits, friction or motors.
+fn with_events(mechanism: &Mechanism, method: ChartMethod, setting: Setting) -> Option<Box<dyn Integrator>> {
+    let steps = match (method, setting) {
+        (ChartMethod::Lobatto(stages), Setting::Step(step)) => StepChoice::Fixed { stages, step },
+        (ChartMethod::LobattoTolerance, Setting::Tolerance(tolerance)) => StepChoice::Tolerance(tolerance),
+        _ => return None,
+    };
+    steps.integrator(mechanism, &[]).ok().map(|integrator| Box::new(integrator) as Box<dyn Integrator>)
 }
 
 impl Failure {

@@ -1,12 +1,15 @@
 //! The problems, one file each, and the parts they are built of.
 
 pub mod chain_length;
+pub mod dry_friction;
 pub mod gimbal_lock;
 pub mod inconsistent_start;
 pub mod inertia;
+pub mod joint_limits;
 pub mod light_couplings;
 pub mod long_time;
 pub mod mass_ratio;
+pub mod motor_gain;
 pub mod over_constraint;
 pub mod singular_positions;
 pub mod spin_rate;
@@ -14,7 +17,7 @@ pub mod stiff_damper;
 pub mod stiff_spring;
 pub mod violent_motion;
 
-use crate::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
+use crate::mechanism::description::closure::{Attachment, Coordinate, LoopJoint, LoopKind};
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
@@ -38,6 +41,9 @@ impl Problem {
             long_time::problem(),
             inconsistent_start::problem(),
             violent_motion::problem(),
+            joint_limits::problem(),
+            dry_friction::problem(),
+            motor_gain::problem(),
         ]
     }
 }
@@ -82,6 +88,12 @@ fn chain(count: usize, length: f64, width: f64, mass: f64, along: Vector3<f64>, 
             }
         })
         .collect()
+}
+
+/// The coordinate of a body's joint of one freedom.
+fn only_coordinate(mechanism: &Mechanism, body: usize) -> Coordinate {
+    let joint = &mechanism.bodies[body].joint;
+    Coordinate { body, position: joint.position_index, freedom: joint.velocity_index }
 }
 
 /// Turns z into −y, so that a positive angle lifts x towards z.
