@@ -53,6 +53,10 @@ pub struct Eventful {
     /// When the run began (s).
     pub(super) began: f64,
     pub(super) flips: (usize, f64),
+    /// How often in a row an event at the start of a step has changed nothing.
+    pub(super) unfounded: i32,
+    /// Whether the next step does not look for events.
+    pub(super) looks_away: bool,
     pub(super) steps: usize,
     pub(super) stepped: f64,
     pub(super) lost_at_start: f64,
@@ -101,6 +105,8 @@ impl Eventful {
             outside: Vec::new(),
             began: 0.0,
             flips: (0, f64::MIN),
+            unfounded: 0,
+            looks_away: false,
             steps: 0,
             stepped: 0.0,
             lost_at_start: 0.0,

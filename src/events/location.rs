@@ -145,6 +145,11 @@ impl Eventful {
         let mut slope = bracket.slope;
         let mut before: Option<(f64, f64)> = None;
         for attempt in 0..ATTEMPTS {
+            // So near to the start it is there.
+            if length <= 1e-14 * since.abs().max(1.0) {
+                self.pieces[self.current].go_back(since, &self.recipe);
+                break;
+            }
             let done = self.pieces[self.current].again(since, length)?;
             outcome.iterations += done.iterations;
             outcome.exchange = done.exchange;
@@ -181,11 +186,6 @@ impl Eventful {
             // The dense output that has bracketed the root may be off by its error.
             let (from, to) = (low.min(length) - 1e-3 * full, high.max(length) + 1e-3 * full);
             length = if wanted > from.max(0.0) && wanted < to { wanted } else { 0.5 * (low + high) };
-            // So near to the start it is there.
-            if length <= 1e-14 * since.abs().max(1.0) {
-                self.pieces[self.current].go_back(since, &self.recipe);
-                break;
-            }
         }
         Ok(())
     }

@@ -24,6 +24,10 @@ const SHORTENED: usize = 8;
 const SHORTER: f64 = 1.0 / 16.0;
 /// That step is no longer than this (s).
 const BLIND: f64 = 1e-9;
+/// It is longer by this factor each time that what was found changes nothing,
+const LONGER: f64 = 16.0;
+/// so often at most.
+const MOST_UNFOUNDED: i32 = 5;
 /// Instants that are nearer to each other are one (relative to one second, or to the time if that is more).
 pub(super) const ONE_INSTANT: f64 = 1e-12;
 
@@ -31,8 +35,8 @@ impl Eventful {
     /// Makes one step towards `until`, which no effort's law changes before.
     fn advance(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
         let since = state.time;
-        let blind = self.flips.0 > FLIPS;
-        let until = if blind { until.min(since + BLIND) } else { until };
+        let blind = self.flips.0 > FLIPS || self.looks_away;
+        let until = if blind { until.min(since + BLIND * LONGER.powi(self.unfounded)) } else { until };
         self.origin.copy_from(state);
         self.last = self.current;
         self.efforts.fill(0.0);
@@ -82,7 +86,14 @@ impl Eventful {
                 (count, time) if state.time - time <= ONE_INSTANT * time.abs().max(1.0) => (count + 1, time),
                 _ => (0, state.time),
             };
+            let mode = self.mode.clone();
             outcome.exchange.impacts += self.pass(inputs, state, &triggers);
+            // What changes nothing is a trick of the dense output: the next step does not look, and is longer each time that this happens.
+            self.looks_away = at_start && mode == self.mode;
+            self.unfounded = if self.looks_away { (self.unfounded + 1).min(MOST_UNFOUNDED) } else { self.unfounded };
+        }
+        if !(blind || self.looks_away) {
+            self.unfounded = 0;
         }
         self.steps += 1;
         self.stepped += outcome.step;
