@@ -168,8 +168,8 @@ impl Eventful {
                 break;
             }
             let change = -value / slope;
-            // Shorter than the time can tell.
-            if change.abs() <= 0.5 * f64::EPSILON * end.abs().max(full) {
+            // Lengths of steps are known better than times late in a run.
+            if change.abs() <= 0.5 * f64::EPSILON * full {
                 break;
             }
             if before.is_some_and(|(_, there)| attempt > 3 && value.abs() >= there.abs() && value.abs() < 1e-13 * scale)

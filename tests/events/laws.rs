@@ -55,7 +55,7 @@ fn elastic_limits_keep_the_energy_over_a_hundred_thousand_impacts() {
     mechanism.nonsmooth.limits.clear();
     limit(&mut mechanism, 0, -0.7, 0.9, 1.0);
     limit(&mut mechanism, 1, -0.5, 0.6, 1.0);
-    let done = run(&mechanism, &at_rest(&mechanism, &[0.8, 0.5]), 4e4, fixed(9, 0.1));
+    let done = run(&mechanism, &at_rest(&mechanism, &[0.8, 0.5]), 1.4e4, fixed(9, 0.02));
     println!("{} impacts, {:?}", done.summary.events.of(EventKind::LimitImpact), done.summary);
     assert!(done.summary.events.of(EventKind::LimitImpact) > 100_000);
     assert!(done.summary.max_relative_energy_error < 1e-9, "{:?}", done.summary);
