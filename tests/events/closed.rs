@@ -5,6 +5,8 @@ use crate::mechanisms::*;
 use catena::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::nonsmooth::MotorLaw;
+use catena::mechanism::description::target::{Interpolation, Target};
 use catena::mechanism::motion::event::EventKind;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
@@ -49,4 +51,24 @@ fn a_parallelogram_with_friction_in_its_hinges_turns_like_a_friction_pendulum() 
     assert!(done.state.velocity.iter().all(|&rate| rate == 0.0), "{:?}", done.state);
     assert!(of_kind(&done, EventKind::Stick).len() == 3, "{:?}", done.events);
     assert!(done.summary.max_relative_energy_error < 1e-11, "{:?}", done.summary);
+}
+
+#[test]
+fn a_loop_with_friction_limits_and_a_motor_balances_its_energy_and_is_held_in_the_end() {
+    let mut mechanism = parallelogram(0.45);
+    limit(&mut mechanism, 0, -0.3, 1.35, 0.3);
+    let target = Target::table(&[(0.0, 0.0), (1.0, 2.0), (2.0, -1.0), (3.0, 0.0)], Interpolation::Cubic).expect("a table");
+    motor(&mut mechanism, 2, MotorLaw::Velocity { kd: 8.0 }, target, 12.0, 0.0);
+    let done = run(&mechanism, &at_rest(&mechanism, &[1.3, -1.3, 1.3]), 8.0, fixed(9, 0.02));
+    for kind in [EventKind::LimitImpact, EventKind::Saturation, EventKind::Unsaturation, EventKind::Stick] {
+        assert!(done.summary.events.of(kind) > 0, "no {}: {:?}", kind.name(), done.events);
+    }
+    assert!(done.summary.max_relative_energy_error < 1e-10, "{:?}", done.summary);
+    assert!(done.summary.max_violation.position < 1e-12, "{:?}", done.summary);
+    // The same by another number of stages and other steps.
+    let again = run(&mechanism, &at_rest(&mechanism, &[1.3, -1.3, 1.3]), 8.0, fixed(7, 0.013));
+    for (one, other) in done.state.position.iter().zip(&again.state.position) {
+        near(*one, *other, 1e-9);
+    }
+    assert_eq!(done.summary.events, again.summary.events);
 }
