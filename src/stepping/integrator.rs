@@ -84,11 +84,13 @@ pub enum MethodError {
         step: f64,
     },
     /// Reversible steps need a motion that is reversible itself and whose pace is known.
-    #[error("reversible steps are for trees of joints under gravity alone; this one has loops, mimic joints or forces")]
+    #[error(
+        "reversible steps are for trees of joints under gravity alone; this one has loops, mimic joints, forces, or limits, dry friction or motors, which --without leaves out"
+    )]
     NotReversible,
     /// Steps with 32 digits know no more than gravity.
     #[error(
-        "steps with 32 digits are for trees of joints under gravity alone; this one has loops, mimic joints or forces"
+        "steps with 32 digits are for trees of joints under gravity alone; this one has loops, mimic joints, forces, or limits, dry friction or motors, which --without leaves out"
     )]
     NotPlain,
     /// Steps with 32 digits have eight lanes.
