@@ -57,7 +57,8 @@ fn a_parallelogram_with_friction_in_its_hinges_turns_like_a_friction_pendulum() 
 fn a_loop_with_friction_limits_and_a_motor_balances_its_energy_and_is_held_in_the_end() {
     let mut mechanism = parallelogram(0.45);
     limit(&mut mechanism, 0, -0.3, 1.35, 0.3);
-    let target = Target::table(&[(0.0, 0.0), (1.0, 2.0), (2.0, -1.0), (3.0, 0.0)], Interpolation::Cubic).expect("a table");
+    let target =
+        Target::table(&[(0.0, 0.0), (1.0, 2.0), (2.0, -1.0), (3.0, 0.0)], Interpolation::Cubic).expect("a table");
     motor(&mut mechanism, 2, MotorLaw::Velocity { kd: 8.0 }, target, 12.0, 0.0);
     let done = run(&mechanism, &at_rest(&mechanism, &[1.3, -1.3, 1.3]), 8.0, fixed(9, 0.02));
     for kind in [EventKind::LimitImpact, EventKind::Saturation, EventKind::Unsaturation, EventKind::Stick] {
