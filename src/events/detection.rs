@@ -29,9 +29,20 @@ pub(crate) struct Bracket {
     pub at_start: bool,
 }
 
+/// Room for the samples of a look.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Room {
+    /// Sample after sample.
+    values: Vec<f64>,
+    one: Vec<f64>,
+}
+
 /// The first sign change of any function over `start … end` (s): `sample(time, values)` evaluates all of them. Values down to `−noise` of a
 /// function count as zero at the start.
+///
+/// Allocates only where there are more functions than ever before.
 pub(crate) fn first_sign_change(
+    room: &mut Room,
     count: usize,
     start: f64,
     end: f64,
@@ -40,18 +51,19 @@ pub(crate) fn first_sign_change(
 ) -> Option<Bracket> {
     let length = end - start;
     let time = |j: usize| if j == SAMPLES { end } else { start + length * j as f64 / SAMPLES as f64 };
-    let mut values = vec![vec![0.0; count]; SAMPLES + 1];
-    for (j, values) in values.iter_mut().enumerate() {
+    let Room { values, one } = room;
+    values.resize(count * (SAMPLES + 1), 0.0);
+    one.resize(count, 0.0);
+    for (j, values) in values.chunks_mut(count).enumerate() {
         sample(time(j), values);
     }
-    let mut room = vec![0.0; count];
     let mut earliest: Option<Bracket> = None;
     for watched in 0..count {
         let mut value = |at: f64| {
-            sample(at, &mut room);
-            room[watched]
+            sample(at, one);
+            one[watched]
         };
-        let of: Vec<f64> = values.iter().map(|values| values[watched]).collect();
+        let of: [f64; SAMPLES + 1] = std::array::from_fn(|j| values[j * count + watched]);
         let Some((low, high, at_start)) = bracket(&of, &time, noise[watched], &mut value) else { continue };
         // Whatever begins later than a known root ends need not be looked at.
         if earliest.is_some_and(|known| low > known.high) {
@@ -186,7 +198,7 @@ mod tests {
     use super::*;
 
     fn first(function: impl Fn(f64) -> f64) -> Option<Bracket> {
-        first_sign_change(1, 0.0, 1.0, &[1e-12], |time, values| values[0] = function(time))
+        first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], |time, values| values[0] = function(time))
     }
 
     #[test]

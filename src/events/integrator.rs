@@ -4,6 +4,7 @@ use crate::events::decision::held_bodies;
 use crate::events::drives::Drives;
 use crate::events::held::Held;
 use crate::events::holding::{Held as Holding, Present};
+use crate::events::location::Looking;
 use crate::events::mode::{JointMode, Mode, MotorMode};
 use crate::events::piece::{Key, Piece};
 use crate::events::transition::{Found, Memory, transit};
@@ -46,6 +47,8 @@ pub struct Eventful {
     pub(super) origin: State,
     pub(super) left: Option<State>,
     pub(super) sample: State,
+    /// Room for looks at steps.
+    pub(super) looking: Looking,
     pub(super) efforts: Vec<f64>,
     pub(super) events: Vec<Event>,
     /// The efforts from outside in the last step.
@@ -99,6 +102,7 @@ impl Eventful {
             holding,
             origin: state.clone(),
             sample: state,
+            looking: Looking::default(),
             left: None,
             efforts: vec![0.0; mechanism.velocity_count],
             events: Vec::new(),

@@ -8,7 +8,7 @@
 //! order of the scheme, so that a secant is as good as one more unknown in the equations of the stages. Where an earlier root
 //! shows on the shortened step it is taken instead.
 
-use crate::events::detection::{Bracket, first_sign_change};
+use crate::events::detection::{Bracket, Room, first_sign_change};
 use crate::events::holding::Present;
 use crate::events::integrator::Eventful;
 use crate::events::steps::ONE_INSTANT;
@@ -21,9 +21,18 @@ const ATTEMPTS: usize = 12;
 /// Functions this near to zero at an event, relative to their size, belong to it.
 const TOGETHER: f64 = 1e-11;
 
+/// Room for a look at a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Looking {
+    /// The functions that are looked at, and what is zero for each at the start.
+    which: Vec<usize>,
+    noise: Vec<f64>,
+    room: Room,
+}
+
 impl Eventful {
     /// The functions that may change their sign in the last step of the piece in use.
-    fn candidates(&self, since: f64) -> Vec<usize> {
+    fn candidates(&self, since: f64, which: &mut Vec<usize>) {
         let small = &self.pieces[self.current].small;
         let length = small.time - since;
         let near = |watched: &Watched| match *watched {
@@ -39,50 +48,69 @@ impl Eventful {
             }
             _ => true,
         };
-        self.watched.iter().enumerate().filter(|(_, watched)| near(watched)).map(|(index, _)| index).collect()
+        which.clear();
+        which.extend(self.watched.iter().enumerate().filter(|(_, watched)| near(watched)).map(|(index, _)| index));
     }
 
     /// Where a function changes its sign first in the last step; `but` is one that is known.
     pub(super) fn detect(&mut self, inputs: Inputs, since: f64, but: Option<usize>) -> Option<Bracket> {
-        let mut which = self.candidates(since);
+        let mut looking = std::mem::take(&mut self.looking);
+        let found = self.look(inputs, since, but, &mut looking);
+        self.looking = looking;
+        found
+    }
+
+    /// The same, with room for it.
+    fn look(&mut self, inputs: Inputs, since: f64, but: Option<usize>, looking: &mut Looking) -> Option<Bracket> {
+        let Looking { which, noise, room } = looking;
+        self.candidates(since, which);
         which.retain(|index| Some(*index) != but);
         if which.is_empty() {
             return None;
         }
-        let noise: Vec<f64> = which
-            .iter()
-            .map(|&index| {
-                let watched = self.watched[index];
-                let fresh = match watched {
-                    Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => {
-                        self.fresh_joints[joint]
-                    }
-                    Watched::Margin => self.fresh_joints.contains(&true),
-                    Watched::Motor(motor, _) | Watched::Excess(motor) => self.fresh_motors[motor],
-                };
-                if fresh { f64::INFINITY } else { TOGETHER * watched.scale(&self.elements) }
-            })
-            .collect();
+        noise.clear();
+        noise.extend(which.iter().map(|&index| {
+            let watched = self.watched[index];
+            let fresh = match watched {
+                Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => self.fresh_joints[joint],
+                Watched::Margin => self.fresh_joints.contains(&true),
+                Watched::Motor(motor, _) | Watched::Excess(motor) => self.fresh_motors[motor],
+            };
+            if fresh { f64::INFINITY } else { TOGETHER * watched.scale(&self.elements) }
+        }));
         let end = self.pieces[self.current].small.time;
-        let found = first_sign_change(which.len(), since, end, &noise, |time, values| {
-            self.evaluate(inputs, since, time, &which, values);
+        let found = first_sign_change(room, which.len(), since, end, noise, |time, values| {
+            self.evaluate(inputs, since, time, which, values);
         })?;
         Some(Bracket { watched: which[found.watched], ..found })
     }
 
     /// The values of some functions at a time of the last step.
     fn evaluate(&mut self, inputs: Inputs, since: f64, time: f64, which: &[usize], values: &mut [f64]) {
-        let Eventful { whole, elements, mode, response, pieces, current, holding, sample, watched, origin, .. } = self;
+        let Eventful {
+            whole,
+            elements,
+            mode,
+            response,
+            pieces,
+            current,
+            holding,
+            sample,
+            watched,
+            origin,
+            efforts,
+            ..
+        } = self;
         let piece = &mut pieces[*current];
         sample.copy_from(origin);
         piece.place(whole, time, sample);
         if which.iter().any(|&index| watched[index].needs_efforts()) {
-            let mut efforts = vec![0.0; whole.velocity_count];
+            efforts.fill(0.0);
             efforts[..inputs.efforts.len()].copy_from_slice(inputs.efforts);
-            mode.add_constant_efforts(elements, &mut efforts);
-            mode.add_motor_efforts(elements, since, time, sample, &mut efforts);
+            mode.add_constant_efforts(elements, efforts);
+            mode.add_motor_efforts(elements, since, time, sample, efforts);
             let present = Present { whole, elements, mode, moving: &piece.moving };
-            holding.evaluate(&present, response, sample, &efforts);
+            holding.evaluate(&present, response, sample, efforts);
         }
         for (value, &index) in values.iter_mut().zip(which) {
             *value = watched[index].value(elements, mode, holding, since, time, sample);

@@ -2,10 +2,15 @@
 
 use crate::{closed, models};
 use allocation_counter::measure;
+use catena::events::Eventful;
+use catena::mechanism::description::closure::{Coordinate, JointLimit};
 use catena::mechanism::description::joint::JointKind;
+use catena::mechanism::description::nonsmooth::{DryFriction, Motor, MotorLaw};
+use catena::mechanism::description::target::{Interpolation, Target};
 use catena::mechanism::motion::inputs::Inputs;
 use catena::mechanism::motion::integrator::Integrator;
 use catena::stepping::integrator::Lobatto;
+use catena::stepping::recipe::{Recipe, Steps};
 
 #[test]
 fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_loops() {
@@ -64,4 +69,49 @@ fn a_step_that_is_driven_from_outside_allocates_nothing() {
             assert_eq!((change.count_total, change.count_current), (0, 0), "{}: {change:?}", mechanism.name);
         }
     }
+}
+
+#[test]
+fn a_step_between_events_allocates_nothing_though_limits_friction_motors_and_a_held_joint_are_watched() {
+    let model = models::planar_chain(4);
+    let mut mechanism = model.mechanism.clone();
+    let at = |body: usize| {
+        let joint = &model.mechanism.bodies[body].joint;
+        Coordinate { body, position: joint.position_index, freedom: joint.velocity_index }
+    };
+    let start = model.state.position.clone();
+    let [near, held, driven] = [at(0), at(3), at(1)];
+    let nonsmooth = &mut mechanism.nonsmooth;
+    let limit = |coordinate: Coordinate, room: f64| JointLimit {
+        coordinate,
+        lower: start[coordinate.position] - room,
+        upper: start[coordinate.position] + room,
+        restitution: 0.5,
+    };
+    nonsmooth.limits.push(limit(near, 0.6));
+    nonsmooth
+        .friction
+        .extend([(held, 1e6), (driven, 1e-3)].map(|(coordinate, effort)| DryFriction { coordinate, effort }));
+    let target = Target::table(&[(0.0, start[driven.position]), (10.0, 1.0)], Interpolation::Linear).unwrap();
+    let law = MotorLaw::Position { kp: 5.0, kd: 1.0 };
+    nonsmooth.motors.push(Motor { coordinate: driven, law, target, max_effort: 1e3, period: 0.0 });
+    let mut state = model.state.clone();
+    state.velocity.fill(0.0);
+    state.velocity[driven.freedom] = 0.3;
+    let recipe = Recipe { steps: Steps::Fixed { stages: 5, step: 1e-3 }, kept: Vec::new() };
+    let mut eventful = Eventful::new(&mechanism, recipe).unwrap();
+    for _ in 0..3 {
+        eventful.advance(&mechanism, &mut state, f64::INFINITY).unwrap();
+    }
+    let mut events = Vec::new();
+    eventful.take_events(&mut events);
+    events.clear();
+    let change = measure(|| {
+        for _ in 0..20 {
+            eventful.advance(&mechanism, &mut state, f64::INFINITY).unwrap();
+        }
+    });
+    eventful.take_events(&mut events);
+    assert!(events.is_empty(), "{events:?}");
+    assert_eq!((change.count_total, change.count_current), (0, 0), "{change:?}");
 }
