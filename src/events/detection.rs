@@ -29,6 +29,18 @@ pub(crate) struct Bracket {
     pub at_start: bool,
 }
 
+/// Instants that are nearer to each other are one (relative to one second, or to the time if that is more).
+pub(crate) const ONE_INSTANT: f64 = 1e-12;
+
+/// Room for a look at a step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Looking {
+    /// The functions that are looked at, and what is zero for each at the start.
+    pub which: Vec<usize>,
+    pub noise: Vec<f64>,
+    pub room: Room,
+}
+
 /// Room for the samples of a look.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Room {

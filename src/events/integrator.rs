@@ -1,10 +1,10 @@
 //! The integrator of motions that are smooth in pieces: steps of the scheme for what moves in a mode, ended at events.
 
 use crate::events::decision::held_bodies;
+use crate::events::detection::Looking;
 use crate::events::drives::Drives;
 use crate::events::held::Held;
 use crate::events::holding::{Held as Holding, Present};
-use crate::events::location::Looking;
 use crate::events::mode::{JointMode, Mode, MotorMode};
 use crate::events::piece::{Key, Piece};
 use crate::events::transition::{Found, Memory, transit};

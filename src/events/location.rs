@@ -8,10 +8,9 @@
 //! order of the scheme, so that a secant is as good as one more unknown in the equations of the stages. Where an earlier root
 //! shows on the shortened step it is taken instead.
 
-use crate::events::detection::{Bracket, Room, first_sign_change};
+use crate::events::detection::{Bracket, Looking, ONE_INSTANT, first_sign_change};
 use crate::events::holding::Present;
 use crate::events::integrator::Eventful;
-use crate::events::steps::ONE_INSTANT;
 use crate::events::watched::Watched;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
@@ -20,15 +19,6 @@ use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 const ATTEMPTS: usize = 12;
 /// Functions this near to zero at an event, relative to their size, belong to it.
 const TOGETHER: f64 = 1e-11;
-
-/// Room for a look at a step.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Looking {
-    /// The functions that are looked at, and what is zero for each at the start.
-    which: Vec<usize>,
-    noise: Vec<f64>,
-    room: Room,
-}
 
 impl Eventful {
     /// The functions that may change their sign in the last step of the piece in use.

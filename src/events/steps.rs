@@ -5,6 +5,7 @@
 //!                                                   └▶ a bracket: located (location.rs)
 //! ```
 
+use crate::events::detection::ONE_INSTANT;
 use crate::events::drives::displacement;
 use crate::events::integrator::Eventful;
 use crate::events::mode::{JointMode, MotorMode};
@@ -28,8 +29,6 @@ const BLIND: f64 = 1e-9;
 const LONGER: f64 = 16.0;
 /// so often at most.
 const MOST_UNFOUNDED: i32 = 5;
-/// Instants that are nearer to each other are one (relative to one second, or to the time if that is more).
-pub(super) const ONE_INSTANT: f64 = 1e-12;
 
 impl Eventful {
     /// Makes one step towards `until`, which no effort's law changes before.
