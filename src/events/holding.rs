@@ -48,7 +48,7 @@ pub(crate) struct Present<'p> {
 }
 
 /// Works out what holds the joints of one mode.
-pub(crate) struct Held {
+pub(crate) struct Holding {
     /// Index among the elements, and degree of freedom, of each held joint.
     joints: Vec<(usize, usize)>,
     /// λ of every element joint; zero for those that are free.
@@ -84,7 +84,7 @@ struct Tree {
     own: Vec<f64>,
 }
 
-impl Held {
+impl Holding {
     /// For a mode in a state, and what moves in it.
     pub fn new(at: &Present, response: &mut Response, state: &State) -> Self {
         let Present { whole, elements, mode, moving } = *at;
@@ -117,7 +117,7 @@ impl Held {
             }))
         };
         let nothing = vec![0.0; elements.joints.len()];
-        Held { joints, efforts: nothing.clone(), sizes: nothing, margin: f64::INFINITY, how }
+        Holding { joints, efforts: nothing.clone(), sizes: nothing, margin: f64::INFINITY, how }
     }
 
     /// Whether the efforts are unique.
@@ -143,7 +143,7 @@ impl Held {
     /// Works them out for a state of the whole under efforts from outside, of friction and of motors: one entry a degree of freedom.
     pub fn evaluate(&mut self, at: &Present, response: &mut Response, state: &State, efforts: &[f64]) {
         let Present { whole, elements, mode, moving } = *at;
-        let Held { joints, efforts: found, sizes, margin, how } = self;
+        let Holding { joints, efforts: found, sizes, margin, how } = self;
         match how {
             How::Nothing => {}
             How::Tree(tree) => {

@@ -4,7 +4,7 @@ use crate::events::decision::held_bodies;
 use crate::events::detection::Looking;
 use crate::events::drives::Drives;
 use crate::events::held::Held;
-use crate::events::holding::{Held as Holding, Present};
+use crate::events::holding::{Holding, Present};
 use crate::events::mode::{JointMode, Mode, MotorMode};
 use crate::events::piece::{Key, Piece};
 use crate::events::transition::{Found, Memory, transit};

@@ -9,7 +9,7 @@
 //! | what a motor can still do | `bound − u`, `bound + u` | it reaches its bound |
 //! | what a motor at its bound has too much | `± u − bound` | it comes back |
 
-use crate::events::holding::Held as HeldEfforts;
+use crate::events::holding::Holding;
 use crate::events::mode::{JointMode, Mode, MotorMode};
 use crate::instant::elements::Elements;
 use crate::mechanism::motion::event::Side;
@@ -76,7 +76,7 @@ impl Watched {
         self,
         elements: &Elements,
         mode: &Mode,
-        efforts: &HeldEfforts,
+        efforts: &Holding,
         since: f64,
         time: f64,
         state: &State,
