@@ -5,7 +5,7 @@ use crate::mechanisms::*;
 use catena::mechanism::description::nonsmooth::MotorLaw;
 use catena::mechanism::description::target::Target;
 use catena::mechanism::motion::event::EventKind;
-use catena::simulation::StepChoice;
+use catena::simulation::{Simulation, SimulationOptions, StepChoice};
 
 /// The effort that holds the pendulum still at an angle.
 fn weight(angle: f64) -> f64 {
@@ -21,6 +21,8 @@ fn a_joint_below_its_friction_has_no_rate_at_all_and_one_above_it_slides() {
         let done = run(&mechanism, &at_rest(&mechanism, &[start]), 100.0, fixed(3, 1e-4));
         let still = done.state.position[0] == start && done.state.velocity[0] == 0.0;
         assert_eq!(!still, moves, "{share}: {:?}", done.state);
+        // What friction holds is not simulated until something changes: one step to the end.
+        assert_eq!(done.summary.steps == 1, !moves, "{:?}", done.summary);
     }
 }
 
@@ -126,4 +128,21 @@ fn a_run_that_is_made_twice_is_the_same_to_the_last_bit() {
     let (first, second) = (once(), once());
     assert_eq!(first.state, second.state);
     assert_eq!(first.events, second.events);
+}
+
+#[test]
+fn what_friction_holds_is_let_go_when_somebody_pushes_harder_than_it_bears() {
+    let mut mechanism = mechanism(vec![slide("rail", nalgebra::Vector3::x(), 2.0)]);
+    friction(&mut mechanism, 0, 3.0);
+    let options = SimulationOptions { duration: 3.0, steps: fixed(5, 0.1), switched_off: &[], interrupt: None };
+    let mut simulation = Simulation::new(&mechanism, at_rest(&mechanism, &[0.0]), options).expect("a run");
+    for (push, until, rate) in [(2.9, 1.0, 0.0), (5.0, 2.0, 1.0), (0.0, 2.5, 0.25)] {
+        simulation.set_efforts(&[push]).expect("an effort");
+        simulation.step_to(until).expect("steps");
+        assert!((simulation.state().velocity[0] - rate).abs() < 1e-13, "{push} N: {:?}", simulation.state());
+    }
+    simulation.run().expect("to the end");
+    // Half a second of 1.5 m/s² has taken the quarter of a metre per second that was left.
+    assert_eq!(simulation.state().velocity[0], 0.0);
+    assert!((simulation.state().position[0] - (0.5 + 1.0 / 3.0)).abs() < 1e-13, "{:?}", simulation.state());
 }
