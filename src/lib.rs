@@ -19,7 +19,7 @@
 //! Data goes one way through the floors, and nothing imports anything to its right:
 //!
 //! ```text
-//!     URDF, scene file → scene → model → mechanism → lobatto → stepping → simulation → output → study
+//!     URDF, scene file → scene → model → mechanism → lobatto → stepping → instant → events → simulation → output → study
 //!                                            └→ reduced (joint coordinates: the comparator and a test oracle)
 //! ```
 //!
@@ -29,9 +29,9 @@
 //! | [`scene`] | what the user wrote, validated |
 //! | [`model`] | from what was written to what is simulated |
 //! | [`reduced`] | the same mechanism in joint coordinates: the comparator |
-//! | [`instant`] | the problem at one instant: assembly of loops, reactions, rest |
-//! | [`events`] | steps between events: limits, dry friction, motors |
 //! | [`stepping`] | steps strung together: [`Lobatto`](stepping::Lobatto) |
+//! | [`instant`] | the problem at one instant: assembly of loops, reactions, what holds joints, rest |
+//! | [`events`] | steps that end at events: limits, dry friction, motors |
 //! | [`simulation`] | a run: [`Simulation`](simulation::Simulation), its observers |
 //! | [`output`] | logs and reports |
 //!
