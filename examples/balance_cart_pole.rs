@@ -6,6 +6,7 @@ use catena::mechanism::description::closure::{Coordinate, JointLimit};
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use catena::mechanism::description::mechanism::{Body, Mechanism};
 use catena::mechanism::description::nonsmooth::DryFriction;
+use catena::mechanism::motion::event::EventKind;
 use catena::mechanism::motion::state::State;
 use catena::simulation::{Controller, Simulation, SimulationOptions, StepChoice};
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
@@ -64,11 +65,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let done = simulation.finish();
     let state = &done.state;
     println!("after 10 s: cart at {:.4} m, pole at {:.5} rad", state.position[0], state.position[1]);
-    println!(
-        "{} sticks and {} slips of the cart on its rail",
-        done.summary.events.of(catena::mechanism::motion::event::EventKind::Stick),
-        done.summary.events.of(catena::mechanism::motion::event::EventKind::Slip)
-    );
+    let events = &done.summary.events;
+    println!("sticks: {}, slips: {}", events.of(EventKind::Stick), events.of(EventKind::Slip));
     if state.position[1].abs() > 0.05 {
         return Err("the pole has fallen".into());
     }

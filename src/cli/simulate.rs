@@ -239,7 +239,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))
         .chain(ringing_warning(&method))
         .chain(singular_warning(&method))
-        .chain(speeds.iter().flat_map(SpeedWatch::warnings))
+        .chain(speeds.iter().flat_map(SpeedWatch::warning))
         .collect();
     if let Some(recorder) = &mut recorder {
         of_method.iter().for_each(|warning| recorder.say(Severity::Warning, warning));

@@ -144,6 +144,10 @@ impl Eventful {
         }
         let Piece { drives, lobatto, small, small_start, .. } = &mut self.pieces[self.current];
         let (given, taken) = lobatto.as_ref().map_or((0.0, 0.0), |own| drives.exchanged(own, small_start, small));
+        // Without dampers it is all of the motors, and no rounding of a difference.
+        let forces = &self.whole.forces;
+        let damped = !forces.joint_dampers.is_empty() || forces.point_springs.iter().any(|spring| spring.damping > 0.0);
+        let taken = if damped { taken } else { kernel.dissipated };
         Exchange {
             dissipated: kernel.dissipated - taken,
             work: kernel.work + friction + given - taken,

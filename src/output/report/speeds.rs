@@ -46,18 +46,23 @@ impl SpeedWatch {
         (!joints.is_empty()).then_some(SpeedWatch { joints })
     }
 
-    /// What the user should know: one line for each joint that was too fast.
-    pub fn warnings(&self) -> impl Iterator<Item = String> {
-        let too_fast = |joint: &&Watched| joint.largest > joint.limit.speed * (1.0 + ROUNDING);
-        self.joints.iter().filter(too_fast).map(|Watched { name, unit, limit, largest }| {
-            let (seen, speed) = (rounded(*largest), limit.speed);
-            // All digits where three of them do not tell the difference.
-            let seen = if seen == rounded(speed) { short(*largest) } else { seen };
-            let speed = short(speed);
-            format!(
-                "joint {name:?} moves at up to {seen} {unit}, its <limit velocity> is {speed}: it is watched, not enforced"
-            )
-        })
+    /// What the user should know, in one line: the joint that was faster by the largest factor, and how many others were too fast.
+    pub fn warning(&self) -> Option<String> {
+        let over = |joint: &Watched| joint.largest / joint.limit.speed;
+        let fast: Vec<&Watched> = self.joints.iter().filter(|joint| over(joint) > 1.0 + ROUNDING).collect();
+        let Watched { name, unit, limit, largest } = *fast.iter().max_by(|a, b| over(a).total_cmp(&over(b)))?;
+        let (seen, speed) = (rounded(*largest), limit.speed);
+        // All digits where three of them do not tell the difference.
+        let seen = if seen == rounded(speed) { short(*largest) } else { seen };
+        let speed = short(speed);
+        let others = match fast.len() - 1 {
+            0 => String::new(),
+            1 => "; 1 more joint is too fast".to_string(),
+            more => format!("; {more} more joints are too fast"),
+        };
+        Some(format!(
+            "joint {name:?} moves at up to {seen} {unit}, its <limit velocity> is {speed}: it is watched, not enforced{others}"
+        ))
     }
 }
 

@@ -131,7 +131,7 @@ fn watched_log(folder: &Path) -> (PathBuf, Vec<String>) {
     let model = driven_arm();
     let mut watch = SpeedWatch::new(&model).expect("speeds are given");
     let path = log(folder, &model, &mut watch);
-    (path, watch.warnings().collect())
+    (path, watch.warning().into_iter().collect())
 }
 
 fn bytes(name: &str) -> Vec<u8> {
