@@ -8,6 +8,7 @@ use crate::cli::inspect_follow::follow;
 use crate::cli::recorded::Recorded;
 use crate::cli::{Failure, print, print_json, warn};
 use anyhow::anyhow;
+use catena::instant::statuses::joint_statuses;
 use catena::mechanism::ground::words::decimals;
 use catena::output::inspection::compare::compare;
 use catena::output::inspection::curves::curves;
@@ -210,7 +211,16 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
             (link.position, link.orientation) = (pose.position, pose.orientation);
         }
     }
-    let (mut reports, mut loops) = carried_reports(model, &state, &[]);
+    let mechanism = &model.mechanism;
+    let logged: HashMap<&str, f64> =
+        frame.motors.names.iter().map(String::as_str).zip(frame.motors.efforts.iter().copied()).collect();
+    let efforts = mechanism.nonsmooth.motors.iter().map(|motor| {
+        let record = model.joints.iter().find(|record| record.body == Some(motor.coordinate.body))?;
+        logged.get(record.name.as_str()).copied()
+    });
+    let efforts: Vec<Option<f64>> = efforts.collect();
+    let statuses = joint_statuses(mechanism, &state, &efforts);
+    let (mut reports, mut loops) = carried_reports(model, &state, &statuses);
     let reactions: HashMap<&str, _> =
         frame.reactions.names.iter().map(String::as_str).zip(&frame.reactions.wrenches).collect();
     for (name, joint) in &mut reports {

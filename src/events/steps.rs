@@ -12,7 +12,7 @@ use crate::events::mode::{JointMode, MotorMode};
 use crate::events::piece::Piece;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
-use crate::mechanism::motion::event::{Event, FrictionState, JointStatus, Side};
+use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
@@ -215,13 +215,8 @@ impl Integrator for Eventful {
     fn joint_status(&self, _mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
         let mut status = JointStatus::default();
         for (joint, mode) in self.elements.joints.iter().zip(&self.mode.joints) {
-            let Some(member) = joint.members.iter().find(|member| member.coordinate.body == body) else { continue };
             let held = if let JointMode::Held { on } = *mode { Some(on) } else { None };
-            let own =
-                |side: Side| if (member.factor > 0.0) == (side == Side::Lower) { Side::Lower } else { Side::Upper };
-            status.limit = held.flatten().filter(|&side| joint.owner(side) == body).map(own);
-            let friction = if held.is_some() { FrictionState::Stuck } else { FrictionState::Sliding };
-            status.friction = member.rubs.then_some(friction);
+            status = joint.status(body, held).unwrap_or(status);
         }
         for (motor, mode) in self.elements.motors.iter().zip(&self.mode.motors) {
             let at = motor.coordinate;

@@ -11,7 +11,7 @@
 use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::Motor;
-use crate::mechanism::motion::event::Side;
+use crate::mechanism::motion::event::{FrictionState, JointStatus, Side};
 use crate::mechanism::motion::state::State;
 
 /// A joint of one freedom with limits or dry friction, its own or those of joints that follow it.
@@ -190,6 +190,18 @@ impl ElementJoint {
             Some(Side::Upper) => (f64::NEG_INFINITY, self.friction),
             None => (-self.friction, self.friction),
         }
+    }
+
+    /// What the joint of a body is up to that moves with this one, which is held (on a limit or not) or not.
+    pub fn status(&self, body: usize, held: Option<Option<Side>>) -> Option<JointStatus> {
+        let member = self.members.iter().find(|member| member.coordinate.body == body)?;
+        let own = |side: Side| if (member.factor > 0.0) == (side == Side::Lower) { Side::Lower } else { Side::Upper };
+        let friction = if held.is_some() { FrictionState::Stuck } else { FrictionState::Sliding };
+        Some(JointStatus {
+            limit: held.flatten().filter(|&side| self.owner(side) == body).map(own),
+            friction: member.rubs.then_some(friction),
+            effort: None,
+        })
     }
 
     /// Whether its bounds leave no room.

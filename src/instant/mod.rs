@@ -13,4 +13,5 @@ pub(crate) mod response;
 pub mod rest;
 #[doc(hidden)]
 pub mod snapshots;
+pub mod statuses;
 pub mod unreachable;
