@@ -21,7 +21,7 @@ def _words(numbers) -> str:
     return " ".join(repr(float(number)) for number in np.asarray(numbers).ravel())
 
 
-def _document(scene: Scene) -> str:
+def document(scene: Scene) -> str:
     """The scene as MuJoCo's own format; the bodies nest as the tree does."""
     children: dict[int, list[int]] = {}
     for index, body in enumerate(scene.bodies):
@@ -57,7 +57,7 @@ class Peer:
 
     def __init__(self, scene: Scene):
         self.scene = scene
-        self.model = mujoco.MjModel.from_xml_string(_document(scene))
+        self.model = mujoco.MjModel.from_xml_string(document(scene))
         # Nothing touches and nothing is limited: spare MuJoCo the look.
         for flag in (mujoco.mjtDisableBit.mjDSBL_CONTACT, mujoco.mjtDisableBit.mjDSBL_CONSTRAINT):
             self.model.opt.disableflags |= int(flag)
