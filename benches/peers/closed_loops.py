@@ -74,7 +74,7 @@ def mujoco_run(text: str, rates: list[float], duration: float, integrator: str, 
     for _ in range(REPEATS):
         data = mujoco.MjData(model)
         data.qvel[:] = rates
-        best = min(best, clocked(lambda: mujoco.mj_step(model, data, nstep=count)))
+        best = min(best, clocked(lambda data=data: mujoco.mj_step(model, data, nstep=count)))
         mujoco.mj_forward(model, data)
         place = data.site("watched").xpos.copy()
         if best > 1.0:

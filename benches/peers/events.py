@@ -22,9 +22,10 @@ from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 from xml.etree import ElementTree
 
-import catena
 import mujoco
 import numpy as np
+
+import catena
 import peer_mujoco
 from measure import clocked
 from scene import Start, read_scene
