@@ -118,21 +118,15 @@ pub(crate) fn held_bodies(
         .collect();
     let (columns, square) = response.matrix(state, &rows);
     let inverse = pseudo_inverse(&square);
-    let mut column = vec![0.0; whole.velocity_count];
-    for (index, body) in whole.bodies.iter().enumerate() {
-        let still = |freedom: usize, column: &[f64]| {
-            // Y_ii − Y_iS (Y_SS)⁺ Y_Si: what is left of the answer.
-            let row = columns.row(freedom);
-            let taken = (row * &inverse * row.transpose())[(0, 0)];
-            column[freedom] - taken <= IMMOBILE * column[freedom]
-        };
-        let mut freedoms = body.joint.velocity_range();
-        if !held[index] && freedoms.len() == 1 {
-            held[index] = freedoms.all(|freedom| {
-                response.column(state, freedom, &mut column);
-                still(freedom, &column)
-            });
-        }
+    let single = |body: &usize| !held[*body] && whole.bodies[*body].joint.velocity_range().len() == 1;
+    let others: Vec<usize> = (0..whole.bodies.len()).filter(single).collect();
+    let freedom = |body: usize| whole.bodies[body].joint.velocity_index;
+    let answers = response.diagonal(state, others.iter().map(|&body| freedom(body)));
+    for (&body, answer) in others.iter().zip(answers) {
+        // Y_ii − Y_iS (Y_SS)⁺ Y_Si: what is left of the answer.
+        let row = columns.row(freedom(body));
+        let taken = (row * &inverse * row.transpose())[(0, 0)];
+        held[body] = answer - taken <= IMMOBILE * answer;
     }
     held
 }

@@ -3,6 +3,7 @@
 pub mod assembly;
 pub(crate) mod bounded;
 mod box_programme;
+mod closing;
 pub(crate) mod elements;
 mod exerted;
 #[doc(hidden)]

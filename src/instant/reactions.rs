@@ -11,15 +11,12 @@
 //! unique; the one with the least `Σ s μ²` is taken, s the mobility of each equation, and what a joint of a loop carries
 //! then depends on that choice as it does on nature's.
 
+use crate::instant::closing::Closing;
 use crate::instant::exerted::Exerted;
 use crate::lobatto::coupled::counted::Counted;
-use crate::lobatto::coupled::deciding::known;
-use crate::lobatto::coupled::projection::Projection;
-use crate::lobatto::stages::start::Start;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::{BodyWrench, body_wrenches};
-use crate::mechanism::motion::gaps::gap_accelerations;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, forward_kinematics};
 use crate::mechanism::motion::state::State;
@@ -38,21 +35,11 @@ pub struct Reactions<M> {
     reactions: Vec<Reaction>,
     loops: Vec<LoopReaction>,
     closing: Option<Closing>,
+    /// The state that was asked for last, where there are closures.
+    state: State,
     exerted: Option<Exerted>,
     /// The efforts of motors.
     motors: Vec<f64>,
-}
-
-/// What mechanisms with closures need besides.
-struct Closing {
-    projection: Projection,
-    start: Start,
-    state: State,
-    multipliers: Vec<f64>,
-    /// Whether it is decided what is known of the closures, in the first state that was asked for.
-    decided: bool,
-    /// What was counted there.
-    counted: Option<Arc<Counted>>,
 }
 
 /// What a loop joint carries.
@@ -68,18 +55,6 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
     /// Sets up a mechanism, of its own or borrowed.
     pub fn new(of: M) -> Self {
         let mechanism = of.borrow();
-        let closing = mechanism.has_closures().then(|| {
-            let projection = Projection::new(mechanism);
-            let multipliers = vec![0.0; projection.row_count()];
-            Closing {
-                projection,
-                start: Start::new(mechanism),
-                state: State::zero(mechanism),
-                multipliers,
-                decided: false,
-                counted: None,
-            }
-        });
         let count = mechanism.bodies.len();
         let exerted = Exerted::new(mechanism);
         let ode = if exerted.is_some() {
@@ -96,7 +71,8 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
             applied: vec![BodyWrench::default(); count],
             reactions: vec![Reaction::default(); count],
             loops: vec![LoopReaction::default(); mechanism.loops.len()],
-            closing,
+            closing: Closing::new(mechanism),
+            state: State::zero(mechanism),
             exerted,
             motors: Vec::with_capacity(mechanism.nonsmooth.motors.len()),
             mechanism: of,
@@ -106,7 +82,7 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
     /// Takes what was counted of the closures in the first state that will be asked for.
     pub fn expect_at(&mut self, counted: Option<Arc<Counted>>) {
         if let Some(closing) = &mut self.closing {
-            closing.counted = counted;
+            closing.expect_at(counted);
         }
     }
 
@@ -126,23 +102,15 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
 
     /// The same under the efforts that the system in joint coordinates has been handed.
     fn accelerate(&mut self, position: &[f64], velocity: &[f64], bodies: &[BodyState]) {
-        let Reactions { mechanism, joint_accelerations, accelerations, closing, .. } = self;
+        let Reactions { mechanism, joint_accelerations, accelerations, closing, state, .. } = self;
         let mechanism = (*mechanism).borrow();
         self.ode.accelerations_of_placed(position, velocity, bodies, joint_accelerations);
         // The tree's joint accelerations are corrected for the closures.
-        if let Some(Closing { projection, start, state, multipliers, decided, counted }) = closing {
+        if let Some(closing) = closing {
             state.position.copy_from_slice(position);
             state.velocity.copy_from_slice(velocity);
-            start.set(mechanism, state);
-            if !std::mem::replace(decided, true) {
-                let counted = counted.take().filter(|counted| counted.is_at(state));
-                let counted = counted.unwrap_or_else(|| Arc::new(Counted::at(mechanism, state)));
-                projection.heed(known(&counted, mechanism));
-            }
-            projection.accelerations(start, joint_accelerations, multipliers, |joints, out| {
-                body_accelerations(mechanism, bodies, velocity, joints, accelerations);
-                gap_accelerations(mechanism, bodies, joints, accelerations, out);
-            });
+            closing.place(mechanism, state);
+            closing.accelerations(mechanism, velocity, bodies, joint_accelerations, accelerations);
         }
         body_accelerations(mechanism, bodies, velocity, joint_accelerations, accelerations);
     }
@@ -163,9 +131,9 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         let Reactions { mechanism, accelerations, applied, reactions, loops, closing, .. } = self;
         let mechanism = (*mechanism).borrow();
         body_wrenches(mechanism, bodies, applied);
-        if let Some(Closing { projection, multipliers, .. }) = closing {
+        if let Some(closing) = closing {
             for (index, joint) in mechanism.loops.iter().enumerate() {
-                let (force, torque) = projection.loop_wrench(index, multipliers);
+                let (force, torque) = closing.loop_wrench(index);
                 loops[index] = LoopReaction { force, torque };
                 let point = match joint.b.body {
                     Some(body) => bodies[body].position + bodies[body].rotation * joint.b.frame.translation.vector,

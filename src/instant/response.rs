@@ -7,17 +7,13 @@
 //! ```
 //!
 //! H (n × n) is the mass matrix, J the gradient of the closures. A column of Y is one solve of the articulated-body algorithm, made to fit the
-//! closures by the least motion in the metric of H ([`Projection`]); H is never formed.
+//! closures by the least motion in the metric of H ([`Closing`]); H is never formed.
 
-use crate::lobatto::coupled::counted::Counted;
-use crate::lobatto::coupled::deciding::known;
-use crate::lobatto::coupled::projection::Projection;
-use crate::lobatto::stages::start::Start;
+use crate::instant::closing::Closing;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::gaps::gap_accelerations;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, place_bodies};
+use crate::mechanism::motion::kinematics::{BodyAcceleration, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::reduced::ReducedOde;
 use nalgebra::{DMatrix, Vector3};
@@ -36,13 +32,6 @@ pub(crate) struct Response {
     unit: Vec<f64>,
 }
 
-struct Closing {
-    projection: Projection,
-    start: Start,
-    multipliers: Vec<f64>,
-    decided: bool,
-}
-
 impl Response {
     /// For a mechanism with its forces.
     pub fn new(mechanism: &Mechanism) -> Self {
@@ -52,17 +41,12 @@ impl Response {
         bare.gravity = Vector3::zeros();
         bare.forces = Default::default();
         bare.forces.driven = true;
-        let closing = mechanism.has_closures().then(|| {
-            let projection = Projection::new(mechanism);
-            let multipliers = vec![0.0; projection.row_count()];
-            Closing { projection, start: Start::new(mechanism), multipliers, decided: false }
-        });
         Response {
             ode: ReducedOde::new(&driven),
             bare: ReducedOde::new(&bare),
             bodies: vec![WORLD; mechanism.bodies.len()],
             accelerations: vec![BodyAcceleration::default(); mechanism.bodies.len()],
-            closing,
+            closing: Closing::new(mechanism),
             zero: vec![0.0; mechanism.velocity_count],
             unit: vec![0.0; mechanism.velocity_count],
             mechanism: driven,
@@ -77,33 +61,48 @@ impl Response {
         ode.accelerations_of_placed(&state.position, &state.velocity, bodies, out);
         if let Some(closing) = closing {
             closing.place(mechanism, state);
-            let Closing { projection, start, multipliers, .. } = closing;
-            projection.accelerations(start, out, multipliers, |joints, gaps| {
-                body_accelerations(mechanism, bodies, &state.velocity, joints, accelerations);
-                gap_accelerations(mechanism, bodies, joints, accelerations, gaps);
-            });
+            closing.accelerations(mechanism, &state.velocity, bodies, out, accelerations);
         }
     }
 
-    /// The column of Y for one degree of freedom at a state.
-    pub fn column(&mut self, state: &State, freedom: usize, out: &mut [f64]) {
-        let Response { mechanism, bare, bodies, closing, zero, unit, .. } = self;
+    /// Takes a state at which columns of Y are asked for.
+    fn place(&mut self, state: &State) {
+        let Response { mechanism, bodies, closing, .. } = self;
         place_bodies(mechanism, state, bodies);
         for body in bodies.iter_mut() {
             (body.velocity, body.angular_velocity) = (Vector3::zeros(), Vector3::zeros());
         }
+        if let Some(closing) = closing {
+            closing.place(mechanism, state);
+        }
+    }
+
+    /// The column of Y for one degree of freedom at the state that was taken last.
+    fn column(&mut self, state: &State, freedom: usize, out: &mut [f64]) {
+        let Response { mechanism, bare, bodies, closing, zero, unit, .. } = self;
         unit[freedom] = 1.0;
         bare.drive(Inputs::constant(unit));
         bare.accelerations_of_placed(&state.position, zero, bodies, out);
         unit[freedom] = 0.0;
         if let Some(closing) = closing {
-            closing.place(mechanism, state);
-            closing.projection.velocities(mechanism, &closing.start, out);
+            closing.velocities(mechanism, out);
         }
+    }
+
+    /// The entries on the diagonal of Y of some degrees of freedom at a state.
+    pub fn diagonal(&mut self, state: &State, freedoms: impl Iterator<Item = usize>) -> Vec<f64> {
+        self.place(state);
+        let mut column = vec![0.0; self.mechanism.velocity_count];
+        let entries = freedoms.map(|freedom| {
+            self.column(state, freedom, &mut column);
+            column[freedom]
+        });
+        entries.collect()
     }
 
     /// Y for some degrees of freedom: their columns (n × m), and `D = W Y Wᵀ` (m × m), the rows of which they are.
     pub fn matrix(&mut self, state: &State, freedoms: &[usize]) -> (DMatrix<f64>, DMatrix<f64>) {
+        self.place(state);
         let mut columns = DMatrix::zeros(self.mechanism.velocity_count, freedoms.len());
         let mut column = vec![0.0; self.mechanism.velocity_count];
         for (index, &freedom) in freedoms.iter().enumerate() {
@@ -122,16 +121,7 @@ impl Response {
     pub fn close_velocities(&mut self, state: &mut State) {
         if let Some(closing) = &mut self.closing {
             closing.place(&self.mechanism, state);
-            closing.projection.velocities(&self.mechanism, &closing.start, &mut state.velocity);
-        }
-    }
-}
-
-impl Closing {
-    fn place(&mut self, mechanism: &Mechanism, state: &State) {
-        self.start.set(mechanism, state);
-        if !std::mem::replace(&mut self.decided, true) {
-            self.projection.heed(known(&Counted::at(mechanism, state), mechanism));
+            closing.velocities(&self.mechanism, &mut state.velocity);
         }
     }
 }

@@ -46,13 +46,12 @@ pub fn comparator(
 /// The elements of a mechanism, as stiff as the setting allows.
 fn regularised(mechanism: &Mechanism, start: &State, setting: Setting) -> Regularised {
     let elements = Elements::new(mechanism);
-    let mut response = Response::new(mechanism);
-    let mut column = vec![0.0; mechanism.velocity_count];
+    let freedoms = elements.joints.iter().map(|joint| joint.coordinate.freedom);
+    let mobilities = Response::new(mechanism).diagonal(start, freedoms);
     let mut soft = Regularised { motors: elements.motors, ..Regularised::default() };
-    for joint in &elements.joints {
+    for (joint, mobility) in elements.joints.iter().zip(mobilities) {
         let freedom = joint.coordinate.freedom;
-        response.column(start, freedom, &mut column);
-        let inertia = 1.0 / column[freedom];
+        let inertia = 1.0 / mobility;
         let (rate, speed) = match setting {
             Setting::Step(step) => (PI / (STEPS * step), joint.friction * step / inertia),
             Setting::Tolerance(tolerance) => (SPEED / tolerance, tolerance),
