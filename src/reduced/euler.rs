@@ -55,7 +55,7 @@ impl Integrator for Euler {
         if let Some(now) = self.ode.changed(mechanism, inputs) {
             *self = Euler::new(&now, self.step);
         }
-        self.ode.drive(inputs);
+        self.ode.drive_at(state.time, inputs);
         let (time, step) = next_time(state.time, self.step, until);
         self.ode.accelerations(&state.position, &state.velocity, &mut self.velocity);
         // As accurate as the method.

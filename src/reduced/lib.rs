@@ -14,6 +14,7 @@
 pub mod articulated_body;
 mod articulated_inertia;
 pub mod dop853;
+mod dop853_step;
 mod dop853_table;
 pub mod euler;
 pub mod inverse_dynamics;

@@ -47,6 +47,8 @@ struct Forced {
     efforts: Vec<f64>,
     /// Those of them that come from outside.
     driven: Vec<f64>,
+    /// Now (s).
+    time: f64,
     /// Limits, friction and motors, and their efforts.
     regularised: Regularised,
     soft: Vec<f64>,
@@ -63,6 +65,7 @@ impl Forced {
             wrenches: vec![BodyWrench::default(); count],
             efforts: vec![0.0; mechanism.velocity_count],
             driven: vec![0.0; mechanism.velocity_count],
+            time: 0.0,
             regularised: Regularised::default(),
             soft: vec![0.0; mechanism.velocity_count],
             total: Exchange::default(),
@@ -73,7 +76,7 @@ impl Forced {
     fn evaluate(&mut self, position: &[f64], velocity: &[f64]) {
         joint_efforts(&self.mechanism, position, velocity, &mut self.efforts);
         self.soft.fill(0.0);
-        self.regularised.add_efforts(position, velocity, &mut self.soft);
+        self.regularised.add_efforts(self.time, position, velocity, &mut self.soft);
         for ((effort, driven), soft) in self.efforts.iter_mut().zip(&self.driven).zip(&self.soft) {
             *effort += driven + soft;
         }
@@ -153,10 +156,25 @@ impl ReducedOde {
 
     /// Takes the efforts that drive the joints from now on.
     pub fn drive(&mut self, inputs: Inputs) {
+        self.drive_at(0.0, inputs);
+    }
+
+    /// Takes the efforts that drive the joints at a time (s).
+    pub fn drive_at(&mut self, time: f64, inputs: Inputs) {
         if let Some(forced) = &mut self.forced {
-            forced.driven.fill(0.0);
-            forced.driven[..inputs.efforts.len()].copy_from_slice(inputs.efforts);
+            forced.time = time;
+            inputs.write_constant(&mut forced.driven);
+            if let Some(changing) = inputs.changing {
+                for (entry, &freedom) in changing.freedoms().iter().enumerate() {
+                    forced.driven[freedom] += changing.effort(entry, time);
+                }
+            }
         }
+    }
+
+    /// Whether an effort is a function of time: [`ReducedOde::drive_at`] has to be told every instant at which slopes are asked for.
+    pub fn depends_on_time(&self, inputs: Inputs) -> bool {
+        inputs.changing.is_some() || self.forced.as_ref().is_some_and(|forced| forced.regularised.depends_on_time())
     }
 
     /// Length of y.

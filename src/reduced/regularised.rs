@@ -3,7 +3,7 @@
 //! ```text
 //!     limit       τ = max(0, k δ + d δ̇) into the allowed range        δ > 0: depth beyond the limit (rad or m)
 //!     friction    τ = −τ_f tanh(q̇ / v₀)
-//!     motor       τ = its law, within its bound                        constant targets only: the system does not know the time
+//!     motor       τ = its law, within its bound
 //! ```
 //!
 //! [N m or N]. A stuck joint creeps at up to v₀, and an impact takes about `π (J/k)^½` for the inertia J that the limit stops.
@@ -47,8 +47,13 @@ pub struct Regularised {
 }
 
 impl Regularised {
-    /// Adds the efforts in a state.
-    pub fn add_efforts(&self, position: &[f64], velocity: &[f64], efforts: &mut [f64]) {
+    /// Whether a motor has a target that changes.
+    pub fn depends_on_time(&self) -> bool {
+        self.motors.iter().any(|motor| !motor.target.is_constant())
+    }
+
+    /// Adds the efforts in a state at a time (s).
+    pub fn add_efforts(&self, time: f64, position: &[f64], velocity: &[f64], efforts: &mut [f64]) {
         for limit in &self.limits {
             let (place, rate) = (position[limit.coordinate.position], velocity[limit.coordinate.freedom]);
             let (lower, upper) = limit.range;
@@ -64,7 +69,7 @@ impl Regularised {
         }
         for motor in &self.motors {
             let at = motor.coordinate;
-            efforts[at.freedom] += motor.effort(0.0, position[at.position], velocity[at.freedom]);
+            efforts[at.freedom] += motor.effort(time, position[at.position], velocity[at.freedom]);
         }
     }
 }
@@ -80,7 +85,7 @@ mod tests {
         let all = Regularised { limits: vec![limit], ..Regularised::default() };
         let effort = |position: f64, rate: f64| {
             let mut efforts = [0.0];
-            all.add_efforts(&[position], &[rate], &mut efforts);
+            all.add_efforts(0.0, &[position], &[rate], &mut efforts);
             efforts[0]
         };
         assert_eq!([effort(0.0, 5.0), effort(-1.5, 0.0), effort(2.5, 0.0)], [0.0, 50.0, -50.0]);

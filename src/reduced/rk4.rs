@@ -61,17 +61,19 @@ impl Integrator for Rk4 {
         if let Some(now) = self.ode.get_mut().changed(mechanism, inputs) {
             *self = Rk4::new(&now, self.step);
         }
-        self.ode.get_mut().drive(inputs);
         let (time, step) = next_time(state.time, self.step, until);
         let ode = self.ode.get_mut();
+        ode.drive_at(state.time, inputs);
         ode.load(state, &mut self.start);
         let [k1, k2, k3, k4] = &mut self.slopes;
         ode.derivative(&self.start, k1);
         add_scaled(&self.start, 0.5 * step, k1, &mut self.stage);
+        ode.drive_at(state.time + 0.5 * step, inputs);
         ode.derivative(&self.stage, k2);
         add_scaled(&self.start, 0.5 * step, k2, &mut self.stage);
         ode.derivative(&self.stage, k3);
         add_scaled(&self.start, step, k3, &mut self.stage);
+        ode.drive_at(time, inputs);
         ode.derivative(&self.stage, k4);
         let slopes = k1.iter().zip(k2.iter()).zip(k3.iter().zip(k4.iter()));
         for ((end, &start), ((&a, &b), (&c, &d))) in self.end.iter_mut().zip(&self.start).zip(slopes) {

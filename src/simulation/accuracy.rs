@@ -30,8 +30,10 @@ use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::distance::size;
+use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::state::State;
+use crate::simulation::event_order::first_difference;
 use crate::simulation::run_integrator::RunIntegrator;
 use crate::simulation::trial_run::{CalibrationError, Course, GoOn, Pair, TrialRun};
 use crate::stepping::control::COARSEST_STOP;
@@ -79,6 +81,8 @@ pub struct Calibration {
     pub holds_until: f64,
     /// Whether the finest pilots part before the end, so that nothing finer would help.
     pub parted: bool,
+    /// Where the accuracy does not hold to the end, the first instant (s) from which the finest pilots meet other events: impacts, sticking, bounds of motors.
+    pub events_differ: Option<f64>,
     /// Number of pilot runs.
     pub pilots: usize,
 }
@@ -169,12 +173,22 @@ pub(crate) fn calibrate_counted(
         }
     }
     let held = errors.iter().take_while(|&&error| error <= tolerance).count();
+    let holds_until = if held == 0 { state.time } else { coarse.trail[held - 1].0 };
+    // Where other events change next to nothing they are none of the user's business.
+    let compared = if errors.len() > held { coarse.trail.get(coarse.apart.len() - 1) } else { None };
+    let differ = compared.and_then(|&(end, _)| {
+        let until =
+            |run: &TrialRun| -> Vec<Event> { run.events.iter().copied().filter(|event| event.time <= end).collect() };
+        first_difference(&until(&coarse), &until(&fine))
+    });
     Ok(Calibration {
         stop,
         stages: coarse.stages,
         // What has parted ends as far apart as the mechanism is large.
-        estimate: if parted { size } else { worst },
-        holds_until: if held == 0 { state.time } else { coarse.trail[held - 1].0 },
+        // No position is known better than it is rounded.
+        estimate: if parted { size } else { worst.max(f64::EPSILON * size) },
+        holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
+        events_differ: differ,
         parted,
         pilots: search.pilots,
     })
@@ -216,6 +230,7 @@ impl<'s> Search<'s> {
             state: self.state.clone(),
             trail: Vec::new(),
             held_back: false,
+            events: Vec::new(),
             apart: Vec::new(),
         })
     }

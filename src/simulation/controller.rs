@@ -5,13 +5,14 @@
 //! ```
 //!
 //! Steps end at the instants exactly, and the state there is that of the end of a step: nothing of the dense output's lower order. The efforts are
-//! constant in between, so that every piece is smooth and the order of the scheme is kept. (A continuous law along one coordinate is a
-//! [`Motor`](crate::mechanism::description::nonsmooth::Motor), whose gains are in the equations of the steps.)
+//! constant in between, so that every piece is smooth and the order of the scheme is kept. A law that acts at every instant
+//! is a [`ContinuousController`](crate::simulation::ContinuousController), or along one coordinate a [`Motor`](crate::mechanism::description::nonsmooth::Motor).
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::simulation::course::RunError;
 use crate::simulation::run::{InputError, Simulation};
+use crate::stepping::integrator::MethodError;
 
 /// Decides on the efforts of a run.
 ///
@@ -36,6 +37,27 @@ pub enum ControlError {
     /// The period.
     #[error("a controller's period of {0} s: give a finite time that is longer than zero")]
     Period(f64),
+    /// The steps of a run with another choice.
+    #[error(transparent)]
+    Method(#[from] MethodError),
+    /// A freedom that a continuous controller cannot drive.
+    #[error(
+        "a continuous controller drives degree of freedom {freedom} of {count}: name lengths and angles, each once, and no rotation of a ball joint"
+    )]
+    Freedom {
+        /// The freedom, from 0.
+        freedom: usize,
+        /// Of so many.
+        count: usize,
+    },
+    /// Parts of the run have been made apart.
+    #[error("parts that nothing connects have been simulated apart: let a continuous controller begin with the run")]
+    Begun,
+    /// Limits, dry friction or motors besides a continuous controller.
+    #[error(
+        "a continuous controller runs on smooth mechanisms; with limits, dry friction or motors give a Controller with a period, or leave them out (--without limits)"
+    )]
+    Events,
 }
 
 impl Simulation<'_> {

@@ -2,6 +2,7 @@
 
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, StepError};
@@ -86,6 +87,9 @@ pub(crate) struct Course {
     happened: Vec<Event>,
     /// The first ones of the run.
     events: Vec<Event>,
+    /// The state of a sample, where there are pairs of shapes that may touch, and its contacts.
+    sampled_state: Option<State>,
+    contacts: Vec<ContactPoint>,
 }
 
 impl Course {
@@ -103,6 +107,8 @@ impl Course {
             bookkeeper: Bookkeeper::new(mechanism, state),
             happened: Vec::new(),
             events: Vec::new(),
+            sampled_state: (!mechanism.nonsmooth.pairs.is_empty()).then(|| state.clone()),
+            contacts: Vec::new(),
         }
     }
 
@@ -177,6 +183,11 @@ impl Course {
             self.see_events(integrator, observers);
             place_bodies(mechanism, state, &mut self.bodies);
             self.bookkeeper.record(mechanism, state, &self.bodies, outcome);
+            if self.sampled_state.is_some() {
+                self.contacts.clear();
+                integrator.contacts(mechanism, state, &mut self.contacts);
+                self.bookkeeper.summary.contact.see(&self.contacts, &mechanism.nonsmooth.pairs);
+            }
             observers.iter_mut().for_each(|observer| observer.step(&self.bookkeeper.last));
             while self.sample_time(self.sampled) <= state.time {
                 let time = self.sample_time(self.sampled);
@@ -186,6 +197,7 @@ impl Course {
                 } else {
                     integrator.dense(mechanism, time, &mut self.position, &mut self.velocity);
                 }
+                self.see_contacts(mechanism, integrator, time, observers);
                 self.show(time, observers)?;
                 self.sampled += 1;
                 if time == self.end {
@@ -207,6 +219,24 @@ impl Course {
             }
             observers.iter_mut().for_each(|observer| observer.event(event));
         }
+    }
+
+    /// Shows the contacts at the instant of a sample.
+    fn see_contacts(
+        &mut self,
+        mechanism: &Mechanism,
+        integrator: &dyn Integrator,
+        time: f64,
+        observers: &mut [&mut dyn Observer],
+    ) {
+        let Some(sample) = self.sampled_state.as_mut().filter(|_| !observers.is_empty()) else { return };
+        sample.time = time;
+        sample.position.copy_from_slice(&self.position);
+        sample.velocity.copy_from_slice(&self.velocity);
+        sample.compensation.fill(0.0);
+        self.contacts.clear();
+        integrator.contacts(mechanism, sample, &mut self.contacts);
+        observers.iter_mut().for_each(|observer| observer.contacts(&self.contacts));
     }
 
     /// The first events so far.

@@ -1,6 +1,7 @@
 //! One island of a run: its own loop, and what it has shown until the others have come as far.
 
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
@@ -40,6 +41,8 @@ pub(crate) struct Shown {
     pub(crate) samples: VecDeque<Kept>,
     pub(crate) steps: VecDeque<StepEnd>,
     pub(crate) events: VecDeque<Event>,
+    /// The contacts of the next sample.
+    contacts: Vec<ContactPoint>,
 }
 
 /// A sample of one island.
@@ -47,12 +50,14 @@ pub(crate) struct Kept {
     pub(crate) time: f64,
     pub(crate) position: Vec<f64>,
     pub(crate) velocity: Vec<f64>,
+    pub(crate) contacts: Vec<ContactPoint>,
 }
 
 impl Observer for Shown {
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
         let (position, velocity) = (sample.position.to_vec(), sample.velocity.to_vec());
-        self.samples.push_back(Kept { time: sample.time, position, velocity });
+        let contacts = std::mem::take(&mut self.contacts);
+        self.samples.push_back(Kept { time: sample.time, position, velocity, contacts });
         Ok(())
     }
 
@@ -62,6 +67,11 @@ impl Observer for Shown {
 
     fn event(&mut self, event: &Event) {
         self.events.push_back(*event);
+    }
+
+    fn contacts(&mut self, points: &[ContactPoint]) {
+        self.contacts.clear();
+        self.contacts.extend_from_slice(points);
     }
 }
 

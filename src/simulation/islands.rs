@@ -14,10 +14,11 @@
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::energy::energy_with_forces;
 use crate::mechanism::motion::event::JointStatus;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{FrequencyStep, Integrator, MethodDescription};
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::simulation::course::Aim;
@@ -111,14 +112,9 @@ impl Islands {
             together.order = together.order.max(one.order);
             steps += count;
             stepped += one.step * count as f64;
-            let share = |seen: &FrequencyStep| seen.product / seen.limit;
-            together.frequency_step = together
-                .frequency_step
-                .into_iter()
-                .chain(one.frequency_step)
-                .max_by(|a, b| share(a).total_cmp(&share(b)));
-            together.ringing = together.ringing.or(one.ringing);
+            together.include_stability(&one);
             together.singular = together.singular.into_iter().chain(one.singular).max_by_key(|seen| seen.extra);
+            together.unsolved_contacts += one.unsolved_contacts;
             together.reversible_resets = together.reversible_resets.zip(one.reversible_resets).map(|(a, b)| a + b);
         }
         if steps > 0 {
@@ -137,6 +133,15 @@ impl Islands {
             }
         }
         statuses
+    }
+
+    /// Adds the closed contacts of all islands, in the order of their pairs.
+    pub(crate) fn contacts(&self, out: &mut Vec<ContactPoint>) {
+        for IslandRun { island, state, awake, .. } in &self.parts {
+            awake.iter().for_each(|own| own.contacts(&island.mechanism, state, out));
+        }
+        // Stable: several points of a pair stay in their order.
+        out.sort_by_key(|point| point.pair);
     }
 
     /// What each island did.
@@ -238,6 +243,9 @@ impl Islands {
         let times = self.parts.iter().filter_map(|part| Some(part.course.as_ref()?.summary().solve_cpu_seconds));
         // A sum of nothing would be −0.
         whole.summary.solve_cpu_seconds = times.fold(0.0, |sum, time| sum + time);
+        for part in self.parts.iter().filter_map(|part| part.course.as_ref()) {
+            whole.summary.contact.include(&part.summary().contact);
+        }
         if together {
             for IslandRun { island, state: own, .. } in &self.parts {
                 island.put(&own.position, &mut state.position, |piece| &piece.positions);

@@ -3,6 +3,7 @@
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::energy::{energy_with_forces, violation};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::gaps::worse;
@@ -39,6 +40,8 @@ pub(crate) struct MergedRun {
     rested: u64,
     /// The first events.
     pub(crate) events: Vec<Event>,
+    /// The contacts of the last sample.
+    contacts: Vec<ContactPoint>,
 }
 
 impl MergedRun {
@@ -67,6 +70,7 @@ impl MergedRun {
             waiting: Vec::new(),
             rested: 0,
             events: Vec::new(),
+            contacts: Vec::new(),
         }
     }
 
@@ -88,8 +92,10 @@ impl MergedRun {
             if !ready {
                 return Ok(());
             }
+            self.contacts.clear();
             for IslandRun { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
                 let Some(sample) = shown.samples.pop_front() else { continue };
+                self.contacts.extend_from_slice(&sample.contacts);
                 island.put(&sample.position, &mut self.state.position, |piece| &piece.positions);
                 island.put(&sample.velocity, &mut self.state.velocity, |piece| &piece.velocities);
             }
@@ -173,6 +179,11 @@ impl MergedRun {
             outcome,
             so_far: Counts { steps, iterations, rejected },
         };
+        if !mechanism.nonsmooth.pairs.is_empty() {
+            // Stable: several points of a pair stay in their order.
+            self.contacts.sort_by_key(|point| point.pair);
+            observers.iter_mut().for_each(|observer| observer.contacts(&self.contacts));
+        }
         let State { position, velocity, .. } = &self.state;
         show(observers, &Sample { time, position, velocity, step: &step }).map_err(RunError::Observer)
     }

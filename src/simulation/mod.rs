@@ -8,15 +8,17 @@
 //! | what | where |
 //! |---|---|
 //! | the run as an object | `run`, `integrators`, `run_integrator`, `step_choice` |
-//! | who decides on efforts | `controller` |
+//! | who decides on efforts | `controller`, `continuous` |
 //! | one mechanism, step by step | `course`, `summary`, `observer` |
 //! | independent parts side by side | `partition`, `islands`, `island`, `merged`, `threads` |
-//! | the accuracy that a tolerance means | `accuracy`, `trial_run` |
+//! | the accuracy that a tolerance means | `accuracy`, `trial_run`, `event_order` |
 
 #[doc(hidden)]
 pub mod accuracy;
+mod continuous;
 mod controller;
 mod course;
+mod event_order;
 mod integrators;
 mod island;
 #[doc(hidden)]
@@ -34,6 +36,7 @@ mod summary;
 pub mod threads;
 mod trial_run;
 
+pub use continuous::ContinuousController;
 pub use controller::{ControlError, Controller};
 pub(crate) use course::Course;
 pub use course::{RunError, RunOptions, run};

@@ -1,6 +1,7 @@
 //! What watches a run: samples at a fixed rate, and the figures at the end of every step.
 
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::energy::{Energy, Violation};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::integrator::StepOutcome;
@@ -62,6 +63,9 @@ pub trait Observer {
     /// An event, before the end of the step at whose end it happened. Parts of a run that nothing connects hand over theirs between two samples of
     /// the whole; those of one instant come in the order of the parts.
     fn event(&mut self, _event: &Event) {}
+
+    /// The closed contacts at the instant of the next sample, in the order of their pairs; only where a mechanism has pairs of shapes that may touch.
+    fn contacts(&mut self, _points: &[ContactPoint]) {}
 }
 
 /// Shows a sample to every observer.

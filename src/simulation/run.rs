@@ -9,8 +9,9 @@
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::{Event, JointStatus};
-use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::inputs::{Feedback, Inputs};
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy::Calibration;
@@ -22,6 +23,7 @@ use crate::simulation::observer::Observer;
 use crate::simulation::partition::Plan;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::summary::Summary;
+use crate::stepping::integrator::MethodError;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -99,6 +101,8 @@ pub struct Finished {
     pub events: Vec<Event>,
     /// What the joint of each body is up to at the end.
     pub joints: Vec<JointStatus>,
+    /// The closed contacts at the end, in the order of their pairs.
+    pub contacts: Vec<ContactPoint>,
 }
 
 /// Why efforts cannot be taken.
@@ -185,8 +189,7 @@ impl<'s> Simulation<'s> {
             return Err(InputError::Count { given: efforts.len(), wanted });
         }
         if let Some(freedom) = efforts.iter().position(|effort| !effort.is_finite()) {
-            let of = self.mechanism.bodies.iter().find(|body| body.joint.velocity_range().contains(&freedom));
-            let joint = of.map_or_else(String::new, |body| body.joint.name.clone());
+            let joint = self.mechanism.joint_of_freedom(freedom).to_string();
             return Err(InputError::NotFinite { joint, effort: efforts[freedom] });
         }
         self.efforts.clear();
@@ -199,7 +202,7 @@ impl<'s> Simulation<'s> {
     /// # Errors
     /// [`RunError`]: a step fails, an observer fails, or the run is interrupted.
     pub fn step_to(&mut self, time: f64) -> Result<(), RunError> {
-        self.proceed(time)
+        self.proceed(time, None)
     }
 
     /// Makes steps to the end of the run.
@@ -207,12 +210,31 @@ impl<'s> Simulation<'s> {
     /// # Errors
     /// [`RunError`]: a step fails, an observer fails, or the run is interrupted.
     pub fn run(&mut self) -> Result<(), RunError> {
-        self.proceed(f64::INFINITY)
+        self.proceed(f64::INFINITY, None)
     }
 
-    fn proceed(&mut self, until: f64) -> Result<(), RunError> {
+    /// Makes the steps of all islands together from now on; `false` if they have begun apart.
+    ///
+    /// # Errors
+    /// [`MethodError`]: steps that the whole does not know.
+    pub(crate) fn join_islands(&mut self) -> Result<bool, MethodError> {
+        if matches!(self.integrators, Integrators::Islands { .. }) {
+            if self.progress.is_some() {
+                return Ok(false);
+            }
+            self.integrators = Integrators::Whole(self.choice.integrator(self.mechanism, &[])?);
+        }
+        Ok(true)
+    }
+
+    /// Makes steps to the end of the run under efforts that follow the state.
+    pub(crate) fn run_with_feedback(&mut self, feedback: &dyn Feedback) -> Result<(), RunError> {
+        self.proceed(f64::INFINITY, Some(feedback))
+    }
+
+    fn proceed(&mut self, until: f64, feedback: Option<&dyn Feedback>) -> Result<(), RunError> {
         let Simulation { mechanism, state, efforts, integrators, options, observers, progress, choice, .. } = self;
-        let inputs = Inputs::constant(efforts);
+        let inputs = Inputs { feedback, ..Inputs::constant(efforts) };
         let watching = &mut observers[..];
         match integrators {
             Integrators::Whole(integrator) => {
@@ -293,6 +315,16 @@ impl<'s> Simulation<'s> {
         }
     }
 
+    /// The closed contacts, in the order of their pairs.
+    pub fn contacts(&self) -> Vec<ContactPoint> {
+        let mut points = Vec::new();
+        match &self.integrators {
+            Integrators::Whole(integrator) => integrator.contacts(self.mechanism, &self.state, &mut points),
+            Integrators::Islands { islands, .. } => islands.contacts(&mut points),
+        }
+        points
+    }
+
     /// Ends the run: what it has left. Observers are free again.
     pub fn finish(self) -> Finished {
         let (summary, method) = (self.summary(), self.description());
@@ -301,12 +333,12 @@ impl<'s> Simulation<'s> {
             Integrators::Islands { islands, .. } => islands.figures().collect(),
         };
         let islands = if islands.len() > 1 { islands } else { Vec::new() };
-        let joints = self.joint_statuses();
+        let (joints, contacts) = (self.joint_statuses(), self.contacts());
         let events = match self.progress {
             None => Vec::new(),
             Some(Progress::Whole(course)) => course.events().to_vec(),
             Some(Progress::Islands(whole)) => whole.events,
         };
-        Finished { state: self.state, summary, method, islands, events, joints }
+        Finished { state: self.state, summary, method, islands, events, joints, contacts }
     }
 }

@@ -4,6 +4,7 @@ use crate::events::Eventful;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
@@ -97,5 +98,9 @@ impl Integrator for RunIntegrator {
 
     fn joint_status(&self, mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
         self.inner().joint_status(mechanism, state, body)
+    }
+
+    fn contacts(&self, mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
+        self.inner().contacts(mechanism, state, out);
     }
 }

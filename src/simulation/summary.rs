@@ -3,6 +3,7 @@
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::contact_point::ContactFigures;
 use crate::mechanism::motion::energy::{Energy, Violation, energy_with_forces, violation};
 use crate::mechanism::motion::event::EventCounts;
 use crate::mechanism::motion::gaps::worse;
@@ -42,6 +43,8 @@ pub struct Summary {
     pub max_violation: Violation,
     /// How many events there were of each kind.
     pub events: EventCounts,
+    /// The worst of the contacts at the end of any step.
+    pub contact: ContactFigures,
 }
 
 /// Kinetic energies below this part of the others are those of a robot at rest.

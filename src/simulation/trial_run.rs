@@ -3,6 +3,7 @@
 use crate::lobatto::numbers::lanes::Isa;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::distance::{distance, probes};
+use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::run_integrator::RunIntegrator;
@@ -20,7 +21,7 @@ pub enum CalibrationError {
     #[error(transparent)]
     Method(#[from] MethodError),
     /// The caller did not want to go on.
-    #[error("interrupted during the pilot runs that calibrate the tolerance")]
+    #[error("interrupted during the trial runs that calibrate the tolerance")]
     Interrupted,
 }
 
@@ -66,6 +67,8 @@ pub(crate) struct TrialRun<'m> {
     pub trail: Vec<(f64, Vec<Vector3<f64>>)>,
     /// Whether stability, and not accuracy, has limited its steps early.
     pub held_back: bool,
+    /// What has happened.
+    pub events: Vec<Event>,
     /// How far it was from another at every instant, the worst so far: an error that has been made does not heal (m).
     pub apart: Vec<f64>,
 }
@@ -139,6 +142,7 @@ impl TrialRun<'_> {
 
     fn step(&mut self, until: f64, go_on: GoOn) -> Result<(), CalibrationError> {
         let outcome = self.integrator.advance(self.mechanism, &mut self.state, until)?;
+        self.integrator.take_events(&mut self.events);
         if go_on(&outcome) { Ok(()) } else { Err(CalibrationError::Interrupted) }
     }
 }

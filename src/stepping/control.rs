@@ -247,7 +247,7 @@ impl Control {
         let mut guess = stepper.first_guess();
         loop {
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
-            let attempt = stepper.attempt(mechanism, inputs, state.time, length, &self.rule_for(length), guess);
+            let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule_for(length), guess);
             outcome.iterations += attempt.iterations();
             let energies = match attempt {
                 Attempt::Converged { exact, .. } => {

@@ -77,7 +77,7 @@ impl FixedSteps {
         let mut length = target - state.time;
         let (mut halvings, mut guess) = (0, stepper.first_guess());
         loop {
-            let attempt = stepper.attempt(mechanism, inputs, state.time, length, &self.rule, guess);
+            let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule, guess);
             outcome.iterations += attempt.iterations();
             if let Attempt::Converged { exact, .. } = attempt {
                 let before = stepper.kernel.energy().kinetic;

@@ -387,6 +387,7 @@ impl Integrator for Lobatto {
             singular: stepper.singular(),
             digits: if self.precise { 32 } else { 16 },
             reversible_resets: resets,
+            unsolved_contacts: 0,
         }
     }
 }

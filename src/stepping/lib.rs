@@ -5,7 +5,8 @@
 //! | the integrator | [`integrator`], [`stepper`] |
 //! | the length of a step | [`fixed`], [`control`] and [`acceptance`], [`reversible`]; how many stages: [`stage_choice`] |
 //! | what is looked at now and then | [`watch`], [`modes`], [`fastest_mode`], [`dynamics`], [`jerks`], [`linearised`] |
-//! | instants inside a step | [`sampling`] |
+//! | instants inside a step | [`sampling`], `stage_motion` |
+//! | efforts that follow the state | `feedback` |
 
 #![deny(unsafe_code)]
 
@@ -17,6 +18,7 @@ pub mod control;
 pub mod dynamics;
 #[doc(hidden)]
 pub mod fastest_mode;
+mod feedback;
 #[doc(hidden)]
 pub mod fixed;
 #[doc(hidden)]
@@ -37,6 +39,7 @@ pub mod reversible;
 pub mod sampling;
 #[doc(hidden)]
 pub mod stage_choice;
+mod stage_motion;
 #[doc(hidden)]
 pub mod stepper;
 #[doc(hidden)]

@@ -6,14 +6,16 @@
 //!
 //! Between `finish` and `accept` the state has not moved, so that a step can still be thrown away.
 
+use crate::feedback;
 use crate::modes::Modes;
 use crate::pace::Pace;
 use crate::sampling::LastStep;
+use crate::stage_motion::stage_motion;
 use crate::watch::{FIRST_LOOK, Watch};
 use catena_lobatto::coupled::counted::Counted;
-use catena_lobatto::numbers::lanes::MAX_LANES;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
+use catena_lobatto::tableau::butcher::MAXIMUM_STAGES;
 use catena_lobatto::tableau::butcher::Tableau;
 use catena_mechanism::description::forces::Forces;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -26,9 +28,6 @@ use std::sync::Arc;
 
 /// Whatever makes a step shorter does so at most this often before it gives up.
 pub(crate) const HALVINGS: u32 = 14;
-
-/// Most stages of a scheme.
-const MOST_STAGES: usize = MAX_LANES + 1;
 
 /// A step that is not longer than what is left.
 pub(crate) struct Stride {
@@ -188,21 +187,25 @@ impl Stepper {
         moved
     }
 
-    /// Attempts a step of `length` seconds from `time` under these inputs.
+    /// Attempts a step of `length` seconds from `state` under these inputs.
     pub fn attempt(
         &mut self,
         mechanism: &Mechanism,
         inputs: Inputs,
-        time: f64,
+        state: &State,
         length: f64,
         rule: &StopRule,
         guess: Guess,
     ) -> Attempt {
+        if let Some(feedback) = inputs.feedback {
+            let kernel = self.kernel.as_mut();
+            return feedback::attempt(kernel, self.tableau, mechanism, feedback, state, length, rule, guess);
+        }
         if let Some(changing) = inputs.changing {
             let nodes = &self.tableau.nodes;
             self.changing.clear();
             for entry in 0..changing.freedoms().len() {
-                self.changing.extend(nodes.iter().map(|node| changing.effort(entry, time + node * length)));
+                self.changing.extend(nodes.iter().map(|node| changing.effort(entry, state.time + node * length)));
             }
             self.kernel.change(changing.freedoms(), &self.changing);
         }
@@ -227,7 +230,7 @@ impl Stepper {
         self.stepped_time -= self.length;
         let mut outcome = StepOutcome::default();
         for guess in [Guess::Longer(self.length), Guess::Plain] {
-            let attempt = self.attempt(mechanism, inputs, state.time, length, &StopRule::ROUNDING, guess);
+            let attempt = self.attempt(mechanism, inputs, state, length, &StopRule::ROUNDING, guess);
             outcome.iterations += attempt.iterations();
             if let Attempt::Converged { exact, .. } = attempt {
                 outcome.exact = exact;
@@ -247,16 +250,10 @@ impl Stepper {
     /// Rates of a scalar coordinate at all stages of the last step [m/s or rad/s], as dampers feel them: `ẏ_j` of
     /// [`catena_lobatto::equations::forces`].
     pub fn stage_rates(&self, freedom: usize, rates: &mut [f64]) {
-        let (tableau, step) = (self.tableau, self.length);
-        let active = tableau.stages - 1;
-        let mut moved = [0.0; MOST_STAGES];
-        self.kernel.stage_displacements(freedom, &mut moved[..active]);
-        let start = self.origin.velocity[freedom];
-        for (stage, rate) in rates.iter_mut().enumerate().take(tableau.stages) {
-            let row = &tableau.velocity[stage * active..(stage + 1) * active];
-            let ahead = |lane: usize| moved[lane] - step * tableau.nodes[lane + 1] * start;
-            *rate = start + (0..active).map(|lane| row[lane] * ahead(lane)).sum::<f64>() / step;
-        }
+        let mut displacements = [0.0; MAXIMUM_STAGES];
+        let stages = self.tableau.stages;
+        let step = (self.length, self.origin.velocity[freedom]);
+        stage_motion(self.kernel.as_ref(), self.tableau, freedom, step, &mut displacements[..stages], rates);
     }
 
     /// The state at the start of the last step.
@@ -297,7 +294,7 @@ impl Stepper {
         outcome: &mut StepOutcome,
     ) -> Result<(), StepError> {
         if let Some(freedom) = self.end.velocity.iter().position(|rate| !rate.is_finite()) {
-            let joint = joint_of_freedom(mechanism, freedom);
+            let joint = mechanism.joint_of_freedom(freedom).to_string();
             return Err(StepError::NotFinite { time: state.time, step: length, joint });
         }
         outcome.step = length;
@@ -341,7 +338,7 @@ impl Stepper {
             let longest = seen.longest();
             return StepError::Unstable { time, step: seen.step, stages: self.tableau.stages, longest };
         }
-        let joint = |freedom| joint_of_freedom(mechanism, freedom);
+        let joint = |freedom| mechanism.joint_of_freedom(freedom).to_string();
         match *attempt {
             Attempt::Converged { .. } | Attempt::Inaccurate { .. } => StepError::NotAccurate { time, step },
             Attempt::TurnedTooFar { freedom, .. } => StepError::TurnedTooFar { time, step, joint: joint(freedom) },
@@ -425,9 +422,4 @@ impl Ranks {
     fn singular(&self) -> Option<SingularPosition> {
         self.singular
     }
-}
-
-fn joint_of_freedom(mechanism: &Mechanism, freedom: usize) -> String {
-    let moves = |body: &&catena_mechanism::description::mechanism::Body| body.joint.velocity_range().contains(&freedom);
-    mechanism.bodies.iter().find(moves).map_or_else(String::new, |body| body.joint.name.clone())
 }

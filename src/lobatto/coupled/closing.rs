@@ -5,6 +5,7 @@ use crate::coupled::deciding::known_of_steps;
 use crate::coupled::known::Known;
 use crate::coupled::projection::Projection;
 use crate::coupled::system::{Geometry, One};
+use crate::equations::touches::Lean;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
 use std::sync::Arc;
@@ -45,9 +46,17 @@ impl<G: Geometry<One>> Closing<G> {
         self.projection.known()
     }
 
-    /// Projects the velocities at the end of a step, which `start` has taken. Does not allocate.
-    pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) {
+    /// Takes the friction of contacts at the end of a step, for the projection of its velocities.
+    pub fn lean(&mut self, leans: &[Lean]) {
+        self.projection.lean(leans);
+    }
+
+    /// Projects the velocities at the end of a step, which `start` has taken; returns what friction takes there (J). Does not allocate.
+    pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> f64 {
         self.projection.velocities(mechanism, start, velocity);
+        let braked = self.projection.braked();
+        self.projection.lean(&[]);
+        braked
     }
 
     /// Number of equations that the others imply, or nearly imply, at the end that was projected last, if that had to be solved for.

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! [`mod@system`] has the symbols; [`front`] and [`operations`] eliminate after the order of [`crate::plan::elimination`]; [`space`] is the geometry in space
-//! ([`crate::planar::geometry`] that in a plane); [`newton`] iterates; [`projection`] and [`closing`] bring states and velocities onto the closures.
+//! ([`crate::planar::geometry`] that in a plane), with the contacts of [`touching`]; [`newton`] iterates; [`projection`] and [`closing`] bring states and velocities onto the closures.
 //! Once, at the start of a run, [`deciding`] decides from what was [`counted`] what is [`known`] of them: which [`equations`] are empty or implied, which freedoms are still, and
 //! what light ones are [`lent`].
 
@@ -17,6 +17,7 @@ pub mod equations;
 pub mod front;
 pub mod known;
 pub mod lent;
+pub mod mixing;
 pub mod multipliers;
 pub mod newton;
 pub mod operations;
@@ -24,3 +25,4 @@ pub mod projection;
 pub mod repeated_solve;
 pub mod space;
 pub mod system;
+pub mod touching;

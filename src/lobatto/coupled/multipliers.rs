@@ -1,6 +1,7 @@
 //! The closures' side of the coupled system: what the multipliers push with, and rates.
 
 use crate::coupled::system::{Coupled, Geometry};
+use crate::coupled::touching::Touching;
 use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::TWIST;
 use std::ops::Range;
@@ -15,6 +16,18 @@ impl<V: Lanes> Coupled<V> {
     #[inline(always)]
     pub fn evaluate<G: Geometry<V>>(&mut self, geometry: &G) {
         geometry.evaluate(&self.rows_of_loop, &mut self.gaps, &mut self.gradients);
+    }
+
+    /// The rows of the contacts, which come after the loops.
+    pub(crate) fn rows_of_touches(&self, touching: &Touching<V>) -> &[Range<usize>] {
+        &self.rows_of_loop[self.loops - touching.len()..self.loops]
+    }
+
+    /// How friction and rolling change as contacts move on, after [`Coupled::evaluate`].
+    pub(crate) fn turn(&mut self, touching: &Touching<V>) {
+        let Coupled { loops, rows_of_loop, multipliers, turning_friction, rolling, .. } = self;
+        let rows = &rows_of_loop[*loops - touching.len()..*loops];
+        touching.turn(rows, multipliers, turning_friction, rolling);
     }
 
     /// The rows of the mimics.

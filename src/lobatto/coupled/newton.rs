@@ -10,6 +10,7 @@
 
 use crate::coupled::known::Known;
 use crate::coupled::system::{Coupled, Geometry, Screw};
+use crate::coupled::touching::Touching;
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::largest;
 use crate::tableau::butcher::Tableau;
@@ -58,12 +59,26 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         (&mut self.geometry, &mut self.coupled.bias)
     }
 
+    /// The contacts, if any has friction.
+    pub fn rubbing(&self) -> Option<&Touching<V>> {
+        self.geometry.touching().filter(|touching| !touching.leans().is_empty())
+    }
+
+    /// What friction took in the rows of a solved step (J), after the bodies are placed.
+    pub fn braked(&self) -> f64 {
+        let Coupled { multipliers, .. } = &self.coupled;
+        self.rubbing().map_or(0.0, |touching| touching.braked(self.coupled.rows_of_touches(touching), multipliers))
+    }
+
     /// One iteration, after the bodies are placed: fills the increments, advances the multipliers; returns the largest increment.
     pub fn solve(&mut self, stages: StageUnknowns<'_, V, G>) -> f64 {
         let Newton { coupled, geometry, mimics } = self;
         let StageUnknowns { plan, start, displacement, increment, efforts, step } = stages;
         coupled.step = step;
         in_lanes!(V, coupled.evaluate(geometry));
+        if let Some(touching) = geometry.touching() {
+            coupled.turn(touching);
+        }
         mimics.gaps(coupled, G::mimic_gaps(start), displacement);
         in_lanes!(V, {
             let square = V::splat(step * step);

@@ -1,7 +1,8 @@
 //! The operations of the elimination, one function each, compiled for the vectors on its own.
 
 use crate::coupled::front::{Fronts, Screws};
-use crate::coupled::system::{Coupled, IMPLIED, Mixing, PROXIMAL, Resistance, first_lane};
+use crate::coupled::mixing::Mixing;
+use crate::coupled::system::{Coupled, IMPLIED, PROXIMAL, Resistance, first_lane};
 use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
 use crate::plan::elimination::{Column, Operation, TWIST, Unknown};
 use crate::plan::tree::Plan;
@@ -56,12 +57,26 @@ impl<V: Lanes> Coupled<V> {
         let active = self.mixing.active;
         let mut by_gap = self.unit;
         if row >= self.mimic_rows.end {
-            for k in 0..active {
-                by_gap[k] = self.resistance(&self.resistances[row - self.mimic_rows.end], k);
+            let row = row - self.mimic_rows.end;
+            match self.resistances.get(row) {
+                Some(resistance) => (0..active).for_each(|k| by_gap[k] = self.resistance(resistance, k)),
+                None => {
+                    let friction = self.turning_friction[row - self.resistances.len()].to_array();
+                    (0..active).for_each(|k| by_gap[k] = self.mixing.velocity[k] * V::splat(friction.as_ref()[k]));
+                }
             }
         }
         let gradients = [0, 1].map(|side: usize| &self.gradients[row][side][..self.elimination.width]);
         couple(&mut self.fronts, level, [&by_gap[..active], &self.unit[..active]], slot, sign, gradients);
+        if let Some(rolling) = &self.rolling[row] {
+            let step = V::splat(self.step);
+            for (component, &change) in rolling[usize::from(sign > 0.0)].iter().enumerate() {
+                let change = change * step;
+                for (k, integral) in self.mixing.integral[..active].iter().enumerate() {
+                    self.fronts.add(level, slot, component, k, change * *integral);
+                }
+            }
+        }
     }
 
     /// The pivot of a freedom.

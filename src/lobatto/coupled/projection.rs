@@ -12,6 +12,7 @@ use crate::coupled::known::Known;
 use crate::coupled::lent::{ROUNDS, Rounds, owed};
 use crate::coupled::space::Space;
 use crate::coupled::system::{Coupled, Geometry, One};
+use crate::equations::touches::Lean;
 use crate::numbers::lanes::Lanes;
 use crate::plan::tree::Plan;
 use catena_mechanism::description::joint::FreeRotation;
@@ -43,6 +44,8 @@ pub struct Projection<G: Geometry<One> = Space<One>> {
     correction: Vec<f64>,
     /// Second derivatives of the gaps.
     curvatures: Vec<f64>,
+    /// The impulses of all rows on velocities that were projected last [N s, N m s].
+    impulses: Vec<f64>,
     /// Whether velocities that were projected last had to be solved for.
     solved: bool,
     /// The bodies on the circuit of every loop, on the branches of its first and of its second end.
@@ -65,7 +68,7 @@ pub struct Projected {
 impl Projection {
     /// The workspace for a mechanism in space.
     pub fn new(mechanism: &Mechanism) -> Self {
-        Projection::of(mechanism, Space::new(mechanism, One::zero(), false), Plan::new(mechanism))
+        Projection::of(mechanism, Space::new(mechanism, None), Plan::new(mechanism))
     }
 
     /// What the multipliers do on the second end of a loop: force (N) and torque [N m] about its point, in the world.
@@ -91,9 +94,10 @@ impl<G: Geometry<One>> Projection<G> {
         coupled.known.empty = vec![false; coupled.closure_of_row().len()];
         Projection {
             curvatures: vec![0.0; coupled.closure_of_row().len()],
+            impulses: vec![0.0; coupled.closure_of_row().len()],
             solved: false,
             nearest: [vec![0.0; mechanism.position_count], vec![0.0; mechanism.position_count]],
-            circuits: mechanism.loops.iter().map(|joint| circuit(mechanism, joint)).collect(),
+            circuits: mechanism.closing_ends().map(|ends| circuit(mechanism, ends)).collect(),
             coupled,
             geometry,
             plan,
@@ -159,6 +163,9 @@ impl<G: Geometry<One>> Projection<G> {
         self.evaluate(start);
         let mut done = Projected::default();
         self.solved = false;
+        self.impulses.fill(0.0);
+        // With friction the matrix is not symmetric, and its factors are not kept for another right-hand side.
+        let leans = self.geometry.touching().is_some_and(|touching| !touching.leaning().is_empty());
         let mut rounds = Rounds::default();
         for round in 0..ROUNDS {
             self.evaluate_rates(mechanism, start, velocity);
@@ -167,8 +174,11 @@ impl<G: Geometry<One>> Projection<G> {
                 break;
             }
             self.coupled.owe(&self.correction, round > 0);
-            self.solve(start, round > 0);
+            self.solve(start, round > 0 && !leans);
             self.solved = true;
+            for (impulse, increment) in self.impulses.iter_mut().zip(self.coupled.multiplier_increments()) {
+                *impulse += one(*increment);
+            }
             for (rate, correction) in velocity.iter_mut().zip(&self.correction) {
                 *rate += correction;
                 done.correction = done.correction.max(correction.abs());
@@ -277,6 +287,20 @@ impl<G: Geometry<One>> Projection<G> {
         for freedom in self.coupled.known.still_freedoms() {
             acceleration[freedom] = 0.0;
         }
+    }
+
+    /// Lets the multipliers of contacts push beside their gradients in the projections that follow; with nothing, along them.
+    pub(crate) fn lean(&mut self, leans: &[Lean]) {
+        if let Some(touching) = self.geometry.touching_mut() {
+            touching.lean(leans);
+        }
+    }
+
+    /// What the friction at the end of a step took in the latest projection of velocities (J).
+    pub(crate) fn braked(&self) -> f64 {
+        let Some(touching) = self.geometry.touching() else { return 0.0 };
+        let leans = touching.leaning().iter().zip(self.coupled.rows_of_touches(touching));
+        leans.filter(|(_, rows)| !rows.is_empty()).map(|(lean, rows)| lean.slip * self.impulses[rows.start]).sum()
     }
 
     /// Takes over what kinematics knows of the closures, but for the equations that are empty, which every solve finds itself.

@@ -10,7 +10,9 @@
 //! about the common origin, x the centre of mass (m); newton.md §4c of the project's method pages.
 
 use crate::coupled::front::{Fronts, Screws};
-use crate::coupled::system::{Geometry, Mixing, Screw};
+use crate::coupled::mixing::Mixing;
+use crate::coupled::system::{Geometry, Screw};
+use crate::coupled::touching::Touching;
 use crate::equations::loops::evaluate;
 use crate::equations::residual::residual_of;
 use crate::equations::spatial_loops::{Moved, SpatialLoop};
@@ -20,10 +22,12 @@ use crate::numbers::lanes::Lanes;
 use crate::numbers::rotations::Tilt;
 use crate::plan::elimination::TWIST;
 use crate::plan::tree::Plan;
+use crate::stages::coefficients::moved_rows;
 use crate::stages::row_geometry::RowGeometry;
 use crate::stages::rows::Rows;
 use crate::stages::start::Start;
 use crate::stages::workspace::Stages;
+use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
@@ -34,6 +38,7 @@ pub struct Space<V> {
     /// The loops, then the lines of the springs.
     closures: Vec<SpatialLoop>,
     loops: usize,
+    touching: Touching<V>,
     origin: [f64; 3],
     /// Every body since the start of the step, at the columns' and at the rows' stages.
     moved: Vec<[Moved<V>; 2]>,
@@ -42,16 +47,16 @@ pub struct Space<V> {
 }
 
 impl<V: Lanes> Space<V> {
-    /// The closures of a mechanism, with or without the lines of its springs; `mask` is zero where a row has the geometry of the
-    /// start.
-    pub fn new(mechanism: &Mechanism, mask: V, springs: bool) -> Self {
+    /// The closures of a mechanism: at all stages of a scheme, with the lines of its springs, or without it at one configuration.
+    pub fn new(mechanism: &Mechanism, tableau: Option<&Tableau>) -> Self {
         let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
         Space {
-            closures: SpatialLoop::all(mechanism, springs),
+            closures: SpatialLoop::all(mechanism, tableau.is_some()),
             loops: mechanism.loops.len(),
+            touching: Touching::new(mechanism, tableau),
             origin: [0.0; 3],
             moved: vec![[still; 2]; mechanism.bodies.len()],
-            mask,
+            mask: tableau.map_or(V::zero(), |tableau| moved_rows(tableau.stages - 1)),
         }
     }
 
@@ -73,6 +78,9 @@ impl<V: Lanes> Space<V> {
     #[inline(always)]
     pub fn place_stages(&mut self, stages: &mut Stages<V>, gravity: &[f64; 3], bias: &mut [Screw<V>]) {
         self.move_bodies(stages);
+        if !self.touching.is_empty() {
+            self.touching.place(&stages.start, stages.step, &self.moved, &self.origin);
+        }
         let square = V::splat(stages.step * stages.step);
         let (_, rows, _) = stages.rows::<true, true>(gravity);
         for (index, plan) in rows.plan.bodies.iter().enumerate() {
@@ -91,9 +99,7 @@ impl<V: Lanes> Space<V> {
     /// Where an anchor is at the columns' (0) or the rows' (1) stages, from the common origin.
     #[inline(always)]
     pub fn anchor(&self, start: &Start, body: usize, side: usize) -> Vector<V> {
-        let (anchor, origin) = (start.anchor(body), self.origin);
-        let from_origin = [anchor[0] - origin[0], anchor[1] - origin[1], anchor[2] - origin[2]];
-        Vector::splat(&from_origin).plus(self.moved[body][side].anchor)
+        self.moved[body][side].anchor_from(&start.anchor(body), &self.origin)
     }
 
     /// Where the second end of a loop is at the start, from the common origin (m).
@@ -157,7 +163,8 @@ impl<V: Lanes> Geometry<V> for Space<V> {
     }
 
     fn rows(&self) -> Vec<usize> {
-        self.closures[..self.loops].iter().map(|closure| closure.start.equations.len()).collect()
+        let loops = self.closures[..self.loops].iter().map(|closure| closure.start.equations.len());
+        loops.chain(self.touching.rows()).collect()
     }
 
     fn begin(&mut self, _: &Plan, start: &Start) {
@@ -165,12 +172,30 @@ impl<V: Lanes> Geometry<V> for Space<V> {
         for closure in &mut self.closures {
             closure.begin(start, &self.origin);
         }
+        self.touching.begin(start, &self.origin);
     }
 
     #[inline(always)]
     fn evaluate(&self, rows_of_loop: &[Range<usize>], gaps: &mut [V], gradients: &mut [[Screw<V>; 2]]) {
         let closures = self.closures.iter().map(|closure| &closure.start);
-        evaluate(closures, &self.moved, rows_of_loop, gaps, gradients);
+        if self.touching.is_empty() {
+            evaluate(closures, &self.moved, rows_of_loop, gaps, gradients);
+            return;
+        }
+        let (loops, rest) = rows_of_loop.split_at(self.loops);
+        let (touches, rest) = rest.split_at(self.touching.len());
+        let (springs, rubbing) = rest.split_at(self.closures.len() - self.loops);
+        evaluate(closures.clone(), &self.moved, loops, gaps, gradients);
+        evaluate(closures.skip(self.loops), &self.moved, springs, gaps, gradients);
+        self.touching.write(touches, rubbing, gaps, gradients);
+    }
+
+    fn touching(&self) -> Option<&Touching<V>> {
+        (!self.touching.is_empty()).then_some(&self.touching)
+    }
+
+    fn touching_mut(&mut self) -> Option<&mut Touching<V>> {
+        (!self.touching.is_empty()).then_some(&mut self.touching)
     }
 
     #[inline(always)]

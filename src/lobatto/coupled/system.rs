@@ -21,10 +21,11 @@
 
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::known::Known;
+use crate::coupled::mixing::Mixing;
+use crate::coupled::touching::Touching;
 use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
 use crate::plan::elimination::{Elimination, Operation, TWIST};
 use crate::plan::tree::Plan;
-use crate::stages::coefficients::{moved_rows, row_stage};
 use crate::tableau::butcher::Tableau;
 use crate::vectors::portable::Portable;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -60,12 +61,12 @@ pub trait Geometry<V: Lanes> {
     fn place(plan: &Self::Plan, start: &mut Self::Start, mechanism: &Mechanism, state: &State);
     /// `q_follower − multiplier · q_leader − offset` of every mimic at the start.
     fn mimic_gaps(start: &Self::Start) -> &[f64];
-    /// Number of equations of every loop.
+    /// Number of equations of every loop, then of every contact.
     fn rows(&self) -> Vec<usize>;
     /// Takes the start of a step.
     fn begin(&mut self, plan: &Self::Plan, start: &Self::Start);
-    /// Where the bodies are: gaps, and gradients at the columns' and at the rows' stages, of all loops and lines of springs, which
-    /// have these rows.
+    /// Where the bodies are: gaps, and at the columns' stages the gradients, at the rows' stages the directions in which multipliers push, of
+    /// all loops, contacts and lines of springs, which have these rows.
     fn evaluate(&self, rows_of_loop: &[std::ops::Range<usize>], gaps: &mut [V], gradients: &mut [[Screw<V>; 2]]);
     /// The screw of a freedom at the rows' and the columns' stages; without displacements, at the start.
     fn screws(
@@ -76,47 +77,16 @@ pub trait Geometry<V: Lanes> {
         body: usize,
         freedom: usize,
     ) -> Screws<V>;
+    /// The closed contacts, where there are any.
+    fn touching(&self) -> Option<&Touching<V>> {
+        None
+    }
+    /// The same, to be told how they push.
+    fn touching_mut(&mut self) -> Option<&mut Touching<V>> {
+        None
+    }
     /// Adds the mass blocks `D_ki` of a body to the twist part of a front.
     fn own(&self, start: &Self::Start, body: usize, mixing: &Mixing<V>, fronts: &mut Fronts<V>, level: usize);
-}
-
-/// The matrix entries of the scheme, as the system needs them.
-pub struct Mixing<V> {
-    /// Number of stages coupled.
-    pub active: usize,
-    /// Row k of B, lanes i.
-    pub mass: [V; MAX_LANES],
-    /// Row i of Â, lanes k.
-    pub(crate) solve: [V; MAX_LANES],
-    /// Row k of Ā B, lanes i: the velocity of the rows.
-    pub(crate) velocity: [V; MAX_LANES],
-    /// Zero where a row has the geometry of the start.
-    pub moved: V,
-}
-
-impl<V: Lanes> Mixing<V> {
-    /// Of a step of the scheme.
-    fn of_stages(tableau: &Tableau) -> Self {
-        let active = tableau.stages - 1;
-        let row_of_lane = |lane: usize| row_stage(lane, active);
-        let mut mass = [V::zero(); MAX_LANES];
-        let mut solve = [V::zero(); MAX_LANES];
-        let mut velocity = [V::zero(); MAX_LANES];
-        for lane in 0..active {
-            velocity[lane] = V::from_slice(&tableau.velocity[row_of_lane(lane) * active..][..active]);
-            let row = row_of_lane(lane) * active;
-            mass[lane] = V::from_slice(&tableau.b_matrix[row..row + active]);
-            let columns: Vec<f64> = (0..active).map(|k| tableau.a_hat[lane * active + row_of_lane(k)]).collect();
-            solve[lane] = V::from_slice(&columns);
-        }
-        Mixing { active, mass, solve, velocity, moved: moved_rows(active) }
-    }
-
-    /// Of a projection at one configuration.
-    fn of_one() -> Self {
-        let one = [V::splat(1.0); MAX_LANES];
-        Mixing { active: 1, mass: one, solve: one, velocity: one, moved: V::zero() }
-    }
 }
 
 /// What a force changes by, row by row: `h² ∂F_k/∂y_i = −(stiffness h² 1 + damping h Ā B)_ki` for a scalar y.
@@ -132,13 +102,17 @@ pub struct Coupled<V: Lanes> {
     pub(crate) fronts: Fronts<V>,
     pub(crate) mixing: Mixing<V>,
     pub(crate) unit: [V; MAX_LANES],
-    /// Of the loops, then of the springs.
+    /// Of the loops and contacts, then of the springs, then of the friction that turns with the slip of contacts.
     pub(crate) rows_of_loop: Vec<std::ops::Range<usize>>,
     /// The bodies at their ends.
     pub(crate) ends: Vec<[Option<usize>; 2]>,
     pub(crate) loops: usize,
-    /// The rows of the mimics; those of the springs' tensions come after them.
+    /// The rows of the mimics; those of the springs' tensions come after them, and those of turning friction.
     pub(crate) mimic_rows: std::ops::Range<usize>,
+    /// How friction resists that slips turn, row by row: times h² and `Ā B`, what it changes by for a displacement across a slip [kg].
+    pub(crate) turning_friction: Vec<V>,
+    /// What the rates of rolling contacts change by besides their gradients, at both ends of a row: times `h a_ij`; of the others nothing.
+    pub(crate) rolling: Vec<Option<[Screw<V>; 2]>>,
     /// Of the point springs, and of every freedom's joint springs and dampers.
     pub(crate) resistances: Vec<Resistance>,
     pub(crate) in_joints: Vec<Resistance>,
@@ -211,7 +185,8 @@ impl<V: Lanes> Coupled<V> {
         };
         rows_of_loop.extend(rows.iter().map(|&rows| next(rows)));
         let mimic_rows = next(mechanism.mimics.len());
-        let mut ends: Vec<_> = mechanism.loops.iter().map(|joint| [joint.a.body, joint.b.body]).collect();
+        let mut ends: Vec<_> = mechanism.closing_ends().map(|[a, b]| [a.body, b.body]).collect();
+        let loops = ends.len();
         let mut resistances = Vec::new();
         let mut in_joints = vec![Resistance::default(); mechanism.velocity_count];
         if forces {
@@ -219,6 +194,10 @@ impl<V: Lanes> Coupled<V> {
                 rows_of_loop.push(next(1));
                 ends.push([spring.a.body, spring.b.body]);
                 resistances.push(Resistance { stiffness: spring.stiffness, damping: spring.damping });
+            }
+            for joint in mechanism.rubbing() {
+                rows_of_loop.push(next(1));
+                ends.push([joint.a.body, joint.b.body]);
             }
             for damper in &mechanism.forces.joint_dampers {
                 in_joints[damper.freedom].damping += damper.coefficient;
@@ -237,7 +216,9 @@ impl<V: Lanes> Coupled<V> {
             mimic_rows,
             resistances,
             in_joints,
-            loops: mechanism.loops.len(),
+            loops,
+            turning_friction: vec![V::zero(); if forces { mechanism.rubbing().count() } else { 0 }],
+            rolling: vec![None; rows],
             efforts: vec![V::zero(); mechanism.velocity_count],
             step: 0.0,
             proximal: PROXIMAL,

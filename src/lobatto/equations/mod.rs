@@ -6,11 +6,13 @@
 //! ```
 //!
 //! [`residual`] has the bodies, [`mod@pivot`] the special case of a body on a hinge that the world holds, [`forces`] and [`springs`] what acts, [`loops`] and
-//! [`spatial_loops`] the closures.
+//! [`spatial_loops`] the closures, [`touches`] and `slips` the contacts.
 
 pub mod forces;
 pub mod loops;
 pub mod pivot;
 pub mod residual;
+pub(crate) mod slips;
 pub mod spatial_loops;
 pub(crate) mod springs;
+pub mod touches;

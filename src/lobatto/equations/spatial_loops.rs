@@ -27,10 +27,13 @@ pub(crate) struct SpatialLoop {
 }
 
 /// An end of a closure in the world: its point from the common origin, its arm from the body's anchor (m), and its axes.
-struct End {
-    point: [f64; 3],
-    arm: [f64; 3],
-    axes: [[f64; 3]; 3],
+pub(crate) struct End {
+    /// P.
+    pub point: [f64; 3],
+    /// From the anchor of the body.
+    pub arm: [f64; 3],
+    /// x, y, z.
+    pub axes: [[f64; 3]; 3],
 }
 
 impl SpatialLoop {
@@ -71,7 +74,8 @@ fn equations(kind: LoopKind) -> Vec<(Equation, [usize; 2])> {
 }
 
 impl End {
-    fn new(end: &Attachment, start: &Start, origin: &[f64; 3]) -> Self {
+    /// Where it is at the start of a step; `origin` is the common origin (m).
+    pub fn new(end: &Attachment, start: &Start, origin: &[f64; 3]) -> Self {
         let frame = end.frame.rotation.matrix();
         let (rotation, position, arm) = match end.body {
             None => (*frame, end.frame.translation.vector, Vector3::zeros()),
@@ -97,6 +101,15 @@ pub(crate) struct Moved<V> {
     pub turn: Matrix<V>,
     /// Displacement of the anchor.
     pub anchor: Vector<V>,
+}
+
+impl<V: Lanes> Moved<V> {
+    /// Where an anchor that starts at `anchor` is, from the common origin (m).
+    #[inline(always)]
+    pub fn anchor_from(&self, anchor: &[f64; 3], origin: &[f64; 3]) -> Vector<V> {
+        let from_origin = [anchor[0] - origin[0], anchor[1] - origin[1], anchor[2] - origin[2]];
+        Vector::splat(&from_origin).plus(self.anchor)
+    }
 }
 
 impl<V: Lanes> Displaced<V> for Moved<V> {

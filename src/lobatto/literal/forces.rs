@@ -94,9 +94,7 @@ pub(crate) fn stage_forces(
 
 impl Stages<'_> {
     fn freedom(&self, freedom: usize) -> Freedom {
-        let owns =
-            |body: &catena_mechanism::description::mechanism::Body| body.joint.velocity_range().contains(&freedom);
-        let body = self.mechanism.bodies.iter().position(owns).unwrap_or(0);
+        let body = self.mechanism.body_of_freedom(freedom).unwrap_or(0);
         let joint = &self.mechanism.bodies[body].joint;
         let offset = freedom - joint.velocity_index;
         let translations = joint.kind.translation_axes();

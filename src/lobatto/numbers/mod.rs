@@ -24,3 +24,4 @@ pub mod mixing;
 pub mod reductions;
 pub mod rotations;
 pub mod series;
+pub(crate) mod smooth_lanes;

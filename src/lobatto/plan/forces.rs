@@ -198,7 +198,7 @@ impl AppliedPlan {
 
     /// The entry of the ball joint that a freedom belongs to, and which of its axes it is.
     fn ball(&mut self, mechanism: &Mechanism, freedom: usize) -> (&mut Ball, usize) {
-        let owner = mechanism.bodies.iter().rev().find(|body| body.joint.velocity_index <= freedom);
+        let owner = mechanism.body_of_freedom(freedom).map(|body| &mechanism.bodies[body]);
         let first = owner.map_or(0, |body| body.joint.velocity_index + body.joint.kind.translation_axes().len());
         let index = self.balls.iter().position(|ball| ball.first == first).unwrap_or_else(|| {
             self.balls.push(Ball { first, coefficients: [0.0; 3], efforts: [0.0; 3], driven: [0.0; 3] });

@@ -4,8 +4,8 @@ use crate::plan::elimination::{Column, Elimination, Operation, Unknown};
 use catena_mechanism::description::mechanism::Mechanism;
 
 impl Elimination {
-    /// Plans the elimination of the loops, which have so many `rows` each, and mimics, and with `springs` of the tensions of the
-    /// point springs too; twists have `width` components.
+    /// Plans the elimination of the loops and contacts, which have so many `rows` each, and mimics, and with `springs` of the tensions of the
+    /// point springs and of the turning friction of contacts too; twists have `width` components.
     pub fn new(mechanism: &Mechanism, width: usize, rows: &[usize], springs: bool) -> Self {
         let mut planner = Planner::new(mechanism, width, rows, springs);
         let mut first_child_done = vec![false; mechanism.bodies.len()];
@@ -42,6 +42,8 @@ impl Elimination {
 struct Closure {
     first_row: usize,
     rows: usize,
+    /// Its two ends; `None` is the world. A mimic has none.
+    sides: [Option<usize>; 2],
     /// Bodies with an end of it; fewer than two if it ends in the world.
     ends: Vec<usize>,
     /// Where its branches meet; `None` is the world.
@@ -52,6 +54,8 @@ struct Closure {
 /// A plan in the making.
 pub(crate) struct Planner<'m> {
     mechanism: &'m Mechanism,
+    /// Number of closures with rows of their own: the loops, then the contacts.
+    loops: usize,
     closures: Vec<Closure>,
     /// For every front on the stack: which row sits in a slot.
     stack: Vec<Vec<Option<usize>>>,
@@ -69,12 +73,12 @@ impl<'m> Planner<'m> {
             std::iter::successors(body, |&body| mechanism.bodies[body].parent).collect()
         };
         let pairs = mechanism
-            .loops
-            .iter()
+            .closing_ends()
             .zip(rows)
-            .map(|(closure, &count)| (count, closure.a.body, closure.b.body))
+            .map(|([a, b], &count)| (count, a.body, b.body))
             .chain(mechanism.mimics.iter().map(|mimic| (1, Some(mimic.follower.body), Some(mimic.leader.body))))
-            .chain(mechanism.forces.point_springs.iter().filter(|_| springs).map(|s| (1, s.a.body, s.b.body)));
+            .chain(mechanism.forces.point_springs.iter().filter(|_| springs).map(|s| (1, s.a.body, s.b.body)))
+            .chain(mechanism.rubbing().filter(|_| springs).map(|joint| (1, joint.a.body, joint.b.body)));
         let mut closure_of_row = Vec::new();
         let mut closures = Vec::new();
         for (index, (count, a, b)) in pairs.enumerate() {
@@ -83,15 +87,17 @@ impl<'m> Planner<'m> {
             closures.push(Closure {
                 first_row: closure_of_row.len(),
                 rows: count,
+                sides: [a, b],
                 ends: [a, b].into_iter().flatten().collect(),
                 meets,
                 done: false,
             });
             closure_of_row.extend((0..count).map(|_| index));
         }
-        let springs_from = mechanism.loops.len() + mechanism.mimics.len();
+        let (loops, springs_from) = (rows.len(), rows.len() + mechanism.mimics.len());
         // A mimic acts on the freedoms of its joints themselves, below the bodies in the tree of eliminations.
-        for closure in &mut closures[mechanism.loops.len()..springs_from] {
+        for closure in &mut closures[loops..springs_from] {
+            closure.sides = [None; 2];
             let above = closure.ends.iter().filter_map(|&body| mechanism.bodies[body].parent);
             let above: Vec<Vec<usize>> = above.map(|body| ancestors(Some(body))).collect();
             closure.meets = match &above[..] {
@@ -101,6 +107,7 @@ impl<'m> Planner<'m> {
         }
         Planner {
             mechanism,
+            loops,
             closures,
             stack: Vec::new(),
             processed: vec![false; mechanism.bodies.len()],
@@ -169,25 +176,14 @@ impl<'m> Planner<'m> {
 
     /// Adds a body's own inertia and its ends of closures to the top front.
     pub(crate) fn own(&mut self, body: usize) {
-        let loops = self.mechanism.loops.len();
         let touching = |closure: &Closure| closure.ends.contains(&body);
         let rows_of = |closure: &Closure| closure.first_row..closure.first_row + closure.rows;
         let rows: Vec<usize> = self.closures.iter().filter(|closure| touching(closure)).flat_map(rows_of).collect();
         self.bring_in(&rows);
         let front = &self.stack[self.top()];
         let mut ends = Vec::new();
-        for (index, closure) in self.closures.iter().enumerate() {
-            let (a, b) = match self.mechanism.loops.get(index) {
-                Some(joint) => (joint.a.body, joint.b.body),
-                None => match index.checked_sub(loops + self.mechanism.mimics.len()) {
-                    Some(spring) => {
-                        let spring = &self.mechanism.forces.point_springs[spring];
-                        (spring.a.body, spring.b.body)
-                    }
-                    None => continue,
-                },
-            };
-            for (end, sign) in [(a, -1.0), (b, 1.0)] {
+        for closure in &self.closures {
+            for (end, sign) in closure.sides.into_iter().zip([-1.0, 1.0]) {
                 if end == Some(body) {
                     let of = |row| self.slot_of(front, row).map(|slot| (row, slot, sign));
                     ends.extend(rows_of(closure).filter_map(of));
@@ -218,7 +214,7 @@ impl<'m> Planner<'m> {
             let moves = self.mechanism.bodies[body].parent.is_some() || freedom != joint.velocity_index;
             let columns = self.columns(moves.then_some(body), None);
             let mut direct = Vec::new();
-            for (mimic, closure) in self.mechanism.mimics.iter().zip(&self.closures[self.mechanism.loops.len()..]) {
+            for (mimic, closure) in self.mechanism.mimics.iter().zip(&self.closures[self.loops..]) {
                 for (coordinate, coefficient) in [(mimic.follower, 1.0), (mimic.leader, -mimic.multiplier)] {
                     if coordinate.freedom == freedom
                         && let Some(slot) = self.slot_of(front, closure.first_row)
@@ -254,7 +250,7 @@ impl<'m> Planner<'m> {
     /// The rows and slots of a closure, if it can be eliminated in the top front.
     fn complete(&self, index: usize, twist: Option<usize>, early: bool) -> Option<Vec<(usize, usize)>> {
         let closure = &self.closures[index];
-        let loops = self.mechanism.loops.len();
+        let loops = self.loops;
         let springs = loops + self.mechanism.mimics.len();
         let is_mimic = (loops..springs).contains(&index);
         let both = closure.ends.iter().all(|&end| self.processed[end]);

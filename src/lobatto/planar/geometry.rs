@@ -11,7 +11,8 @@
 //! [`crate::coupled::space::Space`] has in its first, second and last component.
 
 use crate::coupled::front::{Fronts, Screws};
-use crate::coupled::system::{Geometry, Mixing, Screw};
+use crate::coupled::mixing::Mixing;
+use crate::coupled::system::{Geometry, Screw};
 use crate::equations::loops::{Displaced, evaluate};
 use crate::numbers::euclidean::Euclidean;
 use crate::numbers::lanes::Lanes;
@@ -22,7 +23,8 @@ use crate::planar::loops::{Moved, PlanarLoop};
 use crate::planar::start::{PlanarPlan, PlanarStart};
 use crate::planar::sweeps::{own_residual, row_turn};
 use crate::planar::workspace::PlanarStages;
-use crate::stages::coefficients::Coefficients;
+use crate::stages::coefficients::{Coefficients, moved_rows};
+use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::plane::Plane;
@@ -41,16 +43,15 @@ pub(crate) struct Flat<V> {
 }
 
 impl<V: Lanes> Flat<V> {
-    /// The closures of a mechanism in its plane, with or without the lines of its springs; `mask` is zero where a row has the
-    /// geometry of the start.
-    pub fn new(mechanism: &Mechanism, plane: &Plane, mask: V, springs: bool) -> Self {
+    /// The closures of a mechanism in its plane: at all stages of a scheme, with the lines of its springs, or without it at one configuration.
+    pub fn new(mechanism: &Mechanism, plane: &Plane, tableau: Option<&Tableau>) -> Self {
         let still = Moved { cosine: V::zero(), sine: V::zero(), anchor: Vector2::zero() };
         Flat {
-            closures: PlanarLoop::all(mechanism, plane, springs),
+            closures: PlanarLoop::all(mechanism, plane, tableau.is_some()),
             loops: mechanism.loops.len(),
             origin: [0.0; 2],
             moved: vec![[still; 2]; mechanism.bodies.len()],
-            mask,
+            mask: tableau.map_or(V::zero(), |tableau| moved_rows(tableau.stages - 1)),
         }
     }
 

@@ -54,7 +54,7 @@ pub enum Attempt {
 
 impl Attempt {
     /// The same attempt after iterations that led nowhere.
-    pub(crate) fn after(mut self, spent: usize) -> Self {
+    pub fn after(mut self, spent: usize) -> Self {
         match &mut self {
             Attempt::Converged { iterations, .. }
             | Attempt::Inaccurate { iterations, .. }

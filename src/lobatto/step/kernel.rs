@@ -25,7 +25,6 @@ use crate::solve::iteration;
 use crate::solve::iteration::{Coupling, Equations, Exact, Guarded, exact_at_first, exact_rule};
 use crate::solve::kept_factors::Chord;
 use crate::stages::attempt::{Attempt, Guess, REFINED_BELOW, StopRule};
-use crate::stages::coefficients::moved_rows;
 use crate::stages::pose::Turn;
 use crate::stages::predictor::Predictor;
 use crate::step::workspace::Workspace;
@@ -39,7 +38,7 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) chord: Chord,
     pub(crate) predictor: Predictor<V>,
     /// The exact Newton method, from when it is needed first.
-    newton: Option<Box<Newton<V, W::Geometry<V>>>>,
+    pub(crate) newton: Option<Box<Newton<V, W::Geometry<V>>>>,
     /// For how many more steps the exact Newton method comes first.
     pub(crate) exact_for: usize,
     /// Where there are closures.
@@ -51,6 +50,8 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) refined: bool,
     pub(crate) velocity: Vec<f64>,
     pub(crate) displaced: Vec<f64>,
+    /// What dry friction of contacts took from the finished step (J).
+    pub(crate) friction: f64,
     /// The end of the finished step.
     pub(crate) end: W::Start,
 }
@@ -67,7 +68,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
             newton: None,
             exact_for: exact_at_first(mechanism),
             closing: mechanism.has_closures().then(|| {
-                let geometry = workspace.geometry(mechanism, One::zero(), false);
+                let geometry = workspace.geometry(mechanism, None);
                 Closing::new(mechanism, Projection::of(mechanism, geometry, workspace.full_plan(mechanism)))
             }),
             tableau,
@@ -75,6 +76,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
             refined: false,
             velocity: vec![0.0; freedoms],
             displaced: vec![0.0; freedoms],
+            friction: 0.0,
             end: W::new_start(mechanism),
             workspace,
         }
@@ -166,7 +168,7 @@ impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
     fn solve_exactly(&mut self, mechanism: &Mechanism, rule: &StopRule) -> Attempt {
         let Kernel { workspace, newton, tableau, closing, .. } = self;
         let newton = newton.get_or_insert_with(|| {
-            let geometry = workspace.geometry(mechanism, moved_rows(tableau.stages - 1), true);
+            let geometry = workspace.geometry(mechanism, Some(tableau));
             Box::new(Newton::new(mechanism, geometry, tableau))
         });
         workspace.begin_exactly();

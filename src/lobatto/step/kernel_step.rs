@@ -7,6 +7,7 @@
 use crate::coupled::closing::Closing;
 use crate::coupled::counted::Counted;
 use crate::coupled::known::Known;
+use crate::coupled::touching::Touching;
 use crate::numbers::extended::Extended;
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::{at_end, weigh, write_ends};
@@ -103,7 +104,17 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let active = self.active();
-        let Kernel { workspace, velocity, displaced, end, closing, .. } = self;
+        let Kernel { workspace, velocity, displaced, end, closing, newton, friction, .. } = self;
+        *friction = 0.0;
+        if let (Some(newton), Some(closing)) = (newton, &mut *closing)
+            && newton.rubbing().is_some()
+        {
+            // At the solution: the bodies are where they were in the last iteration.
+            let (geometry, bias) = newton.bodies();
+            workspace.place_stages(geometry, bias);
+            *friction = newton.braked();
+            closing.lean(newton.rubbing().map_or(&[], Touching::leans));
+        }
         let square = workspace.end_velocities(self.refined, velocity);
         write_ends(workspace.displacement(), active, displaced);
         state.displace(mechanism, displaced);
@@ -116,14 +127,15 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
             workspace.set_end(end, mechanism, state);
         }
         if let Some(closing) = closing {
-            closing.velocities(mechanism, end, &mut state.velocity);
+            *friction += closing.velocities(mechanism, end, &mut state.velocity);
             workspace.set_end(end, mechanism, state);
         }
         W::energy(end)
     }
 
     fn exchange(&self) -> Exchange {
-        self.workspace.applied().map_or(Exchange::default(), |applied| applied.exchange)
+        let exchange = self.workspace.applied().map_or(Exchange::default(), |applied| applied.exchange);
+        Exchange { friction: self.friction, ..exchange }
     }
 
     fn take_kept(&mut self) -> usize {

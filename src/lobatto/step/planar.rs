@@ -71,8 +71,8 @@ impl<V: Lanes> Workspace<V> for PlanarWorkspace<V> {
         PlanarPlan::new(mechanism, &self.plane)
     }
 
-    fn geometry<L: Lanes>(&self, mechanism: &Mechanism, mask: L, springs: bool) -> Flat<L> {
-        Flat::new(mechanism, &self.plane, mask, springs)
+    fn geometry<L: Lanes>(&self, mechanism: &Mechanism, tableau: Option<&Tableau>) -> Flat<L> {
+        Flat::new(mechanism, &self.plane, tableau)
     }
 
     fn start(&self) -> &PlanarStart {

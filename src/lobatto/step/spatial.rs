@@ -75,8 +75,8 @@ impl<V: Lanes> Workspace<V> for SpatialWorkspace<V> {
         Plan::new(mechanism)
     }
 
-    fn geometry<L: Lanes>(&self, mechanism: &Mechanism, mask: L, springs: bool) -> Space<L> {
-        Space::new(mechanism, mask, springs)
+    fn geometry<L: Lanes>(&self, mechanism: &Mechanism, tableau: Option<&Tableau>) -> Space<L> {
+        Space::new(mechanism, tableau)
     }
 
     fn start(&self) -> &Start {

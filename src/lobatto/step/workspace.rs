@@ -40,8 +40,8 @@ pub(crate) trait Workspace<V: Lanes>: Send + 'static {
     fn energy(start: &Self::Start) -> Energy;
     /// What is constant, without the rules that leave something out.
     fn full_plan(&self, mechanism: &Mechanism) -> Self::Plan;
-    /// The bodies and closures, with or without the lines of springs; `mask` is zero where a row has the geometry of the start.
-    fn geometry<L: Lanes>(&self, mechanism: &Mechanism, mask: L, springs: bool) -> Self::Geometry<L>;
+    /// The bodies and closures: at all stages of a scheme, with the lines of springs, or without it at one configuration.
+    fn geometry<L: Lanes>(&self, mechanism: &Mechanism, tableau: Option<&Tableau>) -> Self::Geometry<L>;
 
     /// The start of the step.
     fn start(&self) -> &Self::Start;

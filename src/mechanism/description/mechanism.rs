@@ -4,7 +4,8 @@
 //! Each body's frame sits at its centre of mass with its axes along the principal axes of inertia, so that the
 //! body inertia is `J = diag(J₁, J₂, J₃)` [kg m²] and `Σ = ½ tr(J) 1 − J` is diagonal too.
 
-use crate::description::closure::{JointLimit, LoopJoint, Mimic};
+use crate::description::closure::{Attachment, JointLimit, LoopJoint, Mimic};
+use crate::description::contact::TouchJoint;
 use crate::description::forces::Forces;
 use crate::description::joint::Joint;
 use crate::description::nonsmooth::Nonsmooth;
@@ -36,6 +37,8 @@ pub struct Mechanism {
     pub bodies: Vec<Body>,
     /// Joints that close loops of the tree.
     pub loops: Vec<LoopJoint>,
+    /// Contacts that are closed. Their equations come after those of the loops, and before the mimics.
+    pub touches: Vec<TouchJoint>,
     /// Joint coordinates that follow others.
     pub mimics: Vec<Mimic>,
     /// Forces besides gravity.
@@ -93,6 +96,7 @@ impl Mechanism {
             gravity,
             bodies,
             loops: Vec::new(),
+            touches: Vec::new(),
             mimics: Vec::new(),
             forces: Forces::default(),
             limits: Vec::new(),
@@ -105,18 +109,41 @@ impl Mechanism {
     /// Whether the tree of joints under gravity is all there is.
     #[inline]
     pub fn is_plain_tree(&self) -> bool {
-        self.loops.is_empty() && self.mimics.is_empty() && self.forces.is_empty()
+        !self.has_closures() && self.forces.is_empty()
     }
 
     /// Whether there are equations between coordinates that the tree does not have.
     #[inline]
     pub fn has_closures(&self) -> bool {
-        !self.loops.is_empty() || !self.mimics.is_empty()
+        !self.loops.is_empty() || !self.touches.is_empty() || !self.mimics.is_empty()
+    }
+
+    /// The two ends of every loop joint and then of every closed contact, in the order of their equations.
+    pub fn closing_ends(&self) -> impl Iterator<Item = [&Attachment; 2]> {
+        let loops = self.loops.iter().map(|joint| [&joint.a, &joint.b]);
+        loops.chain(self.touches.iter().map(|joint| [&joint.a, &joint.b]))
+    }
+
+    /// The closed contacts that slide with friction.
+    pub fn rubbing(&self) -> impl Iterator<Item = &TouchJoint> {
+        self.touches.iter().filter(|joint| joint.touch.friction() != 0.0)
     }
 
     /// The body whose joint has this name.
     pub fn body_of_joint(&self, joint: &str) -> Option<usize> {
         self.bodies.iter().position(|body| body.joint.name == joint)
+    }
+
+    /// The body whose joint has this degree of freedom.
+    #[inline]
+    pub fn body_of_freedom(&self, freedom: usize) -> Option<usize> {
+        let after = self.bodies.partition_point(|body| body.joint.velocity_index <= freedom);
+        after.checked_sub(1).filter(|_| freedom < self.velocity_count)
+    }
+
+    /// The name of the joint that has this degree of freedom; nothing if there is none.
+    pub fn joint_of_freedom(&self, freedom: usize) -> &str {
+        self.body_of_freedom(freedom).map_or("", |body| &self.bodies[body].joint.name)
     }
 
     /// Total mass of the moving bodies (kg).

@@ -2,6 +2,7 @@
 
 pub mod body_state;
 pub mod closure;
+pub mod contact;
 pub mod forces;
 pub mod joint;
 pub mod mechanism;

@@ -4,6 +4,7 @@
 //! [`JointLimit`]s of [`crate::description::closure`], because the assembly of closed loops heeds them, too.
 
 use crate::description::closure::{Coordinate, JointLimit};
+use crate::description::contact::{Collider, ContactPair};
 use crate::description::target::Target;
 
 /// Dry (Coulomb) friction along one scalar joint coordinate: the effort `τ` on the child is
@@ -125,11 +126,41 @@ pub struct Nonsmooth {
     pub motors: Vec<Motor>,
     /// Speeds to be watched.
     pub speeds: Vec<SpeedLimit>,
+    /// Shapes that may touch.
+    pub colliders: Vec<Collider>,
+    /// Which of them may, and how.
+    pub pairs: Vec<ContactPair>,
 }
 
 impl Nonsmooth {
     /// Whether the motion is smooth: nothing of this can make an event.
     pub fn is_empty(&self) -> bool {
-        self.limits.is_empty() && self.friction.is_empty() && self.motors.is_empty()
+        self.limits.is_empty() && self.friction.is_empty() && self.motors.is_empty() && self.pairs.is_empty()
+    }
+
+    /// Keeps the colliders of the world and those of bodies that have a new number, and the pairs of them.
+    pub fn keep_bodies(&mut self, number: impl Fn(usize) -> Option<usize>) {
+        let mut places = Vec::with_capacity(self.colliders.len());
+        let mut kept = 0;
+        self.colliders.retain_mut(|collider| {
+            let stays = match collider.body {
+                None => true,
+                Some(body) => {
+                    collider.body = number(body);
+                    collider.body.is_some()
+                }
+            };
+            places.push(stays.then_some(kept));
+            kept += usize::from(stays);
+            stays
+        });
+        let colliders = &self.colliders;
+        self.pairs.retain_mut(|pair| match (places[pair.a], places[pair.b]) {
+            (Some(a), Some(b)) if colliders[a].body.or(colliders[b].body).is_some() => {
+                (pair.a, pair.b) = (a, b);
+                true
+            }
+            _ => false,
+        });
     }
 }

@@ -29,6 +29,8 @@ pub struct Target {
     /// Slopes at the instants, of a cubic.
     slopes: Vec<f64>,
     interpolation: Interpolation,
+    /// Whether all values are the same.
+    constant: bool,
 }
 
 /// Why values over time are no target.
@@ -62,7 +64,8 @@ pub enum TargetError {
 impl Target {
     /// A number that does not change.
     pub fn constant(value: f64) -> Self {
-        Target { times: vec![0.0], values: vec![value], slopes: Vec::new(), interpolation: Interpolation::Hold }
+        let (times, values, interpolation) = (vec![0.0], vec![value], Interpolation::Hold);
+        Target { times, values, slopes: Vec::new(), interpolation, constant: true }
     }
 
     /// Values at instants (s), which must increase.
@@ -83,12 +86,13 @@ impl Target {
         }
         let (times, values): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
         let slopes = if interpolation == Interpolation::Cubic { spline_slopes(&times, &values) } else { Vec::new() };
-        Ok(Target { times, values, slopes, interpolation })
+        let constant = values.iter().all(|&value| value == values[0]);
+        Ok(Target { times, values, slopes, interpolation, constant })
     }
 
     /// Whether it never changes.
     pub fn is_constant(&self) -> bool {
-        self.values.iter().all(|&value| value == self.values[0])
+        self.constant
     }
 
     /// Its value at a time; at a jump, that after it.

@@ -10,6 +10,7 @@ use crate::description::joint::FreeRotation;
 use crate::description::mechanism::Mechanism;
 use crate::forces::line_of_action::common_end;
 use nalgebra::Vector3;
+use std::ops::AddAssign;
 
 /// Energy (J) stored in what has a potential besides gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,12 +43,21 @@ impl Exchange {
     }
 }
 
+impl AddAssign for Exchange {
+    fn add_assign(&mut self, more: Exchange) {
+        self.dissipated += more.dissipated;
+        self.work += more.work;
+        self.friction += more.friction;
+        self.impacts += more.impacts;
+    }
+}
+
 /// A force (N) and a torque about the centre of mass [N m] on a body, in the axes of the world.
 pub type BodyWrench = (Vector3<f64>, Vector3<f64>);
 
 /// The scalar coordinate whose rate a degree of freedom is; none for the three rotations of a ball joint.
 pub fn scalar_coordinate(mechanism: &Mechanism, freedom: usize) -> Option<Coordinate> {
-    let body = mechanism.bodies.partition_point(|body| body.joint.velocity_index <= freedom).checked_sub(1)?;
+    let body = mechanism.body_of_freedom(freedom)?;
     let joint = &mechanism.bodies[body].joint;
     let offset = freedom - joint.velocity_index;
     let scalars = match joint.kind.rotation() {

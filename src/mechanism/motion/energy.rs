@@ -12,7 +12,7 @@ use crate::description::joint::FreeRotation;
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::stored;
 use crate::ground::matrices::{column, product, times, transpose_times};
-use crate::motion::gaps::{loop_gaps, mimic_gap, worse};
+use crate::motion::gaps::{loop_gaps, mimic_gap, touch_gaps, worse};
 use crate::motion::state::State;
 use nalgebra::Vector3;
 
@@ -122,6 +122,10 @@ pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> 
     }
     for joint in &mechanism.loops {
         let (gap, rate) = loop_gaps(joint, bodies).largest();
+        see(gap, rate);
+    }
+    for joint in &mechanism.touches {
+        let (gap, rate) = touch_gaps(joint, bodies).largest();
         see(gap, rate);
     }
     for mimic in &mechanism.mimics {

@@ -5,13 +5,13 @@
 pub enum EventKind {
     /// A joint runs into its limit.
     LimitImpact,
-    /// A joint comes to rest on its limit, at once or after infinitely many impacts.
+    /// A joint comes to rest on its limit, or a contact closes; at once or after infinitely many impacts.
     Rest,
-    /// A joint leaves its limit, on which it rested.
+    /// A joint leaves its limit, on which it rested, or two bodies part.
     Release,
-    /// Friction holds a joint.
+    /// Friction holds a joint or a contact.
     Stick,
-    /// Friction lets a joint go.
+    /// Friction lets a joint or a contact go.
     Slip,
     /// A joint with friction turns round without a pause.
     Reversal,
@@ -19,11 +19,13 @@ pub enum EventKind {
     Saturation,
     /// It comes back from its bound.
     Unsaturation,
+    /// Two bodies meet.
+    ContactImpact,
 }
 
 impl EventKind {
     /// All of them, in the order of reports.
-    pub const ALL: [EventKind; 8] = [
+    pub const ALL: [EventKind; 9] = [
         EventKind::LimitImpact,
         EventKind::Rest,
         EventKind::Release,
@@ -32,6 +34,7 @@ impl EventKind {
         EventKind::Reversal,
         EventKind::Saturation,
         EventKind::Unsaturation,
+        EventKind::ContactImpact,
     ];
 
     /// Its name in reports and logs.
@@ -45,6 +48,7 @@ impl EventKind {
             EventKind::Reversal => "reversal",
             EventKind::Saturation => "saturation",
             EventKind::Unsaturation => "unsaturation",
+            EventKind::ContactImpact => "contact_impact",
         }
     }
 }
@@ -56,9 +60,11 @@ pub struct Event {
     pub time: f64,
     /// What.
     pub kind: EventKind,
-    /// The body whose joint it is.
+    /// The body whose joint it is, or one of the bodies that touch.
     pub body: usize,
-    /// Of an impact: its size along the coordinate, positive into the allowed range [N m s or N s].
+    /// The pair that touches, where it is one ([`crate::description::contact::ContactPair::number`]).
+    pub pair: Option<usize>,
+    /// Of an impact: its size along the coordinate, positive into the allowed range [N m s or N s]; of a contact along its normal.
     pub impulse: Option<f64>,
 }
 

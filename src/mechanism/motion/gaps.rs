@@ -1,4 +1,5 @@
-//! Gaps of loop joints and mimics at one instant: the check of every run. Those of loops from the maximal coordinates alone.
+//! Gaps of loop joints, closed contacts and mimics at one instant: the check of every run. Those of loops and contacts from the maximal
+//! coordinates alone.
 //!
 //! Equations as in the table of [`crate::description::closure::LoopJoint`]; rates by differentiating them. With `d = P_b − P_a`,
 //!
@@ -10,9 +11,11 @@
 
 use crate::description::body_state::BodyState;
 use crate::description::closure::{Attachment, LoopJoint, LoopKind, Mimic};
+use crate::description::contact::{Grip, TouchJoint};
 use crate::description::mechanism::Mechanism;
 use crate::motion::kinematics::BodyAcceleration;
 use crate::motion::state::State;
+use crate::motion::touches::{tangents, touch_accelerations, touch_motion};
 use nalgebra::{Matrix3, Vector3};
 
 /// The gaps of one closure and their rates; the first `count` entries are in use.
@@ -130,7 +133,20 @@ pub fn loop_gap_accelerations(
     (out, count)
 }
 
-/// The second derivatives of the equations of all closures, loops before mimics, for given accelerations of the joints and
+/// The equations of a contact and their rates: its gap, and for one that rolls two of velocities, which have no gap.
+pub fn touch_gaps(joint: &TouchJoint, bodies: &[BodyState]) -> Gaps {
+    let mut gaps = Gaps::default();
+    if joint.touch.rows() > 0 {
+        let motion = touch_motion(joint, bodies);
+        gaps.push(motion.gap, motion.rate);
+        if joint.touch.grip == Grip::Rolls {
+            tangents(&motion.normal).iter().for_each(|tangent| gaps.push(0.0, motion.slip.dot(tangent)));
+        }
+    }
+    gaps
+}
+
+/// The second derivatives of the equations of all closures, loops before contacts before mimics, for given accelerations of the joints and
 /// of the bodies.
 pub fn gap_accelerations(
     mechanism: &Mechanism,
@@ -143,6 +159,15 @@ pub fn gap_accelerations(
     for joint in &mechanism.loops {
         let (values, count) = loop_gap_accelerations(joint, bodies, accelerations);
         out[row..row + count].copy_from_slice(&values[..count]);
+        row += count;
+    }
+    for joint in &mechanism.touches {
+        let count = joint.touch.rows();
+        if count > 0 {
+            let tangents = tangents(&touch_motion(joint, bodies).normal);
+            let values = touch_accelerations(joint, bodies, accelerations, &tangents);
+            out[row..row + count].copy_from_slice(&values[..count]);
+        }
         row += count;
     }
     for (out, mimic) in out[row..].iter_mut().zip(&mechanism.mimics) {

@@ -1,5 +1,8 @@
 //! What acts on a mechanism from outside during one step: efforts that somebody decides on while the run goes on.
 
+use crate::motion::state::State;
+use nalgebra::DMatrix;
+
 /// Efforts along the degrees of freedom: constant over a step, and some that change with time in a known way.
 ///
 /// They act besides the forces of the mechanism ([`crate::description::forces::Forces`]). What they do is work put in, `∫ τ q̇ dt` (J).
@@ -9,6 +12,8 @@ pub struct Inputs<'i> {
     pub efforts: &'i [f64],
     /// Efforts that change in time, besides those.
     pub changing: Option<&'i dyn ChangingEfforts>,
+    /// Efforts that follow the state, besides the constant ones; in place of those that change in time.
+    pub feedback: Option<&'i dyn Feedback>,
 }
 
 /// Efforts that change smoothly in time, along scalar joint coordinates.
@@ -19,18 +24,36 @@ pub trait ChangingEfforts {
     fn effort(&self, entry: usize, time: f64) -> f64;
 }
 
+/// Efforts that follow the state at every stage of a step, along scalar joint coordinates.
+pub trait Feedback {
+    /// The degrees of freedom along which they act, each once (m of n); the same for the whole life of an integrator.
+    fn freedoms(&self) -> &[usize];
+    /// The efforts along these freedoms in a state, which has its time [N m or N] (m).
+    fn efforts(&self, state: &State, efforts: &mut [f64]);
+    /// How they answer to each other in a state: `f_q Y` and `f_v Y` (m × m each), with the derivatives of the efforts (m × n) and the accelerations
+    /// Y (n × m) per unit of effort. Errors cost iterations, and beyond some size convergence, but no accuracy.
+    fn loop_gains(&self, state: &State, by_position: &mut DMatrix<f64>, by_rate: &mut DMatrix<f64>);
+}
+
 impl<'i> Inputs<'i> {
     /// Nothing acts from outside.
-    pub const NONE: Inputs<'static> = Inputs { efforts: &[], changing: None };
+    pub const NONE: Inputs<'static> = Inputs { efforts: &[], changing: None, feedback: None };
 
     /// Constant efforts, one entry a degree of freedom.
     pub fn constant(efforts: &'i [f64]) -> Self {
-        Inputs { efforts, changing: None }
+        Inputs { efforts, ..Inputs::NONE }
+    }
+
+    /// Writes the constant efforts, one entry a degree of freedom; zeros where nothing acts.
+    #[inline]
+    pub fn write_constant(&self, efforts: &mut [f64]) {
+        efforts.fill(0.0);
+        efforts[..self.efforts.len()].copy_from_slice(self.efforts);
     }
 
     /// Whether nothing acts.
     #[inline]
     pub fn is_none(&self) -> bool {
-        self.changing.is_none() && self.efforts.iter().all(|&effort| effort == 0.0)
+        self.changing.is_none() && self.feedback.is_none() && self.efforts.iter().all(|&effort| effort == 0.0)
     }
 }

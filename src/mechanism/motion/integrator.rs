@@ -4,6 +4,7 @@
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::Exchange;
 use crate::ground::words::short;
+use crate::motion::contact_point::ContactPoint;
 use crate::motion::event::{Event, JointStatus};
 use crate::motion::inputs::Inputs;
 use crate::motion::state::State;
@@ -33,6 +34,8 @@ pub struct MethodDescription {
     pub digits: u32,
     /// How often the symmetry of reversible steps was broken; `None` for steps that are not.
     pub reversible_resets: Option<usize>,
+    /// How often the law of contact could not be solved to its accuracy at an event; the run went on with the best that was found.
+    pub unsolved_contacts: usize,
 }
 
 impl MethodDescription {
@@ -50,7 +53,17 @@ impl MethodDescription {
             singular: None,
             digits: 16,
             reversible_resets: None,
+            unsolved_contacts: 0,
         }
+    }
+
+    /// Takes over what another part of the run has seen of stability: the step nearest to its limit, and what rang first.
+    pub fn include_stability(&mut self, other: &MethodDescription) {
+        let share = |seen: &FrequencyStep| seen.product / seen.limit;
+        let seen = self.frequency_step.into_iter().chain(other.frequency_step);
+        self.frequency_step = seen.max_by(|a, b| share(a).total_cmp(&share(b)));
+        let heard = self.ringing.into_iter().chain(other.ringing);
+        self.ringing = heard.min_by(|a, b| a.time.total_cmp(&b.time));
     }
 }
 
@@ -204,4 +217,8 @@ pub trait Integrator {
     fn joint_status(&self, _mechanism: &Mechanism, _state: &State, _body: usize) -> JointStatus {
         JointStatus::default()
     }
+
+    /// Adds the closed contacts to `out`, in a state of the last step: at its end, or inside it from [`Integrator::dense`]. A mechanism without
+    /// pairs of shapes that may touch has none.
+    fn contacts(&self, _mechanism: &Mechanism, _state: &State, _out: &mut Vec<ContactPoint>) {}
 }

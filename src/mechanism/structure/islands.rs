@@ -1,6 +1,6 @@
 //! Islands: parts of a mechanism that nothing connects, each a mechanism of its own.
 //!
-//! The trees of the mechanism are the nodes of a graph, and every loop joint, mimic relation and point spring between two
+//! The trees of the mechanism are the nodes of a graph, and every loop joint, closed contact, mimic relation, point spring and pair that may touch between two
 //! of them is an edge; the islands are its connected components. The world connects nothing, because it does not move, and
 //! neither do gravity and loads: no body feels through them where another one is.
 //!
@@ -65,10 +65,13 @@ fn island_of_each_body(mechanism: &Mechanism) -> Vec<usize> {
     let mut earlier: Vec<usize> =
         mechanism.bodies.iter().enumerate().map(|(index, body)| body.parent.unwrap_or(index)).collect();
     let ends = |a: &Attachment, b: &Attachment| a.body.zip(b.body);
-    let loops = mechanism.loops.iter().filter_map(|joint| ends(&joint.a, &joint.b));
+    let loops = mechanism.closing_ends().filter_map(|[a, b]| ends(a, b));
     let mimics = mechanism.mimics.iter().map(|mimic| (mimic.follower.body, mimic.leader.body));
     let springs = mechanism.forces.point_springs.iter().filter_map(|spring| ends(&spring.a, &spring.b));
-    for (one, other) in loops.chain(mimics).chain(springs) {
+    let colliders = &mechanism.nonsmooth.colliders;
+    let pairs = mechanism.nonsmooth.pairs.iter();
+    let pairs = pairs.filter_map(|pair| colliders[pair.a].body.zip(colliders[pair.b].body));
+    for (one, other) in loops.chain(mimics).chain(springs).chain(pairs) {
         let (one, other) = (first_of(&mut earlier, one), first_of(&mut earlier, other));
         earlier[one.max(other)] = one.min(other);
     }
@@ -132,7 +135,7 @@ impl Island {
         let here = |body: usize| of_body[body] == number;
         // What has both ends in the world moves nobody; the first island keeps it.
         let touches = |a: &Attachment, b: &Attachment| a.body.or(b.body).map_or(number == 0, here);
-        let of_freedom = |freedom: usize| whole.bodies.partition_point(|body| body.joint.velocity_index <= freedom) - 1;
+        let acts_here = |freedom: usize| whole.body_of_freedom(freedom).is_some_and(here);
         let into = Into { pieces: &pieces };
         let bodies: Vec<Body> = pieces
             .iter()
@@ -150,6 +153,7 @@ impl Island {
             gravity: whole.gravity,
             bodies,
             loops: whole.loops.iter().filter(|joint| touches(&joint.a, &joint.b)).cloned().collect(),
+            touches: whole.touches.iter().filter(|joint| touches(&joint.a, &joint.b)).cloned().collect(),
             mimics: whole.mimics.iter().filter(|mimic| here(mimic.follower.body)).cloned().collect(),
             limits: whole.limits.iter().filter(|limit| here(limit.coordinate.body)).cloned().collect(),
             nonsmooth: whole.nonsmooth.clone(),
@@ -158,13 +162,14 @@ impl Island {
             velocity_count: pieces.iter().map(|piece| piece.velocities.len()).sum(),
         };
         let forces = &mut mechanism.forces;
-        forces.joint_dampers.retain(|damper| here(of_freedom(damper.freedom)));
+        forces.joint_dampers.retain(|damper| acts_here(damper.freedom));
         forces.joint_springs.retain(|spring| here(spring.coordinate.body));
-        forces.joint_loads.retain(|load| here(of_freedom(load.freedom)));
+        forces.joint_loads.retain(|load| acts_here(load.freedom));
         forces.point_springs.retain(|spring| touches(&spring.a, &spring.b));
         forces.wrenches.retain(|wrench| here(wrench.body));
 
-        let Nonsmooth { limits, friction, motors, speeds } = &mut mechanism.nonsmooth;
+        mechanism.nonsmooth.keep_bodies(|body| here(body).then(|| into.body(body)));
+        let Nonsmooth { limits, friction, motors, speeds, colliders: _, pairs: _ } = &mut mechanism.nonsmooth;
         limits.retain(|limit| here(limit.coordinate.body));
         friction.retain(|friction| here(friction.coordinate.body));
         motors.retain(|motor| here(motor.coordinate.body));
@@ -176,8 +181,9 @@ impl Island {
             *coordinate = into.coordinate(*coordinate);
         }
         let loop_ends = mechanism.loops.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b]);
+        let contact_ends = mechanism.touches.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b]);
         let spring_ends = forces.point_springs.iter_mut().flat_map(|spring| [&mut spring.a, &mut spring.b]);
-        for end in loop_ends.chain(spring_ends) {
+        for end in loop_ends.chain(contact_ends).chain(spring_ends) {
             end.body = end.body.map(|body| into.body(body));
         }
         for mimic in &mut mechanism.mimics {

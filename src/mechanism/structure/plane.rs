@@ -27,8 +27,11 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane of a mechanism; `None` if it has none.
+    /// The plane of a mechanism; `None` if it has none, or contacts, whose equations are those of space.
     pub fn of(mechanism: &Mechanism) -> Option<Plane> {
+        if !mechanism.touches.is_empty() {
+            return None;
+        }
         let axes = joint_axes(mechanism)?;
         let normal = normal(&axes)?;
         let fits = |&(axis, turns): &(Vector3<f64>, bool)| match turns {

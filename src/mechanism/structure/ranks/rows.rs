@@ -8,6 +8,7 @@
 //!     d · u = 0           z × (P_b − p) · u          −z × (P_a − p) · u + d · (z × u)      ± t · u
 //!     u · w = 0           −z · (u × w)               z · (u × w)                          0
 //!     (d·d − L²)/2L = 0   d · z × (P_b − p) / L      −d · z × (P_a − p) / L               ± d · t / L
+//!     contact: φ = 0      z × (p − c) · n, with p the point of contact and c that of the axis; along tangents if it rolls
 //!     mimic               follower 1, leader −multiplier
 //! ```
 //!
@@ -15,11 +16,13 @@
 //! by the largest size of the loops that move with them; a mimic's row by its largest entry.
 
 use crate::description::body_state::{BodyState, WORLD};
-use crate::description::closure::{LoopJoint, LoopKind, Mimic};
+use crate::description::closure::{Attachment, LoopKind, Mimic};
+use crate::description::contact::{Grip, TouchJoint};
 use crate::description::joint::FreeRotation;
 use crate::description::mechanism::Mechanism;
 use crate::motion::gaps::{loop_gaps, mimic_gap};
 use crate::motion::state::State;
+use crate::motion::touches::{TouchMotion, tangents, touch_motion};
 use nalgebra::Vector3;
 
 /// Loops are no smaller than this part of the largest, and than the roundings of places [m per m from the origin].
@@ -29,7 +32,7 @@ const UNIT_OF_PLACES: f64 = 1e-9;
 /// One equation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
-    /// The closure that it belongs to: the loops first, then the mimics.
+    /// The closure that it belongs to: the loops first, then the contacts, then the mimics.
     pub closure: usize,
     /// The freedoms that it knows, in their order, and the entries.
     pub entries: Vec<(usize, f64)>,
@@ -47,7 +50,7 @@ struct Screw {
 
 /// The size of every loop (m), and the length of every freedom: that of its loops for a slide (m), one for a turn.
 pub fn scales(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vec<f64>, Vec<f64>) {
-    let circuits: Vec<[Vec<usize>; 2]> = mechanism.loops.iter().map(|joint| circuit(mechanism, joint)).collect();
+    let circuits: Vec<[Vec<usize>; 2]> = mechanism.closing_ends().map(|ends| circuit(mechanism, ends)).collect();
     let sizes = sizes(mechanism, bodies, &circuits);
     let mut lengths = vec![0.0_f64; mechanism.velocity_count];
     for (size, circuit) in sizes.iter().zip(&circuits) {
@@ -70,17 +73,12 @@ pub fn scales(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vec<f64>, Vec<f64
 /// its loops for a slide (m), one for a turn.
 pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> (Vec<Row>, Vec<f64>) {
     let screws = screws(mechanism, bodies);
-    let circuits: Vec<[Vec<usize>; 2]> = mechanism.loops.iter().map(|joint| circuit(mechanism, joint)).collect();
+    let circuits: Vec<[Vec<usize>; 2]> = mechanism.closing_ends().map(|ends| circuit(mechanism, ends)).collect();
     let (sizes, lengths) = scales(mechanism, bodies);
-    let freedoms_of = |body: &usize| mechanism.bodies[*body].joint.velocity_range();
     let mut rows = Vec::new();
     for (closure, (joint, circuit)) in mechanism.loops.iter().zip(&circuits).enumerate() {
         let size = sizes[closure];
-        let mut freedoms: Vec<(usize, usize)> = [0, 1]
-            .into_iter()
-            .flat_map(|side: usize| circuit[side].iter().flat_map(freedoms_of).map(move |freedom| (freedom, side)))
-            .collect();
-        freedoms.sort_unstable();
+        let freedoms = freedoms_of(mechanism, circuit);
         let gaps = loop_gaps(joint, bodies);
         let far = [&joint.a, &joint.b].map(|end| end.place(bodies).0.amax());
         let rounding = f64::EPSILON * far[0].max(far[1]);
@@ -116,8 +114,55 @@ pub fn closure_rows(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) 
             put(size, &|screw, side| apart.dot(&rate(screw, side)) / length);
         }
     }
+    for (number, joint) in mechanism.touches.iter().enumerate() {
+        let closure = mechanism.loops.len() + number;
+        let freedoms = freedoms_of(mechanism, &circuits[closure]);
+        rows.extend(touch_rows(joint, bodies, closure, sizes[closure], |direction, point| {
+            let entry = |&(freedom, side): &(usize, usize)| {
+                let Screw { turns, axis, point: center } = &screws[freedom];
+                let motion = if *turns { axis.cross(&(point - center)) } else { *axis };
+                let along = motion.dot(direction) * lengths[freedom] / sizes[closure];
+                (freedom, if side == 0 { -along } else { along })
+            };
+            freedoms.iter().map(entry).collect()
+        }));
+    }
     rows.extend(mimic_rows(mechanism, state, &lengths));
     (rows, lengths)
+}
+
+/// The freedoms on a circuit in their order, and on which of its branches they are.
+fn freedoms_of(mechanism: &Mechanism, circuit: &[Vec<usize>; 2]) -> Vec<(usize, usize)> {
+    let of = |&body: &usize| mechanism.bodies[body].joint.velocity_range();
+    let of_side = |side: usize| circuit[side].iter().flat_map(of).map(move |freedom| (freedom, side));
+    let mut freedoms: Vec<(usize, usize)> = of_side(0).chain(of_side(1)).collect();
+    freedoms.sort_unstable();
+    freedoms
+}
+
+/// The equations of a contact, of which `entries` are those along a direction at a point.
+fn touch_rows(
+    joint: &TouchJoint,
+    bodies: &[BodyState],
+    closure: usize,
+    size: f64,
+    entries: impl Fn(&Vector3<f64>, &Vector3<f64>) -> Vec<(usize, f64)>,
+) -> Vec<Row> {
+    if joint.touch.rows() == 0 {
+        return Vec::new();
+    }
+    let TouchMotion { gap, normal, point, .. } = touch_motion(joint, bodies);
+    let rounding = f64::EPSILON * point.amax();
+    let row = |direction: &Vector3<f64>, gap: f64| Row {
+        closure,
+        entries: entries(direction, &point),
+        gap: gap.max(rounding) / size,
+    };
+    let mut rows = vec![row(&normal, gap.abs())];
+    if joint.touch.grip == Grip::Rolls {
+        rows.extend(tangents(&normal).iter().map(|tangent| row(tangent, 0.0)));
+    }
+    rows
 }
 
 /// The equations of the mimics.
@@ -132,7 +177,7 @@ pub fn mimic_rows(mechanism: &Mechanism, state: &State, lengths: &[f64]) -> Vec<
         let largest = entries.iter().fold(0.0_f64, |most, (_, entry)| most.max(entry.abs()));
         entries.iter_mut().for_each(|(_, entry)| *entry /= largest);
         let gap = mimic_gap(mimic, state).0.abs() / largest;
-        Row { closure: mechanism.loops.len() + number, entries, gap }
+        Row { closure: mechanism.loops.len() + mechanism.touches.len() + number, entries, gap }
     };
     mechanism.mimics.iter().enumerate().map(row).collect()
 }
@@ -163,12 +208,12 @@ fn screws(mechanism: &Mechanism, bodies: &[BodyState]) -> Vec<Screw> {
     screws
 }
 
-/// The bodies between each end of a loop and where the branches meet.
-pub fn circuit(mechanism: &Mechanism, joint: &LoopJoint) -> [Vec<usize>; 2] {
+/// The bodies between each end of a loop or contact and where the branches meet.
+pub fn circuit(mechanism: &Mechanism, ends: [&Attachment; 2]) -> [Vec<usize>; 2] {
     let above = |end: Option<usize>| -> Vec<usize> {
         std::iter::successors(end, |&body| mechanism.bodies[body].parent).collect()
     };
-    let branches = [above(joint.a.body), above(joint.b.body)];
+    let branches = ends.map(|end| above(end.body));
     let common = branches[0].iter().rev().zip(branches[1].iter().rev()).take_while(|(one, other)| one == other).count();
     branches.map(|mut branch| {
         branch.truncate(branch.len() - common);
@@ -179,17 +224,19 @@ pub fn circuit(mechanism: &Mechanism, joint: &LoopJoint) -> [Vec<usize>; 2] {
 /// The size of every loop (m).
 fn sizes(mechanism: &Mechanism, bodies: &[BodyState], circuits: &[[Vec<usize>; 2]]) -> Vec<f64> {
     let mut far = 0.0_f64;
-    let own: Vec<f64> = mechanism
-        .loops
-        .iter()
+    let loops = mechanism.loops.iter().map(|joint| [&joint.a, &joint.b].map(|end| end.place(bodies).0));
+    // The origins of what touches may be anywhere in a plane or on a line.
+    let touches = mechanism.touches.iter().map(|joint| [touch_motion(joint, bodies).point; 2]);
+    let own: Vec<f64> = loops
+        .chain(touches)
         .zip(circuits)
-        .map(|(joint, circuit)| {
+        .map(|(ends, circuit)| {
             let of_body = |&body: &usize| {
                 let child = &mechanism.bodies[body].joint.on_child.translation.vector;
                 bodies[body].position + bodies[body].rotation * child
             };
             let mut points: Vec<Vector3<f64>> = circuit.iter().flatten().map(of_body).collect();
-            points.extend([&joint.a, &joint.b].map(|end| end.place(bodies).0));
+            points.extend(ends);
             far = points.iter().fold(far, |far, point| far.max(point.amax()));
             // Within a factor of the square root of three of the largest distance, in linear time.
             let extent = |axis: usize| {

@@ -1,0 +1,174 @@
+//! The closed contacts of a mechanism in space, in the coupled system: at all stages of a step, or at one configuration.
+//!
+//! ```text
+//!     a step            gaps φ_i and creeps, gradients at the columns' stages, pushes n − μ t at the rows'       [`crate::equations::touches`]
+//!     its end           H dv = G̃ᵀ π,  G (v + dv) = 0,  G̃ = n − μ t with t of the last stage                      (2.5.11h) with friction
+//!     dissipated        h Σ_k b_k Λ_k μ t_k · u_k + π μ t_s · u_s   [J],   π = h b_s Λ_s
+//! ```
+//!
+//! What friction changes by as slips turn is in rows of its own, after those of the springs: `T_k = R_k Σ_i (Ā B)_ki e_i · η_i` with the direction e
+//! across the slip, as the tension of a damper is. It is in the matrix alone, and converged steps do not depend on it.
+
+use crate::equations::slips::{BodyRate, StageMixing};
+use crate::equations::spatial_loops::Moved;
+use crate::equations::touches::{Lean, SpatialTouch};
+use crate::numbers::algebra::{Matrix, Vector};
+use crate::numbers::lanes::Lanes;
+use crate::plan::elimination::TWIST;
+use crate::stages::start::Start;
+use crate::tableau::butcher::Tableau;
+use catena_mechanism::description::mechanism::Mechanism;
+use std::ops::Range;
+
+/// The closed contacts, in the order of their equations.
+pub struct Touching<V> {
+    touches: Vec<SpatialTouch<V>>,
+    /// For every body whether it slips or rolls where it touches, and the rates of those that do.
+    slipping: Vec<bool>,
+    rates: Vec<[BodyRate<V>; 2]>,
+    /// In a step where anything slips or rolls, what velocities need of the scheme.
+    mixing: Option<StageMixing<V>>,
+    step: f64,
+    /// One entry a contact if any has friction: in a step what it does at the end, at one configuration how multipliers push if they are
+    /// `leaning`.
+    leans: Vec<Lean>,
+    leaning: bool,
+}
+
+impl<V: Lanes> Touching<V> {
+    /// Those of a mechanism, at all stages of a scheme or without it at one configuration.
+    pub(crate) fn new(mechanism: &Mechanism, tableau: Option<&Tableau>) -> Self {
+        let touches = SpatialTouch::all(&mechanism.touches);
+        let mut slipping = vec![false; mechanism.bodies.len()];
+        for body in touches.iter().filter(|touch| touch.feels_slip()).flat_map(SpatialTouch::bodies).flatten() {
+            slipping[body] = true;
+        }
+        let rubs = mechanism.rubbing().next().is_some();
+        Touching {
+            mixing: tableau.filter(|_| touches.iter().any(SpatialTouch::feels_slip)).map(StageMixing::new),
+            leans: vec![Lean::default(); if rubs { touches.len() } else { 0 }],
+            leaning: false,
+            rates: vec![[BodyRate::zero(); 2]; slipping.len()],
+            slipping,
+            step: 0.0,
+            touches,
+        }
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.touches.is_empty()
+    }
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.touches.len()
+    }
+
+    /// Number of equations of every contact.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = usize> {
+        self.touches.iter().map(SpatialTouch::rows)
+    }
+
+    /// Takes the start of a step; `origin` is the common origin (m).
+    pub(crate) fn begin(&mut self, start: &Start, origin: &[f64; 3]) {
+        self.touches.iter_mut().for_each(|touch| touch.begin(start, origin));
+    }
+
+    /// Finds gaps, slips and friction of bodies that have moved so in a step of this length (s).
+    #[inline(always)]
+    pub(crate) fn place(&mut self, start: &Start, step: f64, moved: &[[Moved<V>; 2]], origin: &[f64; 3]) {
+        let Touching { touches, slipping, rates, mixing, leans, .. } = self;
+        self.step = step;
+        if let Some(mixing) = mixing {
+            for (body, (rates, &slips)) in rates.iter_mut().zip(&*slipping).enumerate() {
+                if slips {
+                    let Moved { turn, anchor } = &moved[body][0];
+                    *rates = BodyRate::of(mixing, step, &start.bodies[body], turn, *anchor);
+                }
+            }
+        }
+        let still = &Moved { turn: Matrix::zero(), anchor: Vector::zero() };
+        for (number, touch) in touches.iter_mut().enumerate() {
+            let ends = touch.bodies();
+            touch.place([0, 1].map(|side: usize| ends.map(|end| end.map_or(still, |body| &moved[body][side]))));
+            let Some(mixing) = mixing.as_ref().filter(|_| touch.feels_slip()) else { continue };
+            let of = |body: usize| {
+                let anchor = start.anchor(body);
+                [0, 1].map(|side: usize| (&rates[body][side], moved[body][side].anchor_from(&anchor, origin)))
+            };
+            touch.slip(mixing, step, ends.map(|end| end.map(of)));
+            if touch.friction() != 0.0 {
+                leans[number] = touch.lean(mixing);
+            }
+        }
+    }
+
+    /// Writes gaps, gradients and pushes of the contacts, which have the rows `touches`, and the directions across slips, which have the rows
+    /// `rubbing`.
+    #[inline(always)]
+    pub(crate) fn write(
+        &self,
+        touches: &[Range<usize>],
+        rubbing: &[Range<usize>],
+        gaps: &mut [V],
+        gradients: &mut [[[V; TWIST]; 2]],
+    ) {
+        for (number, (touch, rows)) in self.touches.iter().zip(touches).enumerate() {
+            let lean = if self.leaning { self.leans.get(number) } else { None };
+            touch.write(lean, &mut gaps[rows.clone()], &mut gradients[rows.clone()]);
+        }
+        for (touch, rows) in self.rubbing().zip(rubbing) {
+            gradients[rows.start] = touch.across();
+        }
+    }
+
+    /// The contacts that have friction.
+    fn rubbing(&self) -> impl Iterator<Item = &SpatialTouch<V>> {
+        self.touches.iter().filter(|touch| touch.friction() != 0.0)
+    }
+
+    /// How friction changes as slips turn, contact by contact that has friction, and what the rates of rolling contacts change by, row by row; the
+    /// contacts have the rows `touches`, of which these are all multipliers.
+    pub(crate) fn turn(
+        &self,
+        touches: &[Range<usize>],
+        multipliers: &[V],
+        friction: &mut [V],
+        rolling: &mut [Option<[[V; TWIST]; 2]>],
+    ) {
+        let mut friction = friction.iter_mut();
+        for (touch, rows) in self.touches.iter().zip(touches).filter(|(touch, _)| touch.feels_slip()) {
+            if touch.friction() == 0.0 {
+                for (axis, change) in touch.rolling().into_iter().enumerate() {
+                    rolling[rows.start + 1 + axis] = Some(change);
+                }
+            } else if let Some(friction) = friction.next() {
+                *friction = touch.turning_friction(self.step, multipliers[rows.start]);
+            }
+        }
+    }
+
+    /// What friction took in the rows of the step for which the bodies are placed, for the multipliers `λ = h² Λ` (J).
+    pub(crate) fn braked(&self, touches: &[Range<usize>], multipliers: &[V]) -> f64 {
+        let Some(mixing) = &self.mixing else { return 0.0 };
+        let rubbing = self.touches.iter().zip(touches).filter(|(touch, _)| touch.friction() != 0.0);
+        rubbing.map(|(touch, rows)| touch.braked(mixing, multipliers[rows.start])).sum::<f64>() / self.step
+    }
+
+    /// What friction does at the end of the step for which the bodies are placed, contact by contact; nothing if there is none.
+    pub(crate) fn leans(&self) -> &[Lean] {
+        &self.leans
+    }
+
+    /// Lets multipliers push beside the gradients of the contacts; with nothing, along them.
+    pub(crate) fn lean(&mut self, leans: &[Lean]) {
+        self.leaning = !leans.is_empty();
+        self.leans.iter_mut().zip(leans).for_each(|(own, &lean)| *own = lean);
+    }
+
+    /// How they push beside them, if they do.
+    pub(crate) fn leaning(&self) -> &[Lean] {
+        if self.leaning { &self.leans } else { &[] }
+    }
+}

@@ -1,0 +1,365 @@
+//! Closed contacts at all stages: gaps, the directions in which their multipliers push, friction and rolling.
+//!
+//! With φ, n and p at the columns' (i) and the rows' (k) stages ([`catena_mechanism::motion::contact_geometry`]), and the slip velocity u of the
+//! scheme at p [m/s] ([`crate::equations::slips`]):
+//!
+//! ```text
+//!     gap of a stage        φ_i = 0                              its gradient: the force n_i on b with its torque p_i × n_i, and their opposites on a
+//!     push of a row         f_k = n_k − μ t_k,   t = ± u_T/|u_T|           at p_k;   u_T = u − (n·u) n
+//!     rolling               h Σ_j a_ij e_j · u_j = 0             two tangents e; gradient and push e_i, because A Ā B = 1
+//!     dissipated            h Σ_k b_k Λ_k μ t_k · u_k            [J]
+//! ```
+//!
+//! The sign of t is that of u_T along the direction of the slip where the step starts. So the friction of a step that goes on beyond the stop of a
+//! slip stays smooth, and an event finds the stop as a zero of `u_T · t`. Where a step starts without slip the direction is the one that
+//! [`Grip::Slides`] gives: u_T of the first stage, which is not that of the start, differs from zero by the error of a stage and has no
+//! direction. A slip below a thousandth of the largest of the step is taken for one that stops: it has the direction of the stage before, and at the end of the step that
+//! of the polynomial through the stages.
+//!
+//! Source: the forced scheme with constraints on velocities, L. O. Jay, SIAM J. Sci. Comput. 20 (1998); the gradients of gaps:
+//! [`catena_mechanism::description::contact`].
+
+use crate::equations::loops::Displaced;
+use crate::equations::slips::{BodyRate, StageMixing};
+use crate::equations::spatial_loops::{End, Moved};
+use crate::numbers::algebra::{Matrix, Vector};
+use crate::numbers::euclidean::Euclidean;
+use crate::numbers::lanes::Lanes;
+use crate::numbers::smooth_lanes::{triple, vector};
+use crate::stages::start::Start;
+use catena_mechanism::description::contact::{Cores, Grip, Pairing, TouchJoint};
+use catena_mechanism::motion::contact_geometry::{Contact, Placed, contact};
+use catena_mechanism::motion::touches::{tangents, touch_motion};
+use nalgebra::Vector3;
+
+/// A slip of this part of the speeds at the point of contact is rounding.
+const NO_SLIP: f64 = 1e-9;
+/// So is a slip below this [m/s].
+const NO_SPEED: f64 = 1e-12;
+
+/// A slip at a stage that is this part of the largest of the step stops there: what is left of it has more rounding than direction, which is that
+/// of the stage before.
+const STOPS: f64 = 1e-3;
+
+/// What the friction of a contact does at the end of a step: the multiplier pushes along `n − μ t`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lean {
+    /// `μ t` in the world.
+    pub along: [f64; 3],
+    /// `μ t · u` with the slip velocity u at the end of the step: what an impulse dissipates [m/s].
+    pub slip: f64,
+}
+
+/// A closed contact in a step.
+pub(crate) struct SpatialTouch<V> {
+    joint: TouchJoint,
+    pairing: Option<Pairing>,
+    ends: [TouchEnd; 2],
+    /// At the start: unit vectors square to the normal, in the world.
+    tangents: [[f64; 3]; 2],
+    /// The direction of the slip at the start, or where there is none the one given.
+    reference: Vector3<f64>,
+    /// Whether there is no slip at the start.
+    rests: bool,
+    /// At the columns' and the rows' stages.
+    at: [AtStages<V>; 2],
+    /// `h Σ_j a_ij e_j · u_j` along both tangents (m).
+    creep: [V; 2],
+    /// What these change by.
+    rolling: [[[V; 6]; 2]; 2],
+    /// Where the origin of the second feature is at the columns' stages, from the common origin (m).
+    center: Vector<V>,
+    /// t at the columns' and the rows' stages, and `μ t` at the rows'.
+    directions: [Vector<V>; 2],
+    braking: Vector<V>,
+    /// Number of stages coupled.
+    active: usize,
+}
+
+/// An end of a contact at the start of a step, from the common origin and in the world.
+#[derive(Clone, Copy, Default)]
+struct TouchEnd {
+    point: [f64; 3],
+    arm: [f64; 3],
+    axis: [f64; 3],
+}
+
+/// The rates of a body and where its anchor is, from the common origin (m), at the columns' and at the rows' stages.
+type BodySides<'r, V> = [(&'r BodyRate<V>, Vector<V>); 2];
+
+/// A contact at stages: what [`Contact`] says, and the slip velocity [m/s].
+#[derive(Clone, Copy)]
+struct AtStages<V> {
+    gap: V,
+    normal: Vector<V>,
+    point: Vector<V>,
+    slip: Vector<V>,
+}
+
+impl<V: Lanes> SpatialTouch<V> {
+    /// The contacts of a mechanism.
+    pub fn all(joints: &[TouchJoint]) -> Vec<Self> {
+        let zero = Vector::zero();
+        let nowhere = AtStages { gap: V::zero(), normal: zero, point: zero, slip: zero };
+        let new = |joint: &TouchJoint| SpatialTouch {
+            joint: joint.clone(),
+            pairing: joint.touch.pairing(),
+            ends: [TouchEnd::default(); 2],
+            tangents: [[0.0; 3]; 2],
+            reference: Vector3::zeros(),
+            rests: false,
+            at: [nowhere; 2],
+            creep: [V::zero(); 2],
+            rolling: [[[V::zero(); 6]; 2]; 2],
+            center: zero,
+            directions: [zero; 2],
+            active: 0,
+            braking: zero,
+        };
+        joints.iter().map(new).collect()
+    }
+
+    /// The bodies at its ends; `None` is the world.
+    pub fn bodies(&self) -> [Option<usize>; 2] {
+        [self.joint.a.body, self.joint.b.body]
+    }
+
+    /// Number of its equations.
+    pub fn rows(&self) -> usize {
+        self.joint.touch.rows()
+    }
+
+    /// μ; zero if it does not slide.
+    pub fn friction(&self) -> f64 {
+        self.joint.touch.friction()
+    }
+
+    /// Whether its equations or forces depend on the slip.
+    pub fn feels_slip(&self) -> bool {
+        self.rows() == 3 || self.friction() != 0.0
+    }
+
+    /// Takes the start of a step; `origin` is the common origin (m).
+    pub fn begin(&mut self, start: &Start, origin: &[f64; 3]) {
+        let ends = [self.joint.a, self.joint.b].map(|end| End::new(&end, start, origin));
+        self.ends = ends.map(|End { point, arm, axes }| TouchEnd { point, arm, axis: axes[2] });
+        let motion = touch_motion(&self.joint, start.body_states());
+        self.tangents = tangents(&motion.normal).map(Into::into);
+        let speed = |body: Option<usize>| {
+            let state = body.map(|body| &start.body_states()[body]);
+            state.map_or(0.0, |state| {
+                state.velocity.norm() + state.angular_velocity.norm() * (motion.point - state.position).norm()
+            })
+        };
+        let [a, b] = self.bodies().map(speed);
+        let slip = motion.slip.norm();
+        self.rests = slip <= (NO_SLIP * (a + b)).max(NO_SPEED);
+        self.reference = match self.joint.touch.grip {
+            Grip::Slides { direction, .. } if self.rests => direction,
+            _ if self.rests => Vector3::zeros(),
+            _ => motion.slip / slip,
+        };
+        let still = Moved { turn: Matrix::zero(), anchor: Vector::zero() };
+        self.place([[&still; 2]; 2]);
+    }
+
+    /// Finds the contact for bodies that have moved so since the start: at the columns' stages (a, b), then at the rows'.
+    #[inline(always)]
+    pub fn place(&mut self, moved: [[&Moved<V>; 2]; 2]) {
+        let Some(pairing) = self.pairing else { return };
+        let (ends, bodies) = (&self.ends, self.bodies());
+        for (number, (at, moved)) in self.at.iter_mut().zip(moved).enumerate() {
+            let of = |side: usize| {
+                let end = &ends[side];
+                let (origin, axis) = (Vector::splat(&end.point), Vector::splat(&end.axis));
+                if bodies[side].is_none() {
+                    return Placed { origin: triple(origin), axis: triple(axis) };
+                }
+                let origin = origin.plus(moved[side].displacement(&end.arm));
+                Placed { origin: triple(origin), axis: triple(moved[side].turn(&end.axis)) }
+            };
+            let (a, b) = (of(0), of(1));
+            if number == 0 {
+                self.center = vector(b.origin);
+            }
+            let Contact { gap, normal, point } = contact(pairing, self.joint.touch.side, a, b);
+            (at.gap, at.normal, at.point) = (gap.0, vector(normal), vector(point));
+        }
+    }
+
+    /// Finds slip, creep and braking in a step of this length (s), after [`SpatialTouch::place`], from the rates of the bodies at its ends and where
+    /// their anchors are, both at the columns' and at the rows' stages.
+    #[inline(always)]
+    pub fn slip(&mut self, mixing: &StageMixing<V>, step: f64, bodies: [Option<BodySides<V>>; 2]) {
+        self.active = mixing.active;
+        for (side, at) in self.at.iter_mut().enumerate() {
+            at.slip = Vector::zero();
+            for (body, sign) in bodies.iter().zip([-1.0, 1.0]) {
+                if let Some(rates) = body {
+                    let (rate, anchor) = &rates[side];
+                    at.slip = rate.at(at.point.minus(*anchor)).times_plus(V::splat(sign), at.slip);
+                }
+            }
+        }
+        match self.joint.touch.grip {
+            Grip::Rolls => {
+                self.roll(bodies);
+                for axis in 0..2 {
+                    let along = [0, 1].map(|side: usize| self.tangent(axis, side).dot(self.at[side].slip));
+                    self.creep[axis] = mixing.integrate(along) * V::splat(step);
+                }
+            }
+            Grip::Slides { .. } => {
+                self.directions = [0, 1].map(|side: usize| self.direction(side));
+                self.braking = self.directions[1].times(V::splat(self.friction()));
+            }
+        }
+    }
+
+    /// Finds what the rates of a rolling contact change by besides its gradients, at the columns' stages. For twists η of the bodies
+    ///
+    /// ```text
+    ///     δ vel_b(p) = (η_b(p))˙ + η_ω × (vel_b(p) − ṗ) − ω_b × (η_b(p) − δp)        and the same of a
+    /// ```
+    ///
+    /// where p moves about as the core c of b, `δp = η_b(c)`: exact where n does not turn.
+    #[inline(always)]
+    fn roll(&mut self, bodies: [Option<BodySides<V>>; 2]) {
+        let AtStages { normal, point, .. } = self.at[0];
+        let arm = match self.pairing {
+            Some(Pairing { cores: Cores::PlaneRim(_), .. }) => point.minus(self.center),
+            Some(Pairing { radius, .. }) => normal.times(V::splat(-radius)),
+            None => Vector::zero(),
+        };
+        let core = point.minus(arm);
+        let at_columns = bodies.map(|rates| rates.map(|rates| rates[0]));
+        let zero = Vector::zero();
+        let spin = at_columns.map(|body| body.map_or(zero, |(rate, _)| rate.spin()));
+        let velocity = |side: usize, at: Vector<V>| match at_columns[side] {
+            Some((rate, anchor)) => rate.at(at.minus(anchor)),
+            None => zero,
+        };
+        let passes = velocity(0, point).minus(velocity(1, core));
+        for axis in 0..2 {
+            let along = self.tangent(axis, 0);
+            let force = along.cross(spin[0]);
+            let of_a = force.joined(point.cross(force).minus(passes.cross(along)));
+            let torque = spin[1].cross(arm.cross(along)).minus(core.cross(force));
+            self.rolling[axis] = [of_a, zero.minus(force).joined(torque)];
+        }
+    }
+
+    /// For both tangents of a rolling contact what its rates change by, for the twists of a and of b.
+    pub fn rolling(&self) -> [[[V; 6]; 2]; 2] {
+        self.rolling
+    }
+
+    /// The direction across the slip, `n × t` at p, at the columns' and the rows' stages.
+    #[inline(always)]
+    pub fn across(&self) -> [[V; 6]; 2] {
+        [0, 1].map(|side: usize| {
+            let AtStages { normal, point, .. } = self.at[side];
+            let across = normal.cross(self.directions[side]);
+            across.joined(point.cross(across))
+        })
+    }
+
+    /// `μ λ / h |u_T|` of the rows: how friction resists that the slip turns, which a multiplier that pulls has none of.
+    pub fn turning_friction(&self, step: f64, multiplier: V) -> V {
+        let speed = self.directions[1].dot(self.at[1].slip);
+        let (multiplier, speed) = (multiplier.to_array(), speed.to_array());
+        let mut friction = V::zero_array();
+        let largest = speed.as_ref()[..self.active].iter().fold(NO_SPEED, |most, speed| most.max(speed.abs()));
+        for (lane, friction) in friction.as_mut().iter_mut().enumerate() {
+            let (multiplier, speed) = (multiplier.as_ref()[lane], speed.as_ref()[lane].abs());
+            if multiplier > 0.0 && speed > STOPS * largest && !(self.rests && lane + 1 == self.active) {
+                *friction = self.friction() * multiplier / (step * speed);
+            }
+        }
+        V::from_array(friction)
+    }
+
+    /// A tangent at the columns' or the rows' stages: the one at the start, kept square to the normal.
+    #[inline(always)]
+    fn tangent(&self, axis: usize, side: usize) -> Vector<V> {
+        let normal = self.at[side].normal;
+        let first = Vector::splat(&self.tangents[0]);
+        let first = normal.times_minus(normal.dot(first), first);
+        let first = first.times(first.dot(first).square_root().reciprocal());
+        if axis == 0 { first } else { normal.cross(first) }
+    }
+
+    /// t at the columns' or the rows' stages, of which the last lane is the start.
+    #[inline(always)]
+    fn direction(&self, side: usize) -> Vector<V> {
+        let active = self.active;
+        let AtStages { normal, slip, .. } = self.at[side];
+        let slip = normal.times_minus(normal.dot(slip), slip).0.map(|component| component.to_array());
+        let mut direction = [V::zero_array(); 3];
+        let of = |lane: usize| Vector3::from([0, 1, 2].map(|axis: usize| slip[axis].as_ref()[lane]));
+        let largest = (0..active).map(|lane| of(lane).norm()).fold(0.0, f64::max);
+        let mut before = self.reference;
+        for lane in 0..active {
+            let (slip, starts) = (of(lane), side == 1 && lane + 1 == active);
+            let length = slip.norm();
+            let along = if starts && self.rests {
+                self.reference
+            } else if length <= STOPS * largest {
+                if starts { self.reference } else { before }
+            } else {
+                slip / if slip.dot(&self.reference) < 0.0 { -length } else { length }
+            };
+            before = along;
+            for (component, lanes) in direction.iter_mut().enumerate() {
+                lanes.as_mut()[lane] = along[component];
+            }
+        }
+        Vector(direction.map(V::from_array))
+    }
+
+    /// What its friction does at the end of the step.
+    pub fn lean(&self, mixing: &StageMixing<V>) -> Lean {
+        let lane = |vector: Vector<V>, lane: usize| {
+            Vector3::from(vector.0.map(|component| component.to_array().as_ref()[lane]))
+        };
+        let slip = lane(self.at[0].slip, self.active - 1);
+        let largest = (0..self.active).map(|row| lane(self.at[1].slip, row).norm()).fold(0.0, f64::max);
+        let direction = if slip.norm() > STOPS * largest {
+            lane(self.directions[0], self.active - 1)
+        } else {
+            let ahead = self.directions[1].0.map(|component| (component * mixing.ahead).sum());
+            Vector3::from(ahead).try_normalize(0.5).unwrap_or(self.reference)
+        };
+        let along = direction * self.friction();
+        Lean { along: along.into(), slip: along.dot(&slip) }
+    }
+
+    /// `Σ_k b_k λ_k μ t_k · u_k` over the rows, for the multipliers of the gap.
+    #[inline(always)]
+    pub fn braked(&self, mixing: &StageMixing<V>, multiplier: V) -> f64 {
+        (multiplier * mixing.weights * self.braking.dot(self.at[1].slip)).sum()
+    }
+
+    /// Writes its gaps, and its gradients and pushes; beside the gradients at one configuration it pushes as it `leans`, in a step as its
+    /// friction says.
+    #[inline(always)]
+    pub fn write(&self, leans: Option<&Lean>, gaps: &mut [V], gradients: &mut [[[V; 6]; 2]]) {
+        if self.pairing.is_none() {
+            return;
+        }
+        gaps[0] = self.at[0].gap;
+        let joined = |at: &AtStages<V>, force: Vector<V>| force.joined(at.point.cross(force));
+        let [column, row] = &self.at;
+        let push = match leans {
+            Some(lean) => row.normal.minus(Vector::splat(&lean.along)),
+            None => row.normal.minus(self.braking),
+        };
+        gradients[0] = [joined(column, column.normal), joined(row, push)];
+        if self.joint.touch.grip == Grip::Rolls {
+            for axis in 0..2 {
+                gaps[1 + axis] = self.creep[axis];
+                gradients[1 + axis] = [0, 1].map(|side: usize| joined(&self.at[side], self.tangent(axis, side)));
+            }
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Contact: shapes that may touch, and a closed contact as one more joint between two bodies.
+//!
+//! A contact is a pair of features, one on either body. Each feature is given in the frame of its attachment, with origin P and axis z:
+//!
+//! | feature | what it is | core |
+//! |---|---|---|
+//! | point | a vertex (r = 0), a sphere, the end of a capsule | P |
+//! | line | an edge (r = 0), the side of a cylinder or capsule | P + s z |
+//! | plane | a face, a half space: z points out of the body | (P, z) |
+//! | rim | the edge of the end of a cylinder, of radius ρ | the circle about z through P |
+//!
+//! With the unit normal n from a to b and the points of contact `p_a`, `p_b` on the surfaces, the gap and its rate are
+//!
+//! ```text
+//!     φ = n · (p_b − p_a)  [m]          φ̇ = n · (v_b(p) − v_a(p))  [m/s]
+//! ```
+//!
+//! with the velocities of the bodies' material at p, whatever the features: that n turns and p moves on the surfaces adds nothing. So the
+//! gradient of every gap is the force n with its torque p × n on b, and its opposite on a. A contact that is closed is the equation φ = 0 with
+//! a multiplier λ ≥ 0; its friction is among what a [`Grip`] says.
+
+use crate::description::closure::Attachment;
+use crate::description::joint::Pose;
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// The shape of a body, in a frame of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// All points with z ≤ 0.
+    HalfSpace,
+    /// About the origin.
+    Sphere {
+        /// m.
+        radius: f64,
+    },
+    /// About the z axis from −half to half, with round ends beyond.
+    Capsule {
+        /// m.
+        radius: f64,
+        /// Half the length of its core (m).
+        half: f64,
+    },
+    /// About the z axis from −half to half.
+    Cylinder {
+        /// m.
+        radius: f64,
+        /// Half its length (m).
+        half: f64,
+    },
+    /// About the origin, with these half sizes (m).
+    Box {
+        /// m.
+        half: Vector3<f64>,
+    },
+    /// The convex hull of these points (m).
+    Hull(Arc<Vec<Vector3<f64>>>),
+    /// A surface of triangles, counterclockwise from outside (m).
+    Mesh(Arc<Surface>),
+}
+
+/// A surface of triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// m.
+    pub vertices: Vec<Vector3<f64>>,
+    /// Three vertices each.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A shape that may touch others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Collider {
+    /// Name of its link or obstacle.
+    pub name: String,
+    /// The body it is fixed in; `None` is the world.
+    pub body: Option<usize>,
+    /// Its frame in the body frame, or in the world.
+    pub pose: Pose,
+    /// What it is.
+    pub shape: Shape,
+}
+
+/// Two colliders that may touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPair {
+    /// Its number in the whole mechanism, by which events name it.
+    pub number: usize,
+    /// One collider, by number.
+    pub a: usize,
+    /// The other.
+    pub b: usize,
+    /// μ, not negative.
+    pub friction: f64,
+    /// e, from 0 to 1.
+    pub restitution: f64,
+}
+
+/// What touches of a body; see the table of the module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Feature {
+    /// A point with a radius (m), or none.
+    Point {
+        /// r (m).
+        radius: f64,
+    },
+    /// A line along z with a radius (m), or none.
+    Line {
+        /// r (m).
+        radius: f64,
+    },
+    /// A plane with the normal z out of the body.
+    Plane,
+    /// A circle about z.
+    Rim {
+        /// ρ (m).
+        radius: f64,
+    },
+}
+
+/// What the tangential force of a closed contact does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Grip {
+    /// It brakes the slip: `f = λ (n − μ t)` with `t = u_T/|u_T|` of the slip velocity `u_T = (1 − n nᵀ)(v_b(p) − v_a(p))` of the same instant.
+    Slides {
+        /// μ; zero for no friction.
+        friction: f64,
+        /// Where a motion begins without slip: the direction in which it starts to slide, a unit vector in the world; zero if it does slip.
+        direction: Vector3<f64>,
+    },
+    /// It holds: `u_T = 0`, two equations of velocities more. The body rolls, or its point stays where it is.
+    Rolls,
+}
+
+/// The features of a contact, on the first and on the second body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim.
+    pub features: [Feature; 2],
+    /// On which side of a the second line is, where both are lines: n = side · (z_a × z_b)/|z_a × z_b|.
+    pub side: f64,
+    /// Its friction.
+    pub grip: Grip,
+}
+
+/// How the gap of two features is measured: between their cores, less their radii.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pairing {
+    /// The cores.
+    pub cores: Cores,
+    /// The sum of the radii (m).
+    pub reach: f64,
+    /// The radius of the second feature (m), by which the point of contact is nearer than its core.
+    pub radius: f64,
+}
+
+/// The cores of two features, the first on a.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cores {
+    /// Two points.
+    Points,
+    /// A plane and a point.
+    PlanePoint,
+    /// A line and a point.
+    LinePoint,
+    /// Two lines.
+    Lines,
+    /// A plane and a circle of this radius (m).
+    PlaneRim(f64),
+}
+
+impl Touch {
+    /// How its gap is measured; `None` for features that make no pair of the list at [`Touch::features`]: such a touch has no equation.
+    pub fn pairing(&self) -> Option<Pairing> {
+        let (cores, reach, radius) = match self.features {
+            [Feature::Point { radius: a }, Feature::Point { radius }] => (Cores::Points, a + radius, radius),
+            [Feature::Plane, Feature::Point { radius }] => (Cores::PlanePoint, radius, radius),
+            [Feature::Line { radius: a }, Feature::Point { radius }] => (Cores::LinePoint, a + radius, radius),
+            [Feature::Line { radius: a }, Feature::Line { radius }] => (Cores::Lines, a + radius, radius),
+            [Feature::Plane, Feature::Rim { radius }] => (Cores::PlaneRim(radius), 0.0, 0.0),
+            _ => return None,
+        };
+        Some(Pairing { cores, reach, radius })
+    }
+
+    /// μ; zero if it does not slide, or has no equation.
+    pub fn friction(&self) -> f64 {
+        match (self.pairing(), self.grip) {
+            (Some(_), Grip::Slides { friction, .. }) => friction,
+            _ => 0.0,
+        }
+    }
+
+    /// Number of its equations: the gap, and two of velocities if it rolls.
+    pub fn rows(&self) -> usize {
+        match (self.pairing(), self.grip) {
+            (None, _) => 0,
+            (Some(_), Grip::Slides { .. }) => 1,
+            (Some(_), Grip::Rolls) => 3,
+        }
+    }
+}
+
+/// A touch with the frames of its features.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TouchJoint {
+    /// What touches.
+    pub touch: Touch,
+    /// The frame of the first feature.
+    pub a: Attachment,
+    /// The frame of the second.
+    pub b: Attachment,
+}

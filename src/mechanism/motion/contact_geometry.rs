@@ -1,0 +1,81 @@
+//! Gap, normal and point of contact of two features, from the frames of both.
+//!
+//! With the origins `a`, `b` (m) and the axes `z_a`, `z_b` of the features ([`crate::description::contact`]), `d = b − a`, the sum R of
+//! the radii and the radius r of the second feature (m):
+//!
+//! ```text
+//!     point–point:   n = d/|d|                        φ = |d| − R                p = b − r n
+//!     plane–point:   n = z_a                          φ = n·d − R                p = b − r n
+//!     line–point:    q = d − (d·z_a) z_a,  n = q/|q|  φ = |q| − R                p = b − r n
+//!     line–line:     n = side (z_a × z_b)/|z_a × z_b| φ = n·d − R                p = b + t z_b − r n
+//!     plane–rim:     n = z_a,  m = n − (n·z_b) z_b    φ = n·d − ρ |m|            p = b − ρ m/|m|
+//! ```
+//!
+//! where `b + t z_b` is the point of the second line that is nearest to the first: `t = ((d·z_a) e − d·z_b)/(1 − e²)`, `e = z_a·z_b`.
+//! n points from a to b. A rim that lies flat in the plane (m = 0) touches in all its points; p is its centre then.
+
+use crate::description::contact::{Cores, Pairing};
+use crate::forces::point_spring::NO_LENGTH;
+use crate::ground::smooth::{Smooth, Triple};
+
+/// Where a feature is: its origin (m) and its axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed<S> {
+    /// P.
+    pub origin: Triple<S>,
+    /// z, a unit vector.
+    pub axis: Triple<S>,
+}
+
+/// How two features are to each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<S> {
+    /// φ (m).
+    pub gap: S,
+    /// n, from a to b.
+    pub normal: Triple<S>,
+    /// p (m), on the surface of b.
+    pub point: Triple<S>,
+}
+
+/// The contact of two features; `side` is of lines alone.
+#[inline(always)]
+pub fn contact<S: Smooth>(pairing: Pairing, side: f64, a: Placed<S>, b: Placed<S>) -> Contact<S> {
+    let apart = b.origin.minus(a.origin);
+    let (reach, radius) = (S::constant(pairing.reach), S::constant(pairing.radius));
+    let between = |vector: Triple<S>| {
+        let length = length(vector);
+        let normal = vector.times(length.reciprocal());
+        Contact { gap: length - reach, normal, point: b.origin.minus(normal.times(radius)) }
+    };
+    match pairing.cores {
+        Cores::Points => between(apart),
+        Cores::LinePoint => between(apart.minus(a.axis.times(apart.dot(a.axis)))),
+        Cores::PlanePoint => {
+            let point = b.origin.minus(a.axis.times(radius));
+            Contact { gap: apart.dot(a.axis) - reach, normal: a.axis, point }
+        }
+        Cores::Lines => {
+            let across = a.axis.cross(b.axis);
+            let per_length = length(across).reciprocal();
+            let normal = across.times(per_length * S::constant(side));
+            let cosine = a.axis.dot(b.axis);
+            let along = (apart.dot(a.axis) * cosine - apart.dot(b.axis)) * per_length * per_length;
+            let point = b.origin.plus(b.axis.times(along)).minus(normal.times(radius));
+            Contact { gap: apart.dot(normal) - reach, normal, point }
+        }
+        Cores::PlaneRim(rim) => {
+            let (normal, rim) = (a.axis, S::constant(rim));
+            let down = normal.minus(b.axis.times(normal.dot(b.axis)));
+            let length = length(down);
+            let point = b.origin.minus(down.times(rim * length.reciprocal()));
+            Contact { gap: apart.dot(normal) - rim * length, normal, point }
+        }
+    }
+}
+
+/// The length of a vector, never zero.
+#[inline(always)]
+fn length<S: Smooth>(vector: Triple<S>) -> S {
+    (vector.dot(vector) + S::constant(NO_LENGTH)).square_root()
+}

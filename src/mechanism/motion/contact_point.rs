@@ -1,0 +1,99 @@
+//! Closed contacts at an instant: where two shapes touch, and the force between them.
+//!
+//! With the unit normal n from b to a and the force f on a (N), `f_N = n · f` and `f_T = f − f_N n`, Coulomb's cone is `|f_T| ≤ μ f_N`. A gap φ (m)
+//! is negative where the shapes overlap.
+
+use crate::description::contact::ContactPair;
+use nalgebra::Vector3;
+
+/// One point at which two shapes touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// The pair ([`ContactPair::number`]).
+    pub pair: usize,
+    /// In the world (m).
+    pub position: Vector3<f64>,
+    /// Of length one, from b to a, in the world.
+    pub normal: Vector3<f64>,
+    /// On a, in the world (N).
+    pub force: Vector3<f64>,
+    /// φ (m).
+    pub gap: f64,
+    /// Whether friction holds it.
+    pub sticks: bool,
+}
+
+impl ContactPoint {
+    /// How far the force is outside the cone (N): the larger of `|f_T| − μ f_N` and `−f_N`, not negative.
+    pub fn cone_violation(&self, friction: f64) -> f64 {
+        let normal = self.normal.dot(&self.force);
+        let tangential = (self.force - normal * self.normal).norm();
+        (tangential - friction * normal).max(-normal).max(0.0)
+    }
+
+    /// How deep the shapes overlap (m), not negative.
+    pub fn penetration(&self) -> f64 {
+        (-self.gap).max(0.0)
+    }
+}
+
+/// The worst of the contacts of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactFigures {
+    /// The deepest overlap (m).
+    pub penetration: f64,
+    /// The farthest of a force from its cone (N).
+    pub cone_violation: f64,
+}
+
+impl ContactFigures {
+    /// Takes in the contacts of an instant, whose pairs are among these.
+    pub fn see(&mut self, points: &[ContactPoint], pairs: &[ContactPair]) {
+        for point in points {
+            let friction = pairs.iter().find(|pair| pair.number == point.pair).map_or(0.0, |pair| pair.friction);
+            self.include(&ContactFigures {
+                penetration: point.penetration(),
+                cone_violation: point.cone_violation(friction),
+            });
+        }
+    }
+
+    /// Takes in what another part of the run has.
+    pub fn include(&mut self, other: &ContactFigures) {
+        self.penetration = self.penetration.max(other.penetration);
+        self.cone_violation = self.cone_violation.max(other.cone_violation);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(force: [f64; 3], gap: f64) -> ContactPoint {
+        let (position, normal) = (Vector3::zeros(), Vector3::z());
+        ContactPoint { pair: 3, position, normal, force: force.into(), gap, sticks: true }
+    }
+
+    #[test]
+    fn a_force_in_the_cone_violates_nothing_and_one_outside_by_what_friction_lacks_or_by_its_pull() {
+        for (force, violation) in [
+            ([3.0, 4.0, 10.0], 0.0),
+            ([3.0, 4.0, 6.0], 2.0),
+            ([0.0, 0.0, -2.0], 2.0),
+            ([0.0, 1.0, -2.0], 2.0),
+            ([0.0, 0.0, 0.0], 0.0),
+        ] {
+            assert_eq!(point(force, 0.0).cone_violation(0.5), violation, "{force:?}");
+        }
+    }
+
+    #[test]
+    fn figures_keep_the_worst_of_each_with_the_friction_of_its_pair() {
+        let pair = |number, friction| ContactPair { number, a: 0, b: 1, friction, restitution: 0.0 };
+        let mut figures = ContactFigures::default();
+        figures.see(&[point([3.0, 4.0, 6.0], 1e-3), point([0.0, 0.0, 1.0], -1e-9)], &[pair(2, 0.0), pair(3, 0.5)]);
+        assert_eq!(figures, ContactFigures { penetration: 1e-9, cone_violation: 2.0 });
+        figures.include(&ContactFigures { penetration: 1e-8, cone_violation: 1.0 });
+        assert_eq!(figures, ContactFigures { penetration: 1e-8, cone_violation: 2.0 });
+    }
+}

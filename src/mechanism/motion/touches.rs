@@ -1,0 +1,122 @@
+//! Closed contacts at one instant: gap, slip and their accelerations.
+//!
+//! With the material velocities of the bodies at the point of contact p, `u = v_b + ω_b × (p − x_b) − v_a − ω_a × (p − x_a)` [m/s],
+//!
+//! ```text
+//!     φ̇ = n · u                      u_T = u − (n · u) n
+//!     u̇ = Σ ± (ẍ + ω̇ × (p − x) + ω × (ṗ − ẋ))            p moves on both surfaces
+//!     (u · e)˙ = u̇ · e + u · (ω_a × e)                   along a tangent e that turns with a
+//! ```
+//!
+//! φ, n and p are differentiated exactly: [`crate::motion::contact_geometry`] in numbers with derivatives ([`crate::ground::smooth`]). Of a
+//! contact with features that make no pair everything is zero.
+
+use crate::description::body_state::{BodyState, WORLD};
+use crate::description::closure::Attachment;
+use crate::description::contact::TouchJoint;
+use crate::ground::smooth::{Jet, Triple};
+use crate::motion::contact_geometry::{Contact, Placed, contact};
+use crate::motion::kinematics::BodyAcceleration;
+use nalgebra::Vector3;
+
+/// How the features of a contact move against each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TouchMotion {
+    /// φ (m).
+    pub gap: f64,
+    /// φ̇ [m/s].
+    pub rate: f64,
+    /// n, from a to b, in the world.
+    pub normal: Vector3<f64>,
+    /// p in the world (m).
+    pub point: Vector3<f64>,
+    /// `u_T`: how the material of b slips on that of a at p [m/s].
+    pub slip: Vector3<f64>,
+}
+
+/// Gap, normal, point of contact and slip of a contact.
+pub fn touch_motion(joint: &TouchJoint, bodies: &[BodyState]) -> TouchMotion {
+    let Some(pairing) = joint.touch.pairing() else { return TouchMotion::default() };
+    let place = |end: &Attachment| {
+        let (origin, axes) = end.place(bodies);
+        Placed { origin: Triple(origin.into()), axis: Triple(axes.column(2).into_owned().into()) }
+    };
+    let Contact { gap, normal, point } = contact::<f64>(pairing, joint.touch.side, place(&joint.a), place(&joint.b));
+    let (normal, point) = (Vector3::from(normal.0), Vector3::from(point.0));
+    let velocity = material(&joint.b, bodies, &point) - material(&joint.a, bodies, &point);
+    let rate = normal.dot(&velocity);
+    TouchMotion { gap, rate, normal, point, slip: velocity - normal * rate }
+}
+
+/// Velocity of the material of a body at a point of the world [m/s].
+fn material(end: &Attachment, bodies: &[BodyState], point: &Vector3<f64>) -> Vector3<f64> {
+    let body = end.on(bodies);
+    body.velocity + body.angular_velocity.cross(&(point - body.position))
+}
+
+/// The second derivative of the gap of a contact, and the derivatives of its slip along two tangents that turn with the first body, for given
+/// accelerations of the bodies [m/s²].
+pub fn touch_accelerations(
+    joint: &TouchJoint,
+    bodies: &[BodyState],
+    accelerations: &[BodyAcceleration],
+    tangents: &[Vector3<f64>; 2],
+) -> [f64; 3] {
+    let Some(pairing) = joint.touch.pairing() else { return [0.0; 3] };
+    let ends = [&joint.a, &joint.b].map(|end| Moving::new(end, bodies, accelerations));
+    let [a, b] = ends.each_ref().map(|end| end.placed);
+    let Contact { gap, point, .. } = contact(pairing, joint.touch.side, a, b);
+    let here = Vector3::from(point.0.map(|component| component.value));
+    let moves = Vector3::from(point.0.map(|component| component.rate));
+    let [of_a, of_b] = ends.each_ref().map(|end| end.material(&here, &moves));
+    let (velocity, acceleration) = (of_b.0 - of_a.0, of_b.1 - of_a.1);
+    let along = |tangent: &Vector3<f64>| {
+        acceleration.dot(tangent) + velocity.dot(&ends[0].body.angular_velocity.cross(tangent))
+    };
+    [gap.second, along(&tangents[0]), along(&tangents[1])]
+}
+
+/// An end of a contact with what moves it.
+struct Moving<'b> {
+    body: &'b BodyState,
+    acceleration: BodyAcceleration,
+    placed: Placed<Jet>,
+}
+
+impl<'b> Moving<'b> {
+    fn new(end: &Attachment, bodies: &'b [BodyState], accelerations: &[BodyAcceleration]) -> Self {
+        let body = end.body.map_or(&WORLD, |body| &bodies[body]);
+        let acceleration = end.body.map_or((Vector3::zeros(), Vector3::zeros()), |body| accelerations[body]);
+        let (linear, angular) = acceleration;
+        // What is fixed in the body, from its centre of mass.
+        let turned = |arm: &Vector3<f64>| {
+            let rate = body.angular_velocity.cross(arm);
+            [*arm, rate, angular.cross(arm) + body.angular_velocity.cross(&rate)]
+        };
+        let jets = |[value, rate, second]: [Vector3<f64>; 3]| {
+            Triple([0, 1, 2].map(|i| Jet { value: value[i], rate: rate[i], second: second[i] }))
+        };
+        let (origin, axes) = end.place(bodies);
+        let arm = turned(&(origin - body.position));
+        let center = [body.position, body.velocity, linear];
+        let origin = jets([center[0] + arm[0], center[1] + arm[1], center[2] + arm[2]]);
+        let axis = jets(turned(&axes.column(2).into_owned()));
+        Moving { body, acceleration, placed: Placed { origin, axis } }
+    }
+
+    /// Velocity of the material at a point [m/s], and the derivative of it while the point moves [m/s²].
+    fn material(&self, point: &Vector3<f64>, moves: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        let BodyState { position, velocity, angular_velocity, .. } = self.body;
+        let (linear, angular) = self.acceleration;
+        let arm = point - position;
+        let acceleration = linear + angular.cross(&arm) + angular_velocity.cross(&(moves - velocity));
+        (velocity + angular_velocity.cross(&arm), acceleration)
+    }
+}
+
+/// Two unit vectors that are square to a normal and to each other: the same ones for the same normal.
+pub fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let axis = if normal.x.abs() <= 0.6 { Vector3::x() } else { Vector3::y() };
+    let first = (axis - normal * normal.dot(&axis)).normalize();
+    [first, normal.cross(&first)]
+}

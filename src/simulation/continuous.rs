@@ -1,0 +1,127 @@
+//! Somebody who decides on efforts at every instant: a law of time and state with its derivatives, part of the equations of every step.
+//!
+//! ```text
+//!     τ(t) = u(t, q, v)         along m of n degrees of freedom [N m or N]
+//! ```
+//!
+//! The efforts are those of the scheme at each stage, so its order is kept, and the derivatives are in the matrix of Newton's method together with the mass matrix of the
+//! whole: stiff gains cost iterations, not steps ([`Feedback`]). One who decides at fixed instants is a [`Controller`](crate::simulation::Controller).
+
+use crate::instant::response::Response;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::scalar_coordinate;
+use crate::mechanism::motion::inputs::Feedback;
+use crate::mechanism::motion::state::State;
+use crate::simulation::controller::ControlError;
+use crate::simulation::run::Simulation;
+use nalgebra::DMatrix;
+use std::cell::RefCell;
+
+/// Decides on the efforts of a run at every instant.
+///
+/// The same state has to give the same efforts; it is asked for states at stages of steps that are tried and thrown away.
+pub trait ContinuousController {
+    /// The degrees of freedom that it drives, each once: coordinates of lengths and angles, not the rotations of ball joints.
+    fn freedoms(&self, mechanism: &Mechanism) -> Vec<usize>;
+
+    /// The efforts along these freedoms in a state, which has its time [N m or N] (m); zero unless they are written.
+    fn efforts(&self, mechanism: &Mechanism, state: &State, efforts: &mut [f64]);
+
+    /// The derivatives of the efforts by positions and by velocities (m × n each), zero unless they are written: a column a degree of freedom, those of ball
+    /// joints by rotations about their axes. Coarse derivatives cost iterations; without them steps converge only where the gains are gentle, and
+    /// are shortened elsewhere.
+    fn derivatives(
+        &self,
+        mechanism: &Mechanism,
+        state: &State,
+        by_position: &mut DMatrix<f64>,
+        by_velocity: &mut DMatrix<f64>,
+    );
+}
+
+/// The law of a controller on one mechanism, with the workspace for its answer.
+struct Law<'l> {
+    mechanism: &'l Mechanism,
+    controller: &'l dyn ContinuousController,
+    freedoms: Vec<usize>,
+    response: RefCell<Response>,
+}
+
+impl Feedback for Law<'_> {
+    fn freedoms(&self) -> &[usize] {
+        &self.freedoms
+    }
+
+    fn efforts(&self, state: &State, efforts: &mut [f64]) {
+        efforts.fill(0.0);
+        self.controller.efforts(self.mechanism, state, efforts);
+    }
+
+    fn loop_gains(&self, state: &State, by_position: &mut DMatrix<f64>, by_rate: &mut DMatrix<f64>) {
+        let size = (self.freedoms.len(), self.mechanism.velocity_count);
+        let (mut positions, mut velocities) = (DMatrix::zeros(size.0, size.1), DMatrix::zeros(size.0, size.1));
+        self.controller.derivatives(self.mechanism, state, &mut positions, &mut velocities);
+        let (columns, _) = self.response.borrow_mut().matrix(state, &self.freedoms);
+        *by_position = positions * &columns;
+        *by_rate = velocities * columns;
+    }
+}
+
+impl Simulation<'_> {
+    /// Makes steps to the end of the run under the efforts of a controller that follows the state at every instant.
+    ///
+    /// A tolerance is that of single steps here: trial runs were made without the controller.
+    ///
+    /// ```
+    /// # use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+    /// # use catena::mechanism::description::mechanism::{Body, Mechanism};
+    /// # use catena::mechanism::motion::state::State;
+    /// # use catena::simulation::{ContinuousController, Simulation, SimulationOptions, StepChoice};
+    /// # use nalgebra::{DMatrix, Vector3};
+    /// /// Brakes a trolley in proportion to its speed.
+    /// struct Brake;
+    /// impl ContinuousController for Brake {
+    ///     fn freedoms(&self, _: &Mechanism) -> Vec<usize> {
+    ///         vec![0]
+    ///     }
+    ///     fn efforts(&self, _: &Mechanism, state: &State, efforts: &mut [f64]) {
+    ///         efforts[0] = -2.0 * state.velocity[0];
+    ///     }
+    ///     fn derivatives(&self, _: &Mechanism, _: &State, _: &mut DMatrix<f64>, by_velocity: &mut DMatrix<f64>) {
+    ///         by_velocity[(0, 0)] = -2.0;
+    ///     }
+    /// }
+    /// # let joint = Joint::new("rail", JointKind::Prismatic, Pose::identity(), Pose::identity());
+    /// # let body = Body { name: "trolley".into(), parent: None, mass: 2.0, inertia: Vector3::repeat(0.1), joint };
+    /// # let mechanism = Mechanism::new("rail", Vector3::zeros(), vec![body])?;
+    /// let mut start = State::zero(&mechanism);
+    /// start.velocity[0] = 1.0;
+    /// let options = SimulationOptions { duration: 1.0, steps: StepChoice::Fixed { stages: 9, step: 0.25 }, switched_off: &[], interrupt: None };
+    /// let mut simulation = Simulation::new(&mechanism, start, options)?;
+    /// simulation.run_under_continuous(&Brake)?;
+    /// assert!((simulation.state().velocity[0] - (-1.0_f64).exp()).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ControlError`]: the run fails, a freedom cannot be driven, or the mechanism has limits, dry friction or motors.
+    pub fn run_under_continuous(&mut self, controller: &dyn ContinuousController) -> Result<(), ControlError> {
+        let mechanism = self.mechanism();
+        if !mechanism.nonsmooth.is_empty() {
+            return Err(ControlError::Events);
+        }
+        let freedoms = controller.freedoms(mechanism);
+        for (place, &freedom) in freedoms.iter().enumerate() {
+            let once = !freedoms[..place].contains(&freedom);
+            if freedom >= mechanism.velocity_count || scalar_coordinate(mechanism, freedom).is_none() || !once {
+                return Err(ControlError::Freedom { freedom, count: mechanism.velocity_count });
+            }
+        }
+        let law = Law { mechanism, controller, freedoms, response: RefCell::new(Response::new(mechanism)) };
+        // Its efforts may connect what nothing else does.
+        if !self.join_islands()? {
+            return Err(ControlError::Begun);
+        }
+        Ok(self.run_with_feedback(&law)?)
+    }
+}
