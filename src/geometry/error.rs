@@ -1,0 +1,81 @@
+//! What can be wrong with a shape, in words without a file: the caller adds the file, the link and the line.
+
+/// A shape, or a pair of shapes, whose contact cannot be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GeometryError {
+    /// A size that is zero, negative or not finite.
+    #[error("the {what} of the {shape} is {value} m: give a positive length")]
+    Size {
+        /// Kind of the shape.
+        shape: &'static str,
+        /// Which size.
+        what: &'static str,
+        /// m.
+        value: f64,
+    },
+    /// A coordinate is infinite or not a number.
+    #[error("coordinate {axis} of vertex {vertex} is {value}: give a finite number")]
+    Coordinate {
+        /// Number of the vertex.
+        vertex: usize,
+        /// x, y or z.
+        axis: char,
+        /// m.
+        value: f64,
+    },
+    /// The pose of a shape in its body is not finite.
+    #[error("the pose of the {shape} is not finite: give finite positions and angles")]
+    Pose {
+        /// Kind of the shape.
+        shape: &'static str,
+    },
+    /// Not enough points for a hull.
+    #[error("a convex hull of {count} points has no volume: give at least 4 points that do not lie in one plane")]
+    FewPoints {
+        /// How many there are.
+        count: usize,
+    },
+    /// All points in one plane, on a line or at one place.
+    #[error("all points lie within {thickness:.1e} m of one plane: give the hull a thickness, or use a thin box")]
+    Flat {
+        /// Distance of the farthest point from the plane (m).
+        thickness: f64,
+    },
+    /// The hull was not found.
+    #[error("no convex hull was found ({reason}): remove points that nearly coincide")]
+    Hull {
+        /// What the algorithm says.
+        reason: String,
+    },
+    /// A mesh without triangles that have an area.
+    #[error("the mesh has no triangle with an area: export it again with its faces")]
+    EmptyMesh,
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} names vertex {vertex}, but there are {count} vertices: export the mesh again")]
+    Index {
+        /// Number of the triangle.
+        triangle: usize,
+        /// The vertex it names.
+        vertex: u32,
+        /// How many vertices there are.
+        count: usize,
+    },
+    /// More than can be handled in a reasonable time.
+    #[error("{count} {what} are more than {limit}: simplify the shape or use its convex hull")]
+    TooMany {
+        /// Triangles or points.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many are possible.
+        limit: usize,
+    },
+    /// Two shapes of which neither is convex and bounded.
+    #[error("contact of a {a} with a {b} is not possible: one of two shapes must be convex and bounded")]
+    Obstacles {
+        /// One shape.
+        a: &'static str,
+        /// The other.
+        b: &'static str,
+    },
+}

@@ -1,0 +1,43 @@
+//! The geometry of contact: distances and touching features of two shapes, exact to rounding.
+//!
+//! [`PairGeometry`] answers everything about two colliders: their certified distance, the places where they touch as features with frames
+//! in the bodies, and how far a place is from the borders of its features. Conservative advancement needs no more than the distance: two
+//! shapes whose points approach at no more than V [m/s] do not touch before distance / V.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `polytope`, `hull`, `convex`, `half_space`, `mesh` | shapes, prepared |
+//! | `feature` | vertices, edges, faces, rims, sides: names, parts, borders |
+//! | `meet` | normal and points of two features: closed forms |
+//! | `both`, `best`, `nearest` | the distance of two convex shapes with its certificate |
+//! | `manifold` | all places where they touch |
+//! | `place`, `pair` | answers |
+//! | `decompose` | convex pieces of a surface |
+//!
+//! parry proposes (GJK, hulls, the tree of triangles, VHACD); what is handed out is computed here from the features.
+
+#![deny(unsafe_code)]
+
+mod best;
+mod both;
+mod convex;
+mod decompose;
+mod error;
+mod feature;
+mod half_space;
+mod hull;
+mod manifold;
+mod meet;
+mod mesh;
+mod nearest;
+mod pair;
+mod place;
+mod polytope;
+#[cfg(test)]
+mod tests;
+
+pub use decompose::decompose;
+pub use error::GeometryError;
+pub use feature::FeatureId;
+pub use pair::{Distance, PairGeometry};
+pub use place::{PlaceId, TouchPlace};

@@ -1,0 +1,177 @@
+//! All places where two convex shapes nearly touch.
+//!
+//! Of two shapes at a distance d, points whose distance is below a bound ε lie within ε − d of the support planes along the normal. The
+//! pairs of features within these slabs whose points lie on them, whose gap is below ε and whose own normal separates the shapes up to
+//! 10 ε are the places: for two faces the corners of the area that they share (vertices of either in the face of the other, and edges
+//! that cross). Places at the same point are one. Of places in one plane with gaps that are linear over it those inside of their hull
+//! are left out, because the others decide about them.
+
+use crate::both::{Both, Candidate};
+use crate::convex::Core;
+use crate::feature::{FeatureId, Part, across, contact_features, inside, lies_near, part};
+use crate::meet::{Guess, meet};
+use crate::nearest::{nearest, spans_plane};
+use nalgebra::{Matrix3, Vector3};
+
+/// Places that are nearer than this to each other are one, relative to the size.
+const SAME: f64 = 1e-7;
+
+/// The places of two convex shapes whose gap is below a bound (m).
+pub fn manifold(both: &Both, near: f64) -> Vec<Candidate> {
+    let radii = both.a.radius + both.b.radius;
+    let Some(closest) = nearest(both) else { return Vec::new() };
+    let gap = closest.distance() - radii;
+    // The closest pair always touches first, even if it is less than near by rounding only.
+    if gap.is_nan() || gap >= near {
+        return Vec::new();
+    }
+    let mut found = candidates(both, &closest, near, radii);
+    if found.is_empty() {
+        found.push(closest);
+    }
+    without_doubles(&mut found, SAME * both.a.size.min(both.b.size), [both.a.radius, both.b.radius]);
+    without_inner(&mut found, 1e-12 * both.size());
+    found
+}
+
+/// All pairs of features that pass the tests of the module.
+fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Candidate> {
+    let (a, b) = (&both.a.core, &both.b.core);
+    let size = both.size();
+    let normal = closest.normal;
+    let own = both.rotation.tr_mul(&normal);
+    let rounding = 1e-12 * size;
+    let depth = (near - (closest.distance() - radii)) + rounding;
+    let tolerance = 10.0 * depth;
+    let (least_a, least_b) = (a.support(&normal) - depth, b.support(&-own) - depth);
+    // Cores that touch have no direction between two points: there a vertex that passes an edge counts as being over one face or the other.
+    let sharp = closest.distance() <= 1e-9 * size;
+    let outside = if sharp { -(near.abs().min(1e-3 * size) + rounding) } else { -1e-9 * size };
+    let mut found = Vec::new();
+    for one in contact_features(a, &normal, depth).filter(|&feature| touches(a, feature, &normal, least_a)) {
+        let on_a = part(a, one);
+        for other in contact_features(b, &-own, depth).filter(|&feature| touches(b, feature, &-own, least_b)) {
+            let on_b = part(b, other).moved(&both.rotation, &both.translation);
+            if sharp && !spans_plane(&on_a, &on_b) {
+                continue;
+            }
+            let guess = Guess { normal, point: closest.points[1] };
+            let Some((direction, points)) = meet(&on_a, &on_b, &guess) else { continue };
+            let far = direction.dot(&(points[1] - points[0])) - radii >= near || direction.dot(&normal) < 0.5;
+            let place = both.rotation.tr_mul(&(points[1] - both.translation));
+            if far || inside(a, one, &points[0]) < outside || inside(b, other, &place) < outside {
+                continue;
+            }
+            let separation = both.separation(&direction);
+            let candidate = Candidate { normal: direction, points, features: [one, other], separation };
+            if candidate.distance() - separation <= tolerance {
+                found.push(candidate);
+            }
+        }
+    }
+    // Faces and vertices first: a place has the name of the simplest pair that it is.
+    found.sort_by_key(|candidate| {
+        !candidate.features.iter().any(|name| matches!(name, FeatureId::Face(_) | FeatureId::Cap(_)))
+    });
+    found
+}
+
+/// Whether a feature reaches into the slab below a support plane.
+fn touches(core: &Core, feature: FeatureId, normal: &Vector3<f64>, least: f64) -> bool {
+    match (core, feature) {
+        (Core::Polytope(polytope), FeatureId::Face(number)) => {
+            let corners = &polytope.faces[number as usize].corners;
+            corners.iter().any(|&corner| normal.dot(&polytope.vertices[corner]) >= least)
+        }
+        (Core::Polytope(polytope), FeatureId::Edge(number)) => {
+            polytope.edges[number as usize].ends.iter().any(|&end| normal.dot(&polytope.vertices[end]) >= least)
+        }
+        (Core::Cylinder(_), _) => match part(core, feature) {
+            Part::Plane(at, out) => normal.dot(&at) >= least && out.dot(normal) > 0.5,
+            Part::Circle(centre, axis, radius) => normal.dot(&centre) + radius * axis.cross(normal).norm() >= least,
+            _ => true,
+        },
+        _ => lies_near(core, feature, normal, least),
+    }
+}
+
+/// Leaves the first of places whose points on either surface are nearer than a distance (m) to each other; the cores have these radii (m).
+/// Because the core of a ball is a point, all its places have the same point there, and not on its surface.
+pub fn without_doubles(found: &mut Vec<Candidate>, same: f64, radii: [f64; 2]) {
+    let surface = |one: &Candidate| [one.points[0] + one.normal * radii[0], one.points[1] - one.normal * radii[1]];
+    let mut kept: Vec<Candidate> = Vec::with_capacity(found.len());
+    for candidate in found.drain(..) {
+        let own = surface(&candidate);
+        let double = |other: &Candidate| {
+            let points = surface(other);
+            (0..2).any(|body| (points[body] - own[body]).norm() <= same) && other.normal.dot(&candidate.normal) > 0.9
+        };
+        if !kept.iter().any(double) {
+            kept.push(candidate);
+        }
+    }
+    *found = kept;
+}
+
+/// Leaves the corners of the hull of places whose normals agree and whose gaps are linear over the plane, to within a length (m).
+pub fn without_inner(found: &mut Vec<Candidate>, rounding: f64) {
+    if found.len() < 3 {
+        return;
+    }
+    let normal = found[0].normal;
+    let (x, y) = across(&normal);
+    let flat = |candidate: &Candidate| Vector3::new(x.dot(&candidate.points[0]), y.dot(&candidate.points[0]), 1.0);
+    let places: Vec<Vector3<f64>> = found.iter().map(flat).collect();
+    let middle = places.iter().sum::<Vector3<f64>>() / places.len() as f64;
+    let spread = places.iter().map(|place| (place - middle).norm()).fold(0.0, f64::max);
+    let offset = |place: &Vector3<f64>| (place - middle) / spread;
+    let square: Matrix3<f64> =
+        places.iter().map(|place| offset(place) + Vector3::z()).map(|row| row * row.transpose()).sum();
+    let right: Vector3<f64> =
+        places.iter().zip(found.iter()).map(|(place, one)| (offset(place) + Vector3::z()) * one.distance()).sum();
+    // Places on one line have no plane of their own.
+    let linear = square.try_inverse().filter(|inverse| inverse.amax() < 1e6).is_none_or(|inverse| {
+        let plane = inverse * right;
+        let misses = |(place, one): (&Vector3<f64>, &Candidate)| {
+            (plane.dot(&(offset(place) + Vector3::z())) - one.distance()).abs()
+                > rounding.max(1e-9 * one.distance().abs())
+        };
+        !places.iter().zip(found.iter()).any(misses)
+    });
+    if !linear || found.iter().any(|one| one.normal.dot(&normal) < 1.0 - 1e-9) {
+        return;
+    }
+    let corners = corners(&places, 1e-9 * spread);
+    let mut number = 0;
+    found.retain(|_| {
+        number += 1;
+        corners.contains(&(number - 1))
+    });
+}
+
+/// The corners of the convex hull of points in the plane (x, y), without those within a length of a side: Andrew's monotone chain.
+fn corners(places: &[Vector3<f64>], same: f64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    order.sort_by(|&one, &other| {
+        places[one].x.total_cmp(&places[other].x).then(places[one].y.total_cmp(&places[other].y))
+    });
+    let turns_left = |chain: &[usize], next: usize| {
+        let (from, by, to) = (places[chain[chain.len() - 2]], places[chain[chain.len() - 1]], places[next]);
+        let (first, second) = (by - from, to - from);
+        first.x * second.y - first.y * second.x > same * second.norm()
+    };
+    let half = |order: &mut dyn Iterator<Item = usize>| {
+        let mut chain: Vec<usize> = Vec::new();
+        for next in order {
+            while chain.len() >= 2 && !turns_left(&chain, next) {
+                chain.pop();
+            }
+            chain.push(next);
+        }
+        chain.pop();
+        chain
+    };
+    let mut lower = half(&mut order.iter().copied());
+    lower.extend(half(&mut order.iter().rev().copied()));
+    lower
+}

@@ -1,0 +1,192 @@
+//! Everything that may be asked about two colliders: their distance, their places of contact and the borders of these.
+//!
+//! All is computed in the frame of the body of one of them and handed out in the world; a place has its frames in the body frames.
+
+use crate::both::{Both, Candidate};
+use crate::convex::{Convex, Core, kind};
+use crate::error::GeometryError;
+use crate::feature::{FeatureId, inside, off_neighbours, part};
+use crate::half_space::HalfSpace;
+use crate::manifold::manifold;
+use crate::meet::{Guess, meet};
+use crate::mesh::Mesh;
+use crate::nearest::nearest;
+use crate::place::{Bearer, TouchPlace, place};
+use catena_mechanism::description::contact::{Collider, Shape};
+use catena_mechanism::description::joint::Pose;
+use nalgebra::{Matrix3, Vector3};
+
+/// Two colliders, prepared for questions.
+#[derive(Clone, Debug)]
+pub struct PairGeometry {
+    first: First,
+    second: Convex,
+    /// Whether `first` is collider b.
+    exchanged: bool,
+    reach: [f64; 2],
+}
+
+/// The collider in whose frame the questions are answered.
+#[derive(Clone, Debug)]
+enum First {
+    HalfSpace(HalfSpace),
+    Mesh(Mesh),
+    Convex(Convex),
+}
+
+/// The distance of two colliders at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance {
+    /// m; of shapes that overlap minus the depth, the least motion that separates them.
+    pub distance: f64,
+    /// Unit normal from a to b, in the world.
+    pub normal: Vector3<f64>,
+    /// The nearest points on a and b (m), in the world.
+    pub points: [Vector3<f64>; 2],
+    /// An upper bound of the error of the distance (m).
+    pub certificate: f64,
+}
+
+impl PairGeometry {
+    /// Prepares two colliders; only their shapes and their poses in the bodies count.
+    pub fn new(a: &Collider, b: &Collider) -> Result<Self, GeometryError> {
+        let (one, other) = (Convex::new(&a.shape, &a.pose)?, Convex::new(&b.shape, &b.pose)?);
+        let exchanged = one.is_some() && other.is_none();
+        let obstacle = |collider: &Collider| match &collider.shape {
+            Shape::Mesh(surface) => Ok(First::Mesh(Mesh::new(surface, &collider.pose)?)),
+            _ => Ok(First::HalfSpace(HalfSpace {
+                point: collider.pose.translation.vector,
+                normal: collider.pose.rotation * Vector3::z(),
+            })),
+        };
+        let (first, second) = match (one, other) {
+            (Some(one), Some(other)) => (First::Convex(one), other),
+            (None, Some(other)) => (obstacle(a)?, other),
+            (Some(one), None) => (obstacle(b)?, one),
+            (None, None) => return Err(GeometryError::Obstacles { a: kind(&a.shape), b: kind(&b.shape) }),
+        };
+        let reach = [first.reach(), second.reach()];
+        let reach = if exchanged { [reach[1], reach[0]] } else { reach };
+        Ok(PairGeometry { first, second, exchanged, reach })
+    }
+
+    /// Distance of the farthest point of each shape from the origin of its body (m); infinite for half spaces.
+    pub fn reach(&self) -> [f64; 2] {
+        self.reach
+    }
+
+    /// The distance of the two for these poses of their bodies; not a number if a pose is not finite.
+    pub fn distance(&self, a: &Pose, b: &Pose) -> Distance {
+        let (first, in_first) = self.relative(a, b);
+        let (rotation, translation) = &in_first;
+        let found = match &self.first {
+            First::HalfSpace(half_space) => Some((half_space.nearest(&self.second, rotation, translation), 0.0)),
+            First::Mesh(mesh) => mesh.nearest(&self.second, rotation, translation).map(|found| (found, 0.0)),
+            First::Convex(convex) => {
+                nearest(&both(convex, &self.second, &in_first)).map(|found| (found, convex.radius))
+            }
+        };
+        let Some((found, radius)) = found.filter(|(found, _)| found.distance().is_finite()) else {
+            let nowhere = Vector3::repeat(f64::NAN);
+            return Distance { distance: f64::NAN, normal: nowhere, points: [nowhere; 2], certificate: f64::NAN };
+        };
+        let world = |point: Vector3<f64>| first.rotation * point + first.translation.vector;
+        let normal = found.normal;
+        let points = [world(found.points[0] + normal * radius), world(found.points[1] - normal * self.second.radius)];
+        let normal = first.rotation * normal;
+        let exchanged = self.exchanged;
+        Distance {
+            distance: found.distance() - radius - self.second.radius,
+            normal: if exchanged { -normal } else { normal },
+            points: if exchanged { [points[1], points[0]] } else { points },
+            certificate: found.certificate(),
+        }
+    }
+
+    /// All places where the gap is below a bound (m), for these poses of the bodies.
+    pub fn touches(&self, a: &Pose, b: &Pose, near: f64) -> Vec<TouchPlace> {
+        let (first, in_first) = self.relative(a, b);
+        let (rotation, translation) = &in_first;
+        let second = |feature: FeatureId| Bearer { part: part(&self.second.core, feature), radius: self.second.radius };
+        let found: Vec<TouchPlace> = match &self.first {
+            First::HalfSpace(half_space) => {
+                let found = half_space.manifold(&self.second, rotation, translation, near);
+                let bearer = || Bearer { part: half_space.part(), radius: 0.0 };
+                found.iter().map(|one| place(one, [bearer(), second(one.features[1])], &in_first, first)).collect()
+            }
+            First::Mesh(mesh) => {
+                let found = mesh.manifold(&self.second, rotation, translation, near);
+                let bearer = |feature| Bearer { part: mesh.part(feature), radius: 0.0 };
+                let placed =
+                    |one: &Candidate| place(one, [bearer(one.features[0]), second(one.features[1])], &in_first, first);
+                found.iter().map(placed).collect()
+            }
+            First::Convex(convex) => {
+                let found = manifold(&both(convex, &self.second, &in_first), near);
+                let bearer = |feature| Bearer { part: part(&convex.core, feature), radius: convex.radius };
+                let placed =
+                    |one: &Candidate| place(one, [bearer(one.features[0]), second(one.features[1])], &in_first, first);
+                found.iter().map(placed).collect()
+            }
+        };
+        if self.exchanged { found.into_iter().map(TouchPlace::exchanged).collect() } else { found }
+    }
+
+    /// How far the place is inside the borders of its features (m): the distance of its points from the sides of faces, the ends of edges
+    /// and the planes to neighbours. Zero where another feature takes over, negative beyond; infinite if there are no borders.
+    pub fn margin(&self, place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
+        let (first, (rotation, translation)) = self.relative(a, b);
+        let names = [place.identity.a, place.identity.b];
+        let names = if self.exchanged { [names[1], names[0]] } else { names };
+        let (of_first, radius) = match &self.first {
+            First::HalfSpace(half_space) => (half_space.part(), 0.0),
+            First::Mesh(mesh) => (mesh.part(names[0]), 0.0),
+            First::Convex(convex) => (part(&convex.core, names[0]), convex.radius),
+        };
+        let on_second = part(&self.second.core, names[1]).moved(&rotation, &translation);
+        let side = if self.exchanged { -1.0 } else { 1.0 };
+        let point = first.inverse_transform_point(&place.points[usize::from(!self.exchanged)].into()).coords;
+        let guess = Guess { normal: first.rotation.inverse() * place.normal * side, point };
+        let Some((_, points)) = meet(&of_first, &on_second, &guess) else { return f64::NEG_INFINITY };
+        let own = |point: &Vector3<f64>| rotation.tr_mul(&(point - translation));
+        // The planes to neighbours count where a rounded partner rolls over an edge; of sharp ones the neighbours' own gaps tell.
+        let rounded = radius + self.second.radius > 0.0;
+        let off = |core: &Core, feature: FeatureId, point: &Vector3<f64>| match core {
+            Core::Polytope(polytope) if rounded => off_neighbours(polytope, feature, point),
+            _ => f64::INFINITY,
+        };
+        let of_first = match &self.first {
+            First::HalfSpace(_) => f64::INFINITY,
+            First::Mesh(mesh) => mesh.inside(names[0], &points[0]).min(mesh.off_neighbours(names[0], &points[1])),
+            First::Convex(convex) => {
+                inside(&convex.core, names[0], &points[0]).min(off(&convex.core, names[0], &points[1]))
+            }
+        };
+        let second = &self.second.core;
+        of_first.min(inside(second, names[1], &own(&points[1]))).min(off(second, names[1], &own(&points[0])))
+    }
+
+    /// Pose of the first body, and rotation and translation of the second in it.
+    fn relative<'p>(&self, a: &'p Pose, b: &'p Pose) -> (&'p Pose, (Matrix3<f64>, Vector3<f64>)) {
+        let (first, second) = if self.exchanged { (b, a) } else { (a, b) };
+        let rotation = first.rotation.matrix().tr_mul(second.rotation.matrix());
+        let translation = first.rotation.matrix().tr_mul(&(second.translation.vector - first.translation.vector));
+        (first, (rotation, translation))
+    }
+}
+
+impl First {
+    /// Distance of its farthest point from the origin of the body (m).
+    fn reach(&self) -> f64 {
+        match self {
+            First::HalfSpace(_) => f64::INFINITY,
+            First::Mesh(mesh) => mesh.reach(),
+            First::Convex(convex) => convex.reach(),
+        }
+    }
+}
+
+/// Two convex shapes, given the pose of the second body in the first.
+fn both<'a>(a: &'a Convex, b: &'a Convex, in_first: &(Matrix3<f64>, Vector3<f64>)) -> Both<'a> {
+    Both { a, b, rotation: in_first.0, translation: in_first.1 }
+}

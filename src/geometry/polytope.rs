@@ -1,0 +1,99 @@
+//! A convex polytope: a point, a segment, a box, a hull or a plate, with its vertices, edges and faces.
+//!
+//! Its support number is `h(n) = max n · v` over the vertices v. Lengths are in m, in the frame of the body.
+
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+
+/// A straight edge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edge {
+    /// Its two vertices.
+    pub ends: [usize; 2],
+    /// The faces that meet in it; `None` for a segment.
+    pub faces: Option<[usize; 2]>,
+}
+
+/// A flat face.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Face {
+    /// Unit normal out of the body.
+    pub normal: Vector3<f64>,
+    /// Its vertices, counterclockwise from outside.
+    pub corners: Vec<usize>,
+}
+
+/// A convex polytope.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polytope {
+    /// m.
+    pub vertices: Vec<Vector3<f64>>,
+    /// In the order of their vertices.
+    pub edges: Vec<Edge>,
+    /// Its faces, none for points and segments.
+    pub faces: Vec<Face>,
+}
+
+impl Polytope {
+    /// One point (m).
+    pub fn point(at: Vector3<f64>) -> Self {
+        Polytope { vertices: vec![at], edges: Vec::new(), faces: Vec::new() }
+    }
+
+    /// The segment between two points (m).
+    pub fn segment(ends: [Vector3<f64>; 2]) -> Self {
+        Polytope { vertices: ends.to_vec(), edges: vec![Edge { ends: [0, 1], faces: None }], faces: Vec::new() }
+    }
+
+    /// The polytope of these vertices (m) and faces, each counterclockwise from outside; every edge belongs to two faces.
+    pub fn of_faces(vertices: Vec<Vector3<f64>>, faces: Vec<Face>) -> Self {
+        let mut found: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
+        for (number, face) in faces.iter().enumerate() {
+            for (place, &corner) in face.corners.iter().enumerate() {
+                let next = face.corners[(place + 1) % face.corners.len()];
+                found.entry([corner.min(next), corner.max(next)]).or_default().push(number);
+            }
+        }
+        let edge = |(ends, faces): ([usize; 2], Vec<usize>)| Edge {
+            ends,
+            faces: (faces.len() == 2).then(|| [faces[0], faces[1]]),
+        };
+        let edges = found.into_iter().map(edge).collect();
+        Polytope { vertices, edges, faces }
+    }
+
+    /// The triangle with these corners (m), with a face on either side: face 0 is the one that they go round counterclockwise.
+    pub fn triangle(corners: [Vector3<f64>; 3], normal: Vector3<f64>) -> Self {
+        let front = Face { normal, corners: vec![0, 1, 2] };
+        let back = Face { normal: -normal, corners: vec![0, 2, 1] };
+        Polytope::of_faces(corners.to_vec(), vec![front, back])
+    }
+
+    /// `max n · v` (m) for n of any length.
+    pub fn support(&self, normal: &Vector3<f64>) -> f64 {
+        self.vertices.iter().map(|vertex| normal.dot(vertex)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The vertex that is farthest along a direction.
+    pub fn support_vertex(&self, direction: &Vector3<f64>) -> usize {
+        let mut best = (f64::NEG_INFINITY, 0);
+        for (number, vertex) in self.vertices.iter().enumerate() {
+            let along = direction.dot(vertex);
+            if along > best.0 {
+                best = (along, number);
+            }
+        }
+        best.1
+    }
+
+    /// How far inside the sides of a face a point is (m): the least distance to them in the plane of the face, negative outside.
+    pub fn inside_face(&self, face: usize, point: &Vector3<f64>) -> f64 {
+        let Face { normal, corners } = &self.faces[face];
+        let side = |place: usize| {
+            let (from, to) = (self.vertices[corners[place]], self.vertices[corners[(place + 1) % corners.len()]]);
+            let inward = normal.cross(&(to - from));
+            inward.dot(&(point - from)) / inward.norm()
+        };
+        (0..corners.len()).map(side).fold(f64::INFINITY, f64::min)
+    }
+}

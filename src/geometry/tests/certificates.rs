@@ -1,0 +1,129 @@
+//! Distances of all pairs of kinds at random poses, against their own certificates and against a search over normals.
+
+use super::scenes::{Numbers, collider, support};
+use crate::PairGeometry;
+use nalgebra::{Translation3, Vector3};
+
+const KINDS: [&str; 6] = ["half space", "sphere", "capsule", "box", "hull", "cylinder"];
+
+/// Largest certificate of a pair of kinds, relative to the size, over random poses with gaps on either side of zero.
+fn worst_certificate(one: &str, other: &str, size: f64, count: usize) -> (f64, String) {
+    let mut numbers = Numbers::new(7);
+    let mut worst = (0.0, String::new());
+    let mut pair = None;
+    for round in 0..count {
+        if round % 50 == 0 {
+            let (a, b) = (collider(one, size, &mut numbers), collider(other, size, &mut numbers));
+            pair = PairGeometry::new(&a, &b).ok();
+        }
+        let pair = pair.as_ref().expect("shapes that are possible");
+        let (a, mut b) = (numbers.pose(0.3 * size), numbers.pose(0.3 * size));
+        let first = pair.distance(&a, &b);
+        let gap = size * [0.1, 1e-3, 1e-6, 1e-9, 1e-12, 0.0, -1e-12, -1e-9, -1e-6, -1e-3][round % 10];
+        b.translation = Translation3::from(b.translation.vector + first.normal * (gap - first.distance));
+        let found = pair.distance(&a, &b);
+        let between = (found.points[1] - found.points[0] - found.normal * found.distance).norm();
+        let certificate = found.certificate.max(between) / size;
+        if certificate.is_nan() || certificate > worst.0 {
+            worst = (certificate, format!("{one}-{other} at {:.1e}, round {round}", found.distance / size));
+        }
+    }
+    worst
+}
+
+/// Every pair of kinds in both orders: 1e-13 of the size is a hundred roundings of coordinates about one size.
+fn all_certified(size: f64, count: usize) {
+    for one in KINDS {
+        for other in KINDS.into_iter().filter(|other| [one, *other] != ["half space", "half space"]) {
+            let (worst, at) = worst_certificate(one, other, size, count);
+            assert!(worst <= 1e-13, "{at}: {worst:.1e} of the size {size:e}");
+        }
+    }
+}
+
+#[test]
+fn distances_of_all_pairs_are_certified_at_size_one() {
+    all_certified(1.0, 600);
+}
+
+#[test]
+fn distances_of_all_pairs_are_certified_at_a_tenth_of_a_millimetre() {
+    all_certified(1e-4, 300);
+}
+
+#[test]
+fn distances_of_all_pairs_are_certified_at_a_kilometre() {
+    all_certified(1e3, 300);
+}
+
+/// `cargo test --release -p catena-geometry ten_thousand -- --ignored --nocapture` (minutes).
+#[test]
+#[ignore]
+fn distances_of_all_pairs_are_certified_at_ten_thousand_poses_each() {
+    for size in [1e-4, 1.0, 1e3] {
+        for one in KINDS {
+            for other in KINDS.into_iter().filter(|other| [one, *other] != ["half space", "half space"]) {
+                let (worst, at) = worst_certificate(one, other, size, 10_000);
+                println!("{one}-{other}, size {size:e}: {worst:.1e} ({at})");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_normal_separates_two_shapes_by_more_than_their_distance() {
+    let mut numbers = Numbers::new(11);
+    for one in KINDS.into_iter().skip(1) {
+        for other in KINDS.into_iter().skip(1) {
+            for _ in 0..12 {
+                let (a, b) = (collider(one, 1.0, &mut numbers), collider(other, 1.0, &mut numbers));
+                let pair = PairGeometry::new(&a, &b).expect("shapes that are possible");
+                let (of_a, of_b) = (numbers.pose(0.25), numbers.pose(0.25));
+                let found = pair.distance(&of_a, &of_b);
+                let separation = |normal: &Vector3<f64>| {
+                    -support(&b.shape, &(of_b * b.pose), &-normal) - support(&a.shape, &(of_a * a.pose), normal)
+                };
+                let mut best = (f64::NEG_INFINITY, Vector3::z());
+                for _ in 0..3000 {
+                    let normal = numbers.vector().normalize();
+                    let value = separation(&normal);
+                    best = if value > best.0 { (value, normal) } else { best };
+                }
+                let mut width = 0.1;
+                for _ in 0..3000 {
+                    let normal = (best.1 + numbers.vector() * width).normalize();
+                    let value = separation(&normal);
+                    if value > best.0 {
+                        best = (value, normal);
+                    } else {
+                        width = (width * 0.99).max(1e-9);
+                    }
+                }
+                // The bound of the theory to rounding; that of the search is what it reaches on ridges.
+                let off = found.distance - best.0;
+                assert!(
+                    off >= -1e-12,
+                    "{one}-{other}: {:.3e}, but a normal separates by {:.3e}",
+                    found.distance,
+                    best.0
+                );
+                assert!(off <= 2e-2, "{one}-{other}: {:.3e}, but the search found only {:.3e}", found.distance, best.0);
+                assert!((separation(&found.normal) - found.distance).abs() <= 1e-13, "{one}-{other}: the normal");
+            }
+        }
+    }
+}
+
+#[test]
+fn reach_is_the_distance_of_the_farthest_point_from_the_origin_of_the_body() {
+    let mut numbers = Numbers::new(3);
+    for kind in KINDS.into_iter().skip(1) {
+        let (a, b) = (collider(kind, 1.0, &mut numbers), collider("half space", 1.0, &mut numbers));
+        let [reach, of_half_space] = PairGeometry::new(&a, &b).expect("shapes that are possible").reach();
+        let farthest =
+            (0..20_000).map(|_| support(&a.shape, &a.pose, &numbers.vector().normalize())).fold(0.0, f64::max);
+        // A cylinder may say more than it reaches by its own size, never less.
+        assert!(reach >= farthest && reach <= farthest + 0.2, "{kind}: {reach} for {farthest}");
+        assert_eq!(of_half_space, f64::INFINITY);
+    }
+}

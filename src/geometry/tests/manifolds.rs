@@ -1,0 +1,171 @@
+//! How many places of contact there are, and that each is what it says.
+
+use super::scenes::{Numbers, at, collider, cuboid, floor, pair};
+use crate::{FeatureId, PairGeometry, TouchPlace};
+use catena_mechanism::description::contact::{Feature, Shape};
+use catena_mechanism::description::joint::Pose;
+use nalgebra::{Rotation3, Translation3, Vector3};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
+
+/// A pose turned by a rotation vector (rad).
+fn turned(x: f64, y: f64, z: f64, by: Vector3<f64>) -> Pose {
+    Pose::from_parts(Translation3::new(x, y, z), Rotation3::new(by))
+}
+
+/// With its z axis along x.
+fn lying(z: f64) -> Pose {
+    turned(0.013, 0.02, z, Vector3::y() * FRAC_PI_2)
+}
+
+fn capsule() -> Shape {
+    Shape::Capsule { radius: 0.05, half: 0.2 }
+}
+
+fn cylinder() -> Shape {
+    Shape::Cylinder { radius: 0.05, half: 0.2 }
+}
+
+fn flat() -> Shape {
+    floor(8, 0.1, |_, _| 0.0)
+}
+
+/// The gap (m) of a place, from its features and frames alone.
+fn gap(place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
+    let (one, other) = if place.swapped { (b, a) } else { (a, b) };
+    let (one, other) = (one * place.frames[0], other * place.frames[1]);
+    let (p, q) = (one.translation.vector, other.translation.vector);
+    let (z, w) = (one.rotation * Vector3::z(), other.rotation * Vector3::z());
+    match place.features {
+        [Feature::Point { radius: r }, Feature::Point { radius: s }] => (q - p).norm() - r - s,
+        [Feature::Plane, Feature::Point { radius }] => z.dot(&(q - p)) - radius,
+        [Feature::Line { radius: r }, Feature::Point { radius: s }] => z.cross(&(q - p)).norm() - r - s,
+        [Feature::Line { radius: r }, Feature::Line { radius: s }] => {
+            place.side * z.cross(&w).normalize().dot(&(q - p)) - r - s
+        }
+        [Feature::Plane, Feature::Rim { radius }] => z.dot(&(q - p)) - radius * w.cross(&z).norm(),
+        other => panic!("{other:?} is no pair of a joint"),
+    }
+}
+
+#[test]
+fn every_scene_has_as_many_places_as_the_area_of_contact_has_corners() {
+    let o = Pose::identity();
+    let cube = || cuboid(0.1, 0.1, 0.1);
+    let table = [
+        ("box on half space", Shape::HalfSpace, cuboid(0.1, 0.2, 0.3), o, at(0.0, 0.0, 0.3), 4),
+        ("half space under box", cuboid(0.1, 0.2, 0.3), Shape::HalfSpace, at(0.0, 0.0, 0.3), o, 4),
+        ("box on box", cube(), cube(), o, at(0.0, 0.0, 0.2), 4),
+        ("box on box, shifted", cube(), cube(), o, at(0.05, 0.03, 0.2), 4),
+        ("box on box, turned", cube(), cube(), o, turned(0.0, 0.0, 0.2, Vector3::z() * FRAC_PI_6), 8),
+        ("box on mesh", flat(), cuboid(0.15, 0.15, 0.1), o, turned(0.02, 0.03, 0.1, Vector3::z() * 0.3), 4),
+        ("box on mesh, along its edges", flat(), cuboid(0.15, 0.15, 0.1), o, at(0.05, 0.05, 0.1), 4),
+        ("ball over an edge of a mesh", flat(), Shape::Sphere { radius: 0.1 }, o, at(0.1, 0.05, 0.1), 1),
+        ("capsule on mesh", flat(), capsule(), o, lying(0.05), 2),
+        ("capsule on half space", Shape::HalfSpace, capsule(), o, lying(0.05), 2),
+        ("capsule along capsule", capsule(), capsule(), o, at(0.1, 0.0, 0.1), 2),
+        ("capsule across capsule", capsule(), capsule(), o, turned(0.1, 0.0, 0.1, Vector3::x()), 1),
+        ("capsule across box", cube(), capsule(), o, lying(0.15), 2),
+        ("cylinder lying on half space", Shape::HalfSpace, cylinder(), o, lying(0.05), 2),
+        ("cylinder lying on box", cuboid(1.0, 1.0, 0.1), cylinder(), o, lying(0.15), 2),
+        ("cylinder lying across box", cube(), cylinder(), o, lying(0.15), 2),
+        ("cylinder lying on mesh", flat(), cylinder(), o, lying(0.05), 2),
+        ("cylinder standing on half space", Shape::HalfSpace, cylinder(), o, at(0.0, 0.0, 0.2), 4),
+        ("cylinder standing on box", cube(), cylinder(), o, at(0.0, 0.0, 0.3), 4),
+        ("cylinder standing on mesh", flat(), cylinder(), o, at(0.0, 0.0, 0.2), 4),
+        ("box on its vertex", cube(), cube(), o, turned(0.0, 0.0, 0.5, Vector3::zeros()), 0),
+    ];
+    for (name, a, b, of_a, of_b, count) in table {
+        let places = pair(a, b).touches(&of_a, &of_b, 1e-9);
+        let found: Vec<_> = places.iter().map(|place| place.identity).collect();
+        assert_eq!(places.len(), count, "{name}: {found:?}");
+        for place in &places {
+            let disc = name.starts_with("cylinder standing");
+            assert_eq!(place.exact, !disc, "{name}");
+            // Coordinates of 0.3 m have roundings of 5e-17.
+            assert!(place.gap.abs() <= 1e-15 && (gap(place, &of_a, &of_b) - place.gap).abs() <= 1e-15, "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_frames_of_a_place_give_its_gap_and_its_normal_also_after_the_bodies_have_moved() {
+    let kinds = ["half space", "sphere", "capsule", "box", "hull", "cylinder"];
+    let mut numbers = Numbers::new(5);
+    let (mut stand_ins, mut count) = (0, 0);
+    for one in kinds {
+        for other in kinds.into_iter().filter(|other| [one, *other] != ["half space", "half space"]) {
+            for round in 0..40 {
+                let (a, b) = (collider(one, 1.0, &mut numbers), collider(other, 1.0, &mut numbers));
+                let pair = PairGeometry::new(&a, &b).expect("shapes that are possible");
+                let (of_a, mut of_b) = (numbers.pose(0.3), numbers.pose(0.3));
+                let first = pair.distance(&of_a, &of_b);
+                let apart = [0.1, 1e-3, 1e-9, 0.0][round % 4];
+                of_b.translation =
+                    Translation3::from(of_b.translation.vector + first.normal * (apart - first.distance));
+                let distance = pair.distance(&of_a, &of_b).distance;
+                let places = pair.touches(&of_a, &of_b, apart + 1e-10);
+                assert!(!places.is_empty(), "{one}-{other} at {apart:e}");
+                let least = places.iter().map(|place| place.gap).fold(f64::INFINITY, f64::min);
+                // A sharp vertex that is beyond a face by less than the bound counts as over it: its height is less than its distance.
+                let beyond = if apart <= 1e-9 { apart + 1e-10 } else { 0.0 };
+                assert!(
+                    least >= distance - beyond - 1e-12 && least <= distance + 1e-12,
+                    "{one}-{other} at {apart:e}: {least:e} for {distance:e}"
+                );
+                for place in &places {
+                    count += 1;
+                    stand_ins += usize::from(!place.exact);
+                    let said = gap(place, &of_a, &of_b);
+                    assert!(
+                        (said - place.gap).abs() <= 1e-13,
+                        "{one}-{other}: {said:e} for {:e}, {place:?}",
+                        place.gap
+                    );
+                    // Moved along the normal, every gap grows as much: the frames belong to the bodies and the normal is theirs.
+                    let moved = Translation3::from(place.normal * 1e-6) * of_b;
+                    let grown = gap(place, &of_a, &moved) - said;
+                    assert!((grown - 1e-6).abs() <= 1e-13, "{one}-{other}: {grown:e}, {place:?}");
+                }
+            }
+        }
+    }
+    assert!(stand_ins * 4 < count, "{stand_ins} of {count} places are stand-ins");
+}
+
+#[test]
+fn exchanged_colliders_touch_at_the_same_places() {
+    let mut numbers = Numbers::new(9);
+    let (a, b) = (collider("box", 1.0, &mut numbers), collider("capsule", 1.0, &mut numbers));
+    let (one, other) = (PairGeometry::new(&a, &b).expect("a pair"), PairGeometry::new(&b, &a).expect("a pair"));
+    for _ in 0..100 {
+        let (of_a, of_b) = (numbers.pose(0.3), numbers.pose(0.3));
+        let (there, back) = (one.distance(&of_a, &of_b), other.distance(&of_b, &of_a));
+        assert!((there.distance - back.distance).abs() <= 1e-14, "{there:?} {back:?}");
+        let near = there.distance + 1e-9;
+        let (places, others) = (one.touches(&of_a, &of_b, near), other.touches(&of_b, &of_a, near));
+        assert_eq!(places.len(), others.len());
+        for place in places {
+            let same = others
+                .iter()
+                .find(|other| (other.identity.a, other.identity.b) == (place.identity.b, place.identity.a));
+            let same = same.expect("the same place");
+            let alike = std::mem::discriminant(&place.features[0]) == std::mem::discriminant(&place.features[1]);
+            let expected = if alike { [place.features[1], place.features[0]] } else { place.features };
+            assert_eq!(same.features, expected, "only features of one kind follow the order of the colliders");
+            assert!((same.normal + place.normal).norm() <= 1e-14);
+        }
+    }
+}
+
+#[test]
+fn four_points_stand_for_the_rim_of_a_cylinder_only_while_it_is_flat_on_the_plane() {
+    let pair = pair(Shape::HalfSpace, cylinder());
+    let tilted = |angle: f64| {
+        let height = 0.2 * angle.cos() + 0.05 * angle.sin();
+        pair.touches(&Pose::identity(), &turned(0.0, 0.0, height, Vector3::x() * angle), 1e-9)
+    };
+    assert!(tilted(0.0).iter().all(|place| matches!(place.identity.b, FeatureId::RimPoint(_))));
+    let slanted = tilted(1e-6);
+    assert_eq!(slanted.len(), 1);
+    assert_eq!((slanted[0].identity.b, slanted[0].exact), (FeatureId::Rim(0), true));
+}

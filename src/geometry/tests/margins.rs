@@ -1,0 +1,76 @@
+//! Borders between features: the margin is zero where another feature takes over.
+
+use super::scenes::{at, cuboid, floor, pair};
+use crate::FeatureId;
+use catena_mechanism::description::contact::Shape;
+use catena_mechanism::description::joint::Pose;
+use nalgebra::{Rotation3, Translation3, Vector3};
+
+#[test]
+fn a_ball_leaves_the_face_of_a_box_where_the_margin_changes_its_sign() {
+    let (pair, o) = (pair(cuboid(0.1, 0.1, 0.1), Shape::Sphere { radius: 0.05 }), Pose::identity());
+    let on_face = pair.touches(&o, &at(0.0, 0.0, 0.15), 1e-9).remove(0);
+    let over = |x: f64| at(x, 0.02, if x <= 0.1 { 0.15 } else { 0.1 + (0.05f64.powi(2) - (x - 0.1).powi(2)).sqrt() });
+    let on_edge = pair.touches(&o, &over(0.11), 1e-9).remove(0);
+    assert!(matches!((on_face.identity.a, on_edge.identity.a), (FeatureId::Face(_), FeatureId::Edge(_))));
+    for step in -50..=50 {
+        let x = 0.1 + 1e-4 * step as f64;
+        let (b, near) = (over(x), pair.touches(&o, &over(x), 1e-9));
+        // Both are the same distance from the border, on either side of it; coordinates of 0.1 m have roundings of 1e-17.
+        assert!((pair.margin(&on_face, &o, &b) - (0.1 - x)).abs() <= 1e-16, "at {x}");
+        assert!((pair.margin(&on_edge, &o, &b) - (x - 0.1)).abs() <= 1e-16, "at {x}");
+        if step != 0 {
+            let expected = if step < 0 { on_face.identity } else { on_edge.identity };
+            assert_eq!(near.iter().map(|place| place.identity).collect::<Vec<_>>(), [expected], "at {x}");
+        }
+    }
+}
+
+#[test]
+fn a_ball_leaves_an_edge_at_its_end_and_a_vertex_at_its_planes() {
+    let (pair, o) = (pair(cuboid(0.1, 0.1, 0.1), Shape::Sphere { radius: 0.05 }), Pose::identity());
+    let away = 0.05 / 2f64.sqrt();
+    let edge = pair.touches(&o, &at(0.1 + away, 0.09, 0.1 + away), 1e-9).remove(0);
+    let vertex = pair.touches(&o, &at(0.1 + away, 0.1 + 1e-3, 0.1 + away), 1e-3).remove(0);
+    assert!(matches!((edge.identity.a, vertex.identity.a), (FeatureId::Edge(_), FeatureId::Vertex(_))));
+    for y in [0.05, 0.0999, 0.1001, 0.12] {
+        let b = at(0.1 + away, y, 0.1 + away);
+        assert!((pair.margin(&edge, &o, &b) - (0.1 - y).min(away)).abs() <= 1e-15, "edge at {y}");
+        assert!((pair.margin(&vertex, &o, &b) - (y - 0.1).min(away)).abs() <= 1e-15, "vertex at {y}");
+    }
+}
+
+#[test]
+fn crossing_edges_leave_at_their_ends_and_a_vertex_leaves_a_face_at_its_side() {
+    let (pair, o) = (pair(cuboid(0.1, 0.1, 0.1), cuboid(0.05, 0.05, 0.05)), Pose::identity());
+    let vertex = pair.touches(&o, &at(0.0, 0.0, 0.15), 1e-9).remove(0);
+    for x in [0.0, 0.049, 0.051, 0.06] {
+        let margin = pair.margin(&vertex, &o, &at(-x, 0.0, 0.15));
+        assert!((margin - (0.05 - x)).abs() <= 1e-15, "vertex at {x}: {margin}");
+    }
+    // An edge of b along y + z over an edge of a along x.
+    let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_4);
+    let away = |x: f64| {
+        let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2) * turn;
+        Pose::from_parts(Translation3::new(x, 0.1, 0.1 + 0.05 * 2f64.sqrt()), turned)
+    };
+    let places = pair.touches(&o, &away(0.0), 1e-9);
+    let crossing = places.iter().find(|place| matches!(place.identity.a, FeatureId::Edge(_)));
+    let crossing = crossing.expect("the edge of b lies across that of a");
+    for x in [0.0, 0.0999, 0.1001] {
+        let margin = pair.margin(crossing, &o, &away(x));
+        assert!((margin - (0.1 - x).min(0.05)).abs() <= 1e-15, "edges at {x}: {margin}");
+    }
+}
+
+#[test]
+fn a_ball_on_a_mesh_leaves_a_triangle_at_its_sides() {
+    let (pair, o) = (pair(floor(2, 0.2, |_, _| 0.0), Shape::Sphere { radius: 0.05 }), Pose::identity());
+    let place = pair.touches(&o, &at(0.15, 0.05, 0.05), 1e-9).remove(0);
+    for x in [0.12, 0.06, 0.04, 0.01] {
+        // The diagonal of the square is its border: y = x.
+        let margin = pair.margin(&place, &o, &at(x, 0.05, 0.05));
+        let wanted = ((x - 0.05) / 2f64.sqrt()).min(0.05).min(0.2 - x);
+        assert!((margin - wanted).abs() <= 1e-15, "at {x}: {margin} for {wanted}");
+    }
+}

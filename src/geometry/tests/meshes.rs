@@ -1,0 +1,122 @@
+//! Meshes: the same as a half space where they are flat, and no ghost edges.
+
+use super::scenes::{Numbers, at, cuboid, floor, pair};
+use crate::mesh::Mesh;
+use crate::{FeatureId, decompose};
+use catena_mechanism::description::contact::{Shape, Surface};
+use catena_mechanism::description::joint::Pose;
+use nalgebra::{Rotation3, Translation3, Vector3};
+
+fn shapes() -> [Shape; 4] {
+    [
+        Shape::Sphere { radius: 0.06 },
+        cuboid(0.11, 0.07, 0.05),
+        Shape::Capsule { radius: 0.05, half: 0.08 },
+        Shape::Cylinder { radius: 0.05, half: 0.08 },
+    ]
+}
+
+#[test]
+fn over_a_flat_mesh_every_shape_is_as_far_as_over_a_half_space() {
+    let mut numbers = Numbers::new(1);
+    for shape in shapes() {
+        let (mesh, plane) = (pair(floor(20, 0.1, |_, _| 0.0), shape.clone()), pair(Shape::HalfSpace, shape));
+        let o = Pose::identity();
+        for round in 0..200 {
+            let mut b = numbers.pose(0.4);
+            let first = plane.distance(&o, &b);
+            let gap = [0.1, 1e-3, 1e-9, 0.0, -1e-9, -1e-6][round % 6];
+            b.translation = Translation3::from(b.translation.vector + Vector3::z() * (gap - first.distance));
+            let (one, other) = (mesh.distance(&o, &b), plane.distance(&o, &b));
+            assert!((one.distance - other.distance).abs() <= 1e-14, "{:e} for {:e}", one.distance, other.distance);
+            assert!((one.normal - Vector3::z()).norm() <= 1e-14, "{:?} at {gap:e}", one.normal);
+            let (places, wanted) = (mesh.touches(&o, &b, 1e-6), plane.touches(&o, &b, 1e-6));
+            assert_eq!(places.len(), wanted.len(), "at {gap:e}");
+        }
+    }
+}
+
+#[test]
+fn a_slanted_box_on_a_flat_mesh_has_no_normal_but_that_of_the_floor() {
+    let mesh = pair(floor(20, 0.1, |_, _| 0.0), cuboid(0.3, 0.3, 0.1));
+    let tilt = Rotation3::new(Vector3::x() * 1e-3);
+    let height = 0.1 * 1e-3f64.cos() + 0.3 * 1e-3f64.sin();
+    let places =
+        mesh.touches(&Pose::identity(), &Pose::from_parts(Translation3::new(0.013, 0.021, height), tilt), 1e-2);
+    assert_eq!(places.len(), 4, "its corners");
+    assert!(places.iter().all(|place| (place.normal - Vector3::z()).norm() <= 1e-15));
+}
+
+#[test]
+fn only_borders_and_ridges_of_a_mesh_can_be_touched() {
+    let open = |shape: Shape| match shape {
+        Shape::Mesh(surface) => Mesh::new(&surface, &Pose::identity()).expect("a mesh").open_edges(),
+        _ => 0,
+    };
+    // 128 triangles with 208 edges: 32 at the border; a valley adds none, a ridge its own 8.
+    assert_eq!(open(floor(8, 0.1, |x, _| x.max(0.0) * 0.5)), 32);
+    assert_eq!(open(floor(8, 0.1, |x, _| x.min(0.0) * 0.5)), 40);
+}
+
+#[test]
+fn a_ball_touches_the_ridge_of_a_roof_but_not_the_bottom_of_a_valley() {
+    let o = Pose::identity();
+    let ball = || Shape::Sphere { radius: 0.05 };
+    let roof = pair(floor(8, 0.1, |x, _| -x.abs()), ball());
+    let ridge = roof.touches(&o, &at(0.0, 0.03, 0.05), 1e-9);
+    assert_eq!(ridge.len(), 1);
+    assert!(matches!(ridge[0].identity.a, FeatureId::Edge(_)), "{:?}", ridge[0].identity);
+    let valley = pair(floor(8, 0.1, |x, _| x.abs()), ball());
+    let sides = valley.touches(&o, &at(0.0, 0.03, 0.05 * 2f64.sqrt()), 1e-9);
+    assert_eq!(sides.len(), 2, "one point on either side");
+    assert!(sides.iter().all(|place| matches!(place.identity.a, FeatureId::Face(_))));
+}
+
+/// An L of six by six by two, with the inner corner at the origin.
+fn angle() -> Surface {
+    let outline = [(-2.0, -2.0), (4.0, -2.0), (4.0, 0.0), (0.0, 0.0), (0.0, 4.0), (-2.0, 4.0)];
+    let vertices = outline.iter().flat_map(|&(x, y)| [Vector3::new(x, y, 0.0), Vector3::new(x, y, 1.0)]).collect();
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for side in 0..6u32 {
+        let next = (side + 1) % 6;
+        triangles.extend([[2 * side, 2 * next, 2 * next + 1], [2 * side, 2 * next + 1, 2 * side + 1]]);
+    }
+    for [a, b, c] in [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]] {
+        triangles.extend([[2 * a + 1, 2 * b + 1, 2 * c + 1], [2 * a, 2 * c, 2 * b]]);
+    }
+    Surface { vertices, triangles }
+}
+
+#[test]
+fn an_angle_falls_into_convex_pieces_that_leave_its_inside_corner_free() {
+    let surface = angle();
+    let pieces = decompose(&surface, 8).expect("pieces");
+    assert!(pieces.len() >= 2, "{} pieces", pieces.len());
+    for piece in &pieces {
+        let hull = pair(Shape::Hull(std::sync::Arc::new(piece.clone())), Shape::Sphere { radius: 0.5 });
+        // A ball of half a metre with its middle a metre and a half from the inner corner of a shape of six metres; voxels are 0.1 m.
+        let distance = hull.distance(&Pose::identity(), &at(1.5, 1.5, 0.5)).distance;
+        assert!(distance > 0.3, "{distance}");
+    }
+    let corner = Vector3::new(4.0, -2.0, 1.0);
+    let nearest = pieces.iter().flatten().map(|point| (point - corner).norm()).fold(f64::INFINITY, f64::min);
+    assert!(nearest < 0.2, "the pieces reach to the outer corners: {nearest}");
+}
+
+#[test]
+fn a_ball_over_a_flat_valley_is_near_both_sides_before_it_touches_the_second() {
+    // Sides that rise by 0.05: their normals differ by 0.1 rad, and both places have the centre of the ball as the point of its core.
+    let valley = pair(floor(8, 0.1, |x, _| 0.05 * x.abs()), Shape::Sphere { radius: 0.05 });
+    let cosine = 0.05f64.hypot(1.0).recip();
+    // It touches the right side at x + 0.0025, and is over the left one as long as x < 0.0025.
+    for right in [0.002, 5e-4] {
+        let height = 0.05 / cosine + 0.05 * right;
+        let places = valley.touches(&Pose::identity(), &at(right, 0.03, height), 0.01);
+        let mut gaps: Vec<f64> = places.iter().map(|place| place.gap).collect();
+        gaps.sort_by(f64::total_cmp);
+        assert_eq!(gaps.len(), 2, "{right}: {places:?}");
+        // (z + 0.05 x) cos - r, to some roundings of lengths of 0.4 m.
+        assert!(gaps[0].abs() <= 1e-15, "{:e}", gaps[0]);
+        assert!((gaps[1] - 0.1 * right * cosine).abs() <= 1e-15, "{:e}", gaps[1]);
+    }
+}
