@@ -4,6 +4,7 @@
 //! matrix ([`crate::lobatto::coupled::projection`]) before t = 0: a defect left in them would stay in the multipliers for the whole run
 //! as defect/h.
 
+use crate::instant::apart::without_overlap;
 use crate::instant::limits::{close_within, excess, most_exceeded, move_within, within};
 use crate::lobatto::coupled::counted::Counted;
 use crate::lobatto::coupled::deciding::{Decided, known_of_steps};
@@ -78,6 +79,12 @@ pub enum AssemblyError {
         "joint {joint:?} starts {excess:.3e} {unit} outside its limits, and moving it in fails; give it an initial position inside"
     )]
     Outside { joint: String, excess: f64, unit: &'static str },
+    /// Shapes start inside each other and cannot be moved apart.
+    #[error(
+        "{a:?} and {b:?} start {depth:.3e} m inside each other, and moving them apart fails; move the start, or let them pass with \
+         [[contact.pair]] ignore = true"
+    )]
+    Overlap { a: String, b: String, depth: f64 },
     /// At rest in a singular position.
     #[error(
         "the mechanism starts at rest in a singular position, where its closures leave {extra} more degrees of freedom than beside it: \
@@ -100,7 +107,7 @@ pub fn closure_name(mechanism: &Mechanism, closure: usize) -> &str {
     }
 }
 
-/// Moves a state within the limits that are simulated and onto all closures, positions first, by the least motion in the metric of the
+/// Moves a state within the limits that are simulated, onto all closures and out of all overlaps, positions first, by the least motion in the metric of the
 /// mass matrix. Velocities are left as they are but for what the closures do not allow: a joint that starts on a limit and moves out of it
 /// has an impact at once.
 ///
@@ -118,6 +125,25 @@ pub fn assemble_counted(
     mechanism: &Mechanism,
     state: &mut State,
 ) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
+    let wanted = state.clone();
+    let mut done = close(mechanism, state)?;
+    let again = |state: &mut State| {
+        done = close(mechanism, state)?;
+        Ok(())
+    };
+    if let Some((number, depth)) = without_overlap(mechanism, state, again)? {
+        let nonsmooth = &mechanism.nonsmooth;
+        let pair = nonsmooth.pairs.iter().find(|pair| pair.number == number);
+        let name = |of: usize| nonsmooth.colliders[of].name.clone();
+        let (a, b) = pair.map_or_else(Default::default, |pair| (name(pair.a), name(pair.b)));
+        return Err(AssemblyError::Overlap { a, b, depth });
+    }
+    done.0.position = largest_change(&wanted, state);
+    Ok(done)
+}
+
+/// Moves a state within limits and onto all closures.
+fn close(mechanism: &Mechanism, state: &mut State) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
     let mut correction = Correction::default();
     let simulated = &mechanism.nonsmooth.limits;
     let wanted = state.clone();

@@ -1,9 +1,11 @@
 //! The problem at one instant: how closed loops are assembled, what joints and loops carry, whether anything moves at all.
 
+mod apart;
 pub mod assembly;
-pub(crate) mod bounded;
+pub(crate) mod blocks;
 mod box_programme;
 mod closing;
+pub(crate) mod cone;
 pub(crate) mod elements;
 mod exerted;
 #[doc(hidden)]
@@ -15,4 +17,5 @@ pub mod rest;
 #[doc(hidden)]
 pub mod snapshots;
 pub mod statuses;
+pub(crate) mod touching;
 pub mod unreachable;

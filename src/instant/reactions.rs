@@ -6,7 +6,7 @@
 //!     H a = τ − c + Jᵀ μ,    J a + J̇ v = 0
 //! ```
 //!
-//! with the efforts τ of forces in joints, and of motors, dry friction and limits ([`crate::instant::exerted`]);
+//! with the efforts τ of forces in joints, of motors, dry friction, limits and contacts ([`crate::instant::exerted`]);
 //! then Newton and Euler for every subtree with the multipliers' wrenches on the bodies. Where equations are redundant μ is not
 //! unique; the one with the least `Σ s μ²` is taken, s the mobility of each equation, and what a joint of a loop carries
 //! then depends on that choice as it does on nature's.
@@ -116,7 +116,7 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
     }
 
     /// What each joint carries at these positions and velocities, which place the bodies: one entry a body, and what each
-    /// loop carries. Motors, dry friction and limits take part. Does not allocate while no joint is held.
+    /// loop carries. Motors, dry friction, limits and contacts take part. Does not allocate while no joint is held and nothing may touch.
     pub fn of_placed(
         &mut self,
         position: &[f64],
@@ -124,13 +124,20 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
         bodies: &[BodyState],
     ) -> (&[Reaction], &[LoopReaction]) {
         if let Some(exerted) = &mut self.exerted {
-            let efforts = exerted.at(position, velocity, &self.motors);
+            let (efforts, _) = exerted.at(position, velocity, &self.motors);
             self.ode.drive(Inputs::constant(efforts));
         }
         self.accelerate(position, velocity, bodies);
-        let Reactions { mechanism, accelerations, applied, reactions, loops, closing, .. } = self;
+        let Reactions { mechanism, accelerations, applied, reactions, loops, closing, exerted, motors, .. } = self;
         let mechanism = (*mechanism).borrow();
         body_wrenches(mechanism, bodies, applied);
+        if let Some(exerted) = exerted {
+            let (_, wrenches) = exerted.at(position, velocity, motors);
+            for ((force, torque), (own_force, own_torque)) in applied.iter_mut().zip(wrenches) {
+                *force += own_force;
+                *torque += own_torque;
+            }
+        }
         if let Some(closing) = closing {
             for (index, joint) in mechanism.loops.iter().enumerate() {
                 let (force, torque) = closing.loop_wrench(index);

@@ -79,14 +79,33 @@ impl Response {
 
     /// The column of Y for one degree of freedom at the state that was taken last.
     fn column(&mut self, state: &State, freedom: usize, out: &mut [f64]) {
-        let Response { mechanism, bare, bodies, closing, zero, unit, .. } = self;
+        let mut unit = std::mem::take(&mut self.unit);
         unit[freedom] = 1.0;
-        bare.drive(Inputs::constant(unit));
-        bare.accelerations_of_placed(&state.position, zero, bodies, out);
+        self.answer(state, &unit, out);
         unit[freedom] = 0.0;
+        self.unit = unit;
+    }
+
+    /// Y τ for efforts τ at the state that was taken last.
+    fn answer(&mut self, state: &State, efforts: &[f64], out: &mut [f64]) {
+        let Response { mechanism, bare, bodies, closing, zero, .. } = self;
+        bare.drive(Inputs::constant(efforts));
+        bare.accelerations_of_placed(&state.position, zero, bodies, out);
         if let Some(closing) = closing {
             closing.velocities(mechanism, out);
         }
+    }
+
+    /// Y Wᵀ (n × m) for rows W of efforts, at a state.
+    pub fn answers(&mut self, state: &State, rows: &[Vec<f64>]) -> DMatrix<f64> {
+        self.place(state);
+        let mut columns = DMatrix::zeros(self.mechanism.velocity_count, rows.len());
+        let mut column = vec![0.0; self.mechanism.velocity_count];
+        for (index, row) in rows.iter().enumerate() {
+            self.answer(state, row, &mut column);
+            columns.column_mut(index).copy_from_slice(&column);
+        }
+        columns
     }
 
     /// The entries on the diagonal of Y of some degrees of freedom at a state.

@@ -1,0 +1,162 @@
+//! The solvers in their order: each starts where the last one failed, until the law holds.
+//!
+//! | way | start | equations | ε |
+//! |---|---|---|---|
+//! | warm | the forces that were handed over | Alart–Curnier | 1e-8 |
+//! | cold | 10 sweeps from zero | Alart–Curnier | 1e-8 |
+//! | interior | an interior point, from several depths in the cones | both | 1e-8 |
+//! | compliant | zero, with a compliance in each block that is 1e-2, 1e-4, 1e-6 and 0 in turn | both | 1e-8 |
+//! | rounds | rounds of convex problems, by clarabel, from zero and from the best so far | both | 1e-8 |
+//!
+//! The same problem and start give the same answer, bit for bit.
+
+use crate::instant::cone::interior::interior;
+use crate::instant::cone::laws::Form;
+use crate::instant::cone::newton::{Settings, improve};
+use crate::instant::cone::oracle::convex_rounds;
+use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
+use crate::instant::cone::scaled::Scaled;
+use crate::instant::cone::settling::settle;
+use crate::instant::cone::sweeps::sweep;
+use nalgebra::{DMatrix, DVector};
+
+/// Residuals up to this are solutions.
+const ACCEPTED: f64 = 1e-10;
+/// Residuals up to this end the cascade: less, because settling the states may add some times the residual.
+const SOLVED: f64 = 1e-11;
+/// Proximal compliance, in units of the mobility of a block.
+const COMPLIANCE: f64 = 1e-8;
+/// Compliances that vanish, in the same units.
+const COMPLIANCES: [f64; 3] = [1e-2, 1e-4, 1e-6];
+/// Sweeps before Newton's method.
+const SWEEPS: usize = 10;
+/// How far inside the cones interior points start.
+const SPREADS: [f64; 6] = [10.0, 100.0, 1.0, 30.0, 3.0, 0.3];
+/// Newton iterations of one round.
+const ITERATIONS: usize = 25;
+
+/// Newton's method of Alart and Curnier.
+pub(super) const EVERYDAY: Settings =
+    Settings { form: Form::AlartCurnier, compliance: COMPLIANCE, iterations: ITERATIONS };
+const NATURAL: Settings = Settings { form: Form::Natural, ..EVERYDAY };
+
+/// The best forces so far.
+struct Best {
+    forces: Vec<f64>,
+    /// The sum of squares of the natural map: unlike the residual it does not praise large forces.
+    merit: f64,
+}
+
+impl Best {
+    /// Takes forces that are better; says whether the problem is solved.
+    fn take(&mut self, scaled: &Scaled, forces: Vec<f64>) -> bool {
+        let mut rates = vec![0.0; forces.len()];
+        scaled.rates(&forces, &mut rates);
+        let (merit, residual) = (scaled.merit(&forces, &rates), scaled.residual(&forces, &rates));
+        if merit < self.merit || residual <= SOLVED {
+            (self.forces, self.merit) = (forces, merit);
+        }
+        residual <= SOLVED
+    }
+}
+
+/// Solves a problem, from forces of a similar one if there are any.
+///
+/// # Errors
+/// If the problem is malformed, if a contact that slides has no solution, or if no solver reaches a residual of 1e-10; the best answer is then in
+/// the error.
+pub(crate) fn solve(problem: &Problem, start: Option<&[f64]>) -> Result<Answer, Unsolved> {
+    problem.check()?;
+    let scaled = Scaled::new(problem);
+    let count = problem.free.len();
+    let mut best = Best { forces: vec![0.0; count], merit: f64::INFINITY };
+    let start = start.filter(|start| start.len() == count && start.iter().all(|force| force.is_finite()));
+    let from = |mut forces: Vec<f64>, settings: Settings| {
+        improve(&scaled, &mut forces, settings);
+        forces
+    };
+    let solved = start.is_some_and(|start| best.take(&scaled, from(scaled.scale(start), EVERYDAY)))
+        || best.take(&scaled, from(swept(&scaled), EVERYDAY));
+    if !solved && let Some((block, mobility)) = paradox(problem, &settle(problem, &scaled, &best.forces)) {
+        return Err(Unsolved::Inconsistent { block, mobility });
+    }
+    if !solved {
+        // Each start is made only if those before it have failed.
+        let near = SPREADS.into_iter().map(|spread| interior(&scaled, spread));
+        let near = near.chain([()].iter().map(|()| Some(compliant(&scaled))));
+        let rough = [None, Some(best.forces.clone())];
+        let near = near.chain(rough.iter().map(|start| convex_rounds(&scaled, start.as_deref())));
+        near.flatten()
+            .any(|near| best.take(&scaled, from(near.clone(), EVERYDAY)) || best.take(&scaled, from(near, NATURAL)));
+    }
+    let answer = settle(problem, &scaled, &best.forces);
+    if answer.residual <= ACCEPTED { Ok(answer) } else { Err(Unsolved::Stopped { best: Box::new(answer) }) }
+}
+
+/// Some sweeps from zero.
+fn swept(scaled: &Scaled) -> Vec<f64> {
+    let mut forces = vec![0.0; scaled.free.len()];
+    sweep(scaled, &mut forces, SWEEPS);
+    forces
+}
+
+/// Newton's method with compliances that vanish, each from the forces of the last one.
+fn compliant(scaled: &Scaled) -> Vec<f64> {
+    let mut forces = vec![0.0; scaled.free.len()];
+    for compliance in COMPLIANCES {
+        improve(&scaled.softened(compliance), &mut forces, EVERYDAY);
+    }
+    forces
+}
+
+/// A contact that slides, must be pushed and cannot: `p = n D (n − μ t) ≤ 0` and a free rate below zero, all other closed blocks holding their rows.
+fn paradox(problem: &Problem, answer: &Answer) -> Option<(usize, f64)> {
+    let starts = problem.starts();
+    // What a unit of force of each block that holds its row does: (row, direction of the force).
+    let direction = |block: usize, row: usize| {
+        let mut direction = DVector::zeros(problem.free.len());
+        direction[starts[block] + row] = 1.0;
+        if let Law::Sliding { friction, direction: [x, y] } = problem.laws[block] {
+            (direction[starts[block] + 1], direction[starts[block] + 2]) = (-friction * x, -friction * y);
+        }
+        direction
+    };
+    let held = |other: usize| match (answer.states[other], problem.laws[other]) {
+        (BlockState::Inside, _) | (BlockState::Slips, _) => 1,
+        (BlockState::Sticks, _) => 3,
+        _ => 0,
+    };
+    let free = DVector::from_column_slice(problem.free);
+    problem.laws.iter().enumerate().filter(|(_, law)| matches!(law, Law::Sliding { .. })).find_map(|(block, _)| {
+        let own = direction(block, 0);
+        let mut others = Vec::new();
+        for other in (0..problem.laws.len()).filter(|&other| other != block) {
+            others.extend((0..held(other)).map(|row| (starts[other] + row, direction(other, row))));
+        }
+        let respond = |force: &DVector<f64>| problem.mobility * force;
+        let size = others.len();
+        let mut matrix = DMatrix::zeros(size, size);
+        for (column, (_, force)) in others.iter().enumerate() {
+            let rates = respond(force);
+            for (row, (at, _)) in others.iter().enumerate() {
+                matrix[(row, column)] = rates[*at];
+            }
+        }
+        let own_rates = respond(&own);
+        let right = DMatrix::from_fn(
+            size,
+            2,
+            |row, column| if column == 0 { own_rates[others[row].0] } else { free[others[row].0] },
+        );
+        let largest = matrix.amax();
+        let solution = if size == 0 { right } else { matrix.svd(true, true).solve(&right, 1e-11 * largest).ok()? };
+        let row = starts[block];
+        let (mut mobility, mut rate) = (own_rates[row], free[row]);
+        for (index, (_, force)) in others.iter().enumerate() {
+            let at = respond(force)[row];
+            mobility -= at * solution[(index, 0)];
+            rate -= at * solution[(index, 1)];
+        }
+        (mobility <= 0.0 && rate < 0.0).then_some((block, mobility))
+    })
+}

@@ -1,0 +1,90 @@
+//! The solution of least norm of a square system that may be singular, and the vectors that do nothing in it.
+//!
+//! ```text
+//!     A P = Q R      R₁₁ (r × r) regular, what is below it rounding        columns by their size: Householder with pivoting
+//!     x = P (R₁₁⁻¹ Qᵀ b, 0) − N Nᵀ (…)                                     N (n × (n − r)) orthonormal, of P (−R₁₁⁻¹ R₁₂, 1)
+//! ```
+//!
+//! Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, sections 5.4.2 and 5.5.6.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Pivots below this part of the largest are zero.
+const SINGULAR: f64 = 1e-11;
+
+/// x, and N; x solves the system as far as it can be solved. None if a number is not finite.
+pub(crate) fn least_norm(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let count = right.len();
+    if count == 0 {
+        return Some((DVector::zeros(0), DMatrix::zeros(0, 0)));
+    }
+    if !matrix.iter().chain(right.iter()).all(|value| value.is_finite()) {
+        return None;
+    }
+    let factors = matrix.clone().col_piv_qr();
+    let upper = factors.r();
+    let largest = upper[(0, 0)].abs();
+    let rank = (0..count).take_while(|&row| upper[(row, row)].abs() > SINGULAR * largest).count();
+    let turned = factors.q().transpose() * right;
+    let regular = upper.view((0, 0), (rank, rank)).into_owned();
+    let mut solution = DVector::zeros(count);
+    solution.rows_mut(0, rank).copy_from(&regular.solve_upper_triangular(&turned.rows(0, rank).into_owned())?);
+    let mut null = DMatrix::zeros(count, count - rank);
+    if rank < count {
+        let others = upper.view((0, rank), (rank, count - rank)).into_owned();
+        null.rows_mut(0, rank).copy_from(&-regular.solve_upper_triangular(&others)?);
+        null.rows_mut(rank, count - rank).fill_with_identity();
+    }
+    factors.p().inv_permute_rows(&mut solution);
+    factors.p().inv_permute_rows(&mut null);
+    if rank < count {
+        null = null.qr().q();
+        let idle = null.transpose() * &solution;
+        solution -= &null * idle;
+    }
+    Some((solution, null))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_solution_is_the_shortest_and_null_vectors_do_nothing() {
+        let mut seed = 11_u64;
+        let mut next = move || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
+        };
+        for round in 0..200 {
+            let count = 1 + round % 9;
+            let rank = 1 + (round / 9) % count;
+            let [left, right] = [0, 1].map(|_| DMatrix::from_fn(rank, count, |_, _| next()));
+            let matrix = left.transpose() * right;
+            let wanted = DVector::from_fn(count, |_, _| next());
+            let (found, null) = least_norm(&matrix, &(&matrix * &wanted)).expect("finite");
+            assert_eq!(null.ncols(), count - rank, "round {round}");
+            let scale = matrix.amax();
+            assert!((&matrix * (&found - &wanted)).amax() <= 1e-9 * scale, "round {round}");
+            assert!((&matrix * &null).amax() <= 1e-11 * scale && (null.transpose() * &found).amax() <= 1e-9);
+        }
+    }
+
+    #[test]
+    fn four_corners_of_a_box_under_one_load_are_solved_to_rounding() {
+        // The mobility of four points of a rigid body along three axes has rank 6, and singular values that repeat.
+        let corners = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
+        let row = |index: usize| {
+            let ([x, y], z) = (corners[index / 3], -0.25);
+            let unit = [0, 1, 2].map(|axis| if axis == index % 3 { 1.0 } else { 0.0 });
+            let [a, b, c] = unit;
+            [a, b, c, y * c - z * b, z * a - x * c, x * b - y * a]
+        };
+        let weights = [1.0, 1.0, 1.0, 2.8, 2.8, 1.5];
+        let matrix = DMatrix::from_fn(12, 12, |i, j| (0..6).map(|k| row(i)[k] * weights[k] * row(j)[k]).sum());
+        let right = DVector::from_fn(12, |index, _| [-3.7, 0.0, 9.0][index % 3]);
+        let (found, null) = least_norm(&matrix, &right).expect("finite");
+        assert_eq!(null.ncols(), 6);
+        assert!((matrix * found - right).amax() < 1e-13);
+    }
+}

@@ -1,0 +1,186 @@
+//! By how much all contacts of a mode can stay closed, where their forces are not unique.
+//!
+//! ```text
+//!     largest m with    D r = −b,    r_c − m e_N in K_c for every contact,    lower + m ≤ r ≤ upper − m for every interval
+//! ```
+//!
+//! All blocks hold their rows (u = 0; of a contact that slides u_N = 0, and r_T = −μ r_N t). If m ≥ 0 admissible forces exist and nothing opens or
+//! slips; if m < 0 something must. m is continuous in the load, in N (N m of joints). It is at most the largest force of the solution of least norm,
+//! which bounds it where contacts can pinch a body as hard as they like.
+//!
+//! Forces are r₀ + N y, with the solution of least norm r₀ and the null space N of the rows in scaled units; the programme in (y, m) is solved by
+//! clarabel, and where N is empty m is read off r₀.
+
+use crate::instant::cone::least_norm::least_norm;
+use crate::instant::cone::problem::{Law, Problem};
+use crate::instant::cone::scaled::Scaled;
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
+use nalgebra::{DMatrix, DVector};
+
+/// A solution of least norm with this part of its largest force to spare is margin enough.
+const CLEAR: f64 = 0.02;
+
+/// m; −∞ if no forces hold all rows, or the problem is malformed.
+#[cfg(test)]
+pub(crate) fn margin(problem: &Problem) -> f64 {
+    margin_beyond(problem, f64::INFINITY)
+}
+
+/// The same where its size does not matter: the margin of the forces of least norm if that is clear.
+pub(crate) fn margin_or_clear(problem: &Problem) -> f64 {
+    margin_beyond(problem, CLEAR)
+}
+
+/// m, or the margin of the forces of least norm if that is more than this part of the largest of them.
+fn margin_beyond(problem: &Problem, clear: f64) -> f64 {
+    if problem.check().is_err() {
+        return f64::NEG_INFINITY;
+    }
+    let scaled = Scaled::new(problem);
+    let directions = force_directions(&scaled);
+    let Some((particular, null)) = holding_forces(&scaled, &directions) else { return f64::NEG_INFINITY };
+    // Forces in their own units, as r₀ + N y.
+    let particular = DVector::from_vec(scaled.unscale((&directions * particular).as_slice()));
+    let mut null = directions * null;
+    for mut column in null.column_iter_mut() {
+        let unscaled = scaled.unscale(column.as_slice());
+        column.copy_from_slice(&unscaled);
+    }
+    let largest = particular.amax();
+    let conditions = Conditions::new(&scaled, problem.laws);
+    if conditions.cones.is_empty() {
+        return largest;
+    }
+    let own = problem
+        .laws
+        .iter()
+        .zip(&scaled.starts)
+        .fold(largest, |least, (law, &start)| least.min(own_margin(law, &particular.as_slice()[start..])));
+    // Far from the end of what can be held its sign is all that is asked.
+    if null.ncols() == 0 || own > clear * largest {
+        return own;
+    }
+    conditions.largest_margin(&particular, &null, largest).unwrap_or(f64::NEG_INFINITY)
+}
+
+/// The margin of one block with known forces.
+fn own_margin(law: &Law, forces: &[f64]) -> f64 {
+    match *law {
+        Law::Interval { lower, upper } => (forces[0] - lower).min(upper - forces[0]),
+        Law::Contact { friction } if friction > 0.0 => forces[0] - forces[1].hypot(forces[2]) / friction,
+        Law::Contact { .. } | Law::Sliding { .. } => forces[0],
+    }
+}
+
+/// What the unknown forces of blocks are in rows: one column for each, in scaled units.
+fn force_directions(scaled: &Scaled) -> DMatrix<f64> {
+    let count = scaled.free.len();
+    let mut columns: Vec<DVector<f64>> = Vec::with_capacity(count);
+    for (start, law) in scaled.blocks() {
+        let mut push = |entries: &[(usize, f64)]| {
+            let mut column = DVector::zeros(count);
+            entries.iter().for_each(|&(row, value)| column[start + row] = value);
+            columns.push(column);
+        };
+        match law {
+            Law::Interval { .. } => push(&[(0, 1.0)]),
+            Law::Contact { friction } if friction > 0.0 => (0..3).for_each(|row| push(&[(row, 1.0)])),
+            Law::Contact { .. } => push(&[(0, 1.0)]),
+            Law::Sliding { friction, direction: [x, y] } => push(&[(0, 1.0), (1, -friction * x), (2, -friction * y)]),
+        }
+    }
+    if columns.is_empty() { DMatrix::zeros(count, 0) } else { DMatrix::from_columns(&columns) }
+}
+
+/// The least-norm unknowns that hold all rows, and a basis of those that do nothing; none if nothing holds them.
+fn holding_forces(scaled: &Scaled, directions: &DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    // The rows that are held: those of which a unit force is an unknown.
+    let held: Vec<usize> = scaled
+        .blocks()
+        .flat_map(|(start, law)| match law {
+            Law::Contact { friction } if friction > 0.0 => start..start + 3,
+            _ => start..start + 1,
+        })
+        .collect();
+    let responses = &scaled.mobility * directions;
+    let matrix = DMatrix::from_fn(held.len(), held.len(), |row, column| responses[(held[row], column)]);
+    let right = DVector::from_fn(held.len(), |row, _| -scaled.free[held[row]]);
+    let (solution, null) = least_norm(&matrix, &right)?;
+    let off = (matrix * &solution - &right).amax();
+    (off <= 1e-8 * right.amax()).then_some((solution, null))
+}
+
+/// `forces = rows r + offset − margin · m` in cones.
+struct Conditions {
+    cones: Vec<SupportedConeT<f64>>,
+    /// Of each condition: row of r, its factor, the offset, and the factor of m.
+    lines: Vec<(usize, f64, f64, f64)>,
+}
+
+impl Conditions {
+    fn new(scaled: &Scaled, laws: &[Law]) -> Self {
+        let (mut cones, mut lines) = (Vec::new(), Vec::new());
+        for (&start, law) in scaled.starts.iter().zip(laws) {
+            match *law {
+                Law::Interval { lower, upper } => {
+                    for (factor, bound) in
+                        [(1.0, lower), (-1.0, upper)].into_iter().filter(|(_, bound)| bound.is_finite())
+                    {
+                        lines.push((start, factor, -factor * bound, 1.0));
+                        cones.push(SupportedConeT::NonnegativeConeT(1));
+                    }
+                }
+                Law::Contact { friction } if friction > 0.0 => {
+                    lines.extend([
+                        (start, friction, 0.0, friction),
+                        (start + 1, 1.0, 0.0, 0.0),
+                        (start + 2, 1.0, 0.0, 0.0),
+                    ]);
+                    cones.push(SupportedConeT::SecondOrderConeT(3));
+                }
+                Law::Contact { .. } | Law::Sliding { .. } => {
+                    lines.push((start, 1.0, 0.0, 1.0));
+                    cones.push(SupportedConeT::NonnegativeConeT(1));
+                }
+            }
+        }
+        Conditions { cones, lines }
+    }
+
+    /// The largest m, at most the largest force; none if clarabel fails.
+    fn largest_margin(mut self, particular: &DVector<f64>, null: &DMatrix<f64>, largest: f64) -> Option<f64> {
+        let unknowns = null.ncols() + 1;
+        // In units of the largest force; rows of A x + s = limit with s in the cones.
+        let unit = if largest > 0.0 { largest } else { 1.0 };
+        let mut rows = Vec::with_capacity(self.lines.len() + 1);
+        let mut limits = Vec::with_capacity(self.lines.len() + 1);
+        for &(row, factor, offset, of_margin) in &self.lines {
+            let mut entries: Vec<f64> = null.row(row).iter().map(|entry| -factor * entry).collect();
+            entries.push(of_margin);
+            rows.push(entries);
+            limits.push((factor * particular[row] + offset) / unit);
+        }
+        let mut bound = vec![0.0; unknowns];
+        bound[unknowns - 1] = 1.0;
+        rows.push(bound);
+        limits.push(largest / unit);
+        self.cones.push(SupportedConeT::NonnegativeConeT(1));
+        let mut linear = vec![0.0; unknowns];
+        linear[unknowns - 1] = -1.0;
+        let tight = 1e-12;
+        let settings = DefaultSettings {
+            verbose: false,
+            max_threads: 1,
+            tol_gap_abs: tight,
+            tol_gap_rel: tight,
+            tol_feas: tight,
+            ..DefaultSettings::default()
+        };
+        let (quadratic, rows) = (CscMatrix::zeros((unknowns, unknowns)), CscMatrix::from(&rows));
+        let mut solver = DefaultSolver::new(&quadratic, &linear, &rows, &limits, &self.cones, settings).ok()?;
+        solver.solve();
+        let found = *solver.solution.x.last()? * unit;
+        found.is_finite().then_some(found)
+    }
+}

@@ -1,0 +1,37 @@
+//! The solver of contact problems at one instant: limits, joint friction and contacts with Coulomb's law, all together.
+//!
+//! ```text
+//!     u = D r + b        D (m × m) symmetric, positive semidefinite
+//! ```
+//!
+//! `problem.rs` says what is asked, `scaled.rs` takes the units out. `laws.rs` has the equations of the laws and `newton.rs` solves them. They
+//! start from `sweeps.rs` (with `single.rs`, one contact), `interior.rs` (with `jordan.rs`, products in cones) or, last, `oracle.rs` (clarabel);
+//! `cascade.rs` has their order and `settling.rs` the states that follow. On top: `least_compliance.rs` (which forces are reported), `margin.rs`
+//! (whether all contacts can stay) and `impact.rs` (restitution).
+
+pub(crate) mod bounded;
+mod cascade;
+pub(crate) mod impact;
+mod interior;
+mod jordan;
+mod laws;
+mod least_compliance;
+pub(crate) mod least_norm;
+mod margin;
+mod newton;
+mod oracle;
+pub(crate) mod problem;
+mod scaled;
+#[cfg(test)]
+mod scenes;
+mod settling;
+mod single;
+mod sweeps;
+#[cfg(test)]
+mod trials;
+
+pub(crate) use cascade::solve;
+pub(crate) use least_compliance::least_compliance;
+#[cfg(test)]
+pub(crate) use margin::margin;
+pub(crate) use margin::margin_or_clear;

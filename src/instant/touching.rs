@@ -1,0 +1,106 @@
+//! What may touch: the geometry of every pair of colliders, and what its contacts are in a state.
+//!
+//! A pair is asked for its distance while it is open, and for its contacts, pairs of features, where it is nearly closed. Poses are those of the
+//! bodies; the world has its own.
+
+use crate::geometry::{PairGeometry, PlaceId, TouchPlace};
+use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::closure::Attachment;
+use crate::mechanism::description::contact::{Grip, Touch, TouchJoint};
+use crate::mechanism::description::joint::Pose;
+use crate::mechanism::description::mechanism::Mechanism;
+use nalgebra::{Rotation3, Translation3};
+
+/// The pairs of a mechanism.
+#[derive(Default)]
+pub(crate) struct Touching {
+    pub pairs: Vec<Pair>,
+}
+
+/// Two colliders that may touch.
+pub(crate) struct Pair {
+    geometry: PairGeometry,
+    /// The bodies that they are fixed in.
+    pub bodies: [Option<usize>; 2],
+    /// The largest distance of each from the centre of mass of its body (m); infinite for a half space.
+    pub reach: [f64; 2],
+    /// μ and e.
+    pub friction: f64,
+    pub restitution: f64,
+    /// Its number in the whole mechanism.
+    pub number: usize,
+    /// What its roundings are relative to (m).
+    pub size: f64,
+}
+
+/// One contact of a pair.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Contact {
+    /// Which pair.
+    pub pair: usize,
+    /// Which features of it.
+    pub features: PlaceId,
+    /// The features and their frames; it rolls unless it is said otherwise.
+    pub joint: TouchJoint,
+    /// The features as the geometry knows them.
+    place: TouchPlace,
+}
+
+impl Contact {
+    /// Whether the first body of the joint is that of the second collider of the pair.
+    pub fn is_swapped(&self) -> bool {
+        self.place.swapped
+    }
+}
+
+impl Touching {
+    /// The pairs of a mechanism. Those whose shapes cannot be are left out; who reads a scene refuses them.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let nonsmooth = &mechanism.nonsmooth;
+        let pairs = nonsmooth.pairs.iter().filter_map(|pair| {
+            let (a, b) = (&nonsmooth.colliders[pair.a], &nonsmooth.colliders[pair.b]);
+            let geometry = PairGeometry::new(a, b).ok()?;
+            let reach = geometry.reach();
+            let size = reach.into_iter().filter(|reach| reach.is_finite()).fold(0.0, f64::max);
+            let (friction, restitution, number) = (pair.friction, pair.restitution, pair.number);
+            Some(Pair { geometry, bodies: [a.body, b.body], reach, friction, restitution, number, size })
+        });
+        Touching { pairs: pairs.collect() }
+    }
+
+    /// The distance of a pair (m); negative where it overlaps.
+    pub fn distance(&self, pair: usize, bodies: &[BodyState]) -> f64 {
+        let Pair { geometry, bodies: [a, b], .. } = &self.pairs[pair];
+        geometry.distance(&pose(*a, bodies), &pose(*b, bodies)).distance
+    }
+
+    /// The contacts of a pair with a gap of at most `within` (m), and their gaps.
+    pub fn near(&self, pair: usize, bodies: &[BodyState], within: f64) -> Vec<(Contact, f64)> {
+        let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
+        let places = geometry.touches(&pose(of[0], bodies), &pose(of[1], bodies), within);
+        let contact = |place: TouchPlace| {
+            let touch = Touch { features: place.features, side: place.side, grip: Grip::Rolls };
+            let [a, b] = if place.swapped { [of[1], of[0]] } else { *of };
+            let joint = TouchJoint {
+                touch,
+                a: Attachment { body: a, frame: place.frames[0] },
+                b: Attachment { body: b, frame: place.frames[1] },
+            };
+            let gap = place.gap;
+            (Contact { pair, features: place.identity, joint, place }, gap)
+        };
+        places.into_iter().map(contact).collect()
+    }
+
+    /// How far inside its features a contact is; negative where others are nearer.
+    pub fn margin(&self, contact: &Contact, bodies: &[BodyState]) -> f64 {
+        let Pair { geometry, bodies: [a, b], .. } = &self.pairs[contact.pair];
+        geometry.margin(&contact.place, &pose(*a, bodies), &pose(*b, bodies))
+    }
+}
+
+/// The pose of a body, or of the world.
+fn pose(body: Option<usize>, bodies: &[BodyState]) -> Pose {
+    let state = body.map_or(&WORLD, |body| &bodies[body]);
+    Pose::from_parts(Translation3::from(state.position), Rotation3::from_matrix_unchecked(state.rotation))
+}
