@@ -1,10 +1,12 @@
-//! What joints at rest do next: which of them are held, by friction or on a limit, and which way the others go.
+//! What is at rest does next: which joints are held, by friction or on a limit, which way the others go, which contacts stay closed, which of them slide.
 //!
-//! All joints whose rate is zero and that have friction or are on a limit are decided together, at the level of accelerations:
+//! All joints whose rate is zero and that have friction or are on a limit, and all contacts that do not part, are decided together, at the
+//! level of accelerations:
 //!
 //! ```text
-//!     a = b + D λ,   b = W a_free,  D = W Y Wᵀ            a_free under all efforts but λ; friction that slides is among them
-//!     λ_i ∈ [lo_i, hi_i]:   a_i = 0 inside,  a_i ≥ 0 at lo_i,  a_i ≤ 0 at hi_i           (the box of `mode`)
+//!     a = b + D λ,   b = W a_free + Ẇ v,  D = W Y Wᵀ      a_free under all efforts but λ; friction that slides in joints is among them
+//!     joints:    λ_i ∈ [lo_i, hi_i]:   a_i = 0 inside,  a_i ≥ 0 at lo_i,  a_i ≤ 0 at hi_i           (the box of `mode`)
+//!     contacts:  Signorini's and Coulomb's law between λ and a; where one slides, λ_T = −μ λ_N t    (`crate::instant::cone`)
 //! ```
 //!
 //! A joint with `a_i = 0` is held; one with `a_i > 0` goes forward with friction `−τ_f = lo_i` against it, or leaves its lower limit. With closures
@@ -12,13 +14,22 @@
 //!
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 
-use crate::events::mode::{JointMode, Mode};
-use crate::instant::bounded::minimise;
+use crate::events::mode::{Closed, JointMode, Mode};
+use crate::events::watched::Watched;
+use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
+use crate::instant::cone::problem::{BlockState, Law, Problem, Unsolved};
+use crate::instant::cone::solve;
 use crate::instant::elements::Elements;
 use crate::instant::response::Response;
+use crate::instant::touching::{Contact, Touching};
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::event::Side;
+use crate::mechanism::motion::kinematics::{BodyAcceleration, body_states};
 use crate::mechanism::motion::state::State;
-use nalgebra::DMatrix;
+use crate::mechanism::motion::touches::{tangents, touch_motion};
+use nalgebra::{DMatrix, Vector3};
 
 /// Accelerations below this part of their terms are zero.
 const ROUNDING: f64 = 1e-10;
@@ -29,25 +40,80 @@ const LESS: f64 = 1e-9;
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
 const IMMOBILE: f64 = 1e-10;
 
+/// A mechanism at an event.
+pub(crate) struct Scene<'s> {
+    pub whole: &'s Mechanism,
+    pub elements: &'s Elements,
+    pub touching: &'s Touching,
+    pub response: &'s mut Response,
+}
+
 /// What has been seen to reach its end.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Yielding {
     /// Joints at an end of the efforts that can hold them, and the direction in which they go.
     pub joints: Vec<(usize, i8)>,
-    /// All held joints together.
+    /// All held joints and contacts together.
     pub all: bool,
+    /// Closed contacts that press no more, and those that stick no more, by their numbers in the mode.
+    pub opens: Vec<usize>,
+    pub slides: Vec<usize>,
+    /// Pairs whose slip stops.
+    pub stops: Vec<usize>,
 }
 
-/// Decides the joints whose rate is zero; `efforts` are those from outside and of motors.
+impl Yielding {
+    /// What the functions that are zero say.
+    pub fn of(triggers: &[Watched]) -> Self {
+        let mut yielding = Yielding::default();
+        for trigger in triggers {
+            match *trigger {
+                // It needs less than the least that can act: it goes forward.
+                Watched::Bears(index, Side::Lower) => yielding.joints.push((index, 1)),
+                Watched::Bears(index, Side::Upper) => yielding.joints.push((index, -1)),
+                Watched::Margin => yielding.all = true,
+                Watched::Presses(contact) => yielding.opens.push(contact),
+                Watched::Grips(contact) => yielding.slides.push(contact),
+                Watched::Slips(pair) => yielding.stops.push(pair),
+                _ => {}
+            }
+        }
+        yielding
+    }
+}
+
+/// A contact that touches, to be decided.
+#[derive(Clone, Debug)]
+pub(crate) struct Candidate {
+    pub contact: Contact,
+    /// The velocity of its slip in the world [m/s]; zero if it does not.
+    pub slip: Vector3<f64>,
+    /// Whether it has been seen to reach the end of what friction can hold, and whether the end of its pressure.
+    pub slides: bool,
+    pub opens: bool,
+}
+
+/// What cannot be decided at the level of accelerations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Undecided {
+    /// A candidate that slides, by its number, has no consistent acceleration: an impulse must follow.
+    Inconsistent(usize),
+    /// The problem could not be solved.
+    Unsolved,
+}
+
+/// Decides the joints whose rate is zero and the contacts that touch; `efforts` are those from outside and of motors.
 pub(crate) fn decide(
-    elements: &Elements,
+    scene: &mut Scene,
     mode: &mut Mode,
-    response: &mut Response,
     state: &State,
     efforts: &[f64],
     yielding: &Yielding,
-) {
-    let mut undecided = Vec::new();
+    candidates: &[Candidate],
+) -> Result<(), Undecided> {
+    let Scene { whole, elements, touching, response } = scene;
+    let (whole, elements, touching) = (*whole, *elements, *touching);
+    let mut blocks: Vec<Block> = Vec::new();
     let mut efforts = efforts.to_vec();
     for (index, joint) in elements.joints.iter().enumerate() {
         let (rate, side) = (joint.rate(state), joint.side(joint.position(state)));
@@ -58,45 +124,121 @@ pub(crate) fn decide(
             efforts[joint.coordinate.freedom] -= f64::from(sliding) * joint.friction;
             JointMode::Free { sliding }
         } else if joint.friction > 0.0 || side.is_some() {
-            undecided.push(index);
-            JointMode::Held { on: side }
+            let held = JointMode::Held { on: side };
+            let (lower, upper) = held.holding(joint);
+            let row = row_of_freedom(whole.velocity_count, joint.coordinate.freedom, 1.0);
+            blocks.push(Block { of: Of::Joint(index), law: Law::Interval { lower, upper }, rows: vec![row] });
+            held
         } else {
             JointMode::Free { sliding: 0 }
         };
     }
-    if undecided.is_empty() {
-        return;
+    mode.contacts.clear();
+    let bodies = if candidates.is_empty() { Vec::new() } else { body_states(whole, state) };
+    for (index, candidate) in candidates.iter().enumerate() {
+        if candidate.opens {
+            continue;
+        }
+        let friction = touching.pairs[candidate.contact.pair].friction;
+        let joint = &candidate.contact.joint;
+        let law = match direction_in(joint, &bodies, &candidate.slip) {
+            _ if friction == 0.0 => Law::Interval { lower: 0.0, upper: f64::INFINITY },
+            Some(direction) => Law::Sliding { friction, direction },
+            None => Law::Contact { friction },
+        };
+        let rows = rows_of_contact(whole, &bodies, joint, friction > 0.0);
+        blocks.push(Block { of: Of::Contact(index), law, rows });
     }
-    let freedoms: Vec<usize> = undecided.iter().map(|&index| elements.joints[index].coordinate.freedom).collect();
+    if blocks.is_empty() {
+        return Ok(());
+    }
     let mut free = vec![0.0; state.velocity.len()];
     response.accelerations(state, &efforts, &mut free);
-    let (_, square) = response.matrix(state, &freedoms);
-    let offset: Vec<f64> = freedoms.iter().map(|&freedom| free[freedom]).collect();
-    let load: Vec<f64> =
-        (0..freedoms.len()).map(|row| offset[row].abs() / square[(row, row)].max(f64::MIN_POSITIVE)).collect();
-    let bounds: Vec<(f64, f64)> = undecided
-        .iter()
-        .zip(&load)
-        .map(|(&index, load)| {
-            let (low, high) = mode.joints[index].holding(&elements.joints[index]);
-            let less = if yielding.all { LESS * elements.joints[index].friction.max(*load) } else { 0.0 };
-            let less = less.min(0.25 * (high - low));
-            if low.is_finite() || high.is_finite() { (low + less, high - less) } else { (low, high) }
-        })
-        .collect();
-    let found = minimise(&square, &offset, &bounds);
-    // Each acceleration is a difference of others.
-    let largest = free.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    for (row, &index) in undecided.iter().enumerate() {
-        let joint = &elements.joints[index];
-        let terms: f64 = (0..freedoms.len()).map(|column| (square[(row, column)] * found.efforts[column]).abs()).sum();
-        let moves = found.at[row] != 0
-            && found.rest[row].abs() > ROUNDING * (terms + offset[row].abs()) + DIFFERENCE * (1.0 + largest);
-        if moves && !joint.is_locked() {
-            let sliding = if joint.friction > 0.0 { found.rest[row].signum() as i8 } else { 0 };
-            mode.joints[index] = JointMode::Free { sliding };
+    let rows = Rows::of(response, state, &blocks);
+    let mut offset: Vec<f64> = Vec::new();
+    let mut room = vec![BodyAcceleration::default(); bodies.len()];
+    for block in &blocks {
+        match block.of {
+            Of::Joint(index) => offset.push(free[elements.joints[index].coordinate.freedom]),
+            Of::Contact(index) => {
+                let joint = &candidates[index].contact.joint;
+                let second = second_rates(whole, &bodies, state, joint, &free, &mut room);
+                offset.extend_from_slice(&second[..block.rows.len()]);
+            }
         }
     }
+    let mut row = 0;
+    for block in &mut blocks {
+        let load = offset[row].abs() / rows.square[(row, row)].max(f64::MIN_POSITIVE);
+        if let (Of::Joint(index), Law::Interval { lower, upper }) = (block.of, &mut block.law) {
+            let less = if yielding.all { LESS * elements.joints[index].friction.max(load) } else { 0.0 };
+            let less = less.min(0.25 * (*upper - *lower));
+            if lower.is_finite() || upper.is_finite() {
+                (*lower, *upper) = (*lower + less, *upper - less);
+            }
+        }
+        if let (Of::Contact(index), Law::Contact { friction }) = (block.of, &mut block.law)
+            && (yielding.all || candidates[index].slides)
+        {
+            *friction *= 1.0 - LESS;
+        }
+        row += block.rows.len();
+    }
+    let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
+    let found = match solve(&Problem { mobility: &rows.square, free: &offset, laws: &laws }, None) {
+        Ok(found) => found,
+        Err(Unsolved::Stopped { best }) => *best,
+        Err(Unsolved::Inconsistent { block, .. }) => {
+            return Err(match blocks[block].of {
+                Of::Contact(index) => Undecided::Inconsistent(index),
+                Of::Joint(_) => Undecided::Unsolved,
+            });
+        }
+        Err(_) => return Err(Undecided::Unsolved),
+    };
+    // Each acceleration is a difference of others.
+    let largest = free.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let mut first = 0;
+    for (block, is) in blocks.iter().zip(&found.states) {
+        let row = first;
+        first += block.rows.len();
+        let rate = found.rates[row];
+        let terms: f64 =
+            (0..offset.len()).map(|column| (rows.square[(row, column)] * found.forces[column]).abs()).sum();
+        let moves = rate.abs() > ROUNDING * (terms + offset[row].abs()) + DIFFERENCE * (1.0 + largest);
+        match block.of {
+            Of::Joint(index) => {
+                let joint = &elements.joints[index];
+                if *is != BlockState::Inside && moves && !joint.is_locked() {
+                    let sliding = if joint.friction > 0.0 { rate.signum() as i8 } else { 0 };
+                    mode.joints[index] = JointMode::Free { sliding };
+                }
+            }
+            Of::Contact(index) => {
+                let Candidate { contact, slip, .. } = &candidates[index];
+                if matches!(is, BlockState::Open | BlockState::AtLower) && moves {
+                    continue;
+                }
+                let [along, across] = tangents(&touch_motion(&contact.joint, &bodies).normal);
+                let begins = || along * found.rates[row + 1] + across * found.rates[row + 2];
+                let slides = match block.law {
+                    Law::Sliding { .. } => slip.try_normalize(0.0),
+                    Law::Interval { .. } => Some(slip.try_normalize(0.0).unwrap_or(along)),
+                    Law::Contact { .. } if *is == BlockState::Slips => begins().try_normalize(0.0),
+                    Law::Contact { .. } => None,
+                };
+                mode.contacts.push(Closed { contact: contact.clone(), slides });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The direction of a slip in the tangents of a contact; none where it does not slip.
+fn direction_in(joint: &TouchJoint, bodies: &[BodyState], slip: &Vector3<f64>) -> Option<[f64; 2]> {
+    let direction = slip.try_normalize(0.0)?;
+    let [first, second] = tangents(&touch_motion(joint, bodies).normal);
+    Some([direction.dot(&first), direction.dot(&second)])
 }
 
 /// For each body whether it is held: its joint is, or cannot move because others are.
@@ -108,25 +250,34 @@ pub(crate) fn held_bodies(
     state: &State,
 ) -> Vec<bool> {
     let mut held = mode.held_bodies(elements, whole.bodies.len());
-    // What follows a joint is held with it; loops may hold more.
-    if whole.loops.is_empty() || !held.contains(&true) {
+    let sticks = mode.contacts.iter().any(|closed| closed.slides.is_none());
+    // What follows a joint is held with it; loops and contacts may hold more.
+    if !(sticks || (held.contains(&true) && !whole.loops.is_empty())) {
         return held;
     }
-    let rows: Vec<usize> = (0..whole.bodies.len())
-        .filter(|&body| held[body])
-        .map(|body| whole.bodies[body].joint.velocity_index)
-        .collect();
-    let (columns, square) = response.matrix(state, &rows);
-    let inverse = pseudo_inverse(&square);
-    let single = |body: &usize| !held[*body] && whole.bodies[*body].joint.velocity_range().len() == 1;
-    let others: Vec<usize> = (0..whole.bodies.len()).filter(single).collect();
-    let freedom = |body: usize| whole.bodies[body].joint.velocity_index;
-    let answers = response.diagonal(state, others.iter().map(|&body| freedom(body)));
-    for (&body, answer) in others.iter().zip(answers) {
+    let joints = (0..whole.bodies.len()).filter(|&body| held[body]);
+    let freedoms = joints.flat_map(|body| whole.bodies[body].joint.velocity_range());
+    let mut rows: Vec<Vec<f64>> = freedoms.map(|freedom| row_of_freedom(whole.velocity_count, freedom, 1.0)).collect();
+    if sticks {
+        let bodies = body_states(whole, state);
+        for closed in mode.contacts.iter().filter(|closed| closed.slides.is_none()) {
+            rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, true));
+        }
+    }
+    let rows = Rows::new(response, state, rows);
+    let inverse = pseudo_inverse(&rows.square);
+    let rest = |body: &usize| !held[*body] && (sticks || whole.bodies[*body].joint.velocity_range().len() == 1);
+    let others: Vec<usize> = (0..whole.bodies.len()).filter(rest).collect();
+    let freedoms = others.iter().flat_map(|&body| whole.bodies[body].joint.velocity_range());
+    let mut answers = response.diagonal(state, freedoms).into_iter();
+    for &body in &others {
         // Y_ii − Y_iS (Y_SS)⁺ Y_Si: what is left of the answer.
-        let row = columns.row(freedom(body));
-        let taken = (row * &inverse * row.transpose())[(0, 0)];
-        held[body] = answer - taken <= IMMOBILE * answer;
+        held[body] = true;
+        for (freedom, answer) in whole.bodies[body].joint.velocity_range().zip(answers.by_ref()) {
+            let row = rows.columns().row(freedom);
+            let taken = (row * &inverse * row.transpose())[(0, 0)];
+            held[body] &= answer - taken <= IMMOBILE * answer;
+        }
     }
     held
 }

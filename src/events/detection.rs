@@ -8,7 +8,7 @@
 //! The root of the dense output is of lower order than the ends of steps: it begins the location, and never replaces it.
 
 /// Samples of a step besides its start.
-const SAMPLES: usize = 6;
+pub(super) const SAMPLES: usize = 6;
 /// Halvings of the first interval in search of a positive value.
 const HALVINGS: i32 = 44;
 /// The root is bracketed to this part of the step.
@@ -164,7 +164,7 @@ fn least_below_zero(
 }
 
 /// Narrows a bracket by the method of false position (Illinois).
-fn close_in(
+pub(super) fn close_in(
     watched: usize,
     low: f64,
     high: f64,

@@ -13,6 +13,7 @@
 
 use crate::events::held::Held;
 use crate::events::mode::{Mode, MotorMode};
+use crate::events::piece_steps::PieceSteps;
 use crate::instant::elements::Elements;
 use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::forces::{JointDamper, JointSpring};
@@ -20,7 +21,6 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::{Motor, MotorLaw};
 use crate::mechanism::motion::inputs::ChangingEfforts;
 use crate::mechanism::motion::state::State;
-use crate::stepping::integrator::Lobatto;
 
 /// The motors of a mode that follow their laws and move something.
 pub(crate) struct Drives {
@@ -82,10 +82,9 @@ impl Drives {
     }
 
     /// What the springs have given and what the dampers have taken in the last step of what moves, from `start` to `end` (J).
-    pub fn exchanged(&mut self, lobatto: &Lobatto, start: &State, end: &State) -> (f64, f64) {
+    pub fn exchanged(&mut self, steps: &dyn PieceSteps, start: &State, end: &State) -> (f64, f64) {
         let (mut given, mut taken) = (0.0, 0.0);
         let length = end.time - start.time;
-        self.rates.resize(lobatto.stages(), 0.0);
         for Drive { motor, coordinate, rest } in &self.entries {
             let (kp, kd) = motor.law.gains();
             let stretch = |state: &State| state.position[coordinate.position] - rest;
@@ -93,9 +92,7 @@ impl Drives {
             // ½ kp (x₀² − x₁²), without cancellation.
             given -= 0.5 * kp * moved * (stretch(start) + stretch(end));
             if kd > 0.0 {
-                let weights = lobatto.stage_rates(coordinate.freedom, &mut self.rates);
-                let squares = weights.iter().zip(&self.rates).map(|(weight, rate)| weight * rate * rate);
-                taken += length * kd * squares.sum::<f64>();
+                taken += length * kd * steps.mean_square_rate(*coordinate, &mut self.rates);
             }
         }
         (given, taken)

@@ -11,6 +11,7 @@
 //! with the principal frame `P` of the group; what hangs on the world becomes part of it. A rate that is held is exactly zero, and what does
 //! not move costs nothing. Closures whose ends are on one group say nothing and are left out; so are the forces between them.
 
+use crate::events::mode::Closures;
 use crate::mechanism::description::closure::{Attachment, Coordinate};
 use crate::mechanism::description::forces::Wrench;
 use crate::mechanism::description::joint::Pose;
@@ -26,8 +27,9 @@ pub(crate) struct Held {
     pub mechanism: Mechanism,
     /// The body of the whole that heads each body.
     heads: Vec<usize>,
-    /// For each body of the whole whether its joint is held.
+    /// For each body of the whole whether its joint is held, and the group that it is part of; none for the world.
     pub is_held: Vec<bool>,
+    groups: Vec<Option<usize>>,
 }
 
 /// Where a body of the whole is: fixed in a group (or in the world), with its pose in the group's frame.
@@ -39,7 +41,7 @@ struct Place {
 
 impl Held {
     /// The rest of a mechanism in a state, with the joints of these bodies held where they are.
-    pub fn new(whole: &Mechanism, state: &State, is_held: Vec<bool>) -> Self {
+    pub fn new(whole: &Mechanism, state: &State, is_held: Vec<bool>, closures: &Closures) -> Self {
         let places = heads_and_places(whole, state, &is_held);
         let (heads, places) = (places.0, places.1);
         let groups = heads.len();
@@ -85,28 +87,19 @@ impl Held {
             })
             .collect();
         let mechanism = number(whole, bodies);
-        let mut held = Held { mechanism, heads, is_held };
-        held.take_over(whole, &into);
+        let groups = places.iter().map(|place| place.group).collect();
+        let mut held = Held { mechanism, heads, is_held, groups };
+        held.take_over(whole, closures, &into);
         held
     }
 
     /// Closures and forces of what moves.
-    fn take_over(&mut self, whole: &Mechanism, into: &Into) {
-        let Held { mechanism, heads, is_held } = self;
-        let owner = |freedom: usize| whole.bodies.partition_point(|body| body.joint.velocity_index <= freedom) - 1;
-        let coordinate = |of: Coordinate| {
-            let body = heads.binary_search(&of.body).ok()?;
-            let (from, to) = (&whole.bodies[of.body].joint, &mechanism.bodies[body].joint);
-            Some(Coordinate {
-                body,
-                position: of.position - from.position_index + to.position_index,
-                freedom: of.freedom - from.velocity_index + to.velocity_index,
-            })
-        };
+    fn take_over(&mut self, whole: &Mechanism, closures: &Closures, into: &Into) {
+        let coordinate = |of: Coordinate| self.coordinate(whole, of);
         let freedom = |freedom: usize| {
-            let of = owner(freedom);
-            let body = heads.binary_search(&of).ok()?;
-            let first = mechanism.bodies[body].joint.velocity_index;
+            let of = whole.body_of_freedom(freedom)?;
+            let body = self.heads.binary_search(&of).ok()?;
+            let first = self.mechanism.bodies[body].joint.velocity_index;
             Some(freedom - whole.bodies[of].joint.velocity_index + first)
         };
         let attachment = |end: &Attachment| match end.body {
@@ -137,7 +130,13 @@ impl Held {
             })
             .collect();
         let mut loops = whole.loops.clone();
+        loops.extend_from_slice(&closures.anchors);
         loops.retain_mut(|joint| {
+            (joint.a, joint.b) = (attachment(&joint.a), attachment(&joint.b));
+            joint.a.body != joint.b.body
+        });
+        let mut touches = closures.touches.clone();
+        touches.retain_mut(|joint| {
             (joint.a, joint.b) = (attachment(&joint.a), attachment(&joint.b));
             joint.a.body != joint.b.body
         });
@@ -149,11 +148,18 @@ impl Held {
             }
             _ => false,
         });
-        debug_assert_eq!(is_held.len(), whole.bodies.len());
+        debug_assert_eq!(self.is_held.len(), whole.bodies.len());
+        let mechanism = &mut self.mechanism;
         mechanism.forces = forces;
         mechanism.loops = loops;
+        mechanism.touches = touches;
         mechanism.mimics = mimics;
         mechanism.nonsmooth = Nonsmooth::default();
+    }
+
+    /// What a body of the whole is part of: a body of what moves, or the world.
+    pub fn group(&self, body: usize) -> Option<usize> {
+        self.groups[body]
     }
 
     /// Whether nothing is left to move.
@@ -260,6 +266,7 @@ fn number(whole: &Mechanism, mut bodies: Vec<Body>) -> Mechanism {
         gravity: whole.gravity,
         bodies,
         loops: Vec::new(),
+        touches: Vec::new(),
         mimics: Vec::new(),
         forces: Default::default(),
         limits: Vec::new(),

@@ -4,22 +4,15 @@
 //! what is not from its forces is what holds it:
 //!
 //! ```text
-//!     no loops:   λ_i = Σ_j m_j (z_j · (reaction of joint j for a) − τ_j)    z_j its axis, τ_j springs, loads and efforts
-//!     loops:      D λ = −b,   D = W Y Wᵀ,  b = W a_free                      W: rows of the held freedoms
+//!     λ_i = Σ_j m_j (z_j · (reaction of joint j for a) − τ_j)    z_j its axis, τ_j springs, loads and efforts
 //! ```
 //!
-//! with the sum over the joint and all that follow it by ratios m_j. Where D is singular λ is not unique, and the question is whether any admissible λ exists:
-//!
-//! ```text
-//!     margin = max m    subject to  D λ = −b,   lo_i + m w_i ≤ λ_i ≤ hi_i − m w_i       w_i = τ_f,i, or the size of the load
-//! ```
-//!
-//! a linear programme, solved by clarabel. Source of the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
+//! with the sum over the joint and all that follow it by ratios m_j; with closures or contacts by [`crate::events::closed_forces`]. Source of the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
 
+use crate::events::closed_forces::{are_unique, closed_forces};
 use crate::events::held::Held as Moving;
-use crate::events::mode::{JointMode, Mode};
-use crate::instant::bounded;
-use crate::instant::elements::Elements;
+use crate::events::mode::JointMode;
+use crate::events::present::Present;
 use crate::instant::response::Response;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::JointKind;
@@ -28,24 +21,12 @@ use crate::mechanism::forces::total::{BodyWrench, body_wrenches, joint_efforts};
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::reduced::{Reaction, reactions_under};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
-use nalgebra::DMatrix;
-
-/// Held joints whose response is singular to this part are held more than once.
-const SINGULAR: f64 = 1e-10;
 
 /// Roundings of an effort, relative to what it is the difference of.
 const ROUNDING: f64 = 2e-15;
 
-/// A mechanism, its elements, what they do, and what moves while they do it.
-#[derive(Clone, Copy)]
-pub(crate) struct Present<'p> {
-    pub whole: &'p Mechanism,
-    pub elements: &'p Elements,
-    pub mode: &'p Mode,
-    pub moving: &'p Moving,
-}
+/// The same of a contact, whose force is the solution of a system with others.
+const CONTACT_ROUNDING: f64 = 1e-13;
 
 /// Works out what holds the joints of one mode.
 pub(crate) struct Holding {
@@ -55,6 +36,9 @@ pub(crate) struct Holding {
     efforts: Vec<f64>,
     /// The size of what each of them is the difference of.
     sizes: Vec<f64>,
+    /// λ of the closed contacts (N): normal and tangents; and the size of what they are the difference of.
+    contacts: Vec<[f64; 3]>,
+    contact_size: f64,
     /// m.
     margin: f64,
     how: How,
@@ -87,16 +71,15 @@ struct Tree {
 impl Holding {
     /// For a mode in a state, and what moves in it.
     pub fn new(at: &Present, response: &mut Response, state: &State) -> Self {
-        let Present { whole, elements, mode, moving } = *at;
+        let Present { whole, elements, mode, moving, .. } = *at;
         let joints: Vec<(usize, usize)> = (elements.joints.iter().zip(&mode.joints).enumerate())
             .filter(|(_, (_, mode))| matches!(mode, JointMode::Held { .. }))
             .map(|(index, (joint, _))| (index, joint.coordinate.freedom))
             .collect();
-        let how = if joints.is_empty() {
+        let how = if joints.is_empty() && mode.contacts.is_empty() {
             How::Nothing
-        } else if !whole.loops.is_empty() {
-            let freedoms: Vec<usize> = joints.iter().map(|&(_, freedom)| freedom).collect();
-            How::Closed { unique: is_regular(&response.matrix(state, &freedoms).1) }
+        } else if !(whole.loops.is_empty() && mode.contacts.is_empty()) {
+            How::Closed { unique: are_unique(at, response, state) }
         } else {
             // Motors act through the efforts that are handed over, not as forces of what moves.
             let mut bare = moving.mechanism.clone();
@@ -117,7 +100,9 @@ impl Holding {
             }))
         };
         let nothing = vec![0.0; elements.joints.len()];
-        Holding { joints, efforts: nothing.clone(), sizes: nothing, margin: f64::INFINITY, how }
+        let contacts = vec![[0.0; 3]; mode.contacts.len()];
+        let margin = f64::INFINITY;
+        Holding { joints, efforts: nothing.clone(), sizes: nothing, contacts, contact_size: 0.0, margin, how }
     }
 
     /// Whether the efforts are unique.
@@ -135,6 +120,16 @@ impl Holding {
         ROUNDING * self.sizes[joint].max(1.0)
     }
 
+    /// λ of a closed contact (N): along its normal and its tangents.
+    pub fn of_contact(&self, contact: usize) -> [f64; 3] {
+        self.contacts[contact]
+    }
+
+    /// What the roundings of the contacts may be (N).
+    pub fn rounding_of_contacts(&self) -> f64 {
+        CONTACT_ROUNDING * self.contact_size
+    }
+
     /// m: positive while some efforts can hold all.
     pub fn margin(&self) -> f64 {
         self.margin
@@ -142,8 +137,8 @@ impl Holding {
 
     /// Works them out for a state of the whole under efforts from outside, of friction and of motors: one entry a degree of freedom.
     pub fn evaluate(&mut self, at: &Present, response: &mut Response, state: &State, efforts: &[f64]) {
-        let Present { whole, elements, mode, moving } = *at;
-        let Holding { joints, efforts: found, sizes, margin, how } = self;
+        let Present { whole, elements, moving, .. } = *at;
+        let Holding { joints, efforts: found, sizes, margin, how, .. } = self;
         match how {
             How::Nothing => {}
             How::Tree(tree) => {
@@ -160,21 +155,13 @@ impl Holding {
                 }
             }
             How::Closed { unique } => {
-                let freedoms: Vec<usize> = joints.iter().map(|&(_, freedom)| freedom).collect();
-                let (_, square) = response.matrix(state, &freedoms);
-                let mut free = vec![0.0; whole.velocity_count];
-                response.accelerations(state, efforts, &mut free);
-                let offset: Vec<f64> = freedoms.iter().map(|&freedom| free[freedom]).collect();
-                let unbounded = vec![(f64::NEG_INFINITY, f64::INFINITY); freedoms.len()];
-                let least = bounded::minimise(&square, &offset, &unbounded).efforts;
-                for (&(joint, _), effort) in joints.iter().zip(&least) {
-                    found[joint] = *effort;
+                let forces = closed_forces(at, response, state, efforts, *unique);
+                for &(joint, effort) in &forces.joints {
+                    (found[joint], sizes[joint]) = (effort, forces.size);
                 }
-                if !*unique {
-                    let bounds: Vec<(f64, f64)> =
-                        joints.iter().map(|&(joint, _)| mode.joints[joint].holding(&elements.joints[joint])).collect();
-                    *margin = largest_margin(&square, &least, &bounds);
-                }
+                *margin = forces.margin;
+                self.contacts = forces.contacts;
+                self.contact_size = forces.size;
             }
         }
     }
@@ -186,8 +173,8 @@ fn count_springs(whole: &Mechanism, moving: &Moving) -> usize {
 }
 
 fn count_dampers(whole: &Mechanism, moving: &Moving) -> usize {
-    let owner = |freedom: usize| whole.bodies.partition_point(|body| body.joint.velocity_index <= freedom) - 1;
-    whole.forces.joint_dampers.iter().filter(|damper| !moving.is_held[owner(damper.freedom)]).count()
+    let moves = |freedom: usize| whole.body_of_freedom(freedom).is_some_and(|body| !moving.is_held[body]);
+    whole.forces.joint_dampers.iter().filter(|damper| moves(damper.freedom)).count()
 }
 
 impl Tree {
@@ -218,78 +205,4 @@ impl Tree {
         let size = if joint.kind == JointKind::Prismatic { force.norm() } else { torque.norm() };
         (carried - self.own[joint.velocity_index], size + self.own[joint.velocity_index].abs())
     }
-}
-
-/// Whether a response is regular, whatever the units of its rows.
-fn is_regular(square: &DMatrix<f64>) -> bool {
-    let scale: Vec<f64> = (0..square.nrows()).map(|row| square[(row, row)].max(0.0).sqrt()).collect();
-    if scale.contains(&0.0) {
-        return false;
-    }
-    let scaled = DMatrix::from_fn(square.nrows(), square.ncols(), |row, column| {
-        square[(row, column)] / (scale[row] * scale[column])
-    });
-    let values = scaled.symmetric_eigenvalues();
-    values.min() > SINGULAR * values.max()
-}
-
-/// The largest margin of efforts that hold what `least` holds: over `λ = least + n`, `D n = 0`.
-fn largest_margin(square: &DMatrix<f64>, least: &[f64], bounds: &[(f64, f64)]) -> f64 {
-    let count = least.len();
-    let size = least.iter().fold(0.0_f64, |most, effort| most.max(effort.abs())).max(f64::MIN_POSITIVE);
-    let weight = |&(low, high): &(f64, f64)| match (low.abs(), high.abs()) {
-        (low, high) if low.is_finite() && low > 0.0 => {
-            if high.is_finite() {
-                low.min(high)
-            } else {
-                low
-            }
-        }
-        (_, high) if high.is_finite() && high > 0.0 => high,
-        _ => size,
-    };
-    // Unknowns: the coefficients of the null vectors of D, and m.
-    let eigen = square.clone().symmetric_eigen();
-    let largest = eigen.eigenvalues.max();
-    let null: Vec<usize> = (0..count).filter(|&index| eigen.eigenvalues[index] <= SINGULAR * largest).collect();
-    let mut rows: Vec<Vec<f64>> = Vec::new();
-    let mut limits: Vec<f64> = Vec::new();
-    for index in 0..count {
-        let along =
-            |sign: f64| null.iter().map(|&vector| sign * eigen.eigenvectors[(index, vector)]).collect::<Vec<f64>>();
-        let (low, high) = bounds[index];
-        for (finite, sign, room) in
-            [(high.is_finite(), 1.0, high - least[index]), (low.is_finite(), -1.0, least[index] - low)]
-        {
-            if finite {
-                let mut row = along(sign);
-                row.push(weight(&bounds[index]));
-                rows.push(row);
-                limits.push(room);
-            }
-        }
-    }
-    if rows.is_empty() {
-        return f64::INFINITY;
-    }
-    let mut objective = vec![0.0; null.len() + 1];
-    objective[null.len()] = -1.0;
-    let settings = DefaultSettings {
-        verbose: false,
-        tol_gap_abs: 1e-13,
-        tol_gap_rel: 1e-13,
-        tol_feas: 1e-13,
-        ..DefaultSettings::default()
-    };
-    let solver = DefaultSolver::new(
-        &CscMatrix::zeros((null.len() + 1, null.len() + 1)),
-        &objective,
-        &CscMatrix::from(&rows),
-        &limits,
-        &[SupportedConeT::NonnegativeConeT(rows.len())],
-        settings,
-    );
-    let Ok(mut solver) = solver else { return f64::NEG_INFINITY };
-    solver.solve();
-    solver.solution.x.last().copied().unwrap_or(f64::NEG_INFINITY)
 }

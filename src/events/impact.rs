@@ -1,111 +1,81 @@
-//! Impacts on limits: the momentum of the whole mechanism, with all its closures, several limits at once.
+//! Impacts: the momentum of the whole mechanism, with all its closures, on all limits and contacts that are met at once.
 //!
-//! With the rows W of the limits that are met (their rates γ = W v, positive into the allowed range) and `D = W Y Wᵀ`:
+//! With the rows W of what is met ([`crate::instant::blocks`]), their rates `u = W v` and `D = W Y Wᵀ`:
 //!
 //! ```text
-//!     0 ≤ P ⊥ D P + γ⁻ + e min(γ⁻, 0) ≥ 0,      v⁺ = v⁻ + Y Wᵀ P          one round, on the rows that approach or rest
-//!     lost = −½ (γ⁻ + γ⁺)ᵀ P ≥ 0  (J)
+//!     u⁺ = D P + u⁻,     limits:  0 ≤ P ⊥ u⁺ + e min(u⁻, 0) ≥ 0,     contacts: the same along the normal, within Coulomb's cone
+//!     v⁺ = v⁻ + Y Wᵀ P,  lost = −½ (u⁻ + u⁺)ᵀ P ≥ 0  (J)
 //! ```
 //!
-//! Rounds follow each other until no row approaches; after fifty all rows are taken without restitution. Where numbers e differ and a round would
-//! gain energy, it goes from the plastic solution `v_C` as far towards it as no energy is gained. Efforts that are finite, of friction and
-//! motors, give no impulse.
+//! in the rounds of [`crate::instant::cone::impact`]. Efforts that are finite, of friction in joints and of motors, give no impulse.
 //!
-//! Sources: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics" (1988); rounds: B. Smith et al., "Reflections on
-//! simultaneous impact", ACM Trans. Graphics 31 (2012).
+//! Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics" (1988).
 
-use crate::instant::bounded::minimise;
-use crate::instant::response::Response;
+use crate::events::decision::Scene;
+use crate::instant::blocks::{Block, Of, Rows};
+use crate::instant::cone::impact::impact;
+use crate::instant::cone::problem::{Law, Problem, Unsolved};
 use crate::mechanism::motion::state::State;
-use nalgebra::{DMatrix, DVector};
 
-/// Rounds before all rows are plastic.
-const ROUNDS: usize = 50;
+/// A rate that an impact leaves is zero if it is this part of the largest before.
+const STOPPED: f64 = 1e-9;
 
-/// A limit that is met.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Row {
-    /// Which joint it is of, among the elements.
-    pub joint: usize,
-    /// Its degree of freedom, and the direction into the allowed range along it.
-    pub freedom: usize,
-    pub inward: f64,
+/// Something that is met.
+#[derive(Clone, Debug)]
+pub(crate) struct Meeting {
+    /// Its first row is positive into what is allowed.
+    pub block: Block,
     /// e.
     pub restitution: f64,
-    /// Rates towards the limit below this are rest [rad/s or m/s].
+    /// Rates along its first row below this are rest [rad/s or m/s].
     pub rest: f64,
+}
+
+impl Meeting {
+    /// The rate along its first row.
+    pub fn rate(&self, velocity: &[f64]) -> f64 {
+        self.block.rows[0].iter().zip(velocity).map(|(a, b)| a * b).sum()
+    }
 }
 
 /// What impacts did.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Impact {
-    /// Impulse of each row [N m s or N s].
-    pub impulses: Vec<f64>,
+pub(crate) struct Impulses {
+    /// Along the first row of everything that is met [N m s or N s].
+    pub normal: Vec<f64>,
     /// Kinetic energy that was lost (J).
     pub lost: f64,
 }
 
-/// Changes the velocities of a state so that no row approaches its limit; rates of rows that end at rest are exactly zero.
-pub(crate) fn collide(response: &mut Response, state: &mut State, rows: &[Row]) -> Impact {
-    let mut done = Impact { impulses: vec![0.0; rows.len()], lost: 0.0 };
-    let approaches = |state: &State, row: &Row| row.inward * state.velocity[row.freedom] < -row.rest;
-    if !rows.iter().any(|row| approaches(state, row)) {
-        return done;
+/// Changes the velocities of a state so that nothing approaches; rates of limits that end at rest are exactly zero.
+pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
+    let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0 };
+    if meetings.is_empty() {
+        return Ok(done);
     }
-    let freedoms: Vec<usize> = rows.iter().map(|row| row.freedom).collect();
-    let (columns, square) = response.matrix(state, &freedoms);
-    let square = DMatrix::from_fn(rows.len(), rows.len(), |a, b| rows[a].inward * rows[b].inward * square[(a, b)]);
-    for round in 0..=ROUNDS {
-        let last = round == ROUNDS;
-        let rates: Vec<f64> = rows.iter().map(|row| row.inward * state.velocity[row.freedom]).collect();
-        let taken: Vec<usize> = (0..rows.len())
-            .filter(|&index| last || rates[index] < -rows[index].rest || rates[index].abs() <= rows[index].rest)
-            .collect();
-        if !rows.iter().any(|row| approaches(state, row)) {
-            break;
-        }
-        let part = DMatrix::from_fn(taken.len(), taken.len(), |a, b| square[(taken[a], taken[b])]);
-        let before: Vec<f64> = taken.iter().map(|&index| rates[index]).collect();
-        let bounds = vec![(0.0, f64::INFINITY); taken.len()];
-        let plastic = minimise(&part, &before, &bounds).efforts;
-        let impulses = if last || taken.iter().all(|&index| rows[index].restitution == 0.0) {
-            plastic
-        } else {
-            let given = taken.iter().zip(&before).map(|(&index, &rate)| rate + rows[index].restitution * rate.min(0.0));
-            let given: Vec<f64> = given.collect();
-            without_gain(&part, &before, &plastic, &minimise(&part, &given, &bounds).efforts)
-        };
-        let after = &part * DVector::from_column_slice(&impulses) + DVector::from_column_slice(&before);
-        for (index, (&row, &impulse)) in taken.iter().zip(&impulses).enumerate() {
-            done.impulses[row] += impulse;
-            done.lost -= 0.5 * (before[index] + after[index]) * impulse;
-            for (freedom, rate) in state.velocity.iter_mut().enumerate() {
-                *rate += rows[row].inward * columns[(freedom, row)] * impulse;
-            }
-        }
-        for (index, &row) in taken.iter().enumerate() {
+    if !meetings.iter().any(|meeting| meeting.rate(&state.velocity) < -meeting.rest) {
+        return Ok(done);
+    }
+    let blocks: Vec<Block> = meetings.iter().map(|meeting| meeting.block.clone()).collect();
+    let rows = Rows::of(scene.response, state, &blocks);
+    let before = rows.rates(&state.velocity);
+    let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
+    let restitution: Vec<f64> = meetings.iter().map(|meeting| meeting.restitution).collect();
+    let found = impact(&Problem { mobility: &rows.square, free: &before, laws: &laws }, &restitution)?;
+    rows.add(&found.impulses, &mut state.velocity);
+    done.lost = found.lost;
+    let largest = before.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    let mut row = 0;
+    for (index, meeting) in meetings.iter().enumerate() {
+        done.normal[index] = found.impulses[row];
+        if let Of::Joint(joint) = meeting.block.of
+            && done.normal[index] > 0.0
+            && found.rates[row].abs() <= STOPPED * largest.max(meeting.rest)
+        {
             // What an impulse has stopped stands.
-            let stopped = impulses[index] > 0.0 && (last || rows[row].restitution == 0.0);
-            if stopped && after[index].abs() <= 1e-9 * before[index].abs().max(rows[row].rest) {
-                state.velocity[rows[row].freedom] = 0.0;
-            }
+            state.velocity[scene.elements.joints[joint].coordinate.freedom] = 0.0;
         }
+        row += meeting.block.rows.len();
     }
-    done
-}
-
-/// From the plastic impulses as far towards others as no energy is gained: `E(σ) − E⁻ = Pᵀ (γ + ½ D P)`, a quadratic of σ.
-fn without_gain(square: &DMatrix<f64>, rates: &[f64], plastic: &[f64], wanted: &[f64]) -> Vec<f64> {
-    let gain = |impulses: &DVector<f64>| impulses.dot(&(DVector::from_column_slice(rates) + 0.5 * square * impulses));
-    let (from, to) = (DVector::from_column_slice(plastic), DVector::from_column_slice(wanted));
-    let kinetic = rates.iter().zip(wanted).map(|(rate, impulse)| (rate * impulse).abs()).sum::<f64>();
-    if gain(&to) <= 1e-14 * kinetic {
-        return wanted.to_vec();
-    }
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if gain(&(&from + (&to - &from) * middle)) <= 0.0 { low = middle } else { high = middle }
-    }
-    (&from + (&to - &from) * low).iter().copied().collect()
+    Ok(done)
 }

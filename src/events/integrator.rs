@@ -1,23 +1,33 @@
 //! The integrator of motions that are smooth in pieces: steps of the scheme for what moves in a mode, ended at events.
 
-use crate::events::decision::held_bodies;
+use crate::events::approach::Speeds;
+use crate::events::decision::{Scene, held_bodies};
 use crate::events::detection::Looking;
 use crate::events::drives::Drives;
 use crate::events::held::Held;
-use crate::events::holding::{Holding, Present};
-use crate::events::mode::{JointMode, Mode, MotorMode};
+use crate::events::holding::Holding;
+use crate::events::memory::{Found, Memory};
+use crate::events::mode::{Closures, JointMode, Mode, MotorMode};
 use crate::events::piece::{Key, Piece};
-use crate::events::transition::{Found, Memory, transit};
+use crate::events::piece_steps::PieceRecipe;
+use crate::events::present::Present;
+use crate::events::reporting::Reporting;
+use crate::events::transition::transit;
 use crate::events::watched::{Watched, unbounded};
 use crate::instant::elements::Elements;
 use crate::instant::response::Response;
+use crate::instant::touching::Touching;
+use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError};
+use crate::mechanism::motion::integrator::{MethodDescription, StepError};
+use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
-use crate::stepping::integrator::{Lobatto, MethodError, StepPace};
-use crate::stepping::recipe::{Recipe, Steps};
+use crate::stepping::integrator::{MethodError, StepPace};
+use crate::stepping::recipe::Recipe;
+use nalgebra::Vector3;
+use std::cell::RefCell;
 
 /// Modes whose workspaces are kept.
 const KEPT_MODES: usize = 12;
@@ -30,8 +40,9 @@ const HEIGHT: f64 = 1e-13;
 pub struct Eventful {
     pub(super) whole: Mechanism,
     pub(super) elements: Elements,
-    pub(super) recipe: Recipe,
+    pub(super) recipe: PieceRecipe,
     pub(super) response: Response,
+    pub(super) touching: Touching,
     pub(super) mode: Mode,
     pub(super) memory: Memory,
     pub(super) pieces: Vec<Piece>,
@@ -43,12 +54,17 @@ pub struct Eventful {
     /// Functions whose zero at the start of the next step is no event.
     pub(super) fresh_joints: Vec<bool>,
     pub(super) fresh_motors: Vec<bool>,
+    pub(super) fresh_pairs: Vec<bool>,
     /// Where the last step began, and where it ended, with everything that happened there.
     pub(super) origin: State,
     pub(super) left: Option<State>,
     pub(super) sample: State,
     /// Room for looks at steps.
     pub(super) looking: Looking,
+    pub(super) speeds: Speeds,
+    pub(super) bodies: Vec<BodyState>,
+    /// The directions in which closed contacts slide where the step begins.
+    pub(super) slips: Vec<Vector3<f64>>,
     pub(super) efforts: Vec<f64>,
     pub(super) events: Vec<Event>,
     /// The efforts from outside in the last step.
@@ -65,6 +81,20 @@ pub struct Eventful {
     pub(super) lost_at_start: f64,
     /// What stands for the steps where nothing moves.
     pub(super) idle: MethodDescription,
+    /// How often the law of contact could not be solved to its accuracy.
+    pub(super) unsolved: usize,
+    /// Whether everything has come to rest on contacts, and is not moved until something changes.
+    pub(super) asleep: bool,
+    /// Steps in a row in which nothing has moved.
+    pub(super) quiet: usize,
+    /// Steps since a time (s), where events crowd.
+    pub(super) crowd: (usize, f64),
+    /// The end of the last step, if it was one of first order.
+    pub(super) stepped_over: Option<State>,
+    /// The mode of the last step, where there are pairs that may touch.
+    pub(super) stepped_in: Option<Mode>,
+    /// For the forces that are reported.
+    pub(super) reporting: RefCell<Reporting>,
 }
 
 impl Eventful {
@@ -73,22 +103,39 @@ impl Eventful {
     /// # Errors
     /// [`MethodError`] for stages and steps that cannot be.
     pub fn new(mechanism: &Mechanism, recipe: Recipe) -> Result<Self, MethodError> {
+        Eventful::with(mechanism, PieceRecipe::Lobatto(recipe))
+    }
+
+    /// The comparator: the same events, between steps of DOP853 in joint coordinates with this tolerance; for trees.
+    pub fn over_dop853(mechanism: &Mechanism, tolerance: f64) -> Result<Self, MethodError> {
+        Eventful::with(mechanism, PieceRecipe::Dop853(tolerance))
+    }
+
+    fn with(mechanism: &Mechanism, recipe: PieceRecipe) -> Result<Self, MethodError> {
         // Stages and steps are refused here, not in the middle of the run.
-        let idle = recipe.lobatto(mechanism)?.description();
+        let idle = recipe.idle(mechanism)?;
         let elements = Elements::new(mechanism);
         let mode = Mode {
             joints: vec![JointMode::Free { sliding: 0 }; elements.joints.len()],
             motors: vec![MotorMode::Unbounded; elements.motors.len()],
+            contacts: Vec::new(),
         };
+        let touching = Touching::new(mechanism);
         let state = State::zero(mechanism);
         let mut response = Response::new(mechanism);
-        let nothing = Held::new(mechanism, &state, vec![false; mechanism.bodies.len()]);
+        let nothing = Held::new(mechanism, &state, vec![false; mechanism.bodies.len()], &Closures::default());
         let holding = {
-            let present = Present { whole: mechanism, elements: &elements, mode: &mode, moving: &nothing };
+            let present =
+                Present { whole: mechanism, elements: &elements, touching: &touching, mode: &mode, moving: &nothing };
             Holding::new(&present, &mut response, &state)
         };
         Ok(Eventful {
-            memory: Memory::new(elements.joints.len()),
+            memory: Memory::new(elements.joints.len(), touching.pairs.len()),
+            fresh_pairs: vec![false; touching.pairs.len()],
+            speeds: Speeds::default(),
+            bodies: vec![WORLD; mechanism.bodies.len()],
+            slips: Vec::new(),
+            touching,
             fresh_joints: vec![false; elements.joints.len()],
             fresh_motors: vec![false; elements.motors.len()],
             response,
@@ -115,21 +162,25 @@ impl Eventful {
             stepped: 0.0,
             lost_at_start: 0.0,
             idle,
+            unsolved: 0,
+            crowd: (0, f64::NEG_INFINITY),
+            stepped_over: None,
+            asleep: false,
+            quiet: 0,
+            stepped_in: None,
+            reporting: RefCell::new(Reporting::new(mechanism)),
             whole: mechanism.clone(),
         })
     }
 
     /// Whether stability, and not accuracy, has limited a step.
     pub fn was_held_by_stability(&self) -> bool {
-        self.pieces.iter().filter_map(|piece| piece.lobatto.as_ref()).any(Lobatto::was_held_by_stability)
+        self.pieces.iter().filter_map(|piece| piece.steps.as_ref()).any(|steps| steps.was_held_by_stability())
     }
 
     /// The height that accumulating impacts may leave.
     fn height(&self) -> f64 {
-        match self.recipe.steps {
-            Steps::Fixed { .. } => HEIGHT,
-            Steps::Chosen { tolerance, .. } => HEIGHT.max(1e-4 * tolerance),
-        }
+        self.recipe.tolerance().map_or(HEIGHT, |tolerance| HEIGHT.max(1e-4 * tolerance))
     }
 
     /// Whether another mechanism than the one that is known acts.
@@ -143,6 +194,8 @@ impl Eventful {
         if self.is_other(mechanism) {
             self.whole = mechanism.clone();
             self.response = Response::new(mechanism);
+            self.reporting = RefCell::new(Reporting::new(mechanism));
+            self.touching = Touching::new(mechanism);
             self.pieces.clear();
         }
         if self.left.is_none() {
@@ -179,7 +232,7 @@ impl Eventful {
         self.outside.clear();
         self.outside.extend_from_slice(inputs.efforts);
         let events = self.events.len();
-        self.lost_at_start += self.pass(inputs, state, &[]);
+        self.lost_at_start += self.pass_anew(inputs, state);
         let keep = |event: &Event| event.impulse.is_some();
         let happened: Vec<Event> = self.events.drain(events..).filter(keep).collect();
         self.events.extend(happened);
@@ -201,27 +254,49 @@ impl Eventful {
 
     /// Carries out the event at a state, and enters the mode that follows; returns the energy lost (J).
     pub(super) fn pass(&mut self, inputs: Inputs, state: &mut State, triggers: &[Watched]) -> f64 {
-        let found = Found { triggers, height: self.height() };
-        let Eventful { elements, mode, response, memory, whole, .. } = self;
+        self.carry_out(inputs, state, Found { triggers, height: self.height(), anew: false })
+    }
+
+    /// The same where nothing is known of the contacts.
+    pub(super) fn pass_anew(&mut self, inputs: Inputs, state: &mut State) -> f64 {
+        self.mode.contacts.clear();
+        self.carry_out(inputs, state, Found { triggers: &[], height: self.height(), anew: true })
+    }
+
+    fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> f64 {
+        self.asleep = false;
+        let Eventful { elements, touching, mode, response, memory, whole, .. } = self;
         let efforts = |mode: &Mode, state: &State| {
             let mut efforts = vec![0.0; whole.velocity_count];
-            efforts[..inputs.efforts.len()].copy_from_slice(inputs.efforts);
-            let motors = Mode { joints: Vec::new(), motors: mode.motors.clone() };
+            inputs.write_constant(&mut efforts);
+            let motors = Mode { joints: Vec::new(), motors: mode.motors.clone(), contacts: Vec::new() };
             motors.add_constant_efforts(elements, &mut efforts);
             motors.add_motor_efforts(elements, state.time, state.time, state, &mut efforts);
             efforts
         };
-        let done = transit(elements, mode, response, state, memory, &found, efforts);
+        let mut scene = Scene { whole, elements, touching, response };
+        let done = transit(&mut scene, mode, state, memory, &found, efforts);
         self.events.extend(done.events);
-        (self.fresh_joints, self.fresh_motors) = (done.joints, done.motors);
+        self.unsolved += done.unsolved;
+        (self.fresh_joints, self.fresh_motors, self.fresh_pairs) = (done.joints, done.motors, done.pairs);
         self.enter(state);
         done.lost
     }
 
     /// Finds or makes what moves in the mode, and what is watched in it.
-    fn enter(&mut self, state: &mut State) {
-        let Eventful { whole, elements, mode, response, .. } = self;
-        let held = held_bodies(whole, elements, mode, response, state);
+    pub(super) fn enter(&mut self, state: &mut State) {
+        let Eventful { whole, elements, touching, mode, response, bodies, .. } = self;
+        let held = if self.asleep {
+            vec![true; whole.bodies.len()]
+        } else {
+            held_bodies(whole, elements, mode, response, state)
+        };
+        let closures = if mode.contacts.is_empty() {
+            Closures::default()
+        } else {
+            place_bodies(whole, state, bodies);
+            mode.closures(touching, bodies)
+        };
         for (body, _) in whole.bodies.iter().zip(&held).filter(|(_, held)| **held) {
             state.velocity[body.joint.velocity_range()].fill(0.0);
         }
@@ -232,22 +307,32 @@ impl Eventful {
         let places = whole.bodies.iter().zip(&held).filter(|(_, held)| **held);
         let places = places.map(|(body, _)| state.position[body.joint.position_index]).collect();
         let motors = mode.motors.iter().map(|motor| *motor == MotorMode::Unbounded).collect();
-        let key = Key { held, places, motors };
-        let pace = self.pieces.get(self.current).and_then(|piece| piece.lobatto.as_ref());
-        let pace = pace.map_or(StepPace::Grid { origin: self.began }, |lobatto| lobatto.step_pace(self.began));
+        let key = Key { held, places, motors, closures };
+        let pace = self.pieces.get(self.current).and_then(|piece| piece.steps.as_ref());
+        let pace = pace.map_or(StepPace::Grid { origin: self.began }, |steps| steps.pace(self.began));
         self.current = self.piece(key, state);
         let piece = &mut self.pieces[self.current];
         piece.used = self.steps;
         piece.small = piece.moving.gather(&self.whole, state);
-        if let Some(lobatto) = &mut piece.lobatto {
-            lobatto.keep_pace(pace, state.time);
+        if let Some(steps) = &mut piece.steps {
+            steps.go_on_at(pace, state.time);
         }
-        let Piece { moving, .. } = piece;
         self.holding = {
-            let present = Present { whole: &self.whole, elements: &self.elements, mode: &self.mode, moving };
-            Holding::new(&present, &mut self.response, state)
+            let Eventful { whole, elements, touching, mode, pieces, current, response, .. } = self;
+            let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+            Holding::new(&present, response, state)
         };
-        self.watched = Watched::of(&self.elements, &self.mode, self.holding.is_unique());
+        let moving = &self.pieces[self.current].moving;
+        let apart = |pair: usize| {
+            let [a, b] = self.touching.pairs[pair].bodies.map(|body| body.and_then(|body| moving.group(body)));
+            a != b
+        };
+        let unique = self.holding.is_unique();
+        self.watched = if self.asleep {
+            Vec::new()
+        } else {
+            Watched::of(&self.elements, &self.touching, &self.mode, unique, apart)
+        };
     }
 
     /// The number of the piece with this key.
@@ -255,16 +340,16 @@ impl Eventful {
         if let Some(known) = self.pieces.iter().position(|piece| piece.key == key) {
             return known;
         }
-        let mut moving = Held::new(&self.whole, state, key.held.clone());
+        let mut moving = Held::new(&self.whole, state, key.held.clone(), &key.closures);
         let drives = Drives::add(&self.elements, &self.mode, &self.whole, &mut moving);
         // Stages and steps were accepted for the whole.
-        let lobatto = if moving.is_empty() { None } else { self.recipe.lobatto(&moving.mechanism).ok() };
+        let steps = if moving.is_empty() { None } else { self.recipe.make(&moving.mechanism).ok() };
         let (positions, freedoms) = (moving.mechanism.position_count, moving.mechanism.velocity_count);
         let small = State::zero(&moving.mechanism);
         let piece = Piece {
             key,
             drives,
-            lobatto,
+            steps,
             small_start: small.clone(),
             small,
             small_efforts: vec![0.0; freedoms],
@@ -277,6 +362,9 @@ impl Eventful {
             (0..self.pieces.len()).filter(|&index| index != self.last).min_by_key(|&index| self.pieces[index].used);
         match oldest {
             Some(oldest) if self.pieces.len() >= KEPT_MODES => {
+                if let Some(steps) = &self.pieces[oldest].steps {
+                    self.idle.include_stability(&steps.description());
+                }
                 self.pieces[oldest] = piece;
                 oldest
             }

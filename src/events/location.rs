@@ -8,17 +8,27 @@
 //! order of the scheme, so that a secant is as good as one more unknown in the equations of the stages. Where an earlier root
 //! shows on the shortened step it is taken instead.
 
-use crate::events::detection::{Bracket, Looking, ONE_INSTANT, first_sign_change};
-use crate::events::holding::Present;
+use crate::events::approach::{Closing, first_closing};
+use crate::events::detection::{Bracket, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change};
 use crate::events::integrator::Eventful;
-use crate::events::watched::Watched;
+use crate::events::present::Present;
+use crate::events::watched::{Seen, Watched};
+use crate::instant::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
+use crate::mechanism::motion::kinematics::place_bodies;
 
 /// Attempts at the length of a step that ends at an event.
 const ATTEMPTS: usize = 12;
 /// Functions this near to zero at an event, relative to their size, belong to it.
 const TOGETHER: f64 = 1e-11;
+
+/// Overlaps of this part of the size of a pair are not missed between samples.
+const RESOLUTION: f64 = 2e-3;
+/// A slip of this part of the largest speed has stopped: less is noise of the solution of the stages.
+const STOPPED: f64 = 1e-10;
+/// Slips below this part of it say nothing of how fast they fall.
+const STEEP: f64 = 1e-7;
 
 impl Eventful {
     /// The functions that may change their sign in the last step of the piece in use.
@@ -36,6 +46,8 @@ impl Eventful {
                 // Twice what a cubic through both ends could do between them.
                 nearest[0].min(nearest[1]) <= length * fastest + (nearest[0] - nearest[1]).abs()
             }
+            // They are looked for by distances and speeds.
+            Watched::Approach(_) => false,
             _ => true,
         };
         which.clear();
@@ -47,7 +59,11 @@ impl Eventful {
         let mut looking = std::mem::take(&mut self.looking);
         let found = self.look(inputs, since, but, &mut looking);
         self.looking = looking;
-        found
+        let contact = self.look_for_contacts(inputs, since, but);
+        match (found, contact) {
+            (Some(found), Some(contact)) => Some(if contact.root < found.root { contact } else { found }),
+            (found, contact) => found.or(contact),
+        }
     }
 
     /// The same, with room for it.
@@ -63,16 +79,74 @@ impl Eventful {
             let watched = self.watched[index];
             let fresh = match watched {
                 Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => self.fresh_joints[joint],
-                Watched::Margin => self.fresh_joints.contains(&true),
+                Watched::Margin => self.fresh_joints.contains(&true) || self.fresh_pairs.contains(&true),
                 Watched::Motor(motor, _) | Watched::Excess(motor) => self.fresh_motors[motor],
+                Watched::Approach(pair) | Watched::Slips(pair) => self.fresh_pairs[pair],
+                Watched::Presses(contact) | Watched::Grips(contact) | Watched::Feature(contact) => {
+                    self.fresh_pairs[self.mode.contacts[contact].contact.pair]
+                }
             };
-            if fresh { f64::INFINITY } else { TOGETHER * watched.scale(&self.elements) }
+            if fresh { f64::INFINITY } else { TOGETHER * watched.scale(&self.elements, &self.touching, &self.mode) }
         }));
         let end = self.pieces[self.current].small.time;
         let found = first_sign_change(room, which.len(), since, end, noise, |time, values| {
             self.evaluate(inputs, since, time, which, values);
-        })?;
-        Some(Bracket { watched: which[found.watched], ..found })
+        });
+        found.map(|found| Bracket { watched: which[found.watched], ..found })
+    }
+
+    /// The first gap of a pair that closes in the last step.
+    fn look_for_contacts(&mut self, inputs: Inputs, since: f64, but: Option<usize>) -> Option<Bracket> {
+        let open = self.watched.iter().enumerate().filter_map(|(index, watched)| match watched {
+            Watched::Approach(pair) if Some(index) != but => Some((index, *pair)),
+            _ => None,
+        });
+        let open: Vec<(usize, usize)> = open.collect();
+        if open.is_empty() {
+            return None;
+        }
+        let end = self.pieces[self.current].small.time;
+        let mut speeds = std::mem::take(&mut self.speeds);
+        speeds.reset(self.whole.bodies.len());
+        for sample in 0..=SAMPLES {
+            let time = if sample == SAMPLES { end } else { since + (end - since) * sample as f64 / SAMPLES as f64 };
+            self.place(time);
+            for (index, body) in self.bodies.iter().enumerate() {
+                speeds.take(index, body.velocity.norm(), body.angular_velocity.norm());
+            }
+        }
+        let mut first: Option<Bracket> = None;
+        for (watched, pair) in open {
+            let Pair { bodies, reach, size, .. } = self.touching.pairs[pair];
+            let speed = speeds.closing(bodies, reach);
+            let noise = if self.fresh_pairs[pair] { f64::INFINITY } else { TOGETHER * size };
+            let mut gap = |time: f64| {
+                let mut value = [0.0];
+                self.evaluate(inputs, since, time, &[watched], &mut value);
+                value[0]
+            };
+            let until = first.map_or(end, |known| known.high);
+            let found = match first_closing([since, until], SAMPLES, noise, [speed, RESOLUTION * size], &mut gap) {
+                None => continue,
+                Some(Closing::AtStart) => {
+                    Bracket { watched, low: since, high: since, root: since, slope: 0.0, at_start: true }
+                }
+                Some(Closing::Between(low, high)) => close_in(watched, low, high, false, end - since, &mut gap),
+            };
+            if first.is_none_or(|known| found.root < known.root) {
+                first = Some(found);
+            }
+        }
+        self.speeds = speeds;
+        first
+    }
+
+    /// Places the sample and its bodies at a time of the last step.
+    fn place(&mut self, time: f64) {
+        let Eventful { whole, pieces, current, sample, origin, bodies, .. } = self;
+        sample.copy_from(origin);
+        pieces[*current].place(whole, time, sample);
+        place_bodies(whole, sample, bodies);
     }
 
     /// The values of some functions at a time of the last step.
@@ -80,6 +154,7 @@ impl Eventful {
         let Eventful {
             whole,
             elements,
+            touching,
             mode,
             response,
             pieces,
@@ -89,21 +164,26 @@ impl Eventful {
             watched,
             origin,
             efforts,
+            bodies,
+            slips,
             ..
         } = self;
         let piece = &mut pieces[*current];
         sample.copy_from(origin);
         piece.place(whole, time, sample);
         if which.iter().any(|&index| watched[index].needs_efforts()) {
-            efforts.fill(0.0);
-            efforts[..inputs.efforts.len()].copy_from_slice(inputs.efforts);
+            inputs.write_constant(efforts);
             mode.add_constant_efforts(elements, efforts);
             mode.add_motor_efforts(elements, since, time, sample, efforts);
-            let present = Present { whole, elements, mode, moving: &piece.moving };
+            let present = Present { whole, elements, touching, mode, moving: &piece.moving };
             holding.evaluate(&present, response, sample, efforts);
         }
+        if which.iter().any(|&index| watched[index].needs_bodies()) {
+            place_bodies(whole, sample, bodies);
+        }
+        let seen = Seen { elements, touching, mode, holding, since, time, state: sample, bodies, slips };
         for (value, &index) in values.iter_mut().zip(which) {
-            *value = watched[index].value(elements, mode, holding, since, time, sample);
+            *value = watched[index].value(&seen);
         }
     }
 
@@ -140,7 +220,7 @@ impl Eventful {
                 Watched::Gap(joint, _) => {
                     self.elements.joints[joint].rate(state).abs() * ONE_INSTANT * end.abs().max(1.0)
                 }
-                _ => TOGETHER * watched.scale(&self.elements),
+                _ => TOGETHER * watched.scale(&self.elements, &self.touching, &self.mode),
             };
             index == bracket.watched || values[index].abs() <= allowed
         };
@@ -157,18 +237,37 @@ impl Eventful {
     ) -> Result<(), StepError> {
         let which = [bracket.watched];
         let full = self.pieces[self.current].small.time - since;
-        let scale = self.watched[bracket.watched].scale(&self.elements);
+        let scale = self.watched[bracket.watched].scale(&self.elements, &self.touching, &self.mode);
         let (mut low, mut high) = (bracket.low - since, (bracket.high - since).max(bracket.root - since));
         let mut length = bracket.root - since;
         let mut slope = bracket.slope;
+        // A slip has a direction before it stops, and none at the stop: its end is reached from there.
+        let stops = matches!(self.watched[bracket.watched], Watched::Slips(_));
+        if stops {
+            let before = if bracket.low > since { bracket.low - since } else { 0.5 * length };
+            slope = 0.0;
+            length = before;
+        }
         let mut before: Option<(f64, f64)> = None;
         for attempt in 0..ATTEMPTS {
             // So near to the start it is there.
-            if length <= 1e-14 * since.abs().max(1.0) {
+            if length <= self.shortest(since) {
                 self.pieces[self.current].go_back(since, &self.recipe);
                 break;
             }
-            let done = self.pieces[self.current].again(since, length)?;
+            let piece = &mut self.pieces[self.current];
+            let done = match piece.again(since, length) {
+                Ok(done) => done,
+                // Near the stop of a slip a shorter step may be one that can be solved.
+                Err(StepError::NotConverged { .. }) if stops && attempt + 1 < ATTEMPTS => {
+                    piece.go_back(since, &self.recipe);
+                    high = high.min(length);
+                    let done = self.step_towards(since, since + 0.5 * (low + length))?;
+                    length = self.pieces[self.current].small.time - since;
+                    done
+                }
+                Err(error) => return Err(error),
+            };
             outcome.iterations += done.iterations;
             outcome.exchange = done.exchange;
             outcome.rejected += usize::from(attempt == 0);
@@ -179,10 +278,17 @@ impl Eventful {
             if let Some((other, there)) = before
                 && other != length
                 && value != there
+                && (!stops || value.abs() > STEEP * self.memory.fastest)
             {
                 slope = (value - there) / (length - other);
             }
-            if value.abs() <= 2e-16 * scale || slope == 0.0 {
+            if stops && value > 0.0 {
+                self.turn_slips();
+                if before.is_none() {
+                    slope = -value / (bracket.root - since - length).max(f64::MIN_POSITIVE);
+                }
+            }
+            if value.abs() <= 2e-16 * scale || slope == 0.0 || stops && value.abs() <= STOPPED * self.memory.fastest {
                 break;
             }
             let change = -value / slope;

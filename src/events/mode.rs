@@ -9,10 +9,19 @@
 //! | motor | unbounded | `kp (r − q) + kd (ṙ − q̇)` |
 //! | motor | at its bound | `± bound` |
 //! | motor | sampled | as worked out at the last tick |
+//! | contact | sliding along t | `λ (n − μ t)`, λ ≥ 0 |
+//! | contact | sticking, or rolling | whatever holds it, `|λ_T| ≤ μ λ_N` |
 
 use crate::instant::elements::{ElementJoint, Elements};
+use crate::instant::touching::{Contact, Touching};
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
+use crate::mechanism::description::contact::{Feature, Grip, TouchJoint};
+use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::touch_motion;
+use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// What a joint does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,11 +49,29 @@ pub(crate) enum MotorMode {
     Given(f64),
 }
 
+/// A contact that is closed.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Closed {
+    pub contact: Contact,
+    /// The direction in which it begins to slide, in the world; none while it sticks or rolls.
+    pub slides: Option<Vector3<f64>>,
+}
+
 /// What all do.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mode {
     pub joints: Vec<JointMode>,
     pub motors: Vec<MotorMode>,
+    /// Those that are closed; all others are open.
+    pub contacts: Vec<Closed>,
+}
+
+/// Closed contacts as closures of what moves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Closures {
+    pub touches: Vec<TouchJoint>,
+    /// Points that stay where they are.
+    pub anchors: Vec<LoopJoint>,
 }
 
 impl Mode {
@@ -87,6 +114,49 @@ impl Mode {
                 efforts[at.freedom] += motor.unbounded(since, time, position, state.velocity[at.freedom]);
             }
         }
+    }
+}
+
+impl Mode {
+    /// The closed contacts as closures, where the bodies are now.
+    pub fn closures(&self, touching: &Touching, bodies: &[BodyState]) -> Closures {
+        let mut closures = Closures::default();
+        for closed in &self.contacts {
+            match closed.anchor(bodies) {
+                Some(anchor) => closures.anchors.push(anchor),
+                None => closures.touches.push(closed.touch(touching)),
+            }
+        }
+        closures
+    }
+}
+
+impl Closed {
+    /// The contact with what its friction does.
+    pub fn touch(&self, touching: &Touching) -> TouchJoint {
+        let mut joint = self.contact.joint.clone();
+        let friction = touching.pairs[self.contact.pair].friction;
+        joint.touch.grip = match self.slides {
+            Some(direction) => Grip::Slides { friction, direction },
+            None => Grip::Rolls,
+        };
+        joint
+    }
+
+    /// A corner that sticks on a face is anchored: its place is held, not its velocity.
+    fn anchor(&self, bodies: &[BodyState]) -> Option<LoopJoint> {
+        let joint = &self.contact.joint;
+        if self.slides.is_some() || joint.touch.features != [Feature::Plane, Feature::Point { radius: 0.0 }] {
+            return None;
+        }
+        let point = touch_motion(joint, bodies).point;
+        let on = |end: &Attachment| {
+            let body = end.on(bodies);
+            let place = body.rotation.transpose() * (point - body.position);
+            let frame = Pose::from_parts(Translation3::from(place), Rotation3::identity());
+            Attachment { body: end.body, frame }
+        };
+        Some(LoopJoint { name: "contact".into(), kind: LoopKind::Spherical, a: on(&joint.a), b: on(&joint.b) })
     }
 }
 

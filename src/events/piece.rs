@@ -4,12 +4,12 @@
 
 use crate::events::drives::Drives;
 use crate::events::held::Held;
+use crate::events::mode::Closures;
+use crate::events::piece_steps::{PieceRecipe, PieceSteps};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::{ChangingEfforts, Inputs};
-use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
+use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
-use crate::stepping::integrator::Lobatto;
-use crate::stepping::recipe::{Recipe, Steps};
 
 /// What moves while a mode lasts, and its steps.
 pub(super) struct Piece {
@@ -17,7 +17,7 @@ pub(super) struct Piece {
     pub(super) moving: Held,
     pub(super) drives: Drives,
     /// None if nothing moves.
-    pub(super) lobatto: Option<Lobatto>,
+    pub(super) steps: Option<Box<dyn PieceSteps>>,
     pub(super) small: State,
     pub(super) small_start: State,
     pub(super) small_efforts: Vec<f64>,
@@ -26,12 +26,14 @@ pub(super) struct Piece {
     pub(super) used: usize,
 }
 
-/// What the workspace of a mode depends on: what is held and where, and which motors follow their laws.
+/// What the workspace of a mode depends on: what is held and where, which motors follow their laws, which contacts are closed.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Key {
     pub(super) held: Vec<bool>,
     pub(super) places: Vec<f64>,
     pub(super) motors: Vec<bool>,
+    /// Closed contacts.
+    pub(super) closures: Closures,
 }
 
 impl Piece {
@@ -45,11 +47,11 @@ impl Piece {
 
     /// Makes it, towards `until`.
     pub(super) fn step(&mut self, until: f64) -> Result<StepOutcome, StepError> {
-        let Piece { moving, drives, lobatto, small, small_efforts, .. } = self;
+        let Piece { moving, drives, steps, small, small_efforts, .. } = self;
         let changing = drives.change().then_some(&*drives as &dyn ChangingEfforts);
-        let inputs = Inputs { efforts: small_efforts, changing };
-        match lobatto {
-            Some(lobatto) => lobatto.step(&moving.mechanism, inputs, small, until),
+        let inputs = Inputs { efforts: small_efforts, changing, ..Inputs::NONE };
+        match steps {
+            Some(steps) => steps.step(&moving.mechanism, inputs, small, until),
             None => {
                 let step = until - small.time;
                 small.time = until;
@@ -60,11 +62,11 @@ impl Piece {
 
     /// Makes it again with another length (s).
     pub(super) fn again(&mut self, since: f64, length: f64) -> Result<StepOutcome, StepError> {
-        let Piece { moving, drives, lobatto, small, small_efforts, .. } = self;
+        let Piece { moving, drives, steps, small, small_efforts, .. } = self;
         let changing = drives.change().then_some(&*drives as &dyn ChangingEfforts);
-        let inputs = Inputs { efforts: small_efforts, changing };
-        match lobatto {
-            Some(lobatto) => lobatto.again(&moving.mechanism, inputs, small, length),
+        let inputs = Inputs { efforts: small_efforts, changing, ..Inputs::NONE };
+        match steps {
+            Some(steps) => steps.again(&moving.mechanism, inputs, small, length),
             None => {
                 small.time = since + length;
                 Ok(StepOutcome { step: length, ..StepOutcome::default() })
@@ -73,26 +75,26 @@ impl Piece {
     }
 
     /// Throws the step away.
-    pub(super) fn go_back(&mut self, since: f64, recipe: &Recipe) {
-        let Piece { small, small_start, lobatto, .. } = self;
+    pub(super) fn go_back(&mut self, since: f64, recipe: &PieceRecipe) {
+        let Piece { small, small_start, steps, .. } = self;
         small.copy_from(small_start);
-        if let (Some(lobatto), Steps::Chosen { .. }) = (lobatto, recipe.steps) {
-            lobatto.keep_pace(lobatto.step_pace(since), since);
+        if let (Some(steps), Some(_)) = (steps, recipe.tolerance()) {
+            steps.go_on_at(steps.pace(since), since);
         }
     }
 
     /// Puts what moves where it was at a time of the last step (s).
     pub(super) fn place(&mut self, whole: &Mechanism, time: f64, state: &mut State) {
-        let Piece { moving, lobatto, small, small_start, small_position, small_velocity, .. } = self;
+        let Piece { moving, steps, small, small_start, small_position, small_velocity, .. } = self;
         state.time = time;
-        let Some(lobatto) = lobatto else { return };
+        let Some(steps) = steps else { return };
         for (at, of) in [(small_start.time, &*small_start), (small.time, &*small)] {
             if time == at {
                 moving.spread(whole, of, state);
                 return;
             }
         }
-        lobatto.dense(&moving.mechanism, time, small_position, small_velocity);
+        steps.dense(&moving.mechanism, time, small_position, small_velocity);
         moving.spread_positions(whole, small_position, &mut state.position);
         state.compensation.fill(0.0);
         moving.spread_velocities(whole, small_velocity, &mut state.velocity);

@@ -10,11 +10,14 @@ use crate::events::drives::displacement;
 use crate::events::integrator::Eventful;
 use crate::events::mode::{JointMode, MotorMode};
 use crate::events::piece::Piece;
+use crate::events::quiet::QUIET;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
-use crate::mechanism::motion::event::{Event, JointStatus};
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::event::{Event, EventKind, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 
 /// Events at one instant before a step is made without looking for any.
@@ -35,22 +38,27 @@ impl Eventful {
     fn advance(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
         let since = state.time;
         let blind = self.flips.0 > FLIPS || self.looks_away;
-        let until = if blind { until.min(since + BLIND * LONGER.powi(self.unfounded)) } else { until };
+        let shortest = BLIND.max(self.shortest(since));
+        let until = if blind { until.min(since + shortest * LONGER.powi(self.unfounded)) } else { until };
         self.origin.copy_from(state);
         self.last = self.current;
-        self.efforts.fill(0.0);
-        self.efforts[..inputs.efforts.len()].copy_from_slice(inputs.efforts);
+        inputs.write_constant(&mut self.efforts);
         self.mode.add_constant_efforts(&self.elements, &mut self.efforts);
+        self.note_slips(state);
+        if !self.touching.pairs.is_empty() {
+            self.stepped_in = Some(self.mode.clone());
+        }
+        let until = until.min(self.soon_after_stop(since, state));
         let piece = &mut self.pieces[self.current];
         piece.begin(&self.whole, &self.efforts, since);
-        let mut outcome = piece.step(until)?;
+        let mut outcome = self.step_towards(since, until)?;
         let mut triggers = Vec::new();
         let mut bracket = if blind { None } else { self.detect(inputs, since, None) };
         // A function that is negative from the start on may be so on the dense output of a long step alone.
         for _ in 0..SHORTENED {
             let piece = &mut self.pieces[self.current];
             let shorter = since + SHORTER * (piece.small.time - since);
-            if bracket.is_none_or(|found| !found.at_start) || shorter - since < BLIND {
+            if bracket.is_none_or(|found| !found.at_start) || shorter - since < shortest {
                 break;
             }
             piece.go_back(since, &self.recipe);
@@ -79,6 +87,12 @@ impl Eventful {
         }
         self.fresh_joints.fill(false);
         self.fresh_motors.fill(false);
+        self.fresh_pairs.fill(false);
+        if !self.touching.pairs.is_empty() {
+            place_bodies(&self.whole, state, &mut self.bodies);
+            let speeds = self.bodies.iter().map(|body| body.velocity.norm());
+            self.memory.fastest = speeds.fold(self.memory.fastest, f64::max);
+        }
         let changed = self.meet_instants(state);
         if !triggers.is_empty() || changed || blind {
             self.flips = match self.flips {
@@ -94,6 +108,13 @@ impl Eventful {
         if !(blind || self.looks_away) {
             self.unfounded = 0;
         }
+        let quiet = triggers.is_empty() && !changed && self.is_quiet(state);
+        self.quiet = if quiet { self.quiet + 1 } else { 0 };
+        if self.quiet >= QUIET {
+            self.asleep = true;
+            state.velocity.fill(0.0);
+            self.enter(state);
+        }
         self.steps += 1;
         self.stepped += outcome.step;
         Ok(outcome)
@@ -106,9 +127,15 @@ impl Eventful {
         }
         self.outside.clear();
         self.outside.extend_from_slice(inputs.efforts);
-        if self.mode.joints.iter().any(|joint| matches!(joint, JointMode::Held { .. })) {
+        if self.rests() {
             self.lost_at_start += self.pass(inputs, state, &[]);
         }
+    }
+
+    /// Whether anything is held or pressed, which other efforts may let go.
+    fn rests(&self) -> bool {
+        let held = self.mode.joints.iter().any(|joint| matches!(joint, JointMode::Held { .. }));
+        held || !self.mode.contacts.is_empty()
     }
 
     /// At a given instant of a target or a tick: the efforts that begin there. Whether joints at rest have to be decided anew.
@@ -124,10 +151,29 @@ impl Eventful {
             let follows = |mode: &MotorMode| matches!(mode, MotorMode::Given(_));
             // Another effort alone asks nothing of joints that move.
             changed |= !(follows(&mode) && follows(&self.mode.motors[index])) && mode != self.mode.motors[index];
+            self.note_bound_at_tick(index, mode, now);
             self.mode.motors[index] = mode;
-            changed |= self.mode.joints.iter().any(|joint| matches!(joint, JointMode::Held { .. }));
+            changed |= self.rests();
         }
         changed
+    }
+
+    /// Notes that a sampled motor reaches its bound at a tick (s), or comes back from it.
+    fn note_bound_at_tick(&mut self, index: usize, mode: MotorMode, time: f64) {
+        let motor = &self.elements.motors[index];
+        if let (MotorMode::Given(before), MotorMode::Given(now)) = (self.mode.motors[index], mode) {
+            let [was, is] = [before, now].map(|effort| effort.abs() >= motor.max_effort);
+            // From one bound to the other is both.
+            let crosses = was && is && before * now < 0.0;
+            let body = motor.coordinate.body;
+            let event = |kind| Event { time, kind, body, pair: None, impulse: None };
+            if was && (!is || crosses) {
+                self.events.push(event(EventKind::Unsaturation));
+            }
+            if is && (!was || crosses) {
+                self.events.push(event(EventKind::Saturation));
+            }
+        }
     }
 
     /// The energy that went in and out in the step (J): what the scheme has summed for what moves, told apart.
@@ -142,8 +188,9 @@ impl Eventful {
                 friction += f64::from(*sliding) * moved * joint.friction;
             }
         }
-        let Piece { drives, lobatto, small, small_start, .. } = &mut self.pieces[self.current];
-        let (given, taken) = lobatto.as_ref().map_or((0.0, 0.0), |own| drives.exchanged(own, small_start, small));
+        let Piece { drives, steps, small, small_start, .. } = &mut self.pieces[self.current];
+        let (given, taken) =
+            steps.as_ref().map_or((0.0, 0.0), |own| drives.exchanged(own.as_ref(), small_start, small));
         // Without dampers it is all of the motors, and no rounding of a difference.
         let forces = &self.whole.forces;
         let damped = !forces.joint_dampers.is_empty() || forces.point_springs.iter().any(|spring| spring.damping > 0.0);
@@ -151,7 +198,7 @@ impl Eventful {
         Exchange {
             dissipated: kernel.dissipated - taken,
             work: kernel.work + friction + given - taken,
-            friction,
+            friction: friction + kernel.friction,
             impacts: 0.0,
         }
     }
@@ -171,7 +218,22 @@ impl Integrator for Eventful {
         }
         self.heed(inputs, state);
         let next = self.next_instant(state.time, until);
-        let mut outcome = self.advance(inputs, state, next)?;
+        self.stepped_over = None;
+        let advanced = if self.is_crowded(state) {
+            self.origin.copy_from(state);
+            Ok(self.stumble(inputs, state, next))
+        } else {
+            self.advance(inputs, state, next)
+        };
+        let mut outcome = match advanced {
+            Err(
+                StepError::NotConverged { .. }
+                | StepError::NotAccurate { .. }
+                | StepError::TurnedTooFar { .. }
+                | StepError::Unstable { .. },
+            ) if !self.touching.pairs.is_empty() => self.stumble(inputs, state, next),
+            done => done?,
+        };
         // What is left is less than the time can tell.
         if until - state.time < ONE_INSTANT * until.abs().max(1.0) && state.time != until {
             outcome.step += until - state.time;
@@ -186,12 +248,18 @@ impl Integrator for Eventful {
     }
 
     fn dense(&mut self, _mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
-        let Eventful { whole, pieces, last, sample, origin, .. } = self;
+        let Eventful { whole, pieces, last, sample, origin, stepped_over, .. } = self;
         sample.copy_from(origin);
+        if let Some(end) = stepped_over {
+            let nearest = if time - origin.time < end.time - time { &*origin } else { &*end };
+            position.copy_from_slice(&nearest.position);
+            velocity.copy_from_slice(&nearest.velocity);
+            return;
+        }
         let piece = &mut pieces[*last];
-        let Piece { moving, lobatto, small_position, small_velocity, .. } = piece;
-        if let Some(lobatto) = lobatto {
-            lobatto.dense(&moving.mechanism, time, small_position, small_velocity);
+        let Piece { moving, steps, small_position, small_velocity, .. } = piece;
+        if let Some(steps) = steps {
+            steps.dense(&moving.mechanism, time, small_position, small_velocity);
             moving.spread_positions(whole, small_position, &mut sample.position);
             moving.spread_velocities(whole, small_velocity, &mut sample.velocity);
         }
@@ -200,16 +268,26 @@ impl Integrator for Eventful {
     }
 
     fn description(&self) -> MethodDescription {
-        let lobatto = self.pieces.get(self.current).and_then(|piece| piece.lobatto.as_ref());
-        let mut description = lobatto.map_or_else(|| self.idle.clone(), Integrator::description);
+        let steps = self.pieces.get(self.current).and_then(|piece| piece.steps.as_ref());
+        let mut description = steps.map_or_else(|| self.idle.clone(), |steps| steps.description());
+        // What another mode has seen.
+        description.include_stability(&self.idle);
+        for steps in self.pieces.iter().filter_map(|piece| piece.steps.as_ref()) {
+            description.include_stability(&steps.description());
+        }
         if description.adaptive {
             description.step = self.stepped / self.steps.max(1) as f64;
         }
+        description.unsolved_contacts = self.unsolved;
         description
     }
 
     fn take_events(&mut self, events: &mut Vec<Event>) {
         events.append(&mut self.events);
+    }
+
+    fn contacts(&self, _mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
+        self.report_contacts(state, out);
     }
 
     fn joint_status(&self, _mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {

@@ -8,12 +8,21 @@
 //! | what all held joints can still bear | m of [`crate::events::holding`] | the same, where their efforts are not unique |
 //! | what a motor can still do | `bound − u`, `bound + u` | it reaches its bound |
 //! | what a motor at its bound has too much | `± u − bound` | it comes back |
+//! | distance of a pair; where it is closed, least gap of its other features | φ | impact |
+//! | pressure of a closed contact | `λ_N` | it parts |
+//! | what a contact that sticks can still bear | `μ λ_N − |λ_T|` | it slides |
+//! | slips of the contacts of a pair along their directions where the step starts | mean of `u_T · t₀` | friction decides anew |
+//! | how far inside its features a contact is | distance to the nearest side (m) | other features touch |
 
 use crate::events::holding::Holding;
 use crate::events::mode::{JointMode, Mode, MotorMode};
 use crate::instant::elements::Elements;
+use crate::instant::touching::{Pair, Touching};
+use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::touch_motion;
+use nalgebra::Vector3;
 
 /// One function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,13 +39,66 @@ pub(crate) enum Watched {
     Motor(usize, Side),
     /// What a motor at its bound has too much.
     Excess(usize),
+    /// The distance of a pair, or the least gap of what is open of it.
+    Approach(usize),
+    /// The pressure of a closed contact.
+    Presses(usize),
+    /// What a contact that sticks can bear.
+    Grips(usize),
+    /// The slip of the contacts of a pair that slide.
+    Slips(usize),
+    /// How far inside its features a closed contact is.
+    Feature(usize),
 }
 
+/// What the functions are of, at an instant.
+pub(crate) struct Seen<'s> {
+    pub elements: &'s Elements,
+    pub touching: &'s Touching,
+    pub mode: &'s Mode,
+    pub holding: &'s Holding,
+    /// Start of the piece of the targets, and the instant (s).
+    pub since: f64,
+    pub time: f64,
+    pub state: &'s State,
+    /// Where the bodies are, if contacts are among the functions.
+    pub bodies: &'s [BodyState],
+    /// t₀ of every closed contact.
+    pub slips: &'s [Vector3<f64>],
+}
+
+/// What is closed counts as open down to this part of the size of a pair: its other features may lie in the same plane.
+const COPLANAR: f64 = 1e-13;
+/// The other features of a closed pair are looked at within this part of its size; those of a half space, which has no borders, everywhere.
+const NEARBY: f64 = 0.02;
+
 impl Watched {
-    /// The functions of a mode; `unique` says whether the efforts of held joints are.
-    pub fn of(elements: &Elements, mode: &Mode, unique: bool) -> Vec<Watched> {
+    /// The functions of a mode; `unique` says whether the forces that hold joints and contacts are, `apart` whether a pair can close.
+    pub fn of(
+        elements: &Elements,
+        touching: &Touching,
+        mode: &Mode,
+        unique: bool,
+        apart: impl Fn(usize) -> bool,
+    ) -> Vec<Watched> {
         let mut all = Vec::new();
-        let mut holds = false;
+        let mut holds = !mode.contacts.is_empty();
+        all.extend((0..touching.pairs.len()).filter(|&pair| apart(pair)).map(Watched::Approach));
+        for (index, closed) in mode.contacts.iter().enumerate() {
+            let rubs = touching.pairs[closed.contact.pair].friction > 0.0;
+            let own = [
+                (unique, Watched::Presses(index)),
+                (unique && rubs && closed.slides.is_none(), Watched::Grips(index)),
+                (apart(closed.contact.pair), Watched::Feature(index)),
+            ];
+            all.extend(own.into_iter().filter(|(is, _)| *is).map(|(_, watched)| watched));
+        }
+        // What is rigid stops everywhere at once.
+        let slides = |pair: &usize| {
+            let own = mode.contacts.iter().filter(|closed| closed.contact.pair == *pair);
+            touching.pairs[*pair].friction > 0.0 && own.into_iter().any(|closed| closed.slides.is_some())
+        };
+        all.extend((0..touching.pairs.len()).filter(slides).map(Watched::Slips));
         for (index, (joint, state)) in elements.joints.iter().zip(&mode.joints).enumerate() {
             match state {
                 JointMode::Free { sliding } => {
@@ -71,16 +133,9 @@ impl Watched {
         all
     }
 
-    /// Its value at a time (s) of a state; `since` is the start of the piece of the targets.
-    pub fn value(
-        self,
-        elements: &Elements,
-        mode: &Mode,
-        efforts: &Holding,
-        since: f64,
-        time: f64,
-        state: &State,
-    ) -> f64 {
+    /// Its value.
+    pub fn value(self, seen: &Seen) -> f64 {
+        let Seen { elements, touching, mode, holding, since, time, state, bodies, slips } = *seen;
         match self {
             Watched::Gap(index, side) => {
                 let joint = &elements.joints[index];
@@ -94,12 +149,12 @@ impl Watched {
             },
             Watched::Bears(index, side) => {
                 let (low, high) = mode.joints[index].holding(&elements.joints[index]);
-                let effort = efforts.of(index);
+                let effort = holding.of(index);
                 let left = if side == Side::Lower { effort - low } else { high - effort };
                 // What rests unloaded is not let go by roundings.
-                left + efforts.rounding(index)
+                left + holding.rounding(index)
             }
-            Watched::Margin => efforts.margin(),
+            Watched::Margin => holding.margin(),
             Watched::Motor(index, side) => {
                 let bound = elements.motors[index].max_effort;
                 let unbounded = unbounded(elements, index, since, time, state);
@@ -112,22 +167,59 @@ impl Watched {
                 }
                 MotorMode::Unbounded | MotorMode::Given(_) => f64::INFINITY,
             },
+            Watched::Approach(pair) => {
+                let closed = || mode.contacts.iter().map(|closed| &closed.contact).filter(|known| known.pair == pair);
+                if closed().next().is_none() {
+                    return touching.distance(pair, bodies);
+                }
+                let Pair { size, reach, .. } = touching.pairs[pair];
+                let within = if reach.contains(&f64::INFINITY) { size } else { NEARBY * size };
+                let others = touching.near(pair, bodies, within).into_iter();
+                let others = others.filter(|(near, _)| !closed().any(|known| known.features == near.features));
+                others.fold(within, |least, (_, gap)| least.min(gap)) + COPLANAR * size
+            }
+            Watched::Presses(index) => holding.of_contact(index)[0] + holding.rounding_of_contacts(),
+            Watched::Grips(index) => {
+                let [pressure, along, across] = holding.of_contact(index);
+                let friction = touching.pairs[mode.contacts[index].contact.pair].friction;
+                friction * pressure - along.hypot(across) + holding.rounding_of_contacts()
+            }
+            Watched::Slips(pair) => {
+                let own = mode.contacts.iter().zip(slips).filter(|(closed, _)| closed.contact.pair == pair);
+                let own = own.filter(|(closed, _)| closed.slides.is_some());
+                let along = own.map(|(closed, along)| touch_motion(&closed.contact.joint, bodies).slip.dot(along));
+                let (sum, count) = along.fold((0.0, 0.0), |(sum, count), slip| (sum + slip, count + 1.0));
+                sum / count
+            }
+            Watched::Feature(index) => {
+                let contact = &mode.contacts[index].contact;
+                touching.margin(contact, bodies) + COPLANAR * touching.pairs[contact.pair].size
+            }
         }
     }
 
     /// What its roundings are relative to.
-    pub fn scale(self, elements: &Elements) -> f64 {
+    pub fn scale(self, elements: &Elements, touching: &Touching, mode: &Mode) -> f64 {
+        let size = |contact: usize| touching.pairs[mode.contacts[contact].contact.pair].size;
         match self {
             Watched::Gap(index, side) => elements.joints[index].bound(side).abs().max(1.0),
             Watched::Slide(_) | Watched::Margin => 1.0,
             Watched::Bears(index, _) => elements.joints[index].friction.max(1.0),
             Watched::Motor(index, _) | Watched::Excess(index) => elements.motors[index].max_effort.max(1e-3),
+            Watched::Approach(pair) => touching.pairs[pair].size,
+            Watched::Feature(contact) => size(contact),
+            Watched::Presses(_) | Watched::Grips(_) | Watched::Slips(_) => 1.0,
         }
     }
 
-    /// Whether it is a function of the efforts that hold joints.
+    /// Whether it is a function of the forces that hold joints and contacts.
     pub fn needs_efforts(self) -> bool {
-        matches!(self, Watched::Bears(..) | Watched::Margin)
+        matches!(self, Watched::Bears(..) | Watched::Margin | Watched::Presses(_) | Watched::Grips(_))
+    }
+
+    /// Whether it is a function of where the bodies are.
+    pub fn needs_bodies(self) -> bool {
+        matches!(self, Watched::Approach(_) | Watched::Slips(_) | Watched::Feature(_))
     }
 }
 

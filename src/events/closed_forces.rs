@@ -1,0 +1,244 @@
+//! The forces at closed contacts and on held joints at an instant, where contacts or closures take part.
+//!
+//! ```text
+//!     D̃ λ = −b,    b = W a_free + Ẇ v,   D̃ = W Y W̃ᵀ
+//!     W:  rows of the held freedoms; of a contact that sticks its normal and tangents, of one that slides its normal n
+//!     W̃: the same, but n − μ t of a contact that slides along t, t at that instant
+//! ```
+//!
+//! at the level of accelerations, from the state alone: of the order of the ends of steps. Where D̃ is singular λ is the least-norm one, and the question is whether any admissible λ
+//! exists ([`crate::instant::cone::margin`]).
+
+use crate::events::mode::{Closed, JointMode};
+use crate::events::present::Present;
+use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
+use crate::instant::cone::least_norm::least_norm;
+use crate::instant::cone::margin_or_clear;
+use crate::instant::cone::problem::{Law, Problem};
+use crate::instant::response::Response;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::motion::kinematics::{BodyAcceleration, body_states};
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::{tangents, touch_motion};
+use nalgebra::{DMatrix, DVector};
+
+/// What is held whose response is singular to this part is held more than once.
+const SINGULAR: f64 = 1e-10;
+
+/// The forces of one instant.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ClosedForces {
+    /// λ of the held joints [N m or N], by their numbers among the elements.
+    pub joints: Vec<(usize, f64)>,
+    /// λ of the contacts (N): normal, and along both tangents of [`tangents`].
+    pub contacts: Vec<[f64; 3]>,
+    /// The size of what they are the difference of.
+    pub size: f64,
+    /// The largest margin of admissible forces; infinite where they are unique.
+    pub margin: f64,
+}
+
+/// The blocks of a mode: held joints, then closed contacts; joints that slide have given efforts.
+pub(super) fn blocks(at: &Present, bodies: &[BodyState]) -> Vec<Block> {
+    let Present { whole, elements, touching, mode, .. } = *at;
+    let held = elements.joints.iter().zip(&mode.joints).enumerate();
+    let held = held.filter(|(_, (_, mode))| matches!(mode, JointMode::Held { .. })).map(|(index, (joint, mode))| {
+        let (lower, upper) = mode.holding(joint);
+        let row = row_of_freedom(whole.velocity_count, joint.coordinate.freedom, 1.0);
+        Block { of: Of::Joint(index), law: Law::Interval { lower, upper }, rows: vec![row] }
+    });
+    let contacts = mode.contacts.iter().enumerate().map(|(index, closed)| {
+        let friction = touching.pairs[closed.contact.pair].friction;
+        let joint = &closed.contact.joint;
+        let law = match slide(closed, bodies) {
+            _ if friction == 0.0 => Law::Interval { lower: 0.0, upper: f64::INFINITY },
+            Some(direction) => Law::Sliding { friction, direction },
+            None => Law::Contact { friction },
+        };
+        Block { of: Of::Contact(index), law, rows: rows_of_contact(whole, bodies, joint, friction > 0.0) }
+    });
+    held.chain(contacts).collect()
+}
+
+/// The direction in which a contact slides now, in its tangents; none if it sticks.
+fn slide(closed: &Closed, bodies: &[BodyState]) -> Option<[f64; 2]> {
+    let begins = closed.slides?;
+    let touch = touch_motion(&closed.contact.joint, bodies);
+    let [first, second] = tangents(&touch.normal);
+    let direction = touch.slip.try_normalize(SLOWEST).unwrap_or(begins);
+    let along = [direction.dot(&first), direction.dot(&second)];
+    let length = along[0].hypot(along[1]).max(f64::MIN_POSITIVE);
+    Some(along.map(|part| part / length))
+}
+
+/// Slower slips have the direction in which they began [m/s].
+const SLOWEST: f64 = 1e-12;
+
+/// Whether what is held is held by unique forces.
+pub(crate) fn are_unique(at: &Present, response: &mut Response, state: &State) -> bool {
+    let bodies = body_states(at.whole, state);
+    let blocks = blocks(at, &bodies);
+    let rows = Rows::of(response, state, &blocks);
+    let chosen = Chosen::new(&blocks);
+    is_regular(&chosen.square(&rows.square, false))
+}
+
+/// The forces in a state of a mode, under efforts from outside, of friction in joints and of motors.
+pub(crate) fn closed_forces(
+    at: &Present,
+    response: &mut Response,
+    state: &State,
+    efforts: &[f64],
+    unique: bool,
+) -> ClosedForces {
+    let bodies = body_states(at.whole, state);
+    let blocks = blocks(at, &bodies);
+    let rows = Rows::of(response, state, &blocks);
+    let offset = offsets(at, response, state, efforts, &blocks, &bodies);
+    let chosen = Chosen::new(&blocks);
+    let forces = chosen.solve(&rows.square, &offset, unique);
+    let mut found = ClosedForces { margin: f64::INFINITY, ..ClosedForces::default() };
+    let mut row = 0;
+    for block in &blocks {
+        match block.of {
+            Of::Joint(index) => found.joints.push((index, forces[row])),
+            Of::Contact(_) => {
+                let mut force = [0.0; 3];
+                force[..block.rows.len()].copy_from_slice(&forces[row..row + block.rows.len()]);
+                found.contacts.push(force);
+            }
+        }
+        row += block.rows.len();
+    }
+    found.size = (0..forces.len())
+        .map(|row| forces[row].abs().max(offset[row].abs() / rows.square[(row, row)].max(f64::MIN_POSITIVE)))
+        .fold(0.0, f64::max);
+    if !unique {
+        let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
+        found.margin = margin_or_clear(&Problem { mobility: &rows.square, free: &offset, laws: &laws });
+    }
+    found
+}
+
+/// When the first contact that slides would stop if its slip went on falling as it does in this state (s); infinite if none falls.
+pub(crate) fn time_to_stop(at: &Present, response: &mut Response, state: &State, efforts: &[f64], unique: bool) -> f64 {
+    let bodies = body_states(at.whole, state);
+    let blocks = blocks(at, &bodies);
+    let rows = Rows::of(response, state, &blocks);
+    let offset = offsets(at, response, state, efforts, &blocks, &bodies);
+    let forces = Chosen::new(&blocks).solve(&rows.square, &offset, unique);
+    let rates = &rows.square * DVector::from_vec(forces) + DVector::from_vec(offset);
+    let (mut row, mut first) = (0, f64::INFINITY);
+    for block in &blocks {
+        if let (Of::Contact(index), Law::Sliding { direction: [x, y], .. }) = (block.of, block.law) {
+            let speed = touch_motion(&at.mode.contacts[index].contact.joint, &bodies).slip.norm();
+            let falls = -(x * rates[row + 1] + y * rates[row + 2]);
+            if falls > 0.0 {
+                first = first.min(speed / falls);
+            }
+        }
+        row += block.rows.len();
+    }
+    first
+}
+
+/// b: what the rows of the blocks are accelerated by without what is held.
+pub(super) fn offsets(
+    at: &Present,
+    response: &mut Response,
+    state: &State,
+    efforts: &[f64],
+    blocks: &[Block],
+    bodies: &[BodyState],
+) -> Vec<f64> {
+    let Present { whole, elements, mode, .. } = *at;
+    let mut free = vec![0.0; whole.velocity_count];
+    response.accelerations(state, efforts, &mut free);
+    let mut offset = Vec::new();
+    let mut room = vec![BodyAcceleration::default(); bodies.len()];
+    for block in blocks {
+        match block.of {
+            Of::Joint(index) => offset.push(free[elements.joints[index].coordinate.freedom]),
+            Of::Contact(index) => {
+                let joint = &mode.contacts[index].contact.joint;
+                let second = second_rates(whole, bodies, state, joint, &free, &mut room);
+                offset.extend_from_slice(&second[..block.rows.len()]);
+            }
+        }
+    }
+    offset
+}
+
+/// Which rows are equations, and what their forces push with.
+pub(super) struct Chosen {
+    /// The row of each equation, and for a contact that slides μ t.
+    equations: Vec<(usize, Option<[f64; 2]>)>,
+    rows: usize,
+}
+
+impl Chosen {
+    pub fn new(blocks: &[Block]) -> Self {
+        let (mut equations, mut rows) = (Vec::new(), 0);
+        for block in blocks {
+            match block.law {
+                Law::Sliding { friction, direction } => {
+                    equations.push((rows, Some(direction.map(|part| friction * part))));
+                }
+                _ => equations.extend((rows..rows + block.rows.len()).map(|row| (row, None))),
+            }
+            rows += block.rows.len();
+        }
+        Chosen { equations, rows }
+    }
+
+    /// D̃, or without friction its symmetric part of the same rows.
+    fn square(&self, mobility: &DMatrix<f64>, friction: bool) -> DMatrix<f64> {
+        let count = self.equations.len();
+        DMatrix::from_fn(count, count, |row, column| {
+            let (row, (column, pushes)) = (self.equations[row].0, self.equations[column]);
+            let along = mobility[(row, column)];
+            match pushes.filter(|_| friction) {
+                Some([x, y]) => along - x * mobility[(row, column + 1)] - y * mobility[(row, column + 2)],
+                None => along,
+            }
+        })
+    }
+
+    /// λ of all rows.
+    pub fn solve(&self, mobility: &DMatrix<f64>, offset: &[f64], unique: bool) -> Vec<f64> {
+        let square = self.square(mobility, true);
+        // Scaled to a unit diagonal of the symmetric part, so that what is singular does not depend on units.
+        let scale = |row: usize| {
+            let own = mobility[(self.equations[row].0, self.equations[row].0)];
+            if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }
+        };
+        let count = self.equations.len();
+        let scaled = DMatrix::from_fn(count, count, |row, column| square[(row, column)] * scale(row) * scale(column));
+        let right = DVector::from_fn(count, |row, _| -offset[self.equations[row].0] * scale(row));
+        let direct = if unique { scaled.clone().lu().solve(&right) } else { None };
+        let solution = direct.unwrap_or_else(|| {
+            least_norm(&scaled, &right).map_or_else(|| DVector::zeros(count), |(solution, _)| solution)
+        });
+        let mut forces = vec![0.0; self.rows];
+        for (index, &(row, pushes)) in self.equations.iter().enumerate() {
+            forces[row] = solution[index] * scale(index);
+            if let Some([x, y]) = pushes {
+                (forces[row + 1], forces[row + 2]) = (-x * forces[row], -y * forces[row]);
+            }
+        }
+        forces
+    }
+}
+
+/// Whether a response is regular, whatever the units of its rows.
+fn is_regular(square: &DMatrix<f64>) -> bool {
+    let scale: Vec<f64> = (0..square.nrows()).map(|row| square[(row, row)].max(0.0).sqrt()).collect();
+    if scale.contains(&0.0) {
+        return false;
+    }
+    let scaled = DMatrix::from_fn(square.nrows(), square.ncols(), |row, column| {
+        square[(row, column)] / (scale[row] * scale[column])
+    });
+    let values = scaled.symmetric_eigenvalues();
+    values.min() > SINGULAR * values.max()
+}

@@ -1,0 +1,44 @@
+//! The closed contacts in a state of the last step, as reports name them.
+
+use crate::events::integrator::Eventful;
+use crate::events::present::Present;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::{tangents, touch_motion};
+
+impl Eventful {
+    /// Adds the closed contacts in a state of the last step: at its end, or inside it.
+    pub(super) fn report_contacts(&self, state: &State, out: &mut Vec<ContactPoint>) {
+        let inside = self.left.as_ref().is_some_and(|left| state.time < left.time);
+        let mode = self.stepped_in.as_ref().filter(|_| inside).unwrap_or(&self.mode);
+        if mode.contacts.is_empty() {
+            return;
+        }
+        let Eventful { whole, elements, touching, pieces, current, reporting, .. } = self;
+        let mut efforts = vec![0.0; whole.velocity_count];
+        efforts[..self.outside.len()].copy_from_slice(&self.outside);
+        mode.add_constant_efforts(elements, &mut efforts);
+        mode.add_motor_efforts(elements, self.origin.time, state.time, state, &mut efforts);
+        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+        let mut reporting = reporting.borrow_mut();
+        let unique = self.holding.is_unique() && !inside;
+        let forces = reporting.forces(&present, state, &efforts, unique);
+        let bodies = body_states(whole, state);
+        out.extend(mode.contacts.iter().zip(forces).map(|(closed, &[pressure, along, across])| {
+            let touch = touch_motion(&closed.contact.joint, &bodies);
+            let [first, second] = tangents(&touch.normal);
+            let on_second = touch.normal * pressure + first * along + second * across;
+            // Of the joint's bodies; reports name those of the pair.
+            let sign = if closed.contact.is_swapped() { 1.0 } else { -1.0 };
+            ContactPoint {
+                pair: touching.pairs[closed.contact.pair].number,
+                position: touch.point,
+                normal: touch.normal * sign,
+                force: on_second * sign,
+                gap: touch.gap,
+                sticks: closed.slides.is_none(),
+            }
+        }));
+    }
+}

@@ -1,0 +1,210 @@
+//! The contacts of an event: which there are, what they are as things that are met, and how they come to rest.
+//!
+//! ```text
+//!     met:      n, t₁, t₂ of every contact with |φ| ≤ 1e-11 of its size
+//!     closed:   γ = φ̇ ≤ rest                          it may stay
+//!     at rest:  closed, and |u_T| ≤ rest              friction may hold it
+//! ```
+//!
+//! A contact that slides while no acceleration fits Coulomb's law (Painlevé) is seized: an impulse without collision, all contacts plastic.
+//!
+//! Source: F. Génot, B. Brogliato, New results on Painlevé paradoxes, European Journal of Mechanics A 18 (1999).
+
+use crate::events::decision::{Candidate, Scene, Yielding};
+use crate::events::impact::Meeting;
+use crate::events::memory::Found;
+use crate::events::mode::{Closed, Mode};
+use crate::events::resting::bring_rows_to_rest;
+use crate::events::watched::Watched;
+use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
+use crate::instant::cone::bounded::minimise;
+use crate::instant::cone::impact::impulse_without_collision;
+use crate::instant::cone::problem::{Law, Problem};
+use crate::instant::touching::Contact;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::touch_motion;
+use nalgebra::Vector3;
+
+/// Features this near to each other, relative to the size of their pair, touch.
+const TOUCHED: f64 = 1e-11;
+/// The same at the start of a run.
+const TOUCHED_AT_START: f64 = 1e-9;
+/// Gaps up to this are closed (m).
+const CLOSED: f64 = 1e-15;
+/// Slower than this part of the fastest that any body has been is rest.
+const REST: f64 = 1e-10;
+/// The contacts of a pair are at rest if none of them is faster than this many times what is rest for one.
+const TOGETHER: f64 = 100.0;
+/// Slips that have been seen to stop may be faster by this factor: a step that ends at the stop leaves what lies across them.
+const STOPPED: f64 = 1e4;
+/// So is this [m/s].
+const SLOWEST: f64 = 1e-13;
+
+/// The contacts of an event.
+pub(crate) struct Contacts {
+    all: Vec<Contact>,
+    /// Their numbers in the mode before, where they were closed.
+    known: Vec<Option<usize>>,
+    /// What is left to be decided once impacts are over.
+    pub candidates: Vec<Candidate>,
+    rest: f64,
+}
+
+impl Contacts {
+    /// Those that touch in a state: the closed ones of the mode before, and of pairs in which something happens whatever touches.
+    pub fn gather(scene: &Scene, before: &Mode, state: &State, found: &Found, fastest: f64) -> Self {
+        let Scene { whole, touching, .. } = scene;
+        let mut contacts = Contacts { all: Vec::new(), known: Vec::new(), candidates: Vec::new(), rest: SLOWEST };
+        if touching.pairs.is_empty() {
+            return contacts;
+        }
+        let bodies = body_states(whole, state);
+        let speeds = bodies.iter().map(|body| body.velocity.norm());
+        contacts.rest = SLOWEST.max(REST * speeds.fold(fastest, f64::max));
+        for (pair, size) in touching.pairs.iter().map(|pair| pair.size).enumerate() {
+            let happens = |trigger: &Watched| match *trigger {
+                Watched::Approach(of) => of == pair,
+                Watched::Feature(contact) => before.contacts[contact].contact.pair == pair,
+                _ => false,
+            };
+            let closed = || before.contacts.iter().enumerate().filter(|(_, closed)| closed.contact.pair == pair);
+            if found.anew || found.triggers.iter().any(happens) {
+                let within = size * if found.anew { TOUCHED_AT_START } else { TOUCHED };
+                for (contact, _) in touching.near(pair, &bodies, within) {
+                    let known = closed().find(|(_, closed)| closed.contact.features == contact.features);
+                    contacts.known.push(known.map(|(index, _)| index));
+                    contacts.all.push(contact);
+                }
+            } else {
+                contacts.known.extend(closed().map(|(index, _)| Some(index)));
+                contacts.all.extend(closed().map(|(_, closed)| closed.contact.clone()));
+            }
+        }
+        contacts
+    }
+
+    /// The pair of a block, where it is one of a contact.
+    pub fn pair_of(&self, of: Of) -> Option<usize> {
+        match of {
+            Of::Contact(index) => Some(self.all[index].pair),
+            Of::Joint(_) => None,
+        }
+    }
+
+    /// All of them as things that are met; without restitution in a crowd of impacts.
+    pub fn meetings(&self, scene: &Scene, state: &State, crowded: bool) -> Vec<Meeting> {
+        if self.all.is_empty() {
+            return Vec::new();
+        }
+        let bodies = body_states(scene.whole, state);
+        let meeting = |(index, contact): (usize, &Contact)| {
+            let pair = &scene.touching.pairs[contact.pair];
+            let restitution = if crowded { 0.0 } else { pair.restitution };
+            Meeting { block: self.block(scene, &bodies, index), restitution, rest: self.rest }
+        };
+        self.all.iter().enumerate().map(meeting).collect()
+    }
+
+    /// A contact as a block whose friction may hold it.
+    fn block(&self, scene: &Scene, bodies: &[BodyState], index: usize) -> Block {
+        let contact = &self.all[index];
+        let friction = scene.touching.pairs[contact.pair].friction;
+        let rows = rows_of_contact(scene.whole, bodies, &contact.joint, friction > 0.0);
+        let law =
+            if friction > 0.0 { Law::Contact { friction } } else { Law::Interval { lower: 0.0, upper: f64::INFINITY } };
+        Block { of: Of::Contact(index), law, rows }
+    }
+
+    /// Takes those that do not part as candidates, and what is left of rates that have ended out of the velocities; returns the energy that this
+    /// takes (J).
+    pub fn come_to_rest(&mut self, scene: &mut Scene, state: &mut State, yielding: &Yielding) -> f64 {
+        self.candidates.clear();
+        if self.all.is_empty() {
+            return 0.0;
+        }
+        let bodies = body_states(scene.whole, state);
+        let still: Vec<usize> = scene
+            .elements
+            .joints
+            .iter()
+            .filter(|joint| {
+                joint.rate(state) == 0.0 && (joint.friction > 0.0 || joint.side(joint.position(state)).is_some())
+            })
+            .map(|joint| joint.coordinate.freedom)
+            .collect();
+        // The contacts of one pair stop together, but for what they know of each other's forces where those are not unique.
+        let mut together = vec![0.0_f64; scene.touching.pairs.len()];
+        for contact in &self.all {
+            let slip = touch_motion(&contact.joint, &bodies).slip.norm();
+            together[contact.pair] = together[contact.pair].max(slip);
+        }
+        let mut rows = Vec::new();
+        for (index, contact) in self.all.iter().enumerate() {
+            let touch = touch_motion(&contact.joint, &bodies);
+            let rubs = scene.touching.pairs[contact.pair].friction > 0.0;
+            if touch.rate > self.rest {
+                continue;
+            }
+            let stopped = if yielding.stops.contains(&contact.pair) { STOPPED } else { TOGETHER };
+            let sticks = touch.slip.norm() <= self.rest || together[contact.pair] <= stopped * self.rest;
+            let slip = if sticks { Vector3::zeros() } else { touch.slip };
+            let own = rows_of_contact(scene.whole, &bodies, &contact.joint, rubs && sticks);
+            rows.extend(own);
+            let is = |list: &[usize]| self.known[index].is_some_and(|known| list.contains(&known));
+            let (slides, opens) = (is(&yielding.slides), is(&yielding.opens));
+            self.candidates.push(Candidate { contact: contact.clone(), slip, slides, opens });
+        }
+        rows.extend(still.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));
+        let lost = bring_rows_to_rest(scene, state, rows);
+        self.close_gaps(scene, state, &bodies, &still);
+        still.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
+        lost
+    }
+
+    /// Moves the candidates onto each other to the last bit: what is left of their gaps, 1e-12 m, would be a velocity in a short step.
+    fn close_gaps(&self, scene: &mut Scene, state: &mut State, bodies: &[BodyState], still: &[usize]) {
+        let gap = |candidate: &Candidate| touch_motion(&candidate.contact.joint, bodies).gap;
+        let mut gaps: Vec<f64> = self.candidates.iter().map(gap).collect();
+        if gaps.iter().all(|gap| gap.abs() <= CLOSED) {
+            return;
+        }
+        let normal = |candidate: &Candidate| rows_of_contact(scene.whole, bodies, &candidate.contact.joint, false);
+        let mut rows: Vec<Vec<f64>> = self.candidates.iter().flat_map(normal).collect();
+        rows.extend(still.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));
+        gaps.resize(rows.len(), 0.0);
+        let rows = Rows::new(scene.response, state, rows);
+        let unbounded = vec![(f64::NEG_INFINITY, f64::INFINITY); gaps.len()];
+        let pushes = minimise(&rows.square, &gaps, &unbounded).efforts;
+        let mut change = vec![0.0; state.velocity.len()];
+        rows.add(&pushes, &mut change);
+        still.iter().for_each(|&freedom| change[freedom] = 0.0);
+        state.displace(scene.whole, &change);
+    }
+
+    /// Keeps all candidates closed, those that slip sliding: what is done where the law could not be solved.
+    pub fn keep_closed(&self) -> Vec<Closed> {
+        let closed = |candidate: &Candidate| Closed {
+            contact: candidate.contact.clone(),
+            slides: candidate.slip.try_normalize(0.0),
+        };
+        self.candidates.iter().filter(|candidate| !candidate.opens).map(closed).collect()
+    }
+
+    /// The impulse where no acceleration of a candidate fits the law; returns the energy that it takes (J), nothing if it is not found.
+    pub fn seize(&self, scene: &mut Scene, state: &mut State, candidate: usize) -> Option<f64> {
+        let bodies = body_states(scene.whole, state);
+        let number = |candidate: &Candidate| self.all.iter().position(|contact| *contact == candidate.contact);
+        let numbers: Vec<usize> = self.candidates.iter().filter_map(number).collect();
+        let blocks: Vec<Block> = numbers.iter().map(|&index| self.block(scene, &bodies, index)).collect();
+        let rows = Rows::of(scene.response, state, &blocks);
+        let before = rows.rates(&state.velocity);
+        let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
+        let problem = Problem { mobility: &rows.square, free: &before, laws: &laws };
+        let impulses = impulse_without_collision(&problem, candidate).ok()?.forces;
+        rows.add(&impulses, &mut state.velocity);
+        let after = rows.rates(&state.velocity);
+        Some(impulses.iter().zip(before.iter().zip(&after)).map(|(impulse, (a, b))| -0.5 * impulse * (a + b)).sum())
+    }
+}

@@ -1,0 +1,88 @@
+//! Steps in which contacts slide: they end soon after the first of them stops, and are shorter where a long one cannot be solved.
+//!
+//! ```text
+//!     t_stop = |u_T| / (−u̇_T · t)       u̇_T = D λ + b, with the forces of the mode where the step begins
+//! ```
+//!
+//! Beyond its stop a slip has no direction, and the equations of the stages with it hardly a solution.
+
+use crate::events::closed_forces::time_to_stop;
+use crate::events::integrator::Eventful;
+use crate::events::present::Present;
+use crate::mechanism::motion::integrator::{StepError, StepOutcome};
+use crate::mechanism::motion::kinematics::place_bodies;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::touch_motion;
+
+/// A step goes beyond the stop of a slip by this factor: there it is found, and further on the slip has no direction.
+const BEYOND: f64 = 1.05;
+/// It is no shorter than this for it (s).
+const SOONEST: f64 = 1e-8;
+/// A step in which slips cannot be solved is shortened by this factor.
+const SLOWER: f64 = 0.25;
+
+/// Roundings of gaps, 1e-17 m, are velocities in steps that are shorter than this (s).
+const SHORTEST: f64 = 1e-8;
+
+impl Eventful {
+    /// An event that is nearer to the start of a step than this is there (s).
+    pub(super) fn shortest(&self, since: f64) -> f64 {
+        if self.mode.contacts.is_empty() { 1e-14 * since.abs().max(1.0) } else { SHORTEST }
+    }
+
+    /// A time soon after the first contact that slides would stop (s); infinite if none slows down.
+    pub(super) fn soon_after_stop(&mut self, since: f64, state: &State) -> f64 {
+        if self.mode.contacts.iter().all(|closed| closed.slides.is_none()) {
+            return f64::INFINITY;
+        }
+        let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
+        let mut all = efforts.clone();
+        mode.add_motor_efforts(elements, since, since, state, &mut all);
+        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+        since + BEYOND * time_to_stop(&present, response, state, &all, holding.is_unique()).max(SOONEST)
+    }
+
+    /// Makes the step; a shorter one where contacts are closed and a long one cannot be solved.
+    pub(super) fn step_towards(&mut self, since: f64, until: f64) -> Result<StepOutcome, StepError> {
+        let closed = !self.mode.contacts.is_empty();
+        let (mut until, mut rejected) = (until, 0);
+        loop {
+            let piece = &mut self.pieces[self.current];
+            match piece.step(until) {
+                Ok(outcome) => return Ok(StepOutcome { rejected: outcome.rejected + rejected, ..outcome }),
+                Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. })
+                    if closed && until - since > SOONEST =>
+                {
+                    piece.go_back(since, &self.recipe);
+                    until = since + SLOWER * (until - since);
+                    rejected += 1;
+                }
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// Takes the directions in which closed contacts slide at the end of the step that was made last.
+    pub(super) fn turn_slips(&mut self) {
+        let Eventful { mode, bodies, slips, .. } = self;
+        for (closed, slip) in mode.contacts.iter().zip(slips) {
+            *slip = touch_motion(&closed.contact.joint, bodies).slip.try_normalize(0.0).unwrap_or(*slip);
+        }
+    }
+
+    /// Takes the directions in which closed contacts slide in a state; those that begin to slide have the ones of the decision.
+    pub(super) fn note_slips(&mut self, state: &State) {
+        self.slips.clear();
+        if self.mode.contacts.is_empty() {
+            return;
+        }
+        place_bodies(&self.whole, state, &mut self.bodies);
+        for closed in &self.mode.contacts {
+            let begins = closed.slides.unwrap_or_default();
+            let slip = touch_motion(&closed.contact.joint, &self.bodies).slip;
+            // Slower than rest it has no direction of its own.
+            let moving = slip.norm() > 1e-10 * self.memory.fastest;
+            self.slips.push(slip.try_normalize(0.0).filter(|_| moving).unwrap_or(begins));
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Step by step, where events crowd or no step of the scheme can be solved: a run always gets on.
+//!
+//! ```text
+//!     v_f = v₀ + h a(q₀, v₀)                       under all forces, motors and inputs; without what follows
+//!     v̄  = v_f + Y Wᵀ P,   u = D P + W v_f
+//!     limits and contacts:   0 ≤ P_N ⊥ u_N + φ/h ≥ 0      for all that may close in the step, plastic, within Coulomb's cone
+//!     friction of joints:    |P| ≤ h τ_f
+//!     q̄  = q₀ + h v̄,  on closures, within limits and out of overlaps by the least motion
+//! ```
+//!
+//! of first order, with steps of a tenth of a millisecond. A step that would gain energy has its velocities scaled down. What it loses beside the work of motors counts as lost in
+//! impacts.
+//!
+//! Source: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics (1988); M. Jean, The non-smooth contact dynamics method,
+//! Computer Methods in Applied Mechanics and Engineering 177 (1999).
+
+use crate::events::integrator::Eventful;
+use crate::events::mode::Mode;
+use crate::instant::assembly::assemble;
+use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
+use crate::instant::cone::problem::{Law, Problem, Unsolved};
+use crate::instant::cone::solve;
+use crate::instant::elements::inward;
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::energy::energy_with_forces;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::StepOutcome;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+
+/// h (s).
+const STEP: f64 = 1e-4;
+/// A step that gains more than this part of the kinetic energy is scaled.
+const GAIN: f64 = 1e-14;
+
+/// So many steps
+const CROWD: usize = 100;
+/// within such a time are a crowd (s).
+const CROWD_TIME: f64 = 1e-5;
+
+impl Eventful {
+    /// Whether steps between events have become so many and so short that the run would not get on.
+    pub(super) fn is_crowded(&mut self, state: &State) -> bool {
+        if self.touching.pairs.is_empty() || state.time - self.crowd.1 > CROWD_TIME {
+            self.crowd = (0, state.time);
+        }
+        self.crowd.0 += 1;
+        let crowded = self.crowd.0 > CROWD;
+        if crowded {
+            self.crowd = (0, state.time);
+        }
+        crowded
+    }
+
+    /// Makes one such step towards `until` from the start of the step that failed.
+    pub(super) fn stumble(&mut self, inputs: Inputs, state: &mut State, until: f64) -> StepOutcome {
+        let start = self.origin.clone();
+        state.copy_from(&start);
+        let step = STEP.min(until - start.time);
+        let efforts = self.efforts_at(inputs, state);
+        let mut free = vec![0.0; self.whole.velocity_count];
+        self.response.accelerations(state, &efforts, &mut free);
+        for (rate, acceleration) in state.velocity.iter_mut().zip(&free) {
+            *rate += step * acceleration;
+        }
+        let (blocks, gaps) = self.closing_within(step, &start, &state.velocity);
+        if !blocks.is_empty() {
+            let rows = Rows::of(&mut self.response, &start, &blocks);
+            let mut rates = rows.rates(&state.velocity);
+            let mut row = 0;
+            for (block, gap) in blocks.iter().zip(&gaps) {
+                rates[row] += gap / step;
+                row += block.rows.len();
+            }
+            let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
+            let impulses = match solve(&Problem { mobility: &rows.square, free: &rates, laws: &laws }, None) {
+                Ok(answer) => answer.forces,
+                Err(Unsolved::Stopped { best }) => best.forces,
+                Err(_) => vec![0.0; rates.len()],
+            };
+            rows.add(&impulses, &mut state.velocity);
+        }
+        let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
+        state.displace(&self.whole, &moved);
+        state.time = start.time + step;
+        // Where it fails something stays open by what a step of first order leaves.
+        let wanted = state.velocity.clone();
+        let _ = assemble(&self.whole, state);
+        if !state.velocity.iter().all(|rate| rate.is_finite()) {
+            state.velocity = wanted;
+        }
+        let work: f64 = efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).sum();
+        let lost = self.bound(&start, state, work);
+        self.unsolved += 1;
+        self.stepped_over = Some(state.clone());
+        self.outside.clear();
+        self.outside.extend_from_slice(inputs.efforts);
+        let events = self.events.len();
+        let impacts = lost + self.pass_anew(inputs, state);
+        self.events.truncate(events);
+        self.steps += 1;
+        self.stepped += step;
+        StepOutcome {
+            step,
+            iterations: 1,
+            exchange: Exchange { work, impacts, ..Exchange::default() },
+            ..StepOutcome::default()
+        }
+    }
+
+    /// The efforts from outside and of motors.
+    fn efforts_at(&self, inputs: Inputs, state: &State) -> Vec<f64> {
+        let mut efforts = vec![0.0; self.whole.velocity_count];
+        inputs.write_constant(&mut efforts);
+        let motors = Mode { joints: Vec::new(), motors: self.mode.motors.clone(), contacts: Vec::new() };
+        motors.add_constant_efforts(&self.elements, &mut efforts);
+        motors.add_motor_efforts(&self.elements, state.time, state.time, state, &mut efforts);
+        efforts
+    }
+
+    /// What may close or hold in a step of this length from a state, for velocities without it: blocks, and their gaps (m or rad).
+    fn closing_within(&self, step: f64, start: &State, velocity: &[f64]) -> (Vec<Block>, Vec<f64>) {
+        let (mut blocks, mut gaps) = (Vec::new(), Vec::new());
+        let unbounded = Law::Interval { lower: 0.0, upper: f64::INFINITY };
+        for (index, joint) in self.elements.joints.iter().enumerate() {
+            let freedom = joint.coordinate.freedom;
+            let mut add = |law: Law, sign: f64, gap: f64| {
+                let rows = vec![row_of_freedom(velocity.len(), freedom, sign)];
+                blocks.push(Block { of: Of::Joint(index), law, rows });
+                gaps.push(gap);
+            };
+            if joint.friction > 0.0 {
+                let most = step * joint.friction;
+                add(Law::Interval { lower: -most, upper: most }, 1.0, 0.0);
+            }
+            for side in joint.sides() {
+                let gap = joint.gap(side, joint.position(start));
+                if gap + step * inward(side) * velocity[freedom] < 0.0 {
+                    add(unbounded, inward(side), gap);
+                }
+            }
+        }
+        let bodies = body_states(&self.whole, start);
+        for (pair, of) in self.touching.pairs.iter().enumerate() {
+            let speed = of.bodies.iter().zip(of.reach).filter_map(|(body, reach)| {
+                let state = &bodies[(*body)?];
+                Some(state.velocity.norm() + state.angular_velocity.norm() * reach.min(of.size))
+            });
+            let within = 2.0 * step * speed.sum::<f64>() + 10.0 * step * step;
+            if self.touching.distance(pair, &bodies) > within {
+                continue;
+            }
+            for (contact, gap) in self.touching.near(pair, &bodies, within) {
+                let rubs = of.friction > 0.0;
+                let rows = rows_of_contact(&self.whole, &bodies, &contact.joint, rubs);
+                let law = if rubs { Law::Contact { friction: of.friction } } else { unbounded };
+                blocks.push(Block { of: Of::Contact(pair), law, rows });
+                gaps.push(gap);
+            }
+        }
+        (blocks, gaps)
+    }
+
+    /// Takes from the velocities what a step has gained beside the work (J); returns what it has lost (J).
+    fn bound(&self, start: &State, end: &mut State, work: f64) -> f64 {
+        let of = |state: &State| energy_with_forces(&self.whole, &state.position, &body_states(&self.whole, state));
+        let (before, after) = (of(start), of(end));
+        let gained = after.total() - before.total() - work;
+        if gained > GAIN * after.kinetic && after.kinetic > 0.0 {
+            let factor = ((after.kinetic - gained) / after.kinetic).max(0.0).sqrt();
+            end.velocity.iter_mut().for_each(|rate| *rate *= factor);
+        }
+        before.total() + work - of(end).total()
+    }
+}
