@@ -1,4 +1,4 @@
-//! The curves of a log: joint positions and velocities, energy error, constraint violation, reactions.
+//! The curves of a log: joint positions and velocities, energy error, constraint violation, reactions, contact forces.
 //!
 //! ```text
 //!     energy error  |E − E₀ + D − W| / max T          no unit; E₀ at the start, D dissipated or lost, W work put in since,
@@ -12,7 +12,7 @@
 use crate::drawing::picture::{Figure, Panel, Picture, Scale, Series};
 use crate::drawing::style::curve;
 use crate::mechanism::ground::words::counted;
-use crate::output::inspection::joint_values::{JointKinds, Quantity, joint_values, wrenches};
+use crate::output::inspection::joint_values::{JointKinds, Quantity, contact_forces, joint_values, wrenches};
 use crate::output::inspection::summary::short;
 use crate::output::log::decode::LoggedEvent;
 use crate::output::log::frames::{Figures, Frame, Visitor, visit};
@@ -38,7 +38,7 @@ struct Gatherer<'k> {
     largest_kinetic: f64,
     /// Times of events (s).
     events: Vec<f64>,
-    robot: String,
+    scene: String,
     method: String,
 }
 
@@ -79,6 +79,18 @@ impl Visitor for Gatherer<'_> {
             self.add(Quantity::Force, joint, time, norm(force));
             self.add(Quantity::Torque, joint, time, norm(torque));
         }
+        let mut forces: Vec<(String, f64)> =
+            contact_forces(frame).into_iter().map(|(pair, force)| (pair, norm(&force))).collect();
+        // What does not touch any more has no force.
+        let known = self.curves.iter().filter(|(quantity, _)| *quantity == Quantity::ContactForce);
+        for Curve { label, .. } in known.flat_map(|(_, curves)| curves) {
+            if forces.iter().all(|(pair, _)| pair != label) {
+                forces.push((label.clone(), 0.0));
+            }
+        }
+        for (pair, force) in forces {
+            self.add(Quantity::ContactForce, &pair, time, force);
+        }
         ControlFlow::Continue(())
     }
 
@@ -102,7 +114,7 @@ impl Visitor for Gatherer<'_> {
     fn metadata(&mut self, name: &str, entries: &std::collections::BTreeMap<String, String>) {
         if name == "simulation" {
             let entry = |name: &str| entries.get(name).filter(|text| !text.is_empty());
-            self.robot = entry("robot").cloned().unwrap_or_default();
+            self.scene = entry("scene").or_else(|| entry("robot")).cloned().unwrap_or_default();
             self.method = [("method", ""), ("stages", " stages"), ("tolerance", " m tolerance"), ("step", " s step")]
                 .iter()
                 .filter_map(|(name, unit)| Some(format!("{}{unit}", short(entry(name)?))))
@@ -123,7 +135,7 @@ pub fn curves(log: &Path, kinds: &JointKinds) -> Result<Figure, ReadError> {
         initial: None,
         largest_kinetic: 0.0,
         events: Vec::new(),
-        robot: String::new(),
+        scene: String::new(),
         method: String::new(),
     };
     let completeness = visit(log, &mut gatherer)?;
@@ -148,7 +160,7 @@ pub fn curves(log: &Path, kinds: &JointKinds) -> Result<Figure, ReadError> {
         Some(completeness) if completeness.damaged => " (the log is damaged)",
         _ => " (the log is truncated)",
     };
-    Ok(Figure { title: format!("{}{incomplete}", gatherer.robot), subtitle: gatherer.method.clone(), pictures })
+    Ok(Figure { title: format!("{}{incomplete}", gatherer.scene), subtitle: gatherer.method.clone(), pictures })
 }
 
 fn picture(quantity: Quantity, curves: Vec<Curve>, events: &[f64], end: f64, is_last: bool) -> Picture {

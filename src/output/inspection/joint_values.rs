@@ -35,6 +35,7 @@ pub enum Quantity {
     Effort,
     Force,
     Torque,
+    ContactForce,
 }
 
 impl Quantity {
@@ -48,7 +49,7 @@ impl Quantity {
             Quantity::LinearVelocity => "m/s",
             Quantity::Violation => "m, m/s",
             Quantity::Effort | Quantity::MotorEffort => "N m, N",
-            Quantity::Force | Quantity::MotorForce => "N",
+            Quantity::Force | Quantity::MotorForce | Quantity::ContactForce => "N",
             Quantity::Torque | Quantity::MotorTorque => "N m",
             Quantity::Displacement => "rad or m",
             Quantity::Rate => "rad/s or m/s",
@@ -67,6 +68,7 @@ impl Quantity {
             Quantity::Effort => "Efforts along the joint axes",
             Quantity::Force => "Reaction forces",
             Quantity::Torque => "Reaction torques",
+            Quantity::ContactForce => "Contact forces",
             Quantity::MotorTorque => "Motor efforts, turning",
             Quantity::MotorForce => "Motor efforts, sliding",
             Quantity::MotorEffort => "Motor efforts",
@@ -161,6 +163,19 @@ pub fn joint_values(frame: &Frame, kinds: &JointKinds) -> Vec<JointValue> {
         }
     }
     all
+}
+
+/// The forces of the second of two shapes on the first, over all points at which they touch (N), by pairs `a|b` in the order of the log.
+pub(crate) fn contact_forces(frame: &Frame) -> Vec<(String, [f64; 3])> {
+    let mut forces: Vec<(String, [f64; 3])> = Vec::new();
+    for contact in &frame.contacts {
+        let pair = format!("{}|{}", contact.a, contact.b);
+        match forces.iter_mut().find(|(known, _)| *known == pair) {
+            Some((_, sum)) => sum.iter_mut().zip(contact.force).for_each(|(sum, force)| *sum += force),
+            None => forces.push((pair, contact.force)),
+        }
+    }
+    forces
 }
 
 /// The wrenches of the reactions, by joint.

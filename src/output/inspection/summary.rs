@@ -50,6 +50,9 @@ pub struct Summary {
     pub energy: Option<EnergySummary>,
     /// Constraint violation over the run.
     pub constraint: Option<ConstraintSummary>,
+    /// The error that is expected of positions (m), of the order of magnitude, if the log says it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimated_error: Option<f64>,
     /// What the steps took.
     pub solver: Option<SolverSummary>,
     /// What there is to see.
@@ -218,6 +221,7 @@ impl Collector {
         let Collector { mut summary, end, .. } = self;
         let number = |name: &str| end.get(name).and_then(|text| text.parse::<f64>().ok());
         summary.outcome = end.get("outcome").cloned();
+        summary.estimated_error = number("estimated_error");
         summary.rate = summary.simulation.get("rate").and_then(|rate| rate.parse().ok());
         for topic in &mut summary.topics {
             let span = seconds(topic.range.1 - topic.range.0);

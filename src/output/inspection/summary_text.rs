@@ -8,13 +8,13 @@ use std::fmt;
 const SHOWN_WARNINGS: usize = 10;
 
 /// Messages that come when there is something to say.
-const WITHOUT_RATE: [&str; 2] = ["foxglove.Log", "catena_msgs/msg/Event"];
+const WITHOUT_RATE: [&str; 3] = ["rcl_interfaces/msg/Log", "foxglove.Log", "catena_msgs/msg/Event"];
 
 impl fmt::Display for Summary {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let entry = |name: &str| self.simulation.get(name).map(String::as_str).filter(|text| !text.is_empty());
         writeln!(out, "{}: {}", self.log, self.state())?;
-        write!(out, "  run         {}, ", entry("robot").unwrap_or("?"))?;
+        write!(out, "  run         {}, ", entry("scene").or_else(|| entry("robot")).unwrap_or("?"))?;
         let last = self.duration;
         write!(out, "t = 0 to {last} s")?;
         if let Some(asked) = entry("duration").and_then(|text| text.parse::<f64>().ok()).filter(|asked| *asked > last) {

@@ -6,16 +6,19 @@
 //! | `JOINT.position [rad]`, `.velocity`, …   | every joint; those of several numbers have one column each   |
 //! | `JOINT.effort`, `JOINT.reaction_force.x` | what it carries                                              |
 //! | `JOINT.motor_effort [N m]`               | what its motor does, if it has one                           |
+//! | `A\|B.contact_force.x [N]`, …            | force of B on A, for all that touch at any sample            |
 //! | `LINK.x [m]`, …, `LINK.qw`, …            | every link frame in the world                                |
 //! | `step_end [s]`, `energy.total [J]`, …    | figures at the end of the last step, which is not later       |
 
 use crate::drawing::comma_separated::field;
-use crate::output::inspection::joint_values::{JointKinds, joint_values};
+use crate::output::inspection::joint_values::{JointKinds, contact_forces, joint_values};
 use crate::output::log::frame_stream::Frames;
-use crate::output::log::frames::Frame;
+use crate::output::log::frames::{Frame, Visitor, visit};
+use crate::output::log::reader::LogChannel;
 use crate::output::log::records::ReadError;
 use crate::output::log::seconds;
 use std::io::{self, Write};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Why there is no table.
@@ -43,9 +46,10 @@ pub enum TableError {
 /// [`TableError`].
 pub fn write_table(log: &Path, kinds: &JointKinds, out: &mut dyn Write) -> Result<(), TableError> {
     let mut columns: Vec<String> = Vec::new();
+    let pairs = touching_pairs(log)?;
     for frame in Frames::of(log)? {
         let frame = frame?;
-        let cells = cells(&frame, kinds);
+        let cells = cells(&frame, kinds, &pairs);
         if columns.is_empty() {
             columns = cells.iter().map(|(name, _)| name.clone()).collect();
             let names: Vec<String> = columns.iter().map(|name| field(name)).collect();
@@ -62,6 +66,37 @@ pub fn write_table(log: &Path, kinds: &JointKinds, out: &mut dyn Write) -> Resul
     if columns.is_empty() { Err(TableError::Empty) } else { Ok(()) }
 }
 
+/// Collects the pairs that touch.
+#[derive(Default)]
+struct Touching {
+    /// Whether the log has any place for contacts.
+    may_touch: bool,
+    pairs: Vec<String>,
+}
+
+impl Visitor for Touching {
+    fn channel(&mut self, channel: &LogChannel) {
+        self.may_touch |= channel.topic == "/contacts";
+    }
+
+    fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
+        for (pair, _) in contact_forces(frame) {
+            if !self.pairs.contains(&pair) {
+                self.pairs.push(pair);
+            }
+        }
+        // Channels come before the messages.
+        if self.may_touch { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+}
+
+/// The pairs `a|b` that touch at any sample of a log, in the order in which they first do.
+fn touching_pairs(log: &Path) -> Result<Vec<String>, ReadError> {
+    let mut touching = Touching::default();
+    visit(log, &mut touching)?;
+    Ok(touching.pairs)
+}
+
 /// Where the cells of a sample are first not those of the columns.
 fn mismatch(columns: &[String], cells: &[(String, Option<f64>)], time: f64) -> TableError {
     let same = columns.iter().zip(cells).take_while(|(column, (name, _))| *column == name).count();
@@ -74,12 +109,19 @@ fn mismatch(columns: &[String], cells: &[(String, Option<f64>)], time: f64) -> T
 const ENERGIES: [&str; 7] = ["kinetic", "potential", "total", "dissipated", "work", "friction", "impacts"];
 
 /// Every number of a frame with the name of its column.
-fn cells(frame: &Frame, kinds: &JointKinds) -> Vec<(String, Option<f64>)> {
+fn cells(frame: &Frame, kinds: &JointKinds, pairs: &[String]) -> Vec<(String, Option<f64>)> {
     let mut cells = vec![("time [s]".to_string(), Some(frame.time()))];
     for value in joint_values(frame, kinds) {
         let unit = value.quantity.unit();
         let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
         cells.push((format!("{}{unit}", value.name), Some(value.value)));
+    }
+    let forces = contact_forces(frame);
+    for pair in pairs {
+        let force = forces.iter().find(|(known, _)| known == pair).map_or([0.0; 3], |(_, force)| *force);
+        for (axis, value) in ["x", "y", "z"].into_iter().zip(force) {
+            cells.push((format!("{pair}.contact_force.{axis} [N]"), Some(value)));
+        }
     }
     for link in &frame.links {
         let [x, y, z] = link.position;

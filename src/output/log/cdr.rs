@@ -54,6 +54,25 @@ impl<'b> CdrWriter<'b> {
         self.buffer.extend_from_slice(&value.to_le_bytes());
     }
 
+    /// So many doubles that are fields one after the other, all zero; returns where they begin.
+    pub(crate) fn row(&mut self, count: usize) -> usize {
+        self.align(8);
+        let start = self.buffer.len();
+        self.buffer.resize(start + 8 * count, 0);
+        start
+    }
+
+    /// A number of one byte, or a truth value.
+    pub(crate) fn byte(&mut self, value: u8) {
+        self.buffer.push(value);
+    }
+
+    /// A number of four bytes with a fraction.
+    pub(crate) fn single(&mut self, value: f32) {
+        self.align(4);
+        self.buffer.extend_from_slice(&value.to_le_bytes());
+    }
+
     /// A sequence of so many structures of `N` doubles, all zero; returns where they begin.
     pub(crate) fn structures<const N: usize>(&mut self, count: usize) -> usize {
         self.unsigned(count as u32);
@@ -64,6 +83,17 @@ impl<'b> CdrWriter<'b> {
         let start = self.buffer.len();
         self.buffer.resize(start + 8 * N * count, 0);
         start
+    }
+
+    /// A sequence of structures of three doubles.
+    pub(crate) fn triples(&mut self, triples: &[[f32; 3]]) {
+        let start = self.structures::<3>(triples.len());
+        fill(&mut self.buffer[start..], triples.iter().flatten().map(|value| f64::from(*value)));
+    }
+
+    /// Where the next field without alignment would be.
+    pub(crate) fn place(&self) -> usize {
+        self.buffer.len()
     }
 }
 

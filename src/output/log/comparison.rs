@@ -3,12 +3,14 @@
 //! A thread reads the log; what does not depend on the run (descriptions, lines of text) is passed over on both sides.
 
 use crate::output::log::batch::Batch;
+use crate::output::log::definitions::Definition;
+use crate::output::log::durability::Durability;
 use crate::output::log::error::LogError;
 use crate::output::log::file::MessageSink;
+use crate::output::log::line::TOPIC as LINES;
+use crate::output::log::markers::TOPIC as MARKERS;
 use crate::output::log::reader::{Item, read_log};
-use crate::output::log::seconds;
-use foxglove::Decode;
-use foxglove::messages::FrameTransforms;
+use crate::output::log::{decode, seconds};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -18,7 +20,7 @@ const PIECE: usize = 256;
 
 /// Topics that are not compared: they hold paths of the machine and words.
 fn is_compared(topic: &str) -> bool {
-    !(topic.ends_with("robot_description") || topic == "/scene" || topic == "/log")
+    !(topic.ends_with("robot_description") || [MARKERS, LINES, "/scene", "/log"].contains(&topic))
 }
 
 /// The first message of a run that is not that of the log.
@@ -27,6 +29,12 @@ pub enum Difference {
     /// They say different things.
     #[error("{topic} differs at t = {time} s: {what}")]
     Message { topic: String, time: f64, what: String },
+    /// The log has messages of another kind.
+    #[error(
+        "{topic} has messages of the kind {logged} in the log, and this version writes {written}; replay the log with the version that \
+         wrote it, or look at it with `catena inspect`"
+    )]
+    Kind { topic: String, logged: String, written: &'static str },
     /// The log has no more messages.
     #[error("the log ends at t = {time} s")]
     LogEnded { time: f64 },
@@ -49,13 +57,17 @@ pub struct Compared {
 
 struct Message {
     topic: String,
+    schema: String,
     time: u64,
     data: Vec<u8>,
 }
 
 /// A log that is compared with.
 pub(crate) struct Comparison {
-    topics: Vec<String>,
+    /// The time of messages at the start of the run, in nanoseconds.
+    start: u64,
+    /// The topics of the run, and the kinds of their messages.
+    topics: Vec<(String, &'static str)>,
     piece: Batch,
     expected: std::vec::IntoIter<Message>,
     receiver: Receiver<Result<Vec<Message>, String>>,
@@ -67,7 +79,7 @@ pub(crate) struct Comparison {
 
 impl Comparison {
     /// Starts to read a log.
-    pub(crate) fn new(path: &Path) -> Result<Self, LogError> {
+    pub(crate) fn new(path: &Path, start: u64) -> Result<Self, LogError> {
         let (sender, receiver) = sync_channel(4);
         let log: PathBuf = path.to_path_buf();
         let read = move || {
@@ -82,7 +94,8 @@ impl Comparison {
                     _ => return ControlFlow::Continue(()),
                 };
                 if is_compared(&channel.topic) {
-                    piece.push(Message { topic: channel.topic.clone(), time, data: data.to_vec() });
+                    let (topic, schema) = (channel.topic.clone(), channel.schema.clone());
+                    piece.push(Message { topic, schema, time, data: data.to_vec() });
                 }
                 if piece.len() < PIECE || sender.send(Ok(std::mem::take(&mut piece))).is_ok() {
                     ControlFlow::Continue(())
@@ -105,6 +118,7 @@ impl Comparison {
         let thread = std::thread::Builder::new().name("log".to_string()).spawn(read);
         thread.map_err(|reason| LogError::Write { path: path.to_path_buf(), reason })?;
         Ok(Comparison {
+            start,
             topics: Vec::new(),
             piece: Batch::default(),
             expected: Vec::new().into_iter(),
@@ -147,8 +161,9 @@ impl Comparison {
         }
         let piece = std::mem::take(&mut self.piece);
         let result = piece.messages().try_for_each(|(entry, data)| {
-            let topic = self.topics.get(usize::from(entry.channel)).cloned().unwrap_or_default();
-            if is_compared(&topic) { self.compare(&topic, entry.time, data) } else { Ok(()) }
+            let (topic, schema) = self.topics.get(usize::from(entry.channel)).cloned().unwrap_or_default();
+            let time = entry.time.saturating_sub(self.start);
+            if is_compared(&topic) { self.compare((&topic, schema), time, data) } else { Ok(()) }
         });
         if let Err(difference) = &result {
             self.found = Some(difference.clone());
@@ -156,11 +171,15 @@ impl Comparison {
         result
     }
 
-    fn compare(&mut self, topic: &str, time: u64, data: &[u8]) -> Result<(), Difference> {
+    fn compare(&mut self, (topic, schema): (&str, &'static str), time: u64, data: &[u8]) -> Result<(), Difference> {
         let Some(expected) = self.next()? else { return Err(Difference::LogEnded { time: self.compared.time }) };
         let differs = |what: String| Err(Difference::Message { topic: topic.to_string(), time: seconds(time), what });
         if (expected.topic.as_str(), expected.time) != (topic, time) {
             return differs(format!("the log has {} at t = {} s there", expected.topic, seconds(expected.time)));
+        }
+        if expected.schema != schema {
+            let (topic, logged) = (topic.to_string(), expected.schema);
+            return Err(Difference::Kind { topic, logged, written: schema });
         }
         if expected.data != data {
             return differs(what_differs(topic, &expected.data, data));
@@ -194,17 +213,13 @@ fn what_differs(topic: &str, logged: &[u8], run: &[u8]) -> String {
 }
 
 fn poses(topic: &str, data: &[u8]) -> Option<Vec<(String, [f64; 3])>> {
-    let transforms = (topic == "/tf").then(|| FrameTransforms::decode(data).ok())??.transforms;
-    let pose = |transform: foxglove::messages::FrameTransform| {
-        let translation = transform.translation.unwrap_or_default();
-        (transform.child_frame_id, [translation.x, translation.y, translation.z])
-    };
-    Some(transforms.into_iter().map(pose).collect())
+    let links = (topic == "/tf").then(|| decode::transforms(data).ok())??;
+    Some(links.into_iter().map(|pose| (pose.link, pose.position)).collect())
 }
 
 impl MessageSink for Comparison {
-    fn channel(&mut self, topic: &str, _: (&str, &str, &[u8]), _: &str) -> Result<u16, LogError> {
-        self.topics.push(topic.to_string());
+    fn channel(&mut self, topic: &str, definition: &Definition, _: Durability) -> Result<u16, LogError> {
+        self.topics.push((topic.to_string(), definition.name));
         // There are never more than a few dozen.
         Ok(self.topics.len() as u16 - 1)
     }

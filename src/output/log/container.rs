@@ -7,8 +7,8 @@
 //! ```
 //!
 //! What is in a record, the `mcap` crate encodes; this is their order, offsets, counts and checksums. The first chunk begins with
-//! all schemas and channels. Chunks are not compressed: what compresses well, names, is the smaller part of a log, and the work
-//! would be as much as all else about it (benches/README.md).
+//! all schemas and channels. The profile is `ros2`: all messages are CDR, and channels say in their metadata how they are offered, as
+//! those of bags do.
 //!
 //! The crate's own writer takes a message in seven pieces, each through three layers with a checksum in two of them, which is a third
 //! of what a sample costs and cannot be given a chunk that is encoded already; that is why it is not used (benches/README.md). Its
@@ -16,6 +16,10 @@
 //! specification (mcap.dev/spec).
 
 use crate::output::log::batch::{Batch, CHUNK_HEADER, Entry, RECORD_HEADER};
+use crate::output::log::compression;
+use crate::output::log::compression::Packer;
+use crate::output::log::definitions::Definition;
+use crate::output::log::durability::Durability;
 use binrw::{BinResult, BinWrite, Endian};
 use crc32fast::Hasher;
 use mcap::MAGIC;
@@ -25,6 +29,13 @@ use mcap::records::{
 };
 use std::collections::BTreeMap;
 use std::io::Cursor;
+
+/// How schemas and messages are encoded.
+const SCHEMA_ENCODING: &str = "ros2msg";
+const MESSAGE_ENCODING: &str = "cdr";
+
+/// What readers may expect: topics, types and encodings of ROS 2.
+const PROFILE: &str = "ros2";
 
 /// Adds a record of this content and what follows it; returns the length of the record.
 fn record<R>(out: &mut Vec<u8>, opcode: u8, content: &R, rest: &[&[u8]]) -> BinResult<u64>
@@ -55,7 +66,7 @@ pub(crate) struct Container {
     /// Length of what has been taken.
     taken: u64,
     checksum: Hasher,
-    schema_numbers: BTreeMap<String, u16>,
+    schema_numbers: BTreeMap<&'static str, u16>,
     /// Records for the summary.
     schemas: Vec<u8>,
     channels: Vec<u8>,
@@ -74,7 +85,7 @@ impl Container {
     /// Like all here only for what cannot be a record at all: lengths that do not fit into their fields.
     pub(crate) fn new(library: &str) -> BinResult<Self> {
         let mut out = MAGIC.to_vec();
-        record(&mut out, op::HEADER, &Header { profile: String::new(), library: library.to_string() }, &[])?;
+        record(&mut out, op::HEADER, &Header { profile: PROFILE.to_string(), library: library.to_string() }, &[])?;
         Ok(Container {
             out,
             taken: 0,
@@ -104,30 +115,31 @@ impl Container {
         self.taken + self.out.len() as u64
     }
 
-    /// Adds a channel for messages of the `schema` (name, encoding, data), of which there is one for each name. `None` if there
-    /// are more channels than the format can tell apart. What has to be in a chunk about it goes into `batch`.
+    /// Adds a channel for messages of this definition. `None` if there are more channels than the format can tell apart. What has to
+    /// be in a chunk about it goes into `batch`.
     pub(crate) fn channel(
         &mut self,
         topic: &str,
-        schema: (&str, &str, &[u8]),
-        encoding: &str,
+        definition: &Definition,
+        durability: Durability,
         batch: &mut Batch,
     ) -> BinResult<Option<u16>> {
-        let (name, schema_encoding, data) = schema;
         let Ok(id) = u16::try_from(self.message_indexes.len()) else { return Ok(None) };
         // Zero stands for no schema; there are no more schemas than channels.
         let next = self.schema_numbers.len() as u16 + 1;
-        let schema_id = *self.schema_numbers.entry(name.to_string()).or_insert(next);
+        let schema_id = *self.schema_numbers.entry(definition.name).or_insert(next);
         if schema_id == next {
             let start = self.schemas.len();
-            let header = SchemaHeader { id: next, name: name.to_string(), encoding: schema_encoding.to_string() };
-            record(&mut self.schemas, op::SCHEMA, &header, &[&(data.len() as u32).to_le_bytes(), data])?;
+            let header =
+                SchemaHeader { id: next, name: definition.name.to_string(), encoding: SCHEMA_ENCODING.to_string() };
+            let text = definition.schema();
+            record(&mut self.schemas, op::SCHEMA, &header, &[&(text.len() as u32).to_le_bytes(), text.as_bytes()])?;
             batch.define(&self.schemas[start..]);
             self.statistics.schema_count += 1;
         }
         let start = self.channels.len();
-        let (topic, message_encoding) = (topic.to_string(), encoding.to_string());
-        let channel = Channel { id, schema_id, topic, message_encoding, metadata: BTreeMap::new() };
+        let (topic, message_encoding) = (topic.to_string(), MESSAGE_ENCODING.to_string());
+        let channel = Channel { id, schema_id, topic, message_encoding, metadata: durability.metadata() };
         record(&mut self.channels, op::CHANNEL, &channel, &[])?;
         batch.define(&self.channels[start..]);
         self.statistics.channel_count += 1;
@@ -162,35 +174,75 @@ impl Container {
     /// Completes the chunk of a batch, with its indexes, as the next part of the file; everything before it has been taken.
     pub(crate) fn chunk<'b>(&mut self, batch: &'b mut Batch) -> BinResult<&'b [u8]> {
         let (entries, records) = batch.from(0);
-        let (times, count) = (time_range(entries), entries.len() as u64);
+        let (times, size) = (time_range(entries), records.len() as u64);
+        let mut checksum = Hasher::new();
+        checksum.update(records);
+        self.count(entries, times);
+        let chunk = batch.chunk();
+        let length = chunk.len() as u64;
+        let mut header = Vec::with_capacity(CHUNK_HEADER);
+        record(&mut header, op::CHUNK, &chunk_header(times, size, checksum.clone().finalize()), &[])?;
+        set_length(&mut header, length);
+        chunk[..CHUNK_HEADER].copy_from_slice(&header);
+        self.index(chunk, times, ("", size, size))?;
+        // The checksum of the records is known; that of the file goes on with it.
+        self.checksum.update(&header);
+        self.checksum.combine(&checksum);
+        self.checksum.update(&chunk[length as usize..]);
+        self.taken += chunk.len() as u64;
+        Ok(chunk)
+    }
+
+    /// The same with its records packed, put into the emptied `chunk`.
+    pub(crate) fn packed_chunk(&mut self, batch: &Batch, packer: &mut Packer, chunk: &mut Vec<u8>) -> BinResult<()> {
+        let (entries, records) = batch.from(0);
+        let times = time_range(entries);
+        self.count(entries, times);
+        let packed = packer.pack(records)?;
+        let (size, packed_size) = (records.len() as u64, packed.len() as u64);
+        let mut header = chunk_header(times, size, crc32fast::hash(records));
+        (header.compression, header.compressed_size) = (compression::NAME.to_string(), packed_size);
+        chunk.clear();
+        record(chunk, op::CHUNK, &header, &[packed])?;
+        self.index(chunk, times, (compression::NAME, packed_size, size))?;
+        self.checksum.update(chunk);
+        self.taken += chunk.len() as u64;
+        Ok(())
+    }
+
+    /// Counts messages, and remembers where they are among the records of their chunk.
+    fn count(&mut self, entries: &[Entry], times: (u64, u64)) {
         self.message_indexes.iter_mut().for_each(Vec::clear);
         for entry in entries {
             let index = &mut self.message_indexes[usize::from(entry.channel)];
             index.extend_from_slice(&entry.time.to_le_bytes());
             index.extend_from_slice(&(entry.offset as u64).to_le_bytes());
         }
-        let (size, mut checksum) = (records.len() as u64, Hasher::new());
-        checksum.update(records);
-        let chunk = batch.chunk();
-        let chunk_length = chunk.len() as u64;
-        let mut header = Vec::with_capacity(CHUNK_HEADER);
-        record(&mut header, op::CHUNK, &chunk_header(times, size, checksum.clone().finalize()), &[])?;
-        set_length(&mut header, chunk_length);
-        chunk[..CHUNK_HEADER].copy_from_slice(&header);
         let statistics = &mut self.statistics;
-        let mut message_index_offsets = BTreeMap::new();
-        for (channel, index) in (0_u16..).zip(&self.message_indexes).filter(|(_, index)| !index.is_empty()) {
-            message_index_offsets.insert(channel, self.taken + chunk.len() as u64);
-            record(chunk, op::MESSAGE_INDEX, &channel, &[&(index.len() as u32).to_le_bytes(), index])?;
-            *statistics.channel_message_counts.entry(channel).or_default() += index.len() as u64 / 16;
-        }
-        if count > 0 {
+        if !entries.is_empty() {
             let first = if statistics.message_count == 0 { times.0 } else { statistics.message_start_time };
             statistics.message_start_time = first.min(times.0);
             statistics.message_end_time = statistics.message_end_time.max(times.1);
         }
-        statistics.message_count += count;
+        statistics.message_count += entries.len() as u64;
         statistics.chunk_count += 1;
+    }
+
+    /// Adds the indexes of the messages that were counted behind their chunk, and that of the chunk to the summary; the chunk has this
+    /// compression, and these sizes with and without it.
+    fn index(
+        &mut self,
+        chunk: &mut Vec<u8>,
+        times: (u64, u64),
+        (compression, compressed_size, uncompressed_size): (&str, u64, u64),
+    ) -> BinResult<()> {
+        let chunk_length = chunk.len() as u64;
+        let mut message_index_offsets = BTreeMap::new();
+        for (channel, index) in (0_u16..).zip(&self.message_indexes).filter(|(_, index)| !index.is_empty()) {
+            message_index_offsets.insert(channel, self.taken + chunk.len() as u64);
+            record(chunk, op::MESSAGE_INDEX, &channel, &[&(index.len() as u32).to_le_bytes(), index])?;
+            *self.statistics.channel_message_counts.entry(channel).or_default() += index.len() as u64 / 16;
+        }
         let index = ChunkIndex {
             message_start_time: times.0,
             message_end_time: times.1,
@@ -198,17 +250,11 @@ impl Container {
             chunk_length,
             message_index_offsets,
             message_index_length: chunk.len() as u64 - chunk_length,
-            compression: String::new(),
-            compressed_size: size,
-            uncompressed_size: size,
+            compression: compression.to_string(),
+            compressed_size,
+            uncompressed_size,
         };
-        record(&mut self.chunk_indexes, op::CHUNK_INDEX, &index, &[])?;
-        // The checksum of the records is known; that of the file goes on with it.
-        self.checksum.update(&header);
-        self.checksum.combine(&checksum);
-        self.checksum.update(&chunk[chunk_length as usize..]);
-        self.taken += chunk.len() as u64;
-        Ok(chunk)
+        record(&mut self.chunk_indexes, op::CHUNK_INDEX, &index, &[]).map(drop)
     }
 
     /// Adds what comes after the last chunk and metadata.

@@ -1,10 +1,10 @@
 //! Decodes the messages that [`crate::output::log::Recorder`] writes.
 //!
-//! CDR as in [`crate::output::log::cdr`], read with every length checked: a damaged message is an error, never a panic or a huge
-//! allocation.
+//! A damaged message is an error, never a panic or a huge allocation.
 
-use foxglove::Decode;
-use foxglove::messages::{FrameTransforms, Log};
+use crate::output::log::cdr_reader::CdrReader;
+use crate::output::log::line::Severity;
+use serde::Serialize;
 
 /// A link's frame in the world.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct LinkPose {
     pub orientation: [f64; 4],
 }
 
-/// A line of `/log`.
+/// A line of text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogLine {
     /// Whether it is a warning or an error.
@@ -37,6 +37,25 @@ pub struct LoggedEvent {
     pub what: String,
     /// The impulse of an impact [N m s or N s].
     pub impulse: Option<f64>,
+}
+
+/// A closed contact.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LoggedContact {
+    /// The link.
+    pub a: String,
+    /// The obstacle, or another link.
+    pub b: String,
+    /// Where they touch, in the world (m).
+    pub position: [f64; 3],
+    /// The unit normal from b to a.
+    pub normal: [f64; 3],
+    /// The force on a (N).
+    pub force: [f64; 3],
+    /// Negative where they overlap (m).
+    pub gap: f64,
+    /// `stick` or `slip`.
+    pub state: String,
 }
 
 /// The joints of one number in a sample.
@@ -65,32 +84,39 @@ pub struct MultiDofStates {
     pub wrenches: Vec<([f64; 3], [f64; 3])>,
 }
 
-/// Decodes a `foxglove.FrameTransforms`.
+/// Decodes a `tf2_msgs/msg/TFMessage`.
 ///
 /// # Errors
 /// What is wrong with it.
 pub fn transforms(data: &[u8]) -> Result<Vec<LinkPose>, String> {
-    let decoded = FrameTransforms::decode(data).map_err(|error| error.to_string())?;
-    let pose = |transform: foxglove::messages::FrameTransform| {
-        let translation = transform.translation.unwrap_or_default();
-        let turn = transform.rotation.unwrap_or_default();
-        LinkPose {
-            link: transform.child_frame_id,
-            position: [translation.x, translation.y, translation.z],
-            orientation: [turn.w, turn.x, turn.y, turn.z],
-        }
-    };
-    Ok(decoded.transforms.into_iter().map(pose).collect())
+    CdrReader::new(data)?.sequence(|cdr| {
+        cdr.header()?;
+        let link = cdr.string()?;
+        let [x, y, z, qx, qy, qz, qw] = cdr.numbers()?;
+        Ok(LinkPose { link, position: [x, y, z], orientation: [qw, qx, qy, qz] })
+    })
 }
 
-/// Decodes a `foxglove.Log`.
+/// Decodes a `rcl_interfaces/msg/Log`.
 ///
 /// # Errors
 /// What is wrong with it.
 pub fn log_line(data: &[u8]) -> Result<LogLine, String> {
-    let line = Log::decode(data).map_err(|error| error.to_string())?;
-    let warning = foxglove::messages::log::Level::Warning as i32;
-    Ok(LogLine { is_problem: line.level >= warning, text: line.message })
+    let mut cdr = CdrReader::new(data)?;
+    cdr.time()?;
+    let [level] = cdr.aligned()?;
+    let _name = cdr.string()?;
+    Ok(LogLine { is_problem: level >= Severity::Warning.level(), text: cdr.string()? })
+}
+
+/// Decodes a message of numbers with names: `catena_msgs/msg/Energy`, `Constraint`, `Solver`.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn named_numbers<const N: usize>(data: &[u8]) -> Result<[f64; N], String> {
+    let mut cdr = CdrReader::new(data)?;
+    cdr.header()?;
+    cdr.numbers()
 }
 
 /// Decodes a `catena_msgs/msg/Event`.
@@ -104,6 +130,21 @@ pub fn event(data: &[u8]) -> Result<LoggedEvent, String> {
     let (kind, what) = (cdr.string()?, cdr.string()?);
     let [impulse] = cdr.numbers()?;
     Ok(LoggedEvent { time, kind, what, impulse: Some(impulse).filter(|impulse| !impulse.is_nan()) })
+}
+
+/// Decodes a `catena_msgs/msg/Contacts`.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn contacts(data: &[u8]) -> Result<Vec<LoggedContact>, String> {
+    let mut cdr = CdrReader::new(data)?;
+    cdr.header()?;
+    cdr.sequence(|cdr| {
+        let (a, b) = (cdr.string()?, cdr.string()?);
+        let (position, normal, force) = (cdr.numbers()?, cdr.numbers()?, cdr.numbers()?);
+        let [gap] = cdr.numbers()?;
+        Ok(LoggedContact { a, b, position, normal, force, gap, state: cdr.string()? })
+    })
 }
 
 /// Decodes a `sensor_msgs/msg/JointState`.
@@ -154,7 +195,7 @@ pub fn multi_dof_states(data: &[u8]) -> Result<MultiDofStates, String> {
     }
 }
 
-/// Decodes a `std_msgs/msg/Float64MultiArray` of one dimension.
+/// Decodes a `std_msgs/msg/Float64MultiArray` of one dimension, as logs of earlier versions have them.
 ///
 /// # Errors
 /// What is wrong with it.
@@ -175,76 +216,4 @@ pub fn figures(data: &[u8]) -> Result<Vec<f64>, String> {
 /// What is wrong with it.
 pub fn string(data: &[u8]) -> Result<String, String> {
     CdrReader::new(data)?.string()
-}
-
-/// Reads one message.
-struct CdrReader<'d> {
-    data: &'d [u8],
-    at: usize,
-}
-
-impl<'d> CdrReader<'d> {
-    fn new(data: &'d [u8]) -> Result<Self, String> {
-        match data.split_at_checked(4) {
-            Some(([0, 1, _, _], data)) => Ok(CdrReader { data, at: 0 }),
-            _ => Err("it is not little-endian CDR".to_string()),
-        }
-    }
-
-    fn bytes(&mut self, count: usize) -> Result<&'d [u8], String> {
-        let end = self.at.checked_add(count).filter(|&end| end <= self.data.len());
-        let end = end.ok_or_else(|| format!("it ends after {} bytes", self.data.len()))?;
-        let bytes = &self.data[self.at..end];
-        self.at = end;
-        Ok(bytes)
-    }
-
-    fn aligned<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        self.at = self.at.next_multiple_of(N);
-        self.bytes(N)?.try_into().map_err(|_| "it ends too early".to_string())
-    }
-
-    fn unsigned(&mut self) -> Result<u32, String> {
-        Ok(u32::from_le_bytes(self.aligned()?))
-    }
-
-    fn string(&mut self) -> Result<String, String> {
-        let length = self.unsigned()? as usize;
-        let bytes = self.bytes(length)?;
-        let text = bytes.strip_suffix(&[0]).unwrap_or(bytes);
-        String::from_utf8(text.to_vec()).map_err(|_| "a name is not UTF-8".to_string())
-    }
-
-    fn numbers<const N: usize>(&mut self) -> Result<[f64; N], String> {
-        let mut numbers = [0.0; N];
-        for number in &mut numbers {
-            *number = f64::from_le_bytes(self.aligned()?);
-        }
-        Ok(numbers)
-    }
-
-    fn sequence<T>(&mut self, mut element: impl FnMut(&mut Self) -> Result<T, String>) -> Result<Vec<T>, String> {
-        let count = self.unsigned()?;
-        // Grown as elements come, because a damaged count may be anything.
-        let mut all = Vec::new();
-        for _ in 0..count {
-            all.push(element(self)?);
-        }
-        Ok(all)
-    }
-
-    fn strings(&mut self) -> Result<Vec<String>, String> {
-        self.sequence(Self::string)
-    }
-
-    fn doubles(&mut self) -> Result<Vec<f64>, String> {
-        self.sequence(|cdr| Ok(f64::from_le_bytes(cdr.aligned()?)))
-    }
-
-    /// A `std_msgs/Header`.
-    fn header(&mut self) -> Result<(), String> {
-        self.unsigned()?;
-        self.unsigned()?;
-        self.string().map(drop)
-    }
 }

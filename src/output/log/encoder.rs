@@ -7,37 +7,37 @@ use crate::instant::snapshots::View;
 use crate::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Snapshots};
 use crate::mechanism::description::joint::Pose;
 use crate::model::{LinkFrame, Model};
+use crate::output::log::contact_forces::ContactForces;
+use crate::output::log::contacts::ContactMessages;
+use crate::output::log::definitions::{LOG, TRANSFORMS};
+use crate::output::log::durability::Durability;
 use crate::output::log::error::LogError;
 use crate::output::log::events::EventMessages;
+use crate::output::log::figures::FigureMessages;
 use crate::output::log::file::MessageSink;
 use crate::output::log::joints::JointMessages;
 use crate::output::log::motors::MotorMessages;
-use crate::output::log::queue::{Between, Figures, Piece};
-use crate::output::log::ros::{Template, ros_channel};
+use crate::output::log::options::LogOptions;
+use crate::output::log::queue::{Between, Piece};
 use crate::output::log::transforms::TransformsEncoder;
-use crate::output::log::{nanoseconds, ros};
-use foxglove::messages::{self, FrameTransforms};
-use foxglove::{Encode, Schema};
+use crate::output::log::{line, nanoseconds};
 
 /// The frame all poses are given in, unless a moving link has taken the name.
 const WORLD_FRAME: &str = "world";
 
-/// What `/energy` has of a smooth run, and how many numbers that are.
-const SMOOTH: (&str, usize) = ("kinetic, potential, total; since the start: dissipated, work put in [J]", 5);
-/// What it has where there are limits, dry friction or motors.
-const NONSMOOTH: (&str, usize) =
-    ("kinetic, potential, total; since the start: dissipated, work put in, lost to friction, lost in impacts [J]", 7);
-
 /// Makes messages of the samples of one run.
 pub(crate) struct SampleEncoder {
-    log: u16,
-    transforms_channel: u16,
-    /// Energies, violation and work.
-    figures: [(u16, Template); 3],
-    transforms: TransformsEncoder,
+    /// The time of the log at the start of the run, in nanoseconds.
+    start: u64,
+    lines: u16,
+    /// `None` if it is not wanted.
+    transforms: Option<(u16, TransformsEncoder)>,
+    figures: FigureMessages,
     joints: JointMessages,
     motors: Option<MotorMessages>,
     events: Option<EventMessages>,
+    contacts: Option<ContactMessages>,
+    contact_forces: Option<ContactForces>,
     instants: View,
     snapshots: Snapshots,
     position_count: usize,
@@ -46,28 +46,29 @@ pub(crate) struct SampleEncoder {
 
 impl SampleEncoder {
     /// Adds the channels of a run of this model.
-    pub(crate) fn new(sink: &mut dyn MessageSink, model: &Model) -> Result<Self, LogError> {
+    pub(crate) fn new(sink: &mut dyn MessageSink, model: &Model, options: &LogOptions) -> Result<Self, LogError> {
         let (mechanism, links) = (&model.mechanism, drawn_links(&model.links));
         let world = world_frame(&model.links);
         let places: Vec<LinkPlace> = links.iter().map(|link| (link.body, link.in_body)).collect();
-        let log = foxglove_channel::<messages::Log>(sink, "/log")?;
-        let transforms_channel = foxglove_channel::<FrameTransforms>(sink, "/tf")?;
-        let mut figures = |topic: &str, label: &str, count: usize| -> Result<_, LogError> {
-            Ok((ros_channel(sink, topic, ros::FLOAT64_MULTI_ARRAY)?, Template::figures(label, count)))
+        let wanted = &options.topics;
+        let lines = sink.channel(line::TOPIC, &LOG, Durability::Volatile)?;
+        let transforms = match wanted.has("/tf") {
+            true => {
+                let encoder = TransformsEncoder::new(world, links.iter().map(|link| link.name.as_str()));
+                Some((sink.channel("/tf", &TRANSFORMS, Durability::Volatile)?, encoder))
+            }
+            false => None,
         };
-        let (energy_label, energy_count) = if mechanism.nonsmooth.is_empty() { SMOOTH } else { NONSMOOTH };
         Ok(SampleEncoder {
-            log,
-            transforms_channel,
-            figures: [
-                figures("/energy", energy_label, energy_count)?,
-                figures("/constraint", "position [m, rad], velocity [m/s, rad/s]", 2)?,
-                figures("/solver", "last step [s], stages; since before: steps, iterations, rejected steps", 5)?,
-            ],
-            transforms: TransformsEncoder::new(world, links.iter().map(|link| link.name.as_str())),
-            joints: JointMessages::new(sink, model, world)?,
-            motors: MotorMessages::new(sink, model)?,
-            events: EventMessages::new(sink, model)?,
+            start: options.start,
+            lines,
+            transforms,
+            figures: FigureMessages::new(sink, wanted)?,
+            joints: JointMessages::new(sink, model, world, wanted)?,
+            motors: MotorMessages::new(sink, model, wanted)?,
+            events: EventMessages::new(sink, model, wanted)?,
+            contacts: ContactMessages::new(sink, model, world, wanted)?,
+            contact_forces: ContactForces::new(sink, model, world, wanted)?,
             instants: View::new(mechanism, &places),
             snapshots: Snapshots::new(mechanism, places.len()),
             position_count: mechanism.position_count,
@@ -75,9 +76,9 @@ impl SampleEncoder {
         })
     }
 
-    /// Adds an encoded line of `/log`.
+    /// Adds an encoded line of text, at so many nanoseconds of the run.
     pub(crate) fn line(&self, sink: &mut dyn MessageSink, nanoseconds: u64, line: &[u8]) -> Result<(), LogError> {
-        sink.message(self.log, nanoseconds, line).map(drop)
+        sink.message(self.lines, self.start + nanoseconds, line).map(drop)
     }
 
     /// Adds the messages of everything in a piece. Does not allocate.
@@ -96,12 +97,13 @@ impl SampleEncoder {
                 while let Some((_, what)) = between.next_if(|(before, _)| *before <= first + instant) {
                     self.encode_between(what, sink)?;
                 }
-                let stamp = nanoseconds(time);
-                let poses = self.snapshots.poses.iter().map(|[x, y, z, qw, qx, qy, qz]| {
-                    ([x[instant], y[instant], z[instant]], [qw[instant], qx[instant], qy[instant], qz[instant]])
-                });
-                let message = sink.message(self.transforms_channel, stamp, self.transforms.prepare(stamp))?;
-                self.transforms.fill(message, poses);
+                let stamp = self.start + nanoseconds(time);
+                if let Some((channel, encoder)) = &self.transforms {
+                    let poses = self.snapshots.poses.iter().map(|[x, y, z, qw, qx, qy, qz]| {
+                        ([x[instant], y[instant], z[instant]], [qw[instant], qx[instant], qy[instant], qz[instant]])
+                    });
+                    encoder.fill(sink.message(*channel, stamp, encoder.encoded())?, stamp, poses);
+                }
                 let position = &positions[instant * self.position_count..][..self.position_count];
                 let velocity = &velocities[instant * self.velocity_count..][..self.velocity_count];
                 self.joints.write((position, velocity), (&self.snapshots, instant), stamp, sink)?;
@@ -114,17 +116,21 @@ impl SampleEncoder {
     }
 
     fn encode_between(&mut self, what: &Between, sink: &mut dyn MessageSink) -> Result<(), LogError> {
-        let (stamp, Figures { energies, violation, work }) = match what {
-            Between::Line(stamp, line) => return self.line(sink, *stamp, line),
-            Between::Event(stamp, event) => {
-                return self.events.as_mut().map_or(Ok(()), |events| events.write(*stamp, event, sink));
+        match what {
+            Between::Line(time, line) => self.line(sink, *time, line),
+            Between::Event(time, event) => match &mut self.events {
+                Some(events) => events.write(self.start + time, event, sink),
+                None => Ok(()),
+            },
+            Between::Contacts(time, points) => {
+                let stamp = self.start + time;
+                if let Some(contacts) = &mut self.contacts {
+                    contacts.write(stamp, points, sink)?;
+                }
+                self.contact_forces.as_mut().map_or(Ok(()), |forces| forces.write(stamp, points, sink))
             }
-            Between::Figures(stamp, figures) => (*stamp, figures),
-        };
-        for ((channel, template), numbers) in self.figures.iter().zip([&energies[..], violation, work]) {
-            template.fill(sink.message(*channel, stamp, template.encoded())?, 0, numbers.iter().copied());
+            Between::Figures(time, figures) => self.figures.write(figures, self.start + time, sink),
         }
-        Ok(())
     }
 }
 
@@ -141,13 +147,6 @@ fn world_frame(links: &[LinkFrame]) -> &'static str {
     if drawn_links(links).iter().any(|link| link.name == WORLD_FRAME) { "simulation_world" } else { WORLD_FRAME }
 }
 
-/// Adds a channel for messages of foxglove's own.
-pub(crate) fn foxglove_channel<M: Encode>(sink: &mut dyn MessageSink, topic: &str) -> Result<u16, LogError> {
-    // All of foxglove's own messages have a schema.
-    let schema = M::get_schema().unwrap_or_else(|| Schema::new("", "", Vec::new()));
-    sink.channel(topic, (&schema.name, &schema.encoding, &schema.data), &M::get_message_encoding())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -158,6 +157,8 @@ mod tests {
     use crate::mechanism::motion::state::State;
     use crate::model::{Base, ModelOptions};
     use crate::output::log::batch::Batch;
+    use crate::output::log::definitions::Definition;
+    use crate::output::log::queue::Figures;
     use crate::scene::{PackagePath, read_scene, read_urdf};
     use allocation_counter::measure;
     use std::path::{Path, PathBuf};
@@ -170,7 +171,7 @@ mod tests {
     }
 
     impl MessageSink for Memory {
-        fn channel(&mut self, _: &str, _: (&str, &str, &[u8]), _: &str) -> Result<u16, LogError> {
+        fn channel(&mut self, _: &str, _: &Definition, _: Durability) -> Result<u16, LogError> {
             self.channels += 1;
             Ok(self.channels)
         }
@@ -196,7 +197,10 @@ mod tests {
             let figures = Figures { energies: [1.0; 7], violation: [2.0; 2], work: [3.0; 5] };
             piece.push_between(Between::Figures(stamp, figures));
             piece.push_between(Between::Line(stamp, vec![1, 2, 3]));
-            piece.push_event(stamp, Event { time, kind: EventKind::LimitImpact, body: 0, impulse: Some(1.0) });
+            piece.push_event(
+                stamp,
+                Event { time, kind: EventKind::LimitImpact, body: 0, pair: None, impulse: Some(1.0) },
+            );
             piece.push(time, &state.position, &state.velocity);
             state.displace(mechanism, &displacement);
         }
@@ -237,7 +241,7 @@ mod tests {
         for (model, state) in all {
             let mechanism = &model.mechanism;
             let mut sink = Memory::default();
-            let mut encoder = SampleEncoder::new(&mut sink, &model).expect("memory");
+            let mut encoder = SampleEncoder::new(&mut sink, &model, &LogOptions::default()).expect("memory");
             let samples = samples(&model, state);
             let mut encode = || {
                 sink.messages.clear();

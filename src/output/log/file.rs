@@ -10,11 +10,16 @@
 //!     magic  header  metadata  attachment | chunk | chunk | … | chunk | metadata  summary  magic   a finished file
 //! ```
 //!
+//! The chunks of what never changes are compressed, those of samples on request ([`Packer`]), provisional ones never.
+//!
 //! Only regular files have such a provisional end; into pipes and devices nothing is written that is not final. When a
 //! write fails because the disk is full, what is whole is kept and closed with an end that needs no summary.
 
 use crate::output::log::batch::Batch;
+use crate::output::log::compression::Packer;
 use crate::output::log::container::{Container, encode_piece, encode_provisional_chunk};
+use crate::output::log::definitions::Definition;
+use crate::output::log::durability::Durability;
 use crate::output::log::error::LogError;
 use crate::output::log::names::{END, FINISHED, LIBRARY_VERSION, OUTCOME};
 use crate::output::log::output::Output;
@@ -75,11 +80,15 @@ pub(crate) struct LogFile {
     tail: Tail<FilePlace>,
     is_regular: bool,
     container: Container,
+    /// What packs the chunks that come now, if they are compressed.
+    packer: Option<Packer>,
+    /// Whether those of samples will be.
+    compress: bool,
     /// The messages that are in no final chunk yet.
     batch: Batch,
     /// How many of them are in provisional chunks.
     provisional: usize,
-    /// The provisional chunk that is being encoded.
+    /// The provisional or compressed chunk that is being encoded.
     buffer: Vec<u8>,
     saved: Instant,
     /// Whether something was written that may still be lost in a power failure.
@@ -89,21 +98,24 @@ pub(crate) struct LogFile {
 }
 
 impl LogFile {
-    /// Creates a file for the output `path` ([`Output`]).
+    /// Creates a file for the output `path` ([`Output`]); samples will be compressed or not.
     ///
     /// # Errors
     /// [`LogError::Create`] and [`LogError::Busy`] if that is not possible, [`LogError::Write`] if its first bytes
     /// cannot be written.
-    pub(crate) fn create(path: &Path) -> Result<Self, LogError> {
+    pub(crate) fn create(path: &Path, compress: bool) -> Result<Self, LogError> {
         let (output, file, is_regular) = Output::create(path)?;
         let container = Container::new(LIBRARY_VERSION);
         let container = container.map_err(|error| cannot_encode(path, error))?;
+        let packer = Packer::new().map_err(|error| cannot_encode(path, error.into()))?;
         Ok(LogFile {
             path: path.to_path_buf(),
             output,
             tail: Tail::new(FilePlace::new(file, is_regular)),
             is_regular,
             container,
+            packer: Some(packer),
+            compress,
             batch: Batch::default(),
             provisional: 0,
             buffer: Vec::new(),
@@ -131,6 +143,8 @@ impl LogFile {
     /// Ends what never changes: writes it, and lets the file take its place if nothing there must stay.
     pub(crate) fn begin(&mut self) -> Result<(), LogError> {
         self.close_batch()?;
+        let packer = self.compress.then(Packer::new).transpose();
+        self.packer = packer.map_err(|error| cannot_encode(&self.path, error.into()))?;
         self.output.settle(false).map_err(|reason| self.cannot_write(reason))
     }
 
@@ -149,7 +163,14 @@ impl LogFile {
     /// Writes what has been collected as a final chunk, through to the operating system.
     fn close_batch(&mut self) -> Result<(), LogError> {
         self.move_to_file()?;
-        let chunk = self.container.chunk(&mut self.batch).map_err(|error| cannot_encode(&self.path, error))?;
+        let chunk = match &mut self.packer {
+            Some(packer) => {
+                let packed = self.container.packed_chunk(&self.batch, packer, &mut self.buffer);
+                packed.map(|()| &self.buffer[..])
+            }
+            None => self.container.chunk(&mut self.batch),
+        };
+        let chunk = chunk.map_err(|error| cannot_encode(&self.path, error))?;
         let whole = self.tail.whole();
         let written = self.tail.extend(chunk);
         // Otherwise all of it is there, though not where it should be.
@@ -248,16 +269,16 @@ impl LogFile {
 
 /// Something that messages are for: a file, or the log they are held against.
 pub(crate) trait MessageSink {
-    /// Adds a channel for messages of the `schema` (name, encoding, data) and returns its identifier.
-    fn channel(&mut self, topic: &str, schema: (&str, &str, &[u8]), encoding: &str) -> Result<u16, LogError>;
+    /// Adds a channel for messages of this definition and returns its identifier.
+    fn channel(&mut self, topic: &str, definition: &Definition, durability: Durability) -> Result<u16, LogError>;
 
     /// Adds a message like `template`; returns its data.
     fn message(&mut self, channel: u16, nanoseconds: u64, template: &[u8]) -> Result<&mut [u8], LogError>;
 }
 
 impl MessageSink for LogFile {
-    fn channel(&mut self, topic: &str, schema: (&str, &str, &[u8]), encoding: &str) -> Result<u16, LogError> {
-        let channel = self.container.channel(topic, schema, encoding, &mut self.batch);
+    fn channel(&mut self, topic: &str, definition: &Definition, durability: Durability) -> Result<u16, LogError> {
+        let channel = self.container.channel(topic, definition, durability, &mut self.batch);
         let channel = channel.map_err(|error| cannot_encode(&self.path, error))?;
         channel.ok_or_else(|| self.cannot_write(io::Error::other("there are more topics than a log can have")))
     }

@@ -4,11 +4,11 @@
 //! that ended at or before it. A sample that lacks messages, because the log ends in it or a chunk is lost, is no frame: in our logs a
 //! whole one has a message of every topic of [`TOPICS`] that the log has.
 
-use crate::output::log::decode::{JointStates, LinkPose, LogLine, LoggedEvent, MultiDofStates};
+use crate::output::log::decode::{JointStates, LinkPose, LogLine, LoggedContact, LoggedEvent, MultiDofStates};
 use crate::output::log::names::LIBRARY;
 use crate::output::log::reader::{Item, LogChannel, read_log};
 use crate::output::log::records::{Completeness, FROM_SOME_PLACE, ReadError};
-use crate::output::log::{decode, seconds};
+use crate::output::log::{decode, line, protobuf, seconds};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -28,6 +28,8 @@ pub struct Frame {
     pub reactions: MultiDofStates,
     /// The efforts of motors.
     pub motors: JointStates,
+    /// The closed contacts.
+    pub contacts: Vec<LoggedContact>,
     /// Figures of the last step.
     pub figures: Figures,
 }
@@ -62,18 +64,19 @@ impl Frame {
     }
 }
 
-/// The topics of a frame, and the schemas of their messages.
-const TOPICS: [(&str, &str); 5] = [
-    ("/tf", "foxglove.FrameTransforms"),
-    ("/joint_states", "sensor_msgs/msg/JointState"),
-    ("/multi_dof_joint_states", "sensor_msgs/msg/MultiDOFJointState"),
-    ("/reactions", "sensor_msgs/msg/MultiDOFJointState"),
-    ("/motors", "sensor_msgs/msg/JointState"),
+/// The topics of a frame, and the schemas of their messages; logs of earlier versions have Foxglove's transforms.
+const TOPICS: [(&str, &[&str]); 6] = [
+    ("/tf", &["tf2_msgs/msg/TFMessage", "foxglove.FrameTransforms"]),
+    ("/joint_states", &["sensor_msgs/msg/JointState"]),
+    ("/multi_dof_joint_states", &["sensor_msgs/msg/MultiDOFJointState"]),
+    ("/reactions", &["sensor_msgs/msg/MultiDOFJointState"]),
+    ("/motors", &["sensor_msgs/msg/JointState"]),
+    ("/contacts", &["catena_msgs/msg/Contacts"]),
 ];
 
 /// Which of [`TOPICS`] a channel has.
 fn topic_of(channel: &LogChannel) -> Option<usize> {
-    TOPICS.iter().position(|&(topic, schema)| channel.topic == topic && channel.schema == schema)
+    TOPICS.iter().position(|(topic, schemas)| channel.topic == *topic && schemas.contains(&channel.schema.as_str()))
 }
 
 /// What a log has besides frames.
@@ -205,8 +208,11 @@ impl Builder<'_> {
         let new_figures = || Figures { nanoseconds: time, ..Figures::default() };
         // Others may use the same topics for other messages.
         match (channel.topic.as_str(), channel.schema.as_str()) {
-            ("/tf", "foxglove.FrameTransforms") => {
+            ("/tf", "tf2_msgs/msg/TFMessage") => {
                 self.frame.get_or_insert_with(new_frame).links = decode::transforms(data)?;
+            }
+            ("/tf", "foxglove.FrameTransforms") => {
+                self.frame.get_or_insert_with(new_frame).links = protobuf::transforms(data)?;
             }
             ("/joint_states", "sensor_msgs/msg/JointState") => {
                 self.frame.get_or_insert_with(new_frame).joints = decode::joint_states(data)?;
@@ -220,10 +226,26 @@ impl Builder<'_> {
             ("/motors", "sensor_msgs/msg/JointState") => {
                 self.frame.get_or_insert_with(new_frame).motors = decode::joint_states(data)?;
             }
+            ("/contacts", "catena_msgs/msg/Contacts") => {
+                self.frame.get_or_insert_with(new_frame).contacts = decode::contacts(data)?;
+            }
             ("/events", "catena_msgs/msg/Event") => self.visitor.event(decode::event(data)?),
+            ("/energy", "catena_msgs/msg/Energy") => {
+                let energy = decode::named_numbers(data)?;
+                self.figures.get_or_insert_with(new_figures).energy = Some(energy);
+            }
+            ("/constraint", "catena_msgs/msg/Constraint") => {
+                let violation = decode::named_numbers(data)?;
+                self.figures.get_or_insert_with(new_figures).violation = Some(violation);
+            }
+            ("/solver", "catena_msgs/msg/Solver") => {
+                let solver = decode::named_numbers(data)?;
+                self.figures.get_or_insert_with(new_figures).solver = Some(solver);
+            }
+            // Logs of earlier versions have figures without names.
             ("/energy", "std_msgs/msg/Float64MultiArray") => {
                 let mut energy = decode::figures(data)?;
-                // Logs of smooth runs have no friction and no impacts, those of earlier versions are of runs in which nothing was exchanged.
+                // Those of smooth runs have no friction and no impacts, and the first were of runs in which nothing was exchanged.
                 energy.resize(7, 0.0);
                 let energy = energy.first_chunk().copied();
                 self.figures.get_or_insert_with(new_figures).energy = energy;
@@ -236,7 +258,8 @@ impl Builder<'_> {
                 let solver = decode::figures(data)?.first_chunk().copied();
                 self.figures.get_or_insert_with(new_figures).solver = solver;
             }
-            ("/log", "foxglove.Log") => self.visitor.line(time, decode::log_line(data)?),
+            (line::TOPIC, "rcl_interfaces/msg/Log") => self.visitor.line(time, decode::log_line(data)?),
+            ("/log", "foxglove.Log") => self.visitor.line(time, protobuf::log_line(data)?),
             _ => {}
         }
         if let Some(topic) = topic_of(channel) {

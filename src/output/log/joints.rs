@@ -17,21 +17,29 @@ use crate::lobatto::instants::snapshot::{Row, Snapshots};
 use crate::mechanism::description::joint::JointKind;
 use crate::mechanism::motion::state::quaternion_exponential;
 use crate::model::Model;
+use crate::output::log::definitions::{Definition, JOINT_STATE, MULTI_DOF_JOINT_STATE};
+use crate::output::log::durability::Durability;
 use crate::output::log::error::LogError;
 use crate::output::log::file::MessageSink;
-use crate::output::log::ros;
-use crate::output::log::ros::{Template, ros_channel};
+use crate::output::log::template::Template;
+use crate::output::log::topics::Topics;
 
 /// Writes the joint messages of samples.
 pub(crate) struct JointMessages {
     /// The mechanism and its joints alone.
     model: Model,
+    /// `None` of what is not wanted.
+    scalars: Option<ScalarJoints>,
+    others: Option<OtherJoints>,
+    loads: Option<Loads>,
+}
+
+/// The joints of one number.
+struct ScalarJoints {
     channel: u16,
     template: Template,
-    /// The bodies that the joints of one number move.
+    /// The bodies that they move.
     bodies: Vec<usize>,
-    others: Option<OtherJoints>,
-    loads: Loads,
 }
 
 /// What the joints carry.
@@ -51,8 +59,13 @@ struct OtherJoints {
 }
 
 impl JointMessages {
-    /// Adds the channels that the joints of the model need; reactions are in the frame `world`.
-    pub(crate) fn new(file: &mut dyn MessageSink, model: &Model, world: &str) -> Result<Self, LogError> {
+    /// Adds the channels that the joints of the model need and that are wanted; reactions are in the frame `world`.
+    pub(crate) fn new(
+        file: &mut dyn MessageSink,
+        model: &Model,
+        world: &str,
+        wanted: &Topics,
+    ) -> Result<Self, LogError> {
         let name = |&joint: &usize| model.joints[joint].name.as_str();
         let joint_of = |joint: usize| Some(&model.mechanism.bodies[model.joints[joint].body?].joint);
         let moving = (0..model.joints.len()).filter(|&joint| joint_of(joint).is_some());
@@ -63,10 +76,22 @@ impl JointMessages {
         let held: Vec<usize> = (0..model.joints.len()).filter(holds).collect();
         let loops = model.mechanism.loops.iter().map(|joint| joint.name.as_str());
         let carriers: Vec<&str> = held.iter().map(name).chain(loops).collect();
-        let loads = Loads {
-            channel: ros_channel(file, "/reactions", ros::MULTI_DOF_JOINT_STATE)?,
+        let mut channel = |topic: &str, definition: &Definition| {
+            wanted.has(topic).then(|| file.channel(topic, definition, Durability::Volatile)).transpose()
+        };
+        let loads = channel("/reactions", &MULTI_DOF_JOINT_STATE)?.map(|channel| Loads {
+            channel,
             template: Template::wrenches(world, carriers.into_iter()),
             bodies: held.iter().filter_map(body_of).collect(),
+        });
+        let scalars = channel("/joint_states", &JOINT_STATE)?.map(|channel| ScalarJoints {
+            channel,
+            template: Template::joint_state("", scalar.iter().map(name)),
+            bodies: scalar.iter().filter_map(body_of).collect(),
+        });
+        let others = match other.is_empty() {
+            true => None,
+            false => channel("/multi_dof_joint_states", &MULTI_DOF_JOINT_STATE)?,
         };
         Ok(JointMessages {
             model: Model {
@@ -79,18 +104,14 @@ impl JointMessages {
                 scene: None,
                 tables: Vec::new(),
                 damping: 0..0,
+                contact: Default::default(),
             },
-            channel: ros_channel(file, "/joint_states", ros::JOINT_STATE)?,
-            template: Template::joint_state("", scalar.iter().map(name)),
-            bodies: scalar.iter().filter_map(body_of).collect(),
+            scalars,
             loads,
-            others: if other.is_empty() {
-                None
-            } else {
-                let channel = ros_channel(file, "/multi_dof_joint_states", ros::MULTI_DOF_JOINT_STATE)?;
+            others: others.map(|channel| {
                 let template = Template::multi_dof("", other.iter().map(name));
-                Some(OtherJoints { channel, template, joints: other })
-            },
+                OtherJoints { channel, template, joints: other.clone() }
+            }),
         })
     }
 
@@ -102,20 +123,23 @@ impl JointMessages {
         stamp: u64,
         sink: &mut dyn MessageSink,
     ) -> Result<(), LogError> {
-        let bodies = &self.model.mechanism.bodies;
-        let message = sink.message(self.channel, stamp, self.template.encoded())?;
-        self.template.fill_stamp(message, stamp);
-        self.template.fill(message, 0, self.bodies.iter().map(|&body| position[bodies[body].joint.position_index]));
-        self.template.fill(message, 1, self.bodies.iter().map(|&body| velocity[bodies[body].joint.velocity_index]));
-        self.template.fill(message, 2, self.bodies.iter().map(|&body| snapshots.efforts[body][instant]));
-        let Loads { channel, template, bodies } = &self.loads;
-        let message = sink.message(*channel, stamp, template.encoded())?;
-        template.fill_stamp(message, stamp);
-        let carried = bodies.iter().map(|&body| &snapshots.wrenches[body]).chain(&snapshots.loops);
-        let wrench = |[fx, fy, fz, tx, ty, tz]: &[Row; 6]| {
-            [fx[instant], fy[instant], fz[instant], tx[instant], ty[instant], tz[instant]]
-        };
-        template.fill_structures(message, 0, carried.map(wrench));
+        if let Some(ScalarJoints { channel, template, bodies: moved }) = &self.scalars {
+            let bodies = &self.model.mechanism.bodies;
+            let message = sink.message(*channel, stamp, template.encoded())?;
+            template.fill_stamp(message, stamp);
+            template.fill(message, 0, moved.iter().map(|&body| position[bodies[body].joint.position_index]));
+            template.fill(message, 1, moved.iter().map(|&body| velocity[bodies[body].joint.velocity_index]));
+            template.fill(message, 2, moved.iter().map(|&body| snapshots.efforts[body][instant]));
+        }
+        if let Some(Loads { channel, template, bodies }) = &self.loads {
+            let message = sink.message(*channel, stamp, template.encoded())?;
+            template.fill_stamp(message, stamp);
+            let carried = bodies.iter().map(|&body| &snapshots.wrenches[body]).chain(&snapshots.loops);
+            let wrench = |[fx, fy, fz, tx, ty, tz]: &[Row; 6]| {
+                [fx[instant], fy[instant], fz[instant], tx[instant], ty[instant], tz[instant]]
+            };
+            template.fill_structures(message, 0, carried.map(wrench));
+        }
         let Some(OtherJoints { channel, template, joints }) = &self.others else { return Ok(()) };
         let message = sink.message(*channel, stamp, template.encoded())?;
         template.fill_stamp(message, stamp);

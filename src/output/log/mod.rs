@@ -1,40 +1,45 @@
-//! The log: a run written as MCAP, so that viewers show it without configuration.
+//! The log: a run as a bag of ROS 2, in one MCAP file, which its tools play and viewers show.
 //!
-//! | topic                | schema                                       | when                                     |
-//! |----------------------|----------------------------------------------|------------------------------------------|
-//! | `/robot_description` | `std_msgs/msg/String` (ros2msg, cdr)         | once, at t = 0; of several robots `/NAME/robot_description` |
-//! | `/scene`             | `foxglove.SceneUpdate` (protobuf)            | once, at t = 0: primitives, embedded meshes, stand-ins |
-//! | `/log`               | `foxglove.Log` (protobuf)                    | warnings at t = 0, how the run ended     |
-//! | `/tf`                | `foxglove.FrameTransforms` (protobuf)        | every sample: every link, in `world`     |
-//! | `/joint_states`      | `sensor_msgs/msg/JointState` (ros2msg, cdr)  | every sample: joints of one number       |
-//! | `/multi_dof_joint_states` | `sensor_msgs/msg/MultiDOFJointState` (ros2msg, cdr) | every sample: all other joints |
-//! | `/reactions`         | `sensor_msgs/msg/MultiDOFJointState` (ros2msg, cdr) | every sample: wrenches of all joints, in `world` |
-//! | `/motors`            | `sensor_msgs/msg/JointState` (ros2msg, cdr)  | every sample: efforts of motors, if there are any |
-//! | `/events`            | `catena_msgs/msg/Event` (ros2msg, cdr)       | events: time (s), kind, joint, impulse of an impact |
-//! | `/energy`            | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: kinetic, potential, total, dissipated, work (J) |
-//! | `/constraint`        | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: position, velocity violation |
-//! | `/solver`            | `std_msgs/msg/Float64MultiArray` (ros2msg, cdr) | step ends: last step (s), stages; steps, iterations, rejected since before |
+//! All messages are CDR, and the profile of the file is `ros2`. Every channel has the definition of its messages as its schema.
+//!
+//! | topic                | message                                 | when                                     |
+//! |----------------------|-----------------------------------------|------------------------------------------|
+//! | `/robot_description` | `std_msgs/msg/String`                   | once, at the start; of several robots `/NAME/robot_description` |
+//! | `/visual_markers`    | `visualization_msgs/msg/MarkerArray`    | once, at the start: primitives, triangles of meshes, stand-ins |
+//! | `/rosout`            | `rcl_interfaces/msg/Log`                | warnings at the start, how the run ended |
+//! | `/tf`                | `tf2_msgs/msg/TFMessage`                | every sample: every link, in `world`     |
+//! | `/joint_states`      | `sensor_msgs/msg/JointState`            | every sample: joints of one number       |
+//! | `/multi_dof_joint_states` | `sensor_msgs/msg/MultiDOFJointState` | every sample: all other joints         |
+//! | `/reactions`         | `sensor_msgs/msg/MultiDOFJointState`    | every sample: wrenches of all joints, in `world` |
+//! | `/motors`            | `sensor_msgs/msg/JointState`            | every sample: efforts of motors, if there are any |
+//! | `/contacts`          | `catena_msgs/msg/Contacts`              | every sample: closed contacts and their forces, if shapes may touch |
+//! | `/contact_forces`    | `visualization_msgs/msg/MarkerArray`    | every sample: the same forces as arrows  |
+//! | `/events`            | `catena_msgs/msg/Event`                 | events: time (s), kind, joint or pair `a\|b`, impulse of an impact |
+//! | `/energy`            | `catena_msgs/msg/Energy`                | step ends: the parts of the energy (J), by name |
+//! | `/constraint`        | `catena_msgs/msg/Constraint`            | step ends: constraint errors of positions and velocities |
+//! | `/solver`            | `catena_msgs/msg/Solver`                | step ends: last step (s), stages; steps, iterations, rejected steps since before |
 //!
 //! The joint messages hold the whole state in the coordinates of the URDF: `/multi_dof_joint_states`, which is there
 //! only if there are such joints, has the child link's frame in the joint's frame on the parent.
 //!
-//! Of mechanisms with limits, dry friction or motors there is `/events`, and `/energy` goes on with what friction and impacts have taken.
-//! An event has the definition of its message from the log, as all ROS messages have; its log time is rounded to nanoseconds, its field
-//! `time` is not.
+//! Mechanisms with limits, dry friction or motors have `/events`. The log time of an event is rounded to nanoseconds, its field
+//! `time` is not. `catena_msgs` is no package: its definitions are in the log. `ros2 bag play` leaves out topics whose package is not
+//! installed, with a warning, and plays the others.
+//!
+//! The first two topics never change. They are offered to those who come late, too (durability `transient_local`), and compressed; samples are
+//! compressed on request ([`LogOptions`]).
 //!
 //! Links that are fixed to others or to the world are in `/tf` all the same, in every sample, and not once in `/tf_static`:
 //! Lichtblick lost the transforms of that topic whenever one jumped back in a log (its pull request 1246 of July 2026), and a log
 //! that was cut needs nothing from its beginning. rerun 0.41 would show them. It costs 14 % (Panda) to 47 % (Baxter) of the bytes
 //! of a sample.
-//! Chunks are not compressed (`container.rs` says why).
 //!
-//! Rerun draws the robot from `/robot_description` and `/tf` and plots the ROS messages by itself; Foxglove and
-//! Lichtblick draw `/scene` when a layout makes it visible; every channel has a schema because PlotJuggler cannot do without. The
-//! images of meshes are not in the log: with one a Collada mesh is plain in Foxglove, which says so. The metadata record
+//! rerun and RViz draw the robot from `/robot_description` and `/tf`; Foxglove, Lichtblick and RViz draw `/visual_markers`, which needs
+//! no other file. The images of meshes are not in the log. The metadata record
 //! `simulation` says how the run was made, `inputs` has the hashes of the attachments, which are the URDF and scene files
 //! as they were read, and `end` says how the run ended, with the figures of all its steps. Log time and publish time are
-//! both the simulated time in nanoseconds and nothing in the file depends on the clock of the wall or of the processor
-//! (which is why `/solver` has no CPU time), so that the same run gives the same bytes.
+//! both the time of the run in nanoseconds after the start of the log, which is zero unless the user sets it ([`START`]); `/solver` has no CPU time.
+//! So the same run gives the same bytes.
 //!
 //! A log is written by [`Recorder`] and read by [`reader`], [`decode`] and [`frames`]; [`recovery`] completes one that was cut.
 //!
@@ -43,29 +48,44 @@
 mod background;
 mod batch;
 mod cdr;
+mod cdr_reader;
 mod comparison;
+mod compression;
+mod contact_forces;
+mod contacts;
 mod container;
 pub mod decode;
+mod definitions;
+mod description;
+mod durability;
 mod encoder;
 mod error;
 mod events;
+mod figures;
 mod file;
 pub mod frame_stream;
 pub mod frames;
 mod inputs;
 mod joints;
+mod line;
+mod markers;
+mod markers_reader;
+pub mod meshes;
 mod motors;
 mod names;
+mod options;
 mod order;
 mod output;
 mod place;
+mod protobuf;
 mod queue;
 pub mod reader;
 mod recorder;
 pub mod records;
 pub mod recovery;
-mod ros;
-mod standin;
+pub(crate) mod standin;
+mod template;
+mod topics;
 mod transforms;
 mod visual;
 
@@ -73,8 +93,12 @@ pub use comparison::{Compared, Difference};
 pub use error::LogError;
 pub use file::{Ending, Outcome};
 pub use inputs::{INPUTS, sha256};
+pub use line::Severity;
+pub use names::START;
+pub use options::{LogOptions, Meshes};
 pub use output::{is_locked, neighbour};
-pub use recorder::{Recorder, Severity};
+pub use recorder::Recorder;
+pub use topics::{Topics, UnknownTopic};
 
 /// The longest run whose nanoseconds a log can hold (s).
 pub const LONGEST: f64 = 1.8e10;

@@ -14,15 +14,17 @@
 use crate::lobatto::instants::snapshot::INSTANTS;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::model::Model;
+use crate::output::log::definitions::JOINT_STATE;
+use crate::output::log::durability::Durability;
 use crate::output::log::error::LogError;
 use crate::output::log::file::MessageSink;
-use crate::output::log::ros;
-use crate::output::log::ros::{Template, ros_channel};
+use crate::output::log::template::Template;
+use crate::output::log::topics::Topics;
 use crate::output::report::joint_name;
 
 /// Writes the efforts of motors.
 pub(crate) struct MotorMessages {
-    channel: u16,
+    channel: Option<u16>,
     template: Template,
     motors: Vec<LoggedMotor>,
     /// One entry a motor, sample after sample.
@@ -30,14 +32,17 @@ pub(crate) struct MotorMessages {
 }
 
 impl MotorMessages {
-    /// Adds the channel if the model has motors.
-    pub(crate) fn new(sink: &mut dyn MessageSink, model: &Model) -> Result<Option<Self>, LogError> {
+    /// Adds the channel if the model has motors and it is wanted; without it efforts are worked out all the same, because reactions follow
+    /// from them.
+    pub(crate) fn new(sink: &mut dyn MessageSink, model: &Model, wanted: &Topics) -> Result<Option<Self>, LogError> {
         let motors = &model.mechanism.nonsmooth.motors;
         if motors.is_empty() {
             return Ok(None);
         }
+        let is_wanted = wanted.has("/motors");
+        let channel = is_wanted.then(|| sink.channel("/motors", &JOINT_STATE, Durability::Volatile)).transpose()?;
         Ok(Some(MotorMessages {
-            channel: ros_channel(sink, "/motors", ros::JOINT_STATE)?,
+            channel,
             template: Template::efforts("", motors.iter().map(|motor| joint_name(model, motor.coordinate.body))),
             motors: motors.iter().cloned().map(LoggedMotor::new).collect(),
             efforts: Vec::with_capacity(INSTANTS * motors.len()),
@@ -65,8 +70,9 @@ impl MotorMessages {
 
     /// Adds the message of one of them.
     pub(crate) fn write(&self, sample: usize, stamp: u64, sink: &mut dyn MessageSink) -> Result<(), LogError> {
+        let Some(channel) = self.channel else { return Ok(()) };
         let count = self.motors.len();
-        let message = sink.message(self.channel, stamp, self.template.encoded())?;
+        let message = sink.message(channel, stamp, self.template.encoded())?;
         self.template.fill_stamp(message, stamp);
         self.template.fill(message, 0, self.efforts[sample * count..][..count].iter().copied());
         Ok(())

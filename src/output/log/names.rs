@@ -1,10 +1,18 @@
-//! What the header of a log and its last metadata record are called.
+//! What the header of a log and its metadata records are called.
+
+use mcap::records::Metadata;
 
 /// With this begins what a log of ours says of the program that wrote it.
 pub(crate) const LIBRARY: &str = "catena ";
 
 /// What it says.
 pub(crate) const LIBRARY_VERSION: &str = concat!("catena ", env!("CARGO_PKG_VERSION"));
+
+/// The name of the metadata record that says how a run was made.
+pub(crate) const SIMULATION: &str = "simulation";
+
+/// The entry of [`SIMULATION`] with the time of the log at the start of the run, in nanoseconds; zero in logs that do not have it.
+pub const START: &str = "start";
 
 /// The name of the metadata record that says how a run ended.
 pub(crate) const END: &str = "end";
@@ -14,3 +22,9 @@ pub(crate) const OUTCOME: &str = "outcome";
 
 /// The word for a run that reached its end.
 pub(crate) const FINISHED: &str = "finished";
+
+/// The time of the log at the start of the run (ns), if this is the record that says it.
+pub(crate) fn start_of(metadata: &Metadata) -> Option<u64> {
+    let said = (metadata.name == SIMULATION).then(|| metadata.metadata.get(START))?;
+    said.and_then(|start| start.parse().ok())
+}

@@ -119,6 +119,7 @@ mod tests {
                 all.push(match what {
                     Between::Figures(stamp, _) => format!("figures {}", stamp / 1_000_000),
                     Between::Event(stamp, _) => format!("event {}", stamp / 1_000_000),
+                    Between::Contacts(stamp, _) => format!("contacts {}", stamp / 1_000_000),
                     Between::Line(..) => "line".to_string(),
                 });
             }
@@ -144,7 +145,7 @@ mod tests {
         let sample = |order: &mut Order, piece: &mut Piece, time: f64, step: &StepEnd| {
             order.add(&Sample { time, position: &[], velocity: &[], step }, piece);
         };
-        let event = |time: f64| Event { time, kind: EventKind::Stick, body: 0, impulse: None };
+        let event = |time: f64| Event { time, kind: EventKind::Stick, body: 0, pair: None, impulse: None };
         let (mut order, mut piece) = (Order::new(5.0), Piece::default());
         sample(&mut order, &mut piece, 0.0, &end(0.0));
         // A step from 0 to 25 ms, at whose end are two events.

@@ -1,6 +1,7 @@
 //! What a run has shown, on its way to the thread that makes messages of it: numbers as they are, in their order.
 
 use crate::lobatto::instants::snapshot::INSTANTS;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
 
 /// Bytes of a piece that is large.
@@ -28,6 +29,8 @@ pub(crate) enum Between {
     Figures(u64, Figures),
     /// An event, at a time in nanoseconds.
     Event(u64, Event),
+    /// The contacts of the sample before, at its time in nanoseconds.
+    Contacts(u64, Vec<ContactPoint>),
     /// A line of `/log`, encoded.
     Line(u64, Vec<u8>),
 }

@@ -1,6 +1,6 @@
 //! A log as a row of items: channels, messages, metadata and attachments in their order.
 
-use crate::output::log::names::{END, FINISHED, LIBRARY, OUTCOME};
+use crate::output::log::names::{END, FINISHED, LIBRARY, OUTCOME, start_of};
 use crate::output::log::records::{Completeness, Found, ReadError, read_records};
 use mcap::records::Record;
 use mcap::sans_io::{SummaryReadEvent, SummaryReader, SummaryReaderOptions};
@@ -28,7 +28,7 @@ pub enum Item<'i> {
     Library(&'i str),
     /// A channel that messages may follow of.
     Channel(&'i LogChannel),
-    /// A message; `time` in nanoseconds.
+    /// A message; `time` in nanoseconds since the start of the run.
     Message { channel: &'i LogChannel, time: u64, data: &'i [u8] },
     /// A metadata record.
     Metadata { name: &'i str, entries: &'i BTreeMap<String, String> },
@@ -48,6 +48,7 @@ pub fn read_log(
     mut visit: impl FnMut(Item<'_>) -> ControlFlow<()>,
 ) -> Result<Option<Completeness>, ReadError> {
     let (mut schemas, mut channels) = (HashMap::<u16, String>::new(), HashMap::<u16, LogChannel>::new());
+    let mut start = 0;
     read_records(path, &mut |found| {
         let record = match found {
             Found::Record(record) => record,
@@ -67,10 +68,16 @@ pub fn read_log(
                 if is_new { visit(Item::Channel(known.get())) } else { ControlFlow::Continue(()) }
             }
             Record::Message { header, data } => match channels.get(&header.channel_id) {
-                Some(channel) => visit(Item::Message { channel, time: header.log_time, data: &data }),
+                Some(channel) => {
+                    let time = header.log_time.saturating_sub(start);
+                    visit(Item::Message { channel, time, data: &data })
+                }
                 None => return Err(no_channel(header.channel_id)),
             },
-            Record::Metadata(metadata) => visit(Item::Metadata { name: &metadata.name, entries: &metadata.metadata }),
+            Record::Metadata(metadata) => {
+                start = start_of(&metadata).unwrap_or(start);
+                visit(Item::Metadata { name: &metadata.name, entries: &metadata.metadata })
+            }
             Record::Attachment { header, data, .. } => {
                 visit(Item::Attachment { name: &header.name, media_type: &header.media_type, data: &data })
             }

@@ -1,43 +1,36 @@
 //! The observer that hands samples and events over to be logged (the table of [`crate::output::log`]).
 
 use crate::lobatto::instants::snapshot::INSTANTS;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
 use crate::model::Model;
 use crate::output::log::background::BackgroundFile;
 use crate::output::log::comparison::{Compared, Comparison, Difference};
-use crate::output::log::encoder::{SampleEncoder, foxglove_channel};
+use crate::output::log::description::describe;
+use crate::output::log::encoder::SampleEncoder;
 use crate::output::log::error::LogError;
 use crate::output::log::file::{Ending, LogFile, MessageSink};
 use crate::output::log::inputs::{attach_inputs, inputs};
+use crate::output::log::line::{Severity, encode_line};
+use crate::output::log::names::{SIMULATION, START};
+use crate::output::log::nanoseconds;
+use crate::output::log::options::{LogOptions, Meshes};
 use crate::output::log::order::Order;
 use crate::output::log::queue::{Between, Piece};
-use crate::output::log::ros;
-use crate::output::log::ros::ros_channel;
-use crate::output::log::standin::{standins, with_standins};
-use crate::output::log::visual::Looks;
 use crate::simulation::{Observer, ObserverError, Sample};
-use foxglove::Encode;
-use foxglove::messages::{self, SceneUpdate, Timestamp};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// How serious a line of `/log` is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Severity {
-    /// Something to know.
-    Info,
-    /// The run goes on.
-    Warning,
-    /// The run ended.
-    Error,
-}
-
 /// Writes a run to an MCAP file, or holds it against one.
 pub struct Recorder {
     sink: Sink,
     order: Order,
+    /// The time of the log at the start of the run, in nanoseconds.
+    start: u64,
+    /// The contacts of the next sample, where shapes may touch.
+    contacts: Option<Vec<ContactPoint>>,
 }
 
 /// Where samples go.
@@ -62,27 +55,32 @@ impl Compare {
     }
 }
 
-/// The name of the metadata record that says how a run was made.
-pub(crate) const SIMULATION: &str = "simulation";
-
 impl Recorder {
     /// Creates the log of a run whose output is `path`, and writes what is known before the first sample; `simulation`
-    /// says how the run is made, and has the hash of the main input added.
+    /// says how the run is made, and has the hash of the main input and the start of the log added.
     ///
     /// # Errors
     /// [`LogError`] when the file cannot be created or written.
-    pub fn create(path: &Path, model: &Model, mut simulation: BTreeMap<String, String>) -> Result<Self, LogError> {
-        let mut file = LogFile::create(path)?;
+    pub fn create(
+        path: &Path,
+        model: &Model,
+        mut simulation: BTreeMap<String, String>,
+        options: &LogOptions,
+    ) -> Result<Self, LogError> {
+        let mut file = LogFile::create(path, options.compress)?;
         let inputs = inputs(model);
         simulation.extend(inputs.first().map(|main| ("input_sha256".to_string(), main.hash.clone())));
         let stages = simulation.get("stages").and_then(|stages| stages.parse().ok()).unwrap_or(f64::NAN);
+        simulation.insert(START.to_string(), options.start.to_string());
         file.metadata(SIMULATION, simulation)?;
         attach_inputs(&mut file, &inputs)?;
-        let encoder = prepare(&mut file, model)?;
+        let beside = file.is_regular().then_some(path);
+        let encoder = prepare(&mut file, model, options, beside)?;
         // What never changes is safe in the file before the run begins.
         file.begin()?;
         let file = BackgroundFile::new(path, file, encoder)?;
-        Ok(Recorder { sink: Sink::File(file), order: Order::new(stages) })
+        let (sink, order) = (Sink::File(file), Order::new(stages));
+        Ok(Recorder { sink, order, start: options.start, contacts: may_touch(model) })
     }
 
     /// Waits no more for an output that is no file, and of which nothing is read, once this says that the run is interrupted.
@@ -97,11 +95,14 @@ impl Recorder {
     ///
     /// # Errors
     /// [`LogError::Write`] if there can be no thread that reads the log.
-    pub fn compare(path: &Path, model: &Model, stages: f64) -> Result<Self, LogError> {
-        let mut comparison = Comparison::new(path)?;
-        let encoder = prepare(&mut comparison, model)?;
+    pub fn compare(path: &Path, model: &Model, stages: f64, options: &LogOptions) -> Result<Self, LogError> {
+        let mut comparison = Comparison::new(path, options.start)?;
+        // Geometry is not compared.
+        let options = LogOptions { meshes: Meshes::None, ..options.clone() };
+        let encoder = prepare(&mut comparison, model, &options, None)?;
         let compare = Compare { comparison, encoder, piece: Piece::default() };
-        Ok(Recorder { sink: Sink::Comparison(Box::new(compare)), order: Order::new(stages) })
+        let (sink, order) = (Sink::Comparison(Box::new(compare)), Order::new(stages));
+        Ok(Recorder { sink, order, start: options.start, contacts: may_touch(model) })
     }
 
     /// Lets `add` add to what will be logged; returns whether the sink has something to say.
@@ -115,10 +116,10 @@ impl Recorder {
         }
     }
 
-    /// Adds a line to `/log` at the time of the last message.
+    /// Adds a line of text at the time of the last message.
     pub fn say(&mut self, severity: Severity, text: &str) {
         let time = self.order.last_time();
-        let line = log_line(time, severity, text);
+        let line = encode_line(self.start + time, severity, text);
         Self::add(&mut self.sink, |piece| piece.push_between(Between::Line(time, line)));
     }
 
@@ -158,7 +159,14 @@ impl Recorder {
 
 impl Observer for Recorder {
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
-        if Self::add(&mut self.sink, |piece| self.order.add(sample, piece)) {
+        let contacts = self.contacts.as_mut().map(std::mem::take);
+        let add = |piece: &mut Piece| {
+            self.order.add(sample, piece);
+            if let Some(contacts) = contacts {
+                piece.push_between(Between::Contacts(nanoseconds(sample.time), contacts));
+            }
+        };
+        if Self::add(&mut self.sink, add) {
             match &mut self.sink {
                 Sink::File(file) => file.settle()?,
                 Sink::Comparison(compare) => compare.settle()?,
@@ -170,71 +178,28 @@ impl Observer for Recorder {
     fn event(&mut self, event: &Event) {
         self.order.event(event);
     }
+
+    fn contacts(&mut self, points: &[ContactPoint]) {
+        self.contacts = self.contacts.take().map(|_| points.to_vec());
+    }
 }
 
-/// An encoded line of `/log`.
-fn log_line(time: u64, severity: Severity, text: &str) -> Vec<u8> {
-    let level = match severity {
-        Severity::Info => messages::log::Level::Info,
-        Severity::Warning => messages::log::Level::Warning,
-        Severity::Error => messages::log::Level::Error,
-    };
-    let message = messages::Log {
-        timestamp: Some(timestamp(time)),
-        level: level.into(),
-        message: text.to_string(),
-        name: "catena".to_string(),
-        ..messages::Log::default()
-    };
-    let mut line = Vec::new();
-    encode(&message, &mut line);
-    line
+/// Where to put the contacts of samples, where shapes may touch.
+fn may_touch(model: &Model) -> Option<Vec<ContactPoint>> {
+    (!model.mechanism.nonsmooth.pairs.is_empty()).then(Vec::new)
 }
 
-/// Adds all channels, and the messages that are known before the first sample.
-fn prepare(sink: &mut dyn MessageSink, model: &Model) -> Result<SampleEncoder, LogError> {
-    let left_out = describe(sink, model)?;
-    let encoder = SampleEncoder::new(sink, model)?;
+/// Adds all channels, and the messages that are known before the first sample; files go beside the log, if it is one.
+fn prepare(
+    sink: &mut dyn MessageSink,
+    model: &Model,
+    options: &LogOptions,
+    beside: Option<&Path>,
+) -> Result<SampleEncoder, LogError> {
+    let left_out = describe(sink, model, options, beside)?;
+    let encoder = SampleEncoder::new(sink, model, options)?;
     for warning in model.warnings.iter().map(ToString::to_string).chain(left_out) {
-        encoder.line(sink, 0, &log_line(0, Severity::Warning, &warning))?;
+        encoder.line(sink, 0, &encode_line(options.start, Severity::Warning, &warning))?;
     }
     Ok(encoder)
-}
-
-/// For viewers each robot's URDF and the looks of all of them; says what could not be put into the log. With several
-/// robots all names have the robot's before them, as in the transforms.
-fn describe(sink: &mut dyn MessageSink, model: &Model) -> Result<Vec<String>, LogError> {
-    let mut buffer = Vec::new();
-    let mut looks = Looks::default();
-    for (index, placed) in model.robots.iter().enumerate() {
-        let (prefix, robot) = (model.prefix(index), &placed.robot);
-        let channel = ros_channel(sink, &format!("/{prefix}robot_description"), ros::STRING)?;
-        let standins = standins(model, placed);
-        let description =
-            if prefix.is_empty() { robot.description.clone() } else { robot.prefixed_description(&prefix) };
-        ros::encode_string(
-            &with_standins(&description, &prefix, &standins, &|link| robot.links[link].name.clone()),
-            &mut buffer,
-        );
-        sink.message(channel, 0, &buffer)?;
-        looks.add(&robot.links, &prefix, &standins);
-    }
-    if !looks.scene.entities.is_empty() {
-        let channel = foxglove_channel::<SceneUpdate>(sink, "/scene")?;
-        encode(&looks.scene, &mut buffer);
-        sink.message(channel, 0, &buffer)?;
-    }
-    Ok(looks.warnings())
-}
-
-/// Encodes into the emptied buffer.
-fn encode(message: &impl Encode, buffer: &mut Vec<u8>) {
-    buffer.clear();
-    // Encoding fails only when the buffer is too small, and a vector grows.
-    let _ = message.encode(buffer);
-}
-
-fn timestamp(nanoseconds: u64) -> Timestamp {
-    let seconds = u32::try_from(nanoseconds / 1_000_000_000).unwrap_or(u32::MAX);
-    Timestamp::new(seconds, (nanoseconds % 1_000_000_000) as u32)
 }

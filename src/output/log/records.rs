@@ -6,6 +6,7 @@
 //! many messages that were is said. The checksum of the whole comes last, when everything has been shown.
 
 use crate::mechanism::ground::words::counted;
+use crate::output::log::names::start_of;
 use crate::output::log::seconds;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
@@ -142,10 +143,12 @@ pub(crate) fn read_records(path: &Path, visit: &mut Visit<'_>) -> Result<Option<
     let (mut bytes, mut seen) = (0_u64, false);
     let (mut damaged, mut broken_off) = (false, None);
     let (mut time, mut lost, mut lost_records) = (0.0, None::<LostChunks>, None::<LostRecords>);
+    let mut start = 0;
     let mut timed = |found: Found<'_>| {
         match &found {
+            Found::Record(Record::Metadata(metadata)) => start = start_of(metadata).unwrap_or(start),
             Found::Record(Record::Message { header, .. }) => {
-                time = seconds(header.log_time);
+                time = seconds(header.log_time.saturating_sub(start));
                 if let Some(lost) = &mut lost {
                     lost.before.get_or_insert(time);
                 }

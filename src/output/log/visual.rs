@@ -1,198 +1,171 @@
-//! The visual geometry of a robot as a `foxglove.SceneUpdate`: one entity a link, fixed to the link's frame.
+//! The visual geometry of robots as markers, fixed to the frames of their links.
 //!
-//! Boxes, spheres, cylinders and capsules become primitives with the colour of their material; mesh files are embedded,
-//! up to a limit, so that the log shows the robot on any machine; what is beyond is given by its address. Bodies without
-//! looks have a stand-in ([`crate::output::log::standin`]).
+//! Boxes, spheres, cylinders and capsules become primitives with the colour of their material. Mesh files become triangles in the log, up
+//! to a limit, so that it shows the robot on any machine, or their addresses. Bodies without looks have a
+//! stand-in ([`crate::output::log::standin`]).
 
 use crate::mechanism::description::joint::Pose;
+use crate::mechanism::ground::words::counted;
+use crate::meshes::{Surface, read_file};
+use crate::output::log::markers::{Marker, MarkerShape};
+use crate::output::log::options::Meshes;
 use crate::output::log::standin::{STANDIN_COLOR, Standin};
-use crate::scene::{Geometry, Link, Shape};
-use foxglove::messages::{
-    Color, CubePrimitive, CylinderPrimitive, ModelPrimitive, Pose as PoseMessage, Quaternion, SceneEntity, SceneUpdate,
-    SpherePrimitive, Vector3 as VectorMessage,
-};
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use crate::scene::{Geometry, Link, MeshFile, Shape};
+use nalgebra::{Translation3, Vector3};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 /// What has no material is drawn in this grey.
 const PLAIN: [f64; 4] = [0.7, 0.7, 0.72, 1.0];
 
-/// All meshes in a log together have at most so many bytes.
-const MESH_BYTES: u64 = 1 << 26;
+/// All meshes in a log together have at most so many triangles.
+const MOST_TRIANGLES: usize = 2_000_000;
 
 /// What is drawn of all robots.
-#[derive(Default)]
 pub(crate) struct Looks {
-    /// One entity a link.
-    pub scene: SceneUpdate,
+    /// The markers, link after link.
+    pub markers: Vec<Marker>,
+    meshes: Meshes,
+    /// Surfaces by their files; `None` of those that cannot be in the log.
+    surfaces: BTreeMap<PathBuf, Option<Rc<Surface>>>,
+    triangles: usize,
     missing: Vec<String>,
-    /// Meshes that name files which are not in the log.
-    plain: Vec<PathBuf>,
-    mesh_bytes: u64,
 }
 
 impl Looks {
-    /// What viewers will not see.
+    /// Of no robot yet.
+    pub(crate) fn new(meshes: Meshes) -> Self {
+        Looks { markers: Vec::new(), meshes, surfaces: BTreeMap::new(), triangles: 0, missing: Vec::new() }
+    }
+
+    /// What viewers may not see: one line for all meshes that are not in the log for the same kind of reason.
     pub(crate) fn warnings(&self) -> Vec<String> {
-        let plain = self.plain.first().map(|first| {
-            let count = self.plain.len();
-            let meshes = if count == 1 { "1 mesh".to_string() } else { format!("{count} meshes") };
-            format!(
-                "images, materials or parts that {meshes} take from other files are not in the log, so that some viewers \
-                 leave them out: {}",
-                first.display()
-            )
-        });
-        self.missing.iter().cloned().chain(plain).collect()
+        let Some(first) = self.missing.first() else { return Vec::new() };
+        match self.missing.len() {
+            1 => vec![first.clone()],
+            count => vec![format!("{first}; and {} more", counted(count - 1, "mesh", "meshes"))],
+        }
+    }
+
+    /// The surfaces that are in the log, by their files.
+    pub(crate) fn surfaces(&self) -> impl Iterator<Item = (&Path, &Surface)> {
+        self.surfaces.iter().filter_map(|(file, surface)| Some((file.as_path(), surface.as_deref()?)))
     }
 
     /// Adds the links of a robot that have looks or a stand-in, with `prefix` before their names.
     pub(crate) fn add(&mut self, links: &[Link], prefix: &str, standins: &[Standin]) {
         for (index, link) in links.iter().enumerate() {
-            let name = format!("{prefix}{}", link.name);
-            let mut entity =
-                SceneEntity { frame_id: name.clone(), id: name, frame_locked: true, ..SceneEntity::default() };
-            link.visuals.iter().for_each(|visual| self.add_shape(&mut entity, visual));
+            let frame = format!("{prefix}{}", link.name);
+            for (number, visual) in (0..).zip(&link.visuals) {
+                self.add_visual((&frame, number), visual);
+            }
             for standin in standins.iter().filter(|standin| standin.link == index) {
-                let [r, g, b, a] = STANDIN_COLOR;
-                entity.cubes.push(CubePrimitive {
-                    pose: Some(place(&standin.pose)),
-                    size: Some(vector(&standin.size)),
-                    color: Some(Color { r, g, b, a }),
-                });
-            }
-            let shapes = entity.cubes.len() + entity.spheres.len() + entity.cylinders.len() + entity.models.len();
-            if shapes > 0 {
-                self.scene.entities.push(entity);
+                let (pose, scale) = (standin.pose, standin.size.into());
+                let frame = frame.clone();
+                let (visual, color, shape) = (link.visuals.len() as u32, STANDIN_COLOR, MarkerShape::Cube);
+                self.markers.push(Marker { frame, visual, pose, scale, color, shape });
             }
         }
     }
 
-    fn add_shape(&mut self, entity: &mut SceneEntity, visual: &Shape) {
-        add(entity, visual);
-        let (Geometry::Mesh(mesh), Some(model)) = (&visual.geometry, entity.models.last_mut()) else { return };
-        // What was not found is a warning of the robot's already.
-        let Some(file) = &mesh.resolved else { return };
-        match self.mesh(file) {
-            Ok((media_type, data)) => {
-                if names_other_files(media_type, &data) && !self.plain.contains(file) {
-                    self.plain.push(file.clone());
-                }
-                // A viewer takes one or the other.
-                model.url.clear();
-                model.media_type = media_type.to_string();
-                model.data = data.into();
-            }
-            Err(reason) => self.missing.push(format!("the mesh {} is not in the log: {reason}", file.display())),
-        }
-    }
-
-    /// The kind and the bytes of a mesh file, if they may be in the log.
-    fn mesh(&mut self, file: &Path) -> Result<(&'static str, Vec<u8>), String> {
-        let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-        let media_type = match ending.as_str() {
-            "stl" => "model/stl",
-            "dae" => "model/vnd.collada+xml",
-            "obj" => "model/obj",
-            "glb" => "model/gltf-binary",
-            "gltf" => "model/gltf+json",
-            _ => return Err(format!("viewers do not know files that end in {ending:?}")),
+    fn add_visual(&mut self, (frame, number): (&str, u32), visual: &Shape) {
+        let color = visual.color.unwrap_or(PLAIN);
+        let mut add = |pose: Pose, scale: [f64; 3], shape: MarkerShape| {
+            self.markers.push(Marker { frame: frame.to_string(), visual: number, pose, scale, color, shape });
         };
-        let size = std::fs::metadata(file).map_err(|error| error.to_string())?.len();
-        if self.mesh_bytes + size > MESH_BYTES {
-            return Err(format!("all meshes together are larger than {} MiB", MESH_BYTES >> 20));
-        }
-        let data = std::fs::read(file).map_err(|error| error.to_string())?;
-        self.mesh_bytes += size;
-        Ok((media_type, data))
-    }
-}
-
-/// Whether a mesh takes something from other files.
-fn names_other_files(media_type: &str, data: &[u8]) -> bool {
-    let text = || String::from_utf8_lossy(data);
-    match media_type {
-        // The name of an image file; without an ending it is that of another element.
-        "model/vnd.collada+xml" => text()
-            .split("<init_from>")
-            .skip(1)
-            .any(|rest| rest.split('<').next().is_some_and(|name| name.contains('.'))),
-        "model/obj" => text().lines().any(|line| line.starts_with("mtllib ")),
-        "model/gltf+json" => text()
-            .split("\"uri\"")
-            .skip(1)
-            .any(|rest| !rest.trim_start_matches(|c: char| c == ':' || c.is_whitespace()).starts_with("\"data:")),
-        _ => false,
-    }
-}
-
-fn add(entity: &mut SceneEntity, visual: &Shape) {
-    let [r, g, b, a] = visual.color.unwrap_or(PLAIN);
-    let color = Some(Color { r, g, b, a });
-    let mut ball = |pose: &Pose, radius: f64| {
-        let size = Some(vector(&Vector3::repeat(2.0 * radius)));
-        entity.spheres.push(SpherePrimitive { pose: Some(place(pose)), size, color });
-    };
-    let pose = Some(place(&visual.origin));
-    match &visual.geometry {
-        Geometry::Box { size } => entity.cubes.push(CubePrimitive { pose, size: Some(vector(size)), color }),
-        Geometry::Sphere { radius } => ball(&visual.origin, *radius),
-        Geometry::Cylinder { radius, length } => entity.cylinders.push(cylinder(pose, *radius, *length, color)),
-        Geometry::Capsule { radius, length } => {
-            for end in [-0.5 * length, 0.5 * length] {
-                ball(&(visual.origin * Translation3::new(0.0, 0.0, end)), *radius);
+        match &visual.geometry {
+            Geometry::Box { size } => add(visual.origin, (*size).into(), MarkerShape::Cube),
+            Geometry::Sphere { radius } => add(visual.origin, [2.0 * radius; 3], MarkerShape::Sphere),
+            Geometry::Cylinder { radius, length } => {
+                add(visual.origin, [2.0 * radius, 2.0 * radius, *length], MarkerShape::Cylinder);
             }
-            entity.cylinders.push(cylinder(pose, *radius, *length, color));
+            Geometry::Capsule { radius, length } => {
+                for end in [-0.5 * length, 0.5 * length] {
+                    let pose = visual.origin * Translation3::new(0.0, 0.0, end);
+                    add(pose, [2.0 * radius; 3], MarkerShape::Sphere);
+                }
+                add(visual.origin, [2.0 * radius, 2.0 * radius, *length], MarkerShape::Cylinder);
+            }
+            Geometry::Mesh(mesh) => self.add_mesh((frame, number), visual, mesh),
         }
-        Geometry::Mesh(mesh) => entity.models.push(ModelPrimitive {
-            pose,
-            scale: Some(vector(&mesh.scale)),
-            color,
-            override_color: visual.color.is_some(),
-            url: match &mesh.resolved {
-                Some(file) => format!("file://{}", file.display()),
+    }
+
+    fn add_mesh(&mut self, (frame, number): (&str, u32), visual: &Shape, mesh: &MeshFile) {
+        let frame = frame.to_string();
+        // What was not found is a warning of the robot's already.
+        let surface = mesh.resolved.as_ref().filter(|_| self.meshes == Meshes::Embed);
+        let Some(surface) = surface.and_then(|file| self.surface(file)) else {
+            let address = match &mesh.resolved {
+                Some(file) => {
+                    format!("file://{}", std::path::absolute(file).unwrap_or_else(|_| file.clone()).display())
+                }
                 None => mesh.path.clone(),
-            },
-            ..ModelPrimitive::default()
-        }),
+            };
+            let (color, shape) = (visual.color.unwrap_or(PLAIN), MarkerShape::Mesh(address, visual.color.is_none()));
+            let (pose, scale) = (visual.origin, mesh.scale.into());
+            self.markers.push(Marker { frame, visual: number, pose, scale, color, shape });
+            return;
+        };
+        for part in &surface.parts {
+            let color = visual.color.unwrap_or_else(|| part.shown_color().map(f64::from));
+            let shape = MarkerShape::Triangles(scaled(&part.corners, &mesh.scale).into());
+            let (frame, pose) = (frame.clone(), visual.origin);
+            self.markers.push(Marker { frame, visual: number, pose, scale: [1.0; 3], color, shape });
+        }
+    }
+
+    /// The surface of a mesh file, if it can be in the log.
+    fn surface(&mut self, file: &Path) -> Option<Rc<Surface>> {
+        if let Some(known) = self.surfaces.get(file) {
+            return known.clone();
+        }
+        let surface = match read_file(file) {
+            Ok(surface) if self.triangles + surface.triangle_count() > MOST_TRIANGLES => {
+                self.missing.push(format!(
+                    "the mesh {} is not in the log: all meshes together have more than {MOST_TRIANGLES} triangles; \
+                     use simpler meshes or --meshes link",
+                    file.display()
+                ));
+                None
+            }
+            Ok(surface) => {
+                self.triangles += surface.triangle_count();
+                Some(Rc::new(surface))
+            }
+            Err(error) => {
+                self.missing.push(format!("the mesh {} is not in the log: {error}", file.display()));
+                None
+            }
+        };
+        self.surfaces.insert(file.to_path_buf(), surface.clone());
+        surface
     }
 }
 
-fn cylinder(pose: Option<PoseMessage>, radius: f64, length: f64, color: Option<Color>) -> CylinderPrimitive {
-    let size = Some(vector(&Vector3::new(2.0 * radius, 2.0 * radius, length)));
-    CylinderPrimitive { pose, size, bottom_scale: 1.0, top_scale: 1.0, color }
-}
-
-fn place(pose: &Pose) -> PoseMessage {
-    let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation);
-    PoseMessage {
-        position: Some(vector(&pose.translation.vector)),
-        orientation: Some(Quaternion { x: turn.i, y: turn.j, z: turn.k, w: turn.w }),
+/// Corners times the factors of a URDF; triangles that this mirrors stay counter-clockwise seen from outside.
+fn scaled(corners: &[[f64; 3]], scale: &Vector3<f64>) -> Vec<[f32; 3]> {
+    let factors: [f64; 3] = (*scale).into();
+    let stretch = |corner: &[f64; 3]| [0, 1, 2].map(|axis| (corner[axis] * factors[axis]) as f32);
+    let mut all: Vec<[f32; 3]> = corners.iter().map(stretch).collect();
+    if factors.iter().product::<f64>() < 0.0 {
+        all.chunks_exact_mut(3).for_each(|triangle| triangle.swap(1, 2));
     }
-}
-
-fn vector(vector: &Vector3<f64>) -> VectorMessage {
-    VectorMessage { x: vector.x, y: vector.y, z: vector.z }
+    all
 }
 
 #[cfg(test)]
 mod tests {
-    use super::names_other_files;
+    use super::scaled;
+    use nalgebra::Vector3;
 
     #[test]
-    fn a_mesh_with_images_or_materials_in_other_files_is_told_from_one_without() {
-        let collada = "model/vnd.collada+xml";
-        let cases = [
-            (collada, "<image><init_from>carbon.jpg</init_from></image><surface><init_from>carbon</init_from>", true),
-            (collada, "<surface><init_from>carbon</init_from></surface>", false),
-            ("model/obj", "# leg\nmtllib leg.mtl\nv 0 0 0\n", true),
-            ("model/obj", "# mtllib is not used\nv 0 0 0\n", false),
-            ("model/gltf+json", r#"{"buffers": [{"uri" : "leg.bin"}]}"#, true),
-            ("model/gltf+json", r#"{"buffers": [{"uri": "data:application/octet-stream;base64,AA=="}]}"#, false),
-            ("model/stl", "solid mtllib <init_from>a.png", false),
-        ];
-        for (media_type, text, expected) in cases {
-            assert_eq!(names_other_files(media_type, text.as_bytes()), expected, "{text}");
+    fn mirrored_triangles_still_look_outwards() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        for scale in [Vector3::new(-2.0, 1.0, 1.0), Vector3::new(2.0, 3.0, 1.0), Vector3::new(-1.0, -1.0, 1.0)] {
+            let [a, b, c] = scaled(&corners, &scale)[..] else { panic!("three corners") };
+            let [a, b, c] = [a, b, c].map(Vector3::from);
+            assert!((b - a).cross(&(c - a)).z > 0.0, "{scale}");
         }
     }
 }

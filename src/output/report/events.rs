@@ -3,11 +3,12 @@
 use crate::mechanism::ground::words::counted;
 use crate::mechanism::motion::event::{Event, EventCounts, EventKind, JointStatus};
 use crate::model::Model;
+use crate::output::report::contact::pair_name;
 use crate::simulation::Finished;
 use serde::{Serialize, Serializer};
 
-/// The kinds of events in the order of reports, with their words for one and for several. The second is an impact between shapes.
-const KINDS: [(&str, &str, &str); EventKind::ALL.len() + 1] = [
+/// The kinds of events in the order of reports, with their words for one and for several.
+const KINDS: [(&str, &str, &str); EventKind::ALL.len()] = [
     ("limit_impact", "limit impact", "limit impacts"),
     ("contact_impact", "contact impact", "contact impacts"),
     ("rest", "rest on a limit", "rests on a limit"),
@@ -76,7 +77,7 @@ pub struct EventEntry {
     pub time: f64,
     /// What happened.
     pub kind: String,
-    /// The joint to which it happened.
+    /// The joint to which it happened, or the two names `a|b` of what touches.
     pub what: String,
     /// The impulse of an impact along the joint, positive into the allowed range [N m s or N s].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -89,10 +90,15 @@ impl EventEntry {
         EventEntry {
             time: event.time,
             kind: event.kind.name().to_string(),
-            what: joint_name(model, event.body).to_string(),
+            what: event_name(model, event),
             impulse: event.impulse,
         }
     }
+}
+
+/// To what an event happened, as reports and logs name it: the pair `a|b` that touches, or else the joint of the body.
+fn event_name(model: &Model, event: &Event) -> String {
+    event.pair.map_or_else(|| joint_name(model, event.body).to_string(), |pair| pair_name(model, pair))
 }
 
 /// The name of the joint that carries a body, as reports and logs have it.

@@ -114,6 +114,18 @@ pub fn singular_warning(description: &MethodDescription) -> Option<String> {
     ))
 }
 
+/// What the user should know, if contacts were too many or too contradictory for the solver.
+pub fn unsolved_warning(description: &MethodDescription) -> Option<String> {
+    let count = description.unsolved_contacts;
+    (count > 0).then(|| {
+        format!(
+            "contacts changed faster than steps could follow at {}: the run went on there with steps of first order; compare it with one of another step or \
+             tolerance",
+            counted(count, "instant", "instants")
+        )
+    })
+}
+
 /// The accuracy to expect of a run, from pilot runs.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct AccuracyReport {
@@ -131,6 +143,9 @@ pub struct AccuracyReport {
     /// Whether the run ends anywhere: no pilot runs stay together.
     #[serde(skip)]
     parts: bool,
+    /// From when on pilot runs meet other events (s).
+    #[serde(skip)]
+    events_differ: Option<f64>,
     /// Whether pilot runs can tell at all.
     #[serde(skip)]
     can_tell: bool,
@@ -157,6 +172,7 @@ impl AccuracyReport {
             reached: found.holds_until >= end,
             pilots: found.pilots,
             parts: found.parted,
+            events_differ: found.events_differ,
             can_tell: wanted >= 0.99 * FINEST || found.estimate <= CALM * found.stop,
             unbalanced: None,
         }
@@ -195,6 +211,7 @@ impl AccuracyReport {
             reached: all.iter().all(|one| one.reached),
             pilots: all.iter().map(|one| one.pilots).sum(),
             parts: all.iter().any(|one| one.parts),
+            events_differ: all.iter().filter_map(|one| one.events_differ).min_by(f64::total_cmp),
             can_tell: all.iter().all(|one| one.can_tell),
             unbalanced: None,
         })
@@ -231,21 +248,22 @@ impl AccuracyReport {
         let wanted = self.wanted;
         if !self.reached {
             let until = rounded(self.holds_until);
-            let holds = format!(
-                "the motion amplifies every error: the accuracy of {wanted:e} m is expected to hold until t = {until} s only"
-            );
-            return Some(if self.parts {
+            let holds = format!("chaotic motion: {wanted:e} m holds until t = {until} s");
+            return Some(if let Some(differ) = self.events_differ {
                 format!(
-                    "{holds}; after that the run is one of many possible motions, with the right energy and constraints"
+                    "{holds}; from t = {} s on trial runs meet other events (impacts, sticking, motors at their bounds)",
+                    rounded(differ)
                 )
+            } else if self.parts {
+                format!("{holds}; later the trajectory is physical but not reproducible to that accuracy")
             } else {
-                format!("{holds}; after that rounding leaves up to {:.1e} m", self.estimated)
+                format!("{holds}; later rounding errors grow to {:.1e} m", self.estimated)
             });
         }
         (!self.can_tell).then(|| {
             format!(
-                "the motion amplifies every error, roundings too: pilot runs cannot tell whether the accuracy of {wanted:e} m is \
-                 reached; the end may be a hundred times further off"
+                "chaotic motion: rounding errors grow too, so that trial runs cannot tell whether the accuracy of {wanted:e} m is \
+                 reached; the error may be a hundred times larger"
             )
         })
     }
@@ -262,7 +280,8 @@ mod tests {
             let stop = 1e-15;
             let stages = StageChoice::Filling;
             let estimate = amplification * stop;
-            let found = Calibration { stop, stages, estimate, holds_until: 2.0, parted: false, pilots: 2 };
+            let found =
+                Calibration { stop, stages, estimate, holds_until: 2.0, parted: false, events_differ: None, pilots: 2 };
             AccuracyReport::new(wanted, 2.0, &found).warning()
         };
         assert!(warning(1e-12, 2e4).is_some_and(|words| words.contains("cannot tell")));

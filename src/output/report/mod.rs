@@ -3,6 +3,7 @@
 //! The JSON is a promise to other people's scripts; its keys and their order are tested (`tests/program/cli/report.rs`). Links and
 //! joints are given in the world and in the joint's frame on the parent as [`LinkReport`] and [`JointReport`] say.
 
+mod contact;
 mod events;
 mod method;
 mod places;
@@ -11,9 +12,11 @@ mod speeds;
 mod step_error;
 mod text;
 
+pub use contact::{ContactReport, ContactsReport};
+pub(crate) use contact::{pair_name, pair_names, state_name};
 pub(crate) use events::joint_name;
 pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};
-pub use method::{AccuracyReport, FrequencyReport, MethodReport, ringing_warning, singular_warning};
+pub use method::{AccuracyReport, FrequencyReport, MethodReport, ringing_warning, singular_warning, unsolved_warning};
 pub use places::{JointReport, LinkReport, LoopReport, Numbers, carried_reports, joint_reports, link_reports};
 pub use rounding::{COARSE, FarSpring, balance_warning, energy_warning};
 pub use speeds::SpeedWatch;
@@ -67,6 +70,8 @@ pub struct Report {
     pub step_error: Option<StepErrorReport>,
     /// What was not smooth about the motion.
     pub events: EventReport,
+    /// What touched.
+    pub contact: ContactsReport,
     /// Energy over the run.
     pub energy: EnergyReport,
     /// Constraint violation over the run.

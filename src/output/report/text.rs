@@ -69,8 +69,9 @@ impl fmt::Display for Report {
         if let Some(accuracy) = &self.accuracy {
             writeln!(
                 out,
-                "  accuracy    {:.1e} m expected where steps end, give or take a factor of ten; {} pilot runs",
-                accuracy.estimated, accuracy.pilots
+                "  accuracy    estimated error {:.1e} m (order of magnitude, from {})",
+                accuracy.estimated,
+                counted(accuracy.pilots, "trial run", "trial runs")
             )?;
         }
         if let (Some(reason), true) = (&self.accuracy_unknown, self.method.adaptive) {
@@ -80,12 +81,17 @@ impl fmt::Display for Report {
             let more = if by == "energy" { "; more where the motion amplifies errors" } else { "" };
             writeln!(out, "  accuracy    {estimated:.1e} m estimated at the end, by {by}{more}")?;
         }
-        write!(out, "  steps       {}, {}", self.steps, counted(self.iterations, "iteration", "iterations"))?;
+        write!(
+            out,
+            "  steps       {}, {}",
+            self.steps,
+            counted(self.iterations, "Newton iteration", "Newton iterations")
+        )?;
         if self.steps > 0 {
-            write!(out, " ({:.1} a step", self.iterations as f64 / self.steps as f64)?;
+            write!(out, " ({:.1} per step", self.iterations as f64 / self.steps as f64)?;
             match 100 * self.kept_factor_iterations / self.iterations.max(1) {
                 0 => write!(out, ")")?,
-                share => write!(out, ", {share} % with kept factors)")?,
+                share => write!(out, ", {share} % reuse a factorisation)")?,
             }
         }
         write!(out, ", {} rejected", self.rejected_steps)?;
@@ -128,6 +134,16 @@ impl fmt::Display for Report {
             "  constraint  largest violation {:.1e} m, {:.1e} m/s",
             self.constraint.max_position, self.constraint.max_velocity
         )?;
+        let contact = &self.contact;
+        if contact.may_touch {
+            writeln!(
+                out,
+                "  contact     {}; deepest overlap {:.1e} m, largest cone violation {:.1e} N",
+                contact.words(),
+                contact.max_penetration,
+                contact.max_cone_violation
+            )?;
+        }
         if let Some(log) = &self.log {
             writeln!(out, "  log         {}", log.display())?;
         }

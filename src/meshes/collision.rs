@@ -1,0 +1,152 @@
+//! The surfaces of shapes that touch: those of mesh files, with shared vertices and the scale of a URDF or scene file.
+//!
+//! Corners of triangles with the same coordinates, bit for bit, become one vertex, in the order in which they come; triangles with two equal
+//! corners are left out. With the scale s (one factor for each axis) a vertex p lies at (s₁ p₁, s₂ p₂, s₃ p₃). Where s₁ s₂ s₃ < 0 the scale
+//! mirrors, and the triangles are turned round so that they stay counterclockwise from outside.
+
+use crate::mechanism::description::contact::Surface;
+use crate::meshes::error::MeshError;
+use crate::meshes::{ending_of, read_surface};
+use nalgebra::Vector3;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// The surface in the bytes of a mesh file, scaled along the axes (m). The ending of the path says which format it has.
+///
+/// # Errors
+/// [`MeshError`] if it is no mesh, or one without triangles.
+pub fn collision_surface(path: &Path, bytes: &[u8], scale: &Vector3<f64>) -> Result<Surface, MeshError> {
+    let read = read_surface(&ending_of(path), bytes, &|_| None)?;
+    let corners = read.parts.iter().flat_map(|part| part.corners.chunks_exact(3));
+    surface(corners.map(|corners| [0, 1, 2].map(|corner| Vector3::from(corners[corner]))), scale)
+}
+
+/// The surface of triangles, scaled along the axes.
+fn surface(triangles: impl Iterator<Item = [Vector3<f64>; 3]>, scale: &Vector3<f64>) -> Result<Surface, MeshError> {
+    let mirrors = scale.iter().filter(|factor| **factor < 0.0).count() % 2 == 1;
+    let mut surface = Surface::default();
+    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+    for corners in triangles {
+        let mut numbers = [0; 3];
+        for (number, corner) in numbers.iter_mut().zip(&corners) {
+            // A zero has no sign here.
+            let place = corner.component_mul(scale).map(|coordinate| coordinate + 0.0);
+            if !place.iter().all(|coordinate| coordinate.is_finite()) {
+                return Err(MeshError::NotFinite);
+            }
+            *number = *known.entry([place.x, place.y, place.z].map(f64::to_bits)).or_insert_with(|| {
+                surface.vertices.push(place);
+                (surface.vertices.len() - 1) as u32
+            });
+        }
+        if mirrors {
+            numbers.swap(1, 2);
+        }
+        let [a, b, c] = numbers;
+        if a != b && b != c && c != a {
+            surface.triangles.push(numbers);
+        }
+    }
+    if surface.triangles.is_empty() { Err(MeshError::Empty) } else { Ok(surface) }
+}
+
+/// The vertices of each connected part of a surface, in the order of their first vertices.
+pub fn connected_parts(surface: &Surface) -> Vec<Vec<Vector3<f64>>> {
+    let mut above: Vec<u32> = (0..surface.vertices.len() as u32).collect();
+    fn root(above: &mut [u32], mut vertex: u32) -> u32 {
+        while above[vertex as usize] != vertex {
+            above[vertex as usize] = above[above[vertex as usize] as usize];
+            vertex = above[vertex as usize];
+        }
+        vertex
+    }
+    for &[a, b, c] in &surface.triangles {
+        let first = root(&mut above, a);
+        for other in [b, c] {
+            let other = root(&mut above, other);
+            above[other as usize] = first;
+        }
+    }
+    let mut number_of: HashMap<u32, usize> = HashMap::new();
+    let mut parts: Vec<Vec<Vector3<f64>>> = Vec::new();
+    for (vertex, place) in surface.vertices.iter().enumerate() {
+        let root = root(&mut above, vertex as u32);
+        let number = *number_of.entry(root).or_insert_with(|| {
+            parts.push(Vec::new());
+            parts.len() - 1
+        });
+        parts[number].push(*place);
+    }
+    parts
+}
+
+/// Whether all points lie in a plane, to a billionth of their extent.
+pub fn is_flat(points: &[Vector3<f64>]) -> bool {
+    let Some(&origin) = points.first() else { return true };
+    let farthest = |distance: &dyn Fn(&Vector3<f64>) -> f64| {
+        let far = points.iter().map(|point| (distance(point), point));
+        far.fold((0.0, origin), |best, (length, point)| if length > best.0 { (length, *point) } else { best })
+    };
+    let (extent, end) = farthest(&|point| (point - origin).norm());
+    let along = (end - origin) / extent;
+    let (width, corner) = farthest(&|point| (point - origin).cross(&along).norm());
+    let normal = along.cross(&((corner - origin) / width));
+    let (thickness, _) = farthest(&|point| (point - origin).dot(&normal).abs());
+    // Where width or extent is zero the distances are no numbers, none of which is farthest: the thickness is zero.
+    thickness <= 1e-9 * extent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tetrahedron(at: f64) -> Vec<[Vector3<f64>; 3]> {
+        let [o, x, y, z] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+            .map(|[x, y, z]| Vector3::new(x + at, y, z));
+        vec![[o, y, x], [o, x, z], [o, z, y], [x, y, z]]
+    }
+
+    /// Six times the volume that triangles enclose.
+    fn volume(surface: &Surface) -> f64 {
+        let corner = |index: u32| surface.vertices[index as usize];
+        surface.triangles.iter().map(|&[a, b, c]| corner(a).dot(&corner(b).cross(&corner(c)))).sum()
+    }
+
+    #[test]
+    fn corners_are_merged_and_a_scale_that_mirrors_keeps_the_outside_outside() {
+        for (scale, expected) in [([1.0, 1.0, 1.0], 1.0), ([2.0, -1.0, 0.5], 1.0), ([-1.0, -1.0, 3.0], 3.0)] {
+            let surface = surface(tetrahedron(0.0).into_iter(), &Vector3::from(scale)).unwrap();
+            assert_eq!((surface.vertices.len(), surface.triangles.len()), (4, 4));
+            assert_eq!(volume(&surface), expected, "{scale:?}");
+        }
+    }
+
+    #[test]
+    fn what_encloses_nothing_or_is_nowhere_is_refused() {
+        let one = Vector3::repeat(1.0);
+        let line = [[Vector3::zeros(), one, one]];
+        assert!(matches!(surface(line.into_iter(), &one), Err(MeshError::Empty)));
+        assert!(matches!(surface(std::iter::empty(), &one), Err(MeshError::Empty)));
+        let far = [[Vector3::zeros(), Vector3::x(), Vector3::repeat(1e300)]];
+        assert!(matches!(surface(far.into_iter(), &Vector3::repeat(1e300)), Err(MeshError::NotFinite)));
+        let unknown = collision_surface(Path::new("a.ply"), b"", &one);
+        assert!(matches!(unknown, Err(MeshError::UnknownKind { ending }) if ending == "ply"));
+    }
+
+    #[test]
+    fn parts_that_share_no_vertex_are_told_apart() {
+        let both = [tetrahedron(0.0), tetrahedron(5.0)].concat();
+        let surface = surface(both.into_iter(), &Vector3::repeat(1.0)).unwrap();
+        let parts = connected_parts(&surface);
+        assert_eq!(parts.iter().map(Vec::len).collect::<Vec<_>>(), [4, 4]);
+        assert!(parts[0].iter().all(|point| point.x < 2.0) && parts[1].iter().all(|point| point.x > 2.0));
+    }
+
+    #[test]
+    fn only_what_has_no_thickness_is_flat() {
+        let corners =
+            |z: f64| [[0.0, 0.0, 0.0], [1.0, 0.0, 0.3], [0.0, 1.0, 0.2], [1.0, 1.0, 0.5 + z]].map(Vector3::from);
+        assert!(is_flat(&corners(0.0)) && is_flat(&corners(1e-12)) && !is_flat(&corners(1e-6)));
+        assert!(is_flat(&[]) && is_flat(&[Vector3::x()]) && is_flat(&[Vector3::x(), Vector3::y(), Vector3::y()]));
+    }
+}

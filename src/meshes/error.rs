@@ -1,0 +1,38 @@
+//! Why there is no surface; the caller says of which file.
+
+/// Why a mesh file gives no surface.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshError {
+    /// The file could not be read.
+    #[error("it cannot be read: {0}")]
+    Io(#[from] std::io::Error),
+    /// The ending is not that of a format that is read.
+    #[error("meshes are read from .stl, .obj and .dae files, not from {ending:?}; convert it to one of these")]
+    UnknownKind {
+        /// The ending, in small letters.
+        ending: String,
+    },
+    /// It is not what its ending says.
+    #[error("line {line}: {what}")]
+    Line {
+        /// Line of the file, from 1.
+        line: usize,
+        /// What is wrong.
+        what: String,
+    },
+    /// It is not what its ending says.
+    #[error("{0}")]
+    Damaged(String),
+    /// No triangle in it has three different corners.
+    #[error("there is no triangle in it")]
+    Empty,
+    /// A coordinate that is infinite, no number, or too large for single precision.
+    #[error("a corner of a triangle is not finite")]
+    NotFinite,
+    /// More triangles than any robot has.
+    #[error("it has more than {most} triangles; simplify it")]
+    TooLarge {
+        /// The most that are read.
+        most: usize,
+    },
+}

@@ -1,0 +1,28 @@
+//! What the user chooses about a log.
+
+use crate::output::log::topics::Topics;
+
+/// Where the geometry of mesh files is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Meshes {
+    /// In the log, as triangles; Collada and OBJ files also as GLB files in a folder beside it, which its description names.
+    #[default]
+    Embed,
+    /// In the mesh files, whose addresses are in the log.
+    Link,
+    /// Nowhere: the log has no `/visual_markers`.
+    None,
+}
+
+/// What the user chooses about a log.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LogOptions {
+    /// The topics that it has.
+    pub topics: Topics,
+    /// Where the geometry of mesh files is.
+    pub meshes: Meshes,
+    /// Whether samples are compressed, too; what never changes always is.
+    pub compress: bool,
+    /// The time of the log at the start of the run, in nanoseconds since 1970.
+    pub start: u64,
+}

@@ -1,0 +1,125 @@
+//! The contacts at the end of a run, and the worst of all its contacts.
+
+use crate::mechanism::ground::words::counted;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::model::Model;
+use crate::simulation::Finished;
+use serde::Serialize;
+
+/// A closed contact.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ContactReport {
+    /// The link, of two links the one of the first robot.
+    pub a: String,
+    /// The obstacle, or the other link.
+    pub b: String,
+    /// Where they touch, in the world (m).
+    pub position: [f64; 3],
+    /// The unit normal from b to a.
+    pub normal: [f64; 3],
+    /// The force on a, in the world (N).
+    pub force: [f64; 3],
+    /// Negative where they overlap (m).
+    pub gap: f64,
+    /// `stick` or `slip`.
+    pub state: &'static str,
+}
+
+/// The contacts of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ContactsReport {
+    /// The deepest overlap at the end of any step (m).
+    pub max_penetration: f64,
+    /// The farthest of a force from its friction cone at the end of any step (N).
+    pub max_cone_violation: f64,
+    /// Those that are closed at the end of the run.
+    pub points: Vec<ContactReport>,
+    /// Whether the mechanism has shapes that may touch; otherwise the lines for people do not mention them.
+    #[serde(skip)]
+    pub may_touch: bool,
+}
+
+impl ContactReport {
+    /// A contact of this model.
+    pub fn new(model: &Model, point: &ContactPoint) -> Self {
+        let (a, b) = pair_names(model, point.pair);
+        ContactReport {
+            a: a.to_string(),
+            b: b.to_string(),
+            position: point.position.into(),
+            normal: point.normal.into(),
+            force: point.force.into(),
+            gap: point.gap,
+            state: state_name(point),
+        }
+    }
+}
+
+impl ContactsReport {
+    /// The contacts of a run of this model.
+    pub fn new(model: &Model, finished: &Finished) -> Self {
+        let figures = finished.summary.contact;
+        ContactsReport {
+            max_penetration: figures.penetration,
+            max_cone_violation: figures.cone_violation,
+            points: finished.contacts.iter().map(|point| ContactReport::new(model, point)).collect(),
+            may_touch: !model.mechanism.nonsmooth.pairs.is_empty(),
+        }
+    }
+
+    /// What there is at the end, in words: `4 contacts at the end, 1 of them slips`.
+    pub fn words(&self) -> String {
+        let slipping = self.points.iter().filter(|point| point.state == "slip").count();
+        let all = counted(self.points.len(), "contact", "contacts");
+        match slipping {
+            0 => format!("{all} at the end"),
+            slipping => {
+                format!("{all} at the end, {slipping} of them {}", if slipping == 1 { "slips" } else { "slip" })
+            }
+        }
+    }
+}
+
+/// What friction does at a contact, as reports and logs name it.
+pub(crate) fn state_name(point: &ContactPoint) -> &'static str {
+    if point.sticks { "stick" } else { "slip" }
+}
+
+/// The names of the shapes of a pair, by its number.
+pub(crate) fn pair_names(model: &Model, number: usize) -> (&str, &str) {
+    let nonsmooth = &model.mechanism.nonsmooth;
+    let pair = nonsmooth.pairs.iter().find(|pair| pair.number == number);
+    pair.map_or(("", ""), |pair| (&nonsmooth.colliders[pair.a].name, &nonsmooth.colliders[pair.b].name))
+}
+
+/// The names `a|b` of the shapes of a pair, by its number, as events have them.
+pub(crate) fn pair_name(model: &Model, number: usize) -> String {
+    let (a, b) = pair_names(model, number);
+    format!("{a}|{b}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_words_count_what_touches_and_what_slips() {
+        let point = |state| ContactReport {
+            a: "ball".to_string(),
+            b: "floor".to_string(),
+            position: [0.0; 3],
+            normal: [0.0, 0.0, 1.0],
+            force: [0.0; 3],
+            gap: 0.0,
+            state,
+        };
+        let words = |states: &[&'static str]| {
+            let points = states.iter().map(|state| point(state)).collect();
+            ContactsReport { points, ..ContactsReport::default() }.words()
+        };
+        assert_eq!(words(&[]), "0 contacts at the end");
+        assert_eq!(words(&["stick"]), "1 contact at the end");
+        assert_eq!(words(&["stick", "slip"]), "2 contacts at the end, 1 of them slips");
+        assert_eq!(words(&["slip", "slip"]), "2 contacts at the end, 2 of them slip");
+    }
+}
