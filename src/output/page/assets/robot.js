@@ -1,0 +1,102 @@
+// The robot: a group for each body, with the shapes of its links, and axes for each link.
+
+const GREY = [0.72, 0.73, 0.75, 1];
+
+class Robot {
+  constructor(header, bytes, view) {
+    this.view = view;
+    this.bodies = header.tree.bodies.map(() => new THREE.Group());
+    this.world = new THREE.Group();
+    this.matrices = this.bodies.map((group) => {
+      group.matrixAutoUpdate = false;
+      return group.matrix;
+    });
+    view.robot.add(this.world, ...this.bodies);
+    this.frames = [];
+    const materials = new Map();
+    const meshes = header.meshes.map((mesh) => meshGeometries(bytes, mesh));
+    for (const shape of header.shapes) {
+      const link = header.tree.links[shape.link];
+      const place = poseMatrix(link.pose).multiply(poseMatrix(shape.pose));
+      const parts = shape.kind === "mesh" ? meshes[shape.mesh] : [{ color: null, geometry: primitiveGeometry(shape) }];
+      if (shape.kind === "mesh") place.scale(new THREE.Vector3(...shape.size));
+      for (const part of parts) {
+        const material = this.material(part.color || shape.color || GREY, materials);
+        this.add(link.body, new THREE.Mesh(part.geometry, material), place, link.name);
+      }
+    }
+    this.links = header.tree.links;
+  }
+
+  group(body) {
+    return body === null ? this.world : this.bodies[body];
+  }
+
+  add(body, object, place, link) {
+    object.matrixAutoUpdate = false;
+    object.matrix.copy(place);
+    object.userData.link = link;
+    this.group(body).add(object);
+  }
+
+  material([red, green, blue, opacity], known) {
+    const key = [red, green, blue, opacity].join(" ");
+    if (!known.has(key)) {
+      const color = new THREE.Color().setRGB(red, green, blue, "srgb");
+      const transparent = opacity < 1;
+      const look = { color, roughness: 0.62, metalness: 0.05, side: THREE.DoubleSide, transparent, opacity };
+      known.set(key, new THREE.MeshStandardMaterial(look));
+    }
+    return known.get(key);
+  }
+
+  // Axes at each link: x red, y green, z blue.
+  addFrames(length) {
+    const points = new Float32Array([0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1].map((x) => x * length));
+    const colors = new Float32Array([1, 0, 0, 1, 0, 0, 0, 0.6, 0, 0, 0.6, 0, 0, 0.2, 1, 0, 0.2, 1]);
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(points, 3));
+    geometry.setAttribute("color", new THREE.BufferAttribute(colors, 3));
+    const material = new THREE.LineBasicMaterial({ vertexColors: true, depthTest: false });
+    for (const link of this.links) {
+      const axes = new THREE.LineSegments(geometry, material);
+      axes.renderOrder = 2;
+      this.add(link.body, axes, poseMatrix(link.pose), undefined);
+      this.frames.push(axes);
+    }
+    this.showFrames(false);
+  }
+
+  showFrames(shown) {
+    for (const axes of this.frames) axes.visible = shown;
+    this.view.draw();
+  }
+
+  // Shows the bodies where their matrices say.
+  placed() {
+    for (const group of this.bodies) group.matrixWorldNeedsUpdate = true;
+    this.view.draw();
+  }
+
+  // The box around everything as it is placed; without shapes, around the origins of the links.
+  box() {
+    this.view.robot.updateMatrixWorld(true);
+    const box = new THREE.Box3();
+    this.view.robot.traverse((object) => {
+      if (object.isMesh && object.userData.link !== undefined) box.expandByObject(object);
+    });
+    for (const link of this.links) {
+      const at = new THREE.Vector3(...link.pose.slice(0, 3)).applyMatrix4(this.group(link.body).matrixWorld);
+      box.expandByPoint(at);
+    }
+    return box;
+  }
+
+  // The mean place of the bodies that move.
+  middle() {
+    const sum = new THREE.Vector3();
+    const at = new THREE.Vector3();
+    for (const matrix of this.matrices) sum.add(at.setFromMatrixPosition(matrix));
+    return sum.divideScalar(Math.max(1, this.matrices.length));
+  }
+}

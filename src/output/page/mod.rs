@@ -1,0 +1,272 @@
+//! Pages: a run or a model as one HTML file that needs no server and no network.
+//!
+//! ```text
+//!     log ─ inspection/summary.rs ─▶ facts.rs                     figures and warnings in words
+//!         ─ log/frames.rs ─▶ motion.rs, contacts.rs               poses, curves, contact forces, events
+//!     model ─▶ tree.rs                                            links, bodies, joints, loops
+//!           ─ log/meshes.rs or files ─▶ looks.rs, shared_meshes.rs  what is drawn      (meshes/ reads, simplify.rs simplifies)
+//!           ─▶ obstacles.rs                                       what is drawn of the world
+//!     all of it ─ packing.rs ─▶ header (JSON), arrays (base64) ─ html.rs ─▶ page
+//! ```
+//!
+//! The same input gives the same bytes. The scripts of the page are in `assets/`, those of others with their licences.
+
+mod contacts;
+mod facts;
+mod html;
+mod looks;
+mod motion;
+mod obstacles;
+mod packing;
+mod shared_meshes;
+mod simplify;
+mod tree;
+
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::model::Model;
+use crate::output::inspection::summary::Summary;
+use crate::output::log::frames::visit;
+use crate::output::log::meshes::LoggedMeshes;
+use crate::output::log::records::ReadError;
+use crate::output::log::sha256;
+use crate::output::page::contacts::ContactLayer;
+use crate::output::page::facts::Fact;
+use crate::output::page::looks::{DrawnShape, MeshSource, looks};
+use crate::output::page::motion::{CurveName, Motion};
+use crate::output::page::obstacles::{DrawnObstacle, obstacles};
+use crate::output::page::packing::{Packed, Place};
+use crate::output::page::shared_meshes::{MeshContent, MeshData, PackedMesh};
+use crate::output::page::tree::{Frame, Tree, pose_numbers, tree};
+use crate::output::report::EventEntry;
+use crate::scene::MeshFile;
+use serde::Serialize;
+use std::path::Path;
+
+/// The most triangles of all meshes together, unless the user wants more or fewer.
+pub const MESH_LIMIT: usize = 200_000;
+
+/// What a page is made with.
+#[derive(Clone, Debug)]
+pub struct PageOptions {
+    /// The most triangles of all meshes together; zero leaves meshes out.
+    pub mesh_limit: usize,
+    /// Tables about the model.
+    pub tables: Vec<PageTable>,
+}
+
+/// A table.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct PageTable {
+    /// What stands above it.
+    pub title: String,
+    /// The heading of each column.
+    pub columns: Vec<String>,
+    /// Rows of as many cells.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// Why there is no page.
+#[derive(Debug, thiserror::Error)]
+pub enum PageError {
+    /// The log cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// There is nothing to play back.
+    #[error("{log}: there are no samples in it; catena model draws the robot alone")]
+    Empty {
+        /// The log.
+        log: String,
+    },
+    /// A sample has other links or joints than the model that the log carries.
+    #[error("{log}: its sample at t = {time} s is not of the model it carries")]
+    Misfit {
+        /// The log.
+        log: String,
+        /// Time of the sample (s).
+        time: f64,
+    },
+}
+
+/// What the scripts of a page read as JSON; lengths in m, angles in rad, times in s.
+#[derive(Serialize)]
+struct Header<'p> {
+    kind: &'static str,
+    name: &'p str,
+    source: String,
+    catena: &'static str,
+    facts: Vec<Fact>,
+    warnings: Vec<String>,
+    notes: Vec<String>,
+    tables: &'p [PageTable],
+    tree: Tree<'p>,
+    shapes: &'p [DrawnShape],
+    obstacles: Vec<DrawnObstacle>,
+    meshes: Vec<PackedMesh>,
+    /// Number of samples in all arrays.
+    samples: usize,
+    times: Place,
+    /// Bodies × 7 columns.
+    poses: Place,
+    curves: &'p [CurveName],
+    values: Place,
+    events: &'p [EventEntry],
+    arrows: Vec<ArrowLayer>,
+    /// `null` where nothing touches.
+    contacts: Option<ContactLayer>,
+    /// Of all bodies that move (N); without gravity as on earth.
+    weight: f64,
+}
+
+/// Forces of joints that are drawn as arrows, each at a place of its own body.
+#[derive(Serialize)]
+struct ArrowLayer {
+    name: &'static str,
+    unit: &'static str,
+    arrows: Vec<Arrow>,
+}
+
+/// A force in the world.
+#[derive(Serialize)]
+struct Arrow {
+    name: String,
+    /// Where it acts.
+    at: Frame,
+    /// The curves of its x, y and z.
+    curves: [usize; 3],
+}
+
+/// The page of a run, read from its log; `model` is the one that the log carries, and `start` its state at t = 0.
+///
+/// # Errors
+/// [`PageError`].
+pub fn run_page(log: &Path, model: &Model, start: &State, options: &PageOptions) -> Result<String, PageError> {
+    let summary = Summary::read(log)?;
+    let logged = LoggedMeshes::read(log)?;
+    let mut motion = Motion::new(model, summary.samples);
+    visit(log, &mut motion)?;
+    motion.finish();
+    let name = || log.display().to_string();
+    match motion.misfit {
+        Some(time) => return Err(PageError::Misfit { log: name(), time }),
+        None if motion.times.is_empty() => return Err(PageError::Empty { log: name() }),
+        None => {}
+    }
+    let source = |link: &str, number: usize, _: &MeshFile| logged_mesh(&logged, link, number);
+    let mut notes = Vec::new();
+    if motion.stride() > 1 {
+        notes.push(format!(
+            "{} of {} samples are shown: one in {}",
+            motion.times.len(),
+            summary.samples,
+            motion.stride()
+        ));
+    }
+    let facts = facts::of_run(&summary, model);
+    let source_name = log.file_name().map_or_else(name, |file| file.to_string_lossy().into_owned());
+    let about = About { kind: "run", source: source_name, facts, warnings: summary.warnings.clone(), notes };
+    Ok(write(model, start, about, &source, &motion, options))
+}
+
+/// The page of a model in the state `start`, with a slider for each joint.
+pub fn model_page(model: &Model, start: &State, options: &PageOptions) -> String {
+    let mut motion = Motion::new(model, 0);
+    motion.times.push(start.time);
+    let bodies = body_states(&model.mechanism, start);
+    for (poses, body) in motion.poses.iter_mut().zip(&bodies) {
+        let rotation = nalgebra::Rotation3::from_matrix_unchecked(body.rotation);
+        let pose = nalgebra::IsometryMatrix3::from_parts(body.position.into(), rotation);
+        poses.push(pose_numbers(&pose).map(|number| number as f32));
+    }
+    let source = |_: &str, _: usize, mesh: &MeshFile| match &mesh.resolved {
+        Some(file) => mesh_of_file(file),
+        None => Err("the file was not found".to_string()),
+    };
+    let path = model.path();
+    let name = path.file_name().map_or_else(|| path.display().to_string(), |file| file.to_string_lossy().into_owned());
+    let warnings = model.warnings.iter().map(ToString::to_string).collect();
+    let about = About { kind: "model", source: name, facts: facts::of_model(model), warnings, notes: Vec::new() };
+    write(model, start, about, &source, &motion, options)
+}
+
+/// What a page says of where it comes from.
+struct About {
+    kind: &'static str,
+    source: String,
+    facts: Vec<Fact>,
+    warnings: Vec<String>,
+    notes: Vec<String>,
+}
+
+fn write(
+    model: &Model,
+    start: &State,
+    about: About,
+    source: &MeshSource,
+    motion: &Motion,
+    options: &PageOptions,
+) -> String {
+    let mut packed = Packed::default();
+    let mut drawn = looks(model, source, options.mesh_limit > 0);
+    let obstacles = obstacles(model, &mut drawn, options.mesh_limit > 0);
+    let (meshes, simplified) = drawn.meshes.pack(options.mesh_limit, &mut packed);
+    let samples = motion.times.len();
+    let gravity = model.mechanism.gravity.norm();
+    let columns = motion.poses.iter().flat_map(|poses| (0..7).flat_map(|k| poses.iter().map(move |pose| pose[k])));
+    let header = Header {
+        kind: about.kind,
+        name: &model.mechanism.name,
+        source: about.source,
+        catena: env!("CARGO_PKG_VERSION"),
+        facts: about.facts,
+        warnings: about.warnings,
+        notes: about.notes.into_iter().chain(drawn.notes).chain(simplified).collect(),
+        tables: &options.tables,
+        tree: tree(model, start),
+        shapes: &drawn.shapes,
+        obstacles,
+        meshes,
+        samples,
+        times: packed.doubles(&motion.times),
+        poses: packed.floats(columns, samples),
+        curves: &motion.curves,
+        values: packed.floats(motion.values.iter().flatten().copied(), samples),
+        events: &motion.events,
+        arrows: vec![reactions(model, &motion.curves)].into_iter().filter(|layer| !layer.arrows.is_empty()).collect(),
+        contacts: motion.contacts.pack(&mut packed),
+        weight: model.mechanism.total_mass() * if gravity > 0.0 { gravity } else { 9.81 },
+    };
+    // Everything in it has string keys and no maps, which is all that could fail.
+    let text = serde_json::to_string(&header).unwrap_or_default();
+    html::page(&format!("{} · catena", header.source), &text, &packed.text())
+}
+
+/// The forces of joints on the bodies that they carry, and of loops on their second ends.
+fn reactions(model: &Model, curves: &[CurveName]) -> ArrowLayer {
+    let mechanism = &model.mechanism;
+    let joints = model.joints.iter().filter_map(|record| {
+        let at = Frame { body: record.body, pose: pose_numbers(&record.child_link_in_body) };
+        record.body.map(|_| (record.name.as_str(), at))
+    });
+    let loops = mechanism.loops.iter().map(|closing| (closing.name.as_str(), Frame::from(&closing.b)));
+    let arrow = |(name, at): (&str, Frame)| {
+        let first = curves.iter().position(|curve| curve.name == format!("{name}.reaction_force.x"))?;
+        Some(Arrow { name: name.to_string(), at, curves: [first, first + 1, first + 2] })
+    };
+    ArrowLayer { name: "Reactions", unit: "N", arrows: joints.chain(loops).filter_map(arrow).collect() }
+}
+
+/// The mesh as the log carries it, else as its file is now.
+fn logged_mesh(logged: &LoggedMeshes, link: &str, number: usize) -> Result<MeshData, String> {
+    let Some(mesh) = logged.get(link, number) else { return Err("the log does not have it".to_string()) };
+    match (&mesh.parts[..], mesh.file.as_deref().filter(|file| file.is_absolute())) {
+        ([], Some(file)) => mesh_of_file(file),
+        ([], None) => Err("the log does not have it, nor its file".to_string()),
+        (parts, _) => Ok(MeshData::of_log(parts)),
+    }
+}
+
+fn mesh_of_file(file: &Path) -> Result<MeshData, String> {
+    let bytes = std::fs::read(file).map_err(|error| error.to_string())?;
+    Ok(MeshData { key: sha256(&bytes), content: MeshContent::File(file.to_path_buf(), bytes) })
+}

@@ -1,0 +1,231 @@
+//! The motion of a log as columns of numbers: times, poses of bodies, curves, contacts, events.
+//!
+//! Figures of steps are at the first sample at or after the end of the step; between, curves have no number there.
+//!
+//! The poses of bodies follow from those of links, `T_body = T_link L⁻¹` with the link frame L in its body. Where a log has more than
+//! [`MOST_SAMPLES`] samples, every second, third, … one is taken, and the last.
+
+use crate::mechanism::description::joint::{Pose, rotation_from_wxyz};
+use crate::model::Model;
+use crate::output::inspection::joint_values::{JointKinds, JointValue, Quantity, joint_kinds, joint_values};
+use crate::output::log::decode::{LinkPose, LoggedEvent};
+use crate::output::log::frames::{Figures, Frame, Visitor};
+use crate::output::page::contacts::Contacts;
+use crate::output::page::tree::pose_numbers;
+use crate::output::report::EventEntry;
+use nalgebra::{Rotation3, Translation3, Vector3};
+use serde::Serialize;
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+
+/// The most samples in a page: two minutes at the usual rate.
+pub(super) const MOST_SAMPLES: u64 = 7200;
+
+/// The most events in a page.
+const MOST_EVENTS: usize = 20_000;
+
+/// What a curve is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct CurveName {
+    /// As in tables: `elbow.position`, `energy.total`.
+    pub name: String,
+    /// The kind of curves that it belongs to, for people.
+    pub group: &'static str,
+    /// Its unit; empty for numbers without.
+    pub unit: &'static str,
+    /// Whether it is drawn on a logarithmic axis.
+    pub logarithmic: bool,
+}
+
+/// Numbers about steps: name, group, unit, whether the axis is logarithmic.
+const OF_STEPS: [(&str, &str, &str, bool); 11] = [
+    ("energy.kinetic", "Energy", "J", false),
+    ("energy.potential", "Energy", "J", false),
+    ("energy.total", "Energy", "J", false),
+    ("energy.dissipated", "Energy", "J", false),
+    ("energy.work", "Energy", "J", false),
+    ("energy.friction", "Energy", "J", false),
+    ("energy.impacts", "Energy", "J", false),
+    ("energy.error", "Energy error", "J", true),
+    ("constraint.position", "Constraint error", "m or rad", true),
+    ("constraint.velocity", "Constraint error, velocities", "m/s or rad/s", true),
+    ("solver.step", "Step", "s", false),
+];
+
+/// Collects the motion of a log.
+pub(super) struct Motion<'m> {
+    kinds: JointKinds,
+    /// Every so-manieth sample is taken.
+    stride: u64,
+    seen: u64,
+    /// The last sample, if it was not taken.
+    last: Option<Frame>,
+    initial_balance: Option<f64>,
+    /// End of the step whose figures came last, in nanoseconds.
+    last_step: Option<u64>,
+    /// For each body a link in it: its name and the inverse of its frame in the body.
+    carriers: Vec<(&'m str, Pose)>,
+    /// Times (s).
+    pub times: Vec<f64>,
+    /// Poses of the bodies at all times: x, y, z, w, x, y, z of each.
+    pub poses: Vec<Vec<[f32; 7]>>,
+    /// What the curves are, and their values at all times.
+    pub curves: Vec<CurveName>,
+    pub values: Vec<Vec<f32>>,
+    /// The closed contacts at all times.
+    pub contacts: Contacts,
+    /// Events, the first [`MOST_EVENTS`].
+    pub events: Vec<EventEntry>,
+    /// The sample that is not of this model, or not of the same joints as those before it (s).
+    pub misfit: Option<f64>,
+}
+
+impl<'m> Motion<'m> {
+    /// To collect the motion of a log of this model with so many samples.
+    pub(super) fn new(model: &'m Model, samples: u64) -> Self {
+        let bodies = 0..model.mechanism.bodies.len();
+        let carrier = |body| {
+            let link = model.links.iter().find(|link| link.body == Some(body));
+            link.map_or(("", Pose::identity()), |link| (link.name.as_str(), link.in_body.inverse()))
+        };
+        Motion {
+            kinds: joint_kinds(model),
+            stride: samples.div_ceil(MOST_SAMPLES).max(1),
+            seen: 0,
+            last: None,
+            initial_balance: None,
+            last_step: None,
+            carriers: bodies.clone().map(carrier).collect(),
+            times: Vec::new(),
+            poses: bodies.map(|_| Vec::new()).collect(),
+            curves: Vec::new(),
+            values: Vec::new(),
+            contacts: Contacts::default(),
+            events: Vec::new(),
+            misfit: None,
+        }
+    }
+
+    /// Every so-manieth sample of the log is in the motion.
+    pub(super) fn stride(&self) -> u64 {
+        self.stride
+    }
+
+    /// Takes the last sample, if it was passed over.
+    pub(super) fn finish(&mut self) {
+        if let Some(frame) = self.last.take() {
+            self.take(&frame);
+        }
+    }
+
+    fn take(&mut self, frame: &Frame) {
+        if self.try_take(frame).is_none() {
+            self.misfit = Some(frame.time());
+        }
+    }
+
+    /// `None` if the sample does not fit to the model or to those before it.
+    fn try_take(&mut self, frame: &Frame) -> Option<()> {
+        let links: HashMap<&str, &LinkPose> = frame.links.iter().map(|link| (link.link.as_str(), link)).collect();
+        let place = |&(name, inverse): &(&str, Pose)| Some(single(&pose_numbers(&(pose(links.get(name)?) * inverse))));
+        let poses: Vec<[f32; 7]> = self.carriers.iter().map(place).collect::<Option<_>>()?;
+        let values = joint_values(frame, &self.kinds);
+        if self.times.is_empty() {
+            self.curves = values.iter().map(of_joint).collect();
+            let of_steps = OF_STEPS.map(|(name, group, unit, logarithmic)| CurveName {
+                name: name.to_string(),
+                group,
+                unit,
+                logarithmic,
+            });
+            self.curves.extend(of_steps);
+            self.values = vec![Vec::new(); self.curves.len()];
+        }
+        let is_same = values.len() + OF_STEPS.len() == self.curves.len()
+            && values.iter().zip(&self.curves).all(|(value, curve)| value.name == curve.name);
+        if !is_same {
+            return None;
+        }
+        self.times.push(frame.time());
+        self.contacts.take(&frame.contacts);
+        for (poses, pose) in self.poses.iter_mut().zip(poses) {
+            // The same turn has two quaternions; the one near that before it is taken, so that what lies between is near, too.
+            let flips =
+                poses.last().is_some_and(|last: &[f32; 7]| (3..7).map(|k| last[k] * pose[k]).sum::<f32>() < 0.0);
+            poses.push(if flips {
+                [0, 1, 2, 3, 4, 5, 6].map(|k| if k < 3 { pose[k] } else { -pose[k] })
+            } else {
+                pose
+            });
+        }
+        let of_step = self.of_step(&frame.figures);
+        let numbers = values.iter().map(|value| value.value).chain(of_step);
+        for (values, number) in self.values.iter_mut().zip(numbers) {
+            values.push(number as f32);
+        }
+        Some(())
+    }
+
+    /// The numbers of [`OF_STEPS`]; what the log does not have, or the sample before has too, is not a number.
+    fn of_step(&mut self, figures: &Figures) -> [f64; 11] {
+        let mut numbers = [f64::NAN; 11];
+        if self.last_step.replace(figures.nanoseconds) == Some(figures.nanoseconds) {
+            return numbers;
+        }
+        if let Some(energy) = figures.energy {
+            numbers[..7].copy_from_slice(&energy);
+        }
+        if let (Some(balance), Some(initial)) = (figures.balance(), self.initial_balance) {
+            numbers[7] = (balance - initial).abs();
+        }
+        if let Some(violation) = figures.violation {
+            numbers[8..10].copy_from_slice(&violation);
+        }
+        if let Some([step, ..]) = figures.solver {
+            numbers[10] = step;
+        }
+        numbers
+    }
+}
+
+impl Visitor for Motion<'_> {
+    fn frame(&mut self, frame: &Frame) -> ControlFlow<()> {
+        if self.seen.is_multiple_of(self.stride) {
+            self.take(frame);
+            self.last = None;
+        } else {
+            self.last = Some(frame.clone());
+        }
+        self.seen += 1;
+        if self.misfit.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn figures(&mut self, figures: &Figures) {
+        if self.initial_balance.is_none() {
+            self.initial_balance = figures.balance();
+        }
+    }
+
+    fn event(&mut self, event: LoggedEvent) {
+        let LoggedEvent { time, kind, what, impulse } = event;
+        if self.events.len() < MOST_EVENTS {
+            self.events.push(EventEntry { time, kind, what, impulse });
+        }
+    }
+}
+
+fn of_joint(value: &JointValue) -> CurveName {
+    let quantity = value.quantity;
+    // What acts along the axis is a part of the reaction, and not of its components in the world.
+    let group = if value.name.ends_with(".effort") { Quantity::Effort.title() } else { quantity.title() };
+    CurveName { name: value.name.clone(), group, unit: quantity.unit(), logarithmic: quantity.is_logarithmic() }
+}
+
+fn pose(link: &LinkPose) -> Pose {
+    let rotation = Rotation3::from_matrix_unchecked(rotation_from_wxyz(&link.orientation));
+    Pose::from_parts(Translation3::from(Vector3::from(link.position)), rotation)
+}
+
+fn single(pose: &[f64; 7]) -> [f32; 7] {
+    pose.map(|number| number as f32)
+}
