@@ -33,7 +33,7 @@
 //! | [`instant`] | the problem at one instant: assembly of loops, reactions, what holds joints, rest |
 //! | [`events`] | steps that end at events: limits, dry friction, motors |
 //! | [`simulation`] | a run: [`Simulation`](simulation::Simulation), its observers |
-//! | [`output`] | logs and reports |
+//! | [`output`] | logs, reports and pages |
 //!
 //! The step itself (`lobatto`, and `kernels`, which are its code for each instruction set), charts and stability maps (`study`) and their
 //! drawing kit are public to the programs of this repository alone: they change without notice. `doc/architecture.md` is the map for people who
@@ -45,6 +45,8 @@
 pub mod drawing;
 pub mod events;
 pub mod instant;
+#[doc(hidden)]
+pub mod meshes;
 pub mod model;
 pub mod output;
 pub mod prelude;
@@ -53,6 +55,8 @@ pub mod simulation;
 #[doc(hidden)]
 pub mod study;
 
+#[doc(hidden)]
+pub use catena_geometry as geometry;
 #[doc(hidden)]
 pub use catena_kernels as kernels;
 #[doc(hidden)]

@@ -8,7 +8,6 @@ use crate::cli::numbers::{Assignment, numbers, positive};
 use crate::cli::{Failure, print, warn};
 use anyhow::{Context, anyhow};
 use catena::drawing::error::ChartError;
-use catena::mechanism::description::nonsmooth::Nonsmooth;
 use catena::mechanism::ground::words::counted;
 use catena::model::Model;
 use catena::study::chart::measure::Plan;
@@ -91,8 +90,10 @@ pub fn run(arguments: &ChartArgs) -> Result<(), Failure> {
         .with_context(|| format!("cannot make the folder {}", folder.display()))
         .map_err(Failure::input)?;
     for scene in &mut scenes {
-        if let Some(left_out) = left_out(&std::mem::take(&mut scene.mechanism.nonsmooth)) {
-            warn(format_args!("{}: charts are of smooth motions: {left_out} left out", scene.name));
+        let pairs = std::mem::take(&mut scene.mechanism.nonsmooth.pairs).len();
+        if pairs > 0 {
+            let pairs = counted(pairs, "pair of shapes passes", "pairs of shapes pass");
+            warn(format_args!("{}: charts know no contacts yet: {pairs} through each other", scene.name));
         }
     }
     // The chart ends after the step it is in.
@@ -160,25 +161,6 @@ fn scenes(arguments: &ChartArgs) -> anyhow::Result<Vec<Scene>> {
         scenes.push(Scene { name, mechanism: model.mechanism, start, duration });
     }
     Ok(scenes)
-}
-
-/// What a chart leaves out of a mechanism, with its verb: its methods do not stop at events.
-fn left_out(nonsmooth: &Nonsmooth) -> Option<String> {
-    let Nonsmooth { limits, friction, motors, speeds: _ } = nonsmooth;
-    let counts = [
-        (limits.len(), "joint limit", "joint limits"),
-        (friction.len(), "joint with friction", "joints with friction"),
-        (motors.len(), "motor", "motors"),
-    ];
-    let total: usize = counts.iter().map(|(count, ..)| count).sum();
-    let named: Vec<String> = counts
-        .iter()
-        .filter(|(count, ..)| *count > 0)
-        .map(|&(count, one, several)| counted(count, one, several))
-        .collect();
-    let (last, before) = named.split_last()?;
-    let all = if before.is_empty() { last.clone() } else { format!("{} and {last}", before.join(", ")) };
-    Some(format!("{all} {}", if total == 1 { "is" } else { "are" }))
 }
 
 /// Refuses what the methods in joint coordinates, against which the chart measures, cannot do.

@@ -95,10 +95,10 @@ pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Val
     ]
 }
 
-/// The couplings as tables for people, each only if there is something in it.
-pub fn write_tables(model: &Model, redundancy: &Redundancy, text: &mut String) {
+/// The couplings as tables for people.
+pub fn tables(model: &Model, redundancy: &Redundancy) -> Vec<Table> {
     let mechanism = &model.mechanism;
-    let mut loops = Table::new(&["loop", "type", "between", "and", "equations", "redundant"]);
+    let mut loops = Table::new("Closed loops", &["loop", "type", "between", "and", "equations", "redundant"]);
     for closing in &mechanism.loops {
         let length = if let LoopKind::Distance(length) = closing.kind { format!(" {length} m") } else { String::new() };
         loops.row(vec![
@@ -110,17 +110,15 @@ pub fn write_tables(model: &Model, redundancy: &Redundancy, text: &mut String) {
             redundant_of(redundancy, &closing.name).to_string(),
         ]);
     }
-    loops.write(text);
 
-    let mut mimics = Table::new(&["joint", "follows", "times", "plus"]);
+    let mut mimics = Table::new("Joints that follow others", &["joint", "follows", "times", "plus"]);
     for mimic in &mechanism.mimics {
         let leader = joint_name(mechanism, mimic.leader).to_string();
         mimics.row(vec![mimic.name.clone(), leader, number(mimic.multiplier), number(mimic.offset)]);
     }
-    mimics.write(text);
 
     let forces = &mechanism.forces;
-    let mut springs = Table::new(&["spring", "between", "and", "stiffness", "damping", "free at"]);
+    let mut springs = Table::new("Springs", &["spring", "between", "and", "stiffness", "damping", "free at"]);
     for spring in &forces.point_springs {
         springs.row(vec![
             spring.name.clone(),
@@ -131,9 +129,8 @@ pub fn write_tables(model: &Model, redundancy: &Redundancy, text: &mut String) {
             format!("{} m", number(spring.rest_length)),
         ]);
     }
-    springs.write(text);
 
-    let mut acting = Table::new(&["on", "acts", "how"]);
+    let mut acting = Table::new("What acts on joints and bodies", &["on", "acts", "how"]);
     for spring in &forces.joint_springs {
         let (joint, length, effort) = joint_of(mechanism, spring.coordinate.freedom);
         let how = format!("{} {effort}/{length}, free at {} {length}", number(spring.stiffness), number(spring.rest));
@@ -152,7 +149,7 @@ pub fn write_tables(model: &Model, redundancy: &Redundancy, text: &mut String) {
         let how = format!("force {} N, torque {} N m", triple(&wrench.force), triple(&wrench.torque));
         acting.row(vec![body_name(mechanism, Some(wrench.body)).to_string(), "wrench".to_string(), how]);
     }
-    acting.write(text);
+    vec![loops, mimics, springs, acting]
 }
 
 /// What the first line says after the degrees of freedom.
@@ -186,8 +183,8 @@ fn joint_name(mechanism: &Mechanism, coordinate: Coordinate) -> &str {
 
 /// The joint that a degree of freedom belongs to, and the units of its position and its effort.
 fn joint_of(mechanism: &Mechanism, freedom: usize) -> (&str, &'static str, &'static str) {
-    let mut joints = mechanism.bodies.iter().map(|body| &body.joint);
-    joints.find(|joint| joint.velocity_range().contains(&freedom)).map_or(("", "", ""), |joint| {
+    mechanism.body_of_freedom(freedom).map_or(("", "", ""), |body| {
+        let joint = &mechanism.bodies[body].joint;
         let unit = joint.kind.unit(freedom - joint.velocity_index);
         (joint.name.as_str(), unit, if unit == "m" { "N" } else { "N m" })
     })

@@ -3,6 +3,7 @@
 //! What the command line says goes before what a scene file says, and that before the defaults; [`WorldArgs::load`] is
 //! where they meet.
 
+use crate::cli::contact_args::ContactArgs;
 use crate::cli::numbers::{Assignment, numbers};
 use anyhow::{Context, bail};
 use catena::instant::assembly::assemble_counted;
@@ -15,7 +16,7 @@ use catena::mechanism::motion::kinematics::body_states;
 use catena::mechanism::motion::state::State;
 use catena::model::{Base, Left, Model, ModelError, ModelOptions, Start};
 use catena::output::report::{Numbers, joint_reports};
-use catena::scene::{PackagePath, Robot, Scene, SimulationSettings, Warning, read_scene, read_urdf};
+use catena::scene::{ContactSettings, PackagePath, Robot, Scene, SimulationSettings, Warning, read_scene, read_urdf};
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -52,6 +53,9 @@ pub struct WorldArgs {
     /// What is left out of the simulation although the files say it.
     #[arg(long, value_name = "WHAT", help = without_help())]
     pub without: Vec<Left>,
+
+    #[command(flatten)]
+    pub contact: ContactArgs,
 
     /// Folder of a ROS package, for package://NAME/... (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the
     /// folders above the URDF are searched
@@ -248,6 +252,7 @@ impl WorldArgs {
             gravity: self.gravity.map_or(defaults.gravity, Vector3::from),
         };
         let mut model = Model::new(robot, &options)?;
+        model.set_contact(&self.contact.settings(ContactSettings::default(), &self.without)?)?;
         model.without(&self.without);
         model.warnings.extend(nothing_moves(&model, "--base floating"));
         Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default(), counted: None })
@@ -280,6 +285,7 @@ impl WorldArgs {
                 }
             }
         }
+        scene.contact = self.contact.settings(scene.contact, &self.without)?;
         let (mut model, start) = Model::from_scene(&scene)?;
         model.without(&self.without);
         model.warnings.extend(nothing_moves(&model, "base = \"floating\" in its [[robot]]"));

@@ -14,6 +14,7 @@ use catena::output::inspection::compare::compare;
 use catena::output::inspection::curves::curves;
 use catena::output::inspection::events::LoggedEvents;
 use catena::output::inspection::summary::Summary;
+use catena::output::log::decode::LoggedContact;
 use catena::output::log::frames::{Frame, Visitor, visit};
 use catena::output::log::seconds;
 use catena::output::report::{JointReport, LinkReport, LoopReport, Numbers, as_object, carried_reports, link_reports};
@@ -143,6 +144,9 @@ struct LoggedInstant {
     /// The efforts of the motors [N m or N].
     #[serde(serialize_with = "as_object", skip_serializing_if = "Vec::is_empty")]
     motors: Vec<(String, f64)>,
+    /// The closed contacts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    contacts: Vec<LoggedContact>,
     /// At the end of the last step up to there.
     constraint: Option<Violation>,
 }
@@ -245,7 +249,16 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
     });
     let motors = frame.motors.names.iter().cloned().zip(frame.motors.efforts.iter().copied()).collect();
     let log = log.display().to_string();
-    Ok(LoggedInstant { log, time: frame.time(), links, joints: reports, loops, motors, constraint })
+    Ok(LoggedInstant {
+        log,
+        time: frame.time(),
+        links,
+        joints: reports,
+        loops,
+        motors,
+        contacts: frame.contacts.clone(),
+        constraint,
+    })
 }
 
 /// The instant for people.
@@ -284,6 +297,13 @@ fn words(instant: &LoggedInstant) -> String {
     }
     for (name, effort) in &instant.motors {
         let _ = writeln!(text, "    {name:width$}  {}", listed(&[*effort]));
+    }
+    if !instant.contacts.is_empty() {
+        let _ = writeln!(text, "  contacts: position [m]; force [N] on the first, in the world; gap [m]");
+    }
+    for LoggedContact { a, b, position, force, gap, state, .. } in &instant.contacts {
+        let (position, force) = (listed(position), listed(force));
+        let _ = writeln!(text, "    {:width$}  {position}; {force}; {gap:>11.1e}, {state}", format!("{a}|{b}"));
     }
     if let Some(Violation { time, position, velocity }) = &instant.constraint {
         let _ = writeln!(

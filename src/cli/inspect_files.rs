@@ -1,7 +1,8 @@
 //! The files that `catena inspect` makes of a log: tables, plots, and complete logs.
 
+use crate::cli::page_files::is_same;
 use crate::cli::recorded::Recorded;
-use crate::cli::{Failure, check_place, folder_of, warn};
+use crate::cli::{Failure, check_place, warn};
 use anyhow::{Context, bail};
 use catena::drawing::files::write_with;
 use catena::drawing::picture::Figure;
@@ -26,15 +27,6 @@ pub(crate) fn check_outputs(log: &Path, outputs: &[&Path]) -> anyhow::Result<()>
         }
     }
     Ok(())
-}
-
-/// Whether two paths are the same file, which may not be there yet.
-fn is_same(one: &Path, other: &Path) -> bool {
-    let place = |path: &Path| {
-        path.canonicalize().or_else(|_| Ok(folder_of(path).canonicalize()?.join(path.file_name().unwrap_or_default())))
-    };
-    let places: [std::io::Result<_>; 2] = [place(one), place(other)];
-    matches!(places, [Ok(one), Ok(other)] if one == other)
 }
 
 /// The kinds of the joints, as far as the log tells them.

@@ -57,8 +57,8 @@ pub fn as_json(model: &Model, start: &State) -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// The same as tables for people, each only if there is something in it.
-pub fn write_tables(model: &Model, start: &State, text: &mut String) {
+/// The same as tables for people.
+pub fn tables(model: &Model, start: &State) -> [Table; 2] {
     let mechanism = &model.mechanism;
     let nonsmooth = &mechanism.nonsmooth;
     let mut rows: BTreeMap<usize, [Vec<String>; 5]> = BTreeMap::new();
@@ -89,16 +89,17 @@ pub fn write_tables(model: &Model, start: &State, text: &mut String) {
         let (length, _) = units(mechanism, limit.coordinate);
         put(limit.coordinate, 3, format!("{} {length}/s", number(limit.speed)));
     }
-    let mut joints = Table::new(&["joint", "limits", "restitution", "friction", "speed watched", "note"]);
+    let mut joints = Table::new(
+        "Limits and friction of joints",
+        &["joint", "limits", "restitution", "friction", "speed watched", "note"],
+    );
     for (freedom, cells) in rows {
-        let mut bodies = mechanism.bodies.iter().map(|body| &body.joint);
-        let name = bodies.find(|joint| joint.velocity_range().contains(&freedom)).map_or("", |joint| &joint.name);
+        let name = mechanism.joint_of_freedom(freedom);
         let cells = cells.into_iter().map(|cell| cell.join("; "));
         joints.row(std::iter::once(name.to_string()).chain(cells).collect());
     }
-    joints.write(text);
 
-    let mut motors = Table::new(&["motor of", "kind", "target", "kp", "kd", "largest effort", "period"]);
+    let mut motors = Table::new("Motors", &["motor of", "kind", "target", "kp", "kd", "largest effort", "period"]);
     for motor in &nonsmooth.motors {
         let (length, effort) = units(mechanism, motor.coordinate);
         let unit = match motor.law {
@@ -124,7 +125,7 @@ pub fn write_tables(model: &Model, start: &State, text: &mut String) {
             if motor.period > 0.0 { format!("{} s", number(motor.period)) } else { "continuous".to_string() },
         ]);
     }
-    motors.write(text);
+    [joints, motors]
 }
 
 fn kind(motor: &Motor) -> &'static str {

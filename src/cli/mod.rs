@@ -11,17 +11,22 @@
 
 mod chart;
 mod check;
+mod contact_args;
+mod contact_tables;
 mod couplings;
 mod input;
 mod inspect;
 mod inspect_files;
 mod inspect_follow;
 mod joint_tables;
+mod log_options;
 mod model;
 mod numbers;
+mod page_files;
 mod progress;
 mod recorded;
 mod replay;
+mod report;
 mod rules;
 mod run_log;
 mod simulate;
@@ -29,6 +34,7 @@ mod special_output;
 mod stress;
 mod table;
 
+use crate::cli::contact_args::with_heights;
 use anyhow::Context;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::error::ErrorKind;
@@ -36,6 +42,7 @@ use clap::{Parser, Subcommand};
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
@@ -63,17 +70,19 @@ struct CommandLine {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Run a robot or scene and write what happens as an MCAP log
+    /// Run a robot or scene and write the motion as a ROS 2 bag (MCAP)
     Simulate(Box<simulate::Arguments>),
     /// Show what was read, what was left out and why, and what will be simulated
     Model(Box<model::ModelArgs>),
     /// Look at a log: a summary, one instant, curves, a table; or compare two logs
     Inspect(Box<inspect::InspectArgs>),
-    /// Make the run of a log again, from the log alone, and verify that it comes out the same, bit for bit
+    /// Show the run of a log as a page in 3-D with curves and report, in one file that any browser opens
+    Report(Box<report::ReportArgs>),
+    /// Re-run a log and check that the result is bit-identical
     Replay(Box<replay::ReplayArgs>),
-    /// Draw what accuracy costs: speed against accuracy, with the reduced-coordinate comparators
+    /// Draw CPU time against error, beside RK4 and DOP853 in joint coordinates
     Chart(Box<chart::ChartArgs>),
-    /// Draw where which method fails: step against difficulty, with the comparators
+    /// Draw stability maps: which step sizes work as a problem gets harder
     Stress(stress::StressArgs),
 }
 
@@ -103,15 +112,16 @@ impl Failure {
 
 /// Does what the command line says.
 pub fn main() -> ExitCode {
-    let command_line = match CommandLine::try_parse() {
+    let command_line = match CommandLine::try_parse_from(with_heights(std::env::args_os())) {
         Ok(command_line) => command_line,
         Err(error) => return usage(&error),
     };
     outlive_large_files();
     let ended = match command_line.verb {
-        Verb::Simulate(arguments) => simulate::run(&arguments),
+        Verb::Simulate(arguments) => report::simulate_and_report(&arguments),
         Verb::Model(arguments) => model::run(&arguments),
         Verb::Inspect(arguments) => inspect::run(&arguments),
+        Verb::Report(arguments) => report::run(&arguments),
         Verb::Replay(arguments) => replay::run(&arguments),
         Verb::Chart(arguments) => chart::run(&arguments),
         Verb::Stress(arguments) => stress::run(&arguments),
@@ -158,7 +168,8 @@ fn in_one_line(error: &clap::Error) -> String {
 /// What is wrong with them.
 pub fn simulate_arguments(arguments: &[String]) -> anyhow::Result<simulate::Arguments> {
     let words = std::iter::once("catena").chain(arguments.iter().map(String::as_str));
-    let parsed = CommandLine::try_parse_from(words).map_err(|error| anyhow::anyhow!(in_one_line(&error)))?;
+    let parsed = CommandLine::try_parse_from(with_heights(words.map(OsString::from)))
+        .map_err(|error| anyhow::anyhow!(in_one_line(&error)))?;
     match parsed.verb {
         Verb::Simulate(arguments) => Ok(*arguments),
         _ => anyhow::bail!("it was not written by catena simulate"),

@@ -1,19 +1,22 @@
 //! `catena model`: what was read, what was left out and why, and what will be simulated.
 
-use crate::cli::input::InputArgs;
+use crate::cli::input::{InputArgs, Loaded};
+use crate::cli::page_files::{check_page, write_page};
 use crate::cli::table::{Table, number, triple};
-use crate::cli::{Failure, couplings, joint_tables, print, print_json, rules};
+use crate::cli::{Failure, contact_tables, couplings, joint_tables, print, print_json, rules};
 use catena::instant::assembly::{Redundancy, redundancy, redundancy_counted};
 use catena::mechanism::description::joint::wxyz_from_rotation;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::counted;
 use catena::mechanism::motion::state::State;
 use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names};
+use catena::output::page::{MESH_LIMIT, PageOptions, PageTable, model_page};
 use catena::output::report::ModelReport;
 use catena::scene::Warning;
 use catena::simulation::partition::Plan;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 /// Show what was read, what was left out and why, and what will be simulated
 #[derive(Clone, Debug, clap::Args)]
@@ -24,6 +27,14 @@ pub struct ModelArgs {
     /// Print one JSON object instead of tables
     #[arg(long)]
     pub json: bool,
+
+    /// Write a page that shows the robot in 3-D, with a slider for each joint; any browser opens it
+    #[arg(short, long, value_name = "FILE.html", value_parser = crate::cli::output_file())]
+    pub output: Option<PathBuf>,
+
+    /// Most triangles of all meshes of the page together; larger meshes are simplified, 0 leaves meshes out
+    #[arg(long, value_name = "TRIANGLES", default_value_t = MESH_LIMIT, requires = "output")]
+    pub mesh_limit: usize,
 }
 
 /// Runs the verb.
@@ -41,20 +52,35 @@ pub fn run(args: &ModelArgs) -> Result<(), Failure> {
             loaded.unassembled_state().map_err(Failure::input)?
         }
     };
+    let kept = &args.input.keep[..];
+    let (redundancy, plan) = counts(&loaded, &state, kept);
     let model = &loaded.model;
-    let redundancy = match &loaded.counted {
-        Some(counted) => redundancy_counted(&model.mechanism, counted),
-        None => redundancy(&model.mechanism, &state),
-    };
-    let plan = Plan::from_counted(&model.mechanism, &state, &args.input.keep, loaded.counted.as_ref());
-    if args.json {
-        print_json(&as_json(model, &state, &redundancy, &plan, &args.input.keep))
-    } else {
-        print(as_text(model, &state, &redundancy, &plan, &args.input.keep))
+    let described = Described { model, start: &state, redundancy: &redundancy, plan: &plan, kept };
+    if let Some(page) = &args.output {
+        check_page(page, model.files()).map_err(Failure::input)?;
+        let tables = page_tables(&loaded, &state, kept);
+        let text = model_page(model, &state, &PageOptions { mesh_limit: args.mesh_limit, tables });
+        write_page(page, &text)?;
+    }
+    match (args.json, &args.output) {
+        (true, _) => print_json(&as_json(&described)),
+        (false, Some(page)) => {
+            print(format_args!("{}: {} with a slider for each joint\n", page.display(), model.mechanism.name))
+        }
+        (false, None) => print(as_text(&described)),
     }
 }
 
-fn as_json(model: &Model, start: &State, redundancy: &Redundancy, plan: &Plan, kept: &[Rule]) -> Value {
+/// What is said of a model.
+struct Described<'d> {
+    model: &'d Model,
+    start: &'d State,
+    redundancy: &'d Redundancy,
+    plan: &'d Plan,
+    kept: &'d [Rule],
+}
+
+fn as_json(&Described { model, start, redundancy, plan, kept }: &Described) -> Value {
     let mechanism = &model.mechanism;
     let body_name = |body: Option<usize>| body.map(|body| mechanism.bodies[body].name.as_str());
     let mut links_of: Vec<Vec<&LinkFrame>> = vec![Vec::new(); mechanism.bodies.len()];
@@ -138,15 +164,16 @@ fn as_json(model: &Model, start: &State, redundancy: &Redundancy, plan: &Plan, k
         "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
     });
     let of_joints = joint_tables::as_json(model, start);
-    let parts =
-        couplings::as_json(model, redundancy).into_iter().chain(of_joints).chain(rules::as_json(model, plan, kept));
+    let parts = couplings::as_json(model, redundancy).into_iter().chain(of_joints);
+    let parts = parts.chain(contact_tables::as_json(model)).chain(rules::as_json(model, plan, kept));
     for (key, value) in parts {
         report[key] = value;
     }
     report
 }
 
-fn as_text(model: &Model, start: &State, redundancy: &Redundancy, plan: &Plan, kept: &[Rule]) -> String {
+fn as_text(described: &Described) -> String {
+    let Described { model, redundancy, .. } = described;
     let mechanism = &model.mechanism;
     let mut text = String::new();
     // Writing into a String cannot fail.
@@ -162,8 +189,29 @@ fn as_text(model: &Model, start: &State, redundancy: &Redundancy, plan: &Plan, k
     );
     let g = mechanism.gravity;
     let _ = writeln!(text, "{} kg move under gravity {}, {}, {} m/s²", number(mechanism.total_mass()), g.x, g.y, g.z);
+    for table in tables(described) {
+        if table.title == NO_BODIES && !table.is_empty() {
+            let _ = writeln!(text, "\nno bodies of their own:");
+        }
+        table.write(&mut text);
+    }
+    contact_tables::write_note(model, &mut text);
+    if !model.warnings.is_empty() {
+        let _ = writeln!(text, "\n{}:", counted(model.warnings.len(), "warning", "warnings"));
+        for warning in &model.warnings {
+            let _ = writeln!(text, "  {warning}");
+        }
+    }
+    text
+}
 
-    let mut bodies = Table::new(&["body", "parent", "joint", "type", "given by", "mass [kg]", "inertia [kg m²]"]);
+const NO_BODIES: &str = "Links that are no bodies of their own";
+
+/// All tables about a model, some of which may be empty.
+fn tables(&Described { model, start, redundancy, plan, kept }: &Described) -> Vec<Table> {
+    let mechanism = &model.mechanism;
+    let mut bodies =
+        Table::new("Bodies", &["body", "parent", "joint", "type", "given by", "mass [kg]", "inertia [kg m²]"]);
     let mut record_of: Vec<Option<&JointRecord>> = vec![None; mechanism.bodies.len()];
     for record in &model.joints {
         if let Some(body) = record.body {
@@ -181,33 +229,45 @@ fn as_text(model: &Model, start: &State, redundancy: &Redundancy, plan: &Plan, k
             triple(&body.inertia),
         ]);
     }
-    bodies.write(&mut text);
-    couplings::write_tables(model, redundancy, &mut text);
-    joint_tables::write_tables(model, start, &mut text);
+    let mut others = Table::new(NO_BODIES, &["link", "joint", "moves with", "because"]);
+    for reduction in &model.reductions {
+        let because = match reduction.rule {
+            ReductionRule::MasslessLeaf => "it has no mass, nor has anything beyond it",
+            rule => rule.reason(),
+        };
+        others.row(vec![
+            reduction.link.clone(),
+            reduction.joint.clone().unwrap_or_default(),
+            reduction.into.clone(),
+            because.to_string(),
+        ]);
+    }
+    let of_couplings = couplings::tables(model, redundancy);
+    let of_joints = joint_tables::tables(model, start);
+    let of_contact = contact_tables::tables(model);
+    let of_rules = rules::tables(model, plan, kept);
+    std::iter::once(bodies)
+        .chain(of_couplings)
+        .chain(of_joints)
+        .chain(of_contact)
+        .chain([others])
+        .chain(of_rules)
+        .collect()
+}
 
-    if !model.reductions.is_empty() {
-        let _ = writeln!(text, "\nno bodies of their own:");
-        let mut table = Table::new(&["link", "joint", "moves with", "because"]);
-        for reduction in &model.reductions {
-            let because = match reduction.rule {
-                ReductionRule::MasslessLeaf => "it has no mass, nor has anything beyond it",
-                rule => rule.reason(),
-            };
-            table.row(vec![
-                reduction.link.clone(),
-                reduction.joint.clone().unwrap_or_default(),
-                reduction.into.clone(),
-                because.to_string(),
-            ]);
-        }
-        table.write(&mut text);
-    }
-    rules::write_tables(model, plan, kept, &mut text);
-    if !model.warnings.is_empty() {
-        let _ = writeln!(text, "\n{}:", counted(model.warnings.len(), "warning", "warnings"));
-        for warning in &model.warnings {
-            let _ = writeln!(text, "  {warning}");
-        }
-    }
-    text
+/// The tables about a model for a page.
+pub fn page_tables(loaded: &Loaded, start: &State, kept: &[Rule]) -> Vec<PageTable> {
+    let (redundancy, plan) = counts(loaded, start, kept);
+    let described = Described { model: &loaded.model, start, redundancy: &redundancy, plan: &plan, kept };
+    tables(&described).iter().filter(|table| !table.is_empty()).map(Table::on_page).collect()
+}
+
+/// Redundant equations and islands of what was loaded, at its start.
+fn counts(loaded: &Loaded, start: &State, kept: &[Rule]) -> (Redundancy, Plan) {
+    let mechanism = &loaded.model.mechanism;
+    let redundancy = match &loaded.counted {
+        Some(counted) => redundancy_counted(mechanism, counted),
+        None => redundancy(mechanism, start),
+    };
+    (redundancy, Plan::from_counted(mechanism, start, kept, loaded.counted.as_ref()))
 }

@@ -40,7 +40,7 @@ impl PilotsShown {
     /// With the time they have taken.
     pub fn new() -> Self {
         let bar = ProgressBar::new_spinner();
-        if let Ok(style) = ProgressStyle::with_template("{spinner} pilot runs for the accuracy, {elapsed}") {
+        if let Ok(style) = ProgressStyle::with_template("{spinner} trial runs for the accuracy, {elapsed}") {
             bar.set_style(style);
         }
         bar.enable_steady_tick(INTERVAL);

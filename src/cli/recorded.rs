@@ -1,17 +1,19 @@
 //! A run as its log describes it: the options it was made with and the input files it carries.
 //!
 //! The files are read from the log's own bytes and no other file is touched, whatever paths the log has: the robots and tables of a
-//! scene are the attachments after it, in their order, and meshes, on which no motion depends, are left out.
+//! scene are the attachments after it, in their order, then the meshes of its obstacles; meshes of links that may touch are named after
+//! their robots. Other meshes, on which no motion depends, are left out.
 
 use crate::cli::input::{Loaded, WorldArgs, is_scene};
 use crate::cli::{simulate, simulate_arguments};
 use anyhow::{Context, anyhow, bail};
 use catena::output::log::reader::{Item, read_log};
-use catena::output::log::{INPUTS, sha256};
-use catena::scene::{Problem, Robot, SceneError, SceneFiles, robot_without_meshes, scene_from_text};
+use catena::output::log::{INPUTS, START, sha256};
+use catena::scene::{Geometry, Problem, Robot, SceneError, SceneFiles, robot_without_meshes, scene_from_text};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The run of a log.
 pub struct Recorded {
@@ -24,6 +26,11 @@ pub struct Recorded {
 }
 
 impl Recorded {
+    /// The time of the log at the start of the run, in nanoseconds; zero in logs of earlier versions.
+    pub fn start(&self) -> u64 {
+        self.simulation.get(START).and_then(|start| start.parse().ok()).unwrap_or(0)
+    }
+
     /// Reads the beginning of a log.
     ///
     /// # Errors
@@ -38,49 +45,94 @@ impl Recorded {
         let words: Vec<String> = serde_json::from_str(words).map_err(|_| lacks("readable record of its arguments"))?;
         let in_log = || format!("{}: the options it was made with", log.display());
         let arguments = simulate_arguments(&words).with_context(in_log)?;
-        let mut texts = Vec::with_capacity(files.len());
+        let mut carried = Vec::with_capacity(files.len());
         for (name, data) in files {
-            let Some((hash, _)) = inputs.get(&name).and_then(|entry| entry.split_once(' ')) else { continue };
+            let Some((hash, path)) = inputs.get(&name).and_then(|entry| entry.split_once(' ')) else { continue };
             if hash != sha256(&data) {
                 bail!("{}: the attachment {name:?} is not what was written", log.display());
             }
-            let text =
-                String::from_utf8(data).with_context(|| format!("{}: the attachment {name:?}", log.display()))?;
-            texts.push((name, text));
+            carried.push(Carried { name, path: path.to_string(), data });
         }
-        let mut texts = texts.into_iter();
-        let (main, text) = texts.next().ok_or_else(|| lacks("attachment"))?;
+        let (meshes, texts) = carried.into_iter().partition(|file: &Carried| file.robot().is_some());
+        let mut files = FilesInLog { files: Vec::into_iter(texts), meshes, robots: 0 };
+        let main = files.files.next().ok_or_else(|| lacks("attachment"))?;
         // In messages files have paths as if the log were their folder.
-        let loaded = load(&log.join(main), &text, texts.map(|(_, text)| text), &arguments.input.world);
+        let path = log.join(&main.name);
+        let text = as_text(main.data, &path).map_err(anyhow::Error::from);
+        let loaded = text.and_then(|text| load(&path, &text, files, &arguments.input.world));
         let loaded = loaded.with_context(|| format!("{}: its input", log.display()))?;
         Ok(Recorded { arguments, loaded, simulation })
     }
 }
 
-/// What the text of the main input says, and the texts of the files it names if it is a scene.
-fn load(path: &Path, text: &str, others: impl Iterator<Item = String>, world: &WorldArgs) -> anyhow::Result<Loaded> {
+/// What the text of the main input says, and the files it names.
+fn load(path: &Path, text: &str, mut files: FilesInLog, world: &WorldArgs) -> anyhow::Result<Loaded> {
     if !is_scene(path) {
-        return world.place_robot(robot_without_meshes(text, path)?);
+        return world.place_robot(files.with_meshes(robot_without_meshes(text, path)?));
     }
-    world.place_scene(scene_from_text(text, path, &mut FilesInLog { texts: others })?)
+    world.place_scene(scene_from_text(text, path, &mut files)?)
 }
 
-/// The files that a log carries after the scene file, in the order in which the scene was read.
-struct FilesInLog<I> {
-    texts: I,
+/// A file that a log carries.
+struct Carried {
+    name: String,
+    /// Where it was, or for a mesh of a robot what its URDF calls it.
+    path: String,
+    data: Vec<u8>,
 }
 
-impl<I: Iterator<Item = String>> SceneFiles for FilesInLog<I> {
+impl Carried {
+    /// Of a mesh of a robot's links: the robot and the mesh, as [`catena::scene::MeshSource`] names them.
+    fn robot(&self) -> Option<(usize, &str)> {
+        let (number, mesh) = self.path.strip_prefix("robot")?.split_once(": ")?;
+        Some((number.parse().ok()?, mesh))
+    }
+}
+
+/// The files that a log carries after the main input, in the order in which the scene was read, and the meshes of robots by their names.
+struct FilesInLog {
+    files: std::vec::IntoIter<Carried>,
+    meshes: Vec<Carried>,
+    /// How many robots were read.
+    robots: usize,
+}
+
+impl FilesInLog {
+    /// Puts the meshes that the log carries into the next robot.
+    fn with_meshes(&mut self, mut robot: Robot) -> Robot {
+        self.robots += 1;
+        for shape in robot.links.iter_mut().flat_map(|link| &mut link.collisions) {
+            let Geometry::Mesh(mesh) = &mut shape.geometry else { continue };
+            let carried = self.meshes.iter().find(|file| file.robot() == Some((self.robots, &mesh.path)));
+            mesh.carried = carried.map(|file| Arc::new(file.data.clone()));
+        }
+        robot
+    }
+}
+
+impl SceneFiles for FilesInLog {
     fn robot(&mut self, urdf: &Path) -> Result<Robot, SceneError> {
-        robot_without_meshes(&self.text(urdf)?, urdf)
+        let robot = robot_without_meshes(&self.text(urdf)?, urdf)?;
+        Ok(self.with_meshes(robot))
     }
 
     fn text(&mut self, file: &Path) -> Result<String, SceneError> {
-        self.texts.next().ok_or_else(|| {
-            let problem = Box::new(Problem::Unreadable("the log does not carry it".to_string()));
-            SceneError { file: file.to_path_buf(), line: None, element: None, problem }
-        })
+        as_text(self.bytes(file)?, file)
     }
+
+    fn bytes(&mut self, file: &Path) -> Result<Vec<u8>, SceneError> {
+        let next = self.files.next().map(|file| file.data);
+        next.ok_or_else(|| unreadable(file, "the log does not carry it".to_string()))
+    }
+}
+
+fn as_text(bytes: Vec<u8>, file: &Path) -> Result<String, SceneError> {
+    String::from_utf8(bytes).map_err(|error| unreadable(file, error.to_string()))
+}
+
+fn unreadable(file: &Path, reason: String) -> SceneError {
+    let problem = Box::new(Problem::Unreadable(reason));
+    SceneError { file: file.to_path_buf(), line: None, element: None, problem }
 }
 
 /// What comes before the first sample.

@@ -31,17 +31,19 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let log = &arguments.log;
     let mut recorded = Recorded::open(log).map_err(Failure::input)?;
     let setup = Setup::new(&recorded.arguments, &mut recorded.loaded).map_err(Failure::input)?;
-    let Setup { state, choice, duration, rate } = setup;
+    let Setup { state, choice, duration, rate, log: mut options } = setup;
+    // What the clock said then.
+    options.start = recorded.start();
     let made_by = recorded.simulation.get("version").map_or("?", String::as_str);
     let model = &recorded.loaded.model;
     let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
     let switched_off = &recorded.arguments.input.keep[..];
-    let options = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
+    let run = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
     let mut recorder;
-    let mut simulation = Simulation::from_counted(&model.mechanism, state, recorded.loaded.counted.clone(), options)
+    let mut simulation = Simulation::from_counted(&model.mechanism, state, recorded.loaded.counted.clone(), run)
         .map_err(setup_failure)?;
     let stages = simulation.description().stages as f64;
-    recorder = Recorder::compare(log, model, stages).map_err(Failure::run)?;
+    recorder = Recorder::compare(log, model, stages, &options).map_err(Failure::run)?;
     simulation.sample_at(rate);
     simulation.observe(&mut recorder);
     let ended = simulation.run();

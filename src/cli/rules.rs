@@ -87,9 +87,9 @@ pub fn as_json(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, 
 }
 
 /// The rules, and the islands if there are several, as tables for people.
-pub fn write_tables(model: &Model, plan: &Plan, kept: &[Rule], text: &mut String) {
+pub fn tables(model: &Model, plan: &Plan, kept: &[Rule]) -> [Table; 2] {
+    let mut islands = Table::new("Islands", &["island", "bodies", "hangs on the world by", "state"]);
     if plan.islands.len() > 1 {
-        let mut islands = Table::new(&["island", "bodies", "hangs on the world by", "state"]);
         for (number, (island, asleep)) in plan.islands.iter().enumerate() {
             islands.row(vec![
                 (number + 1).to_string(),
@@ -98,9 +98,9 @@ pub fn write_tables(model: &Model, plan: &Plan, kept: &[Rule], text: &mut String
                 if *asleep { "at rest" } else { "moves" }.to_string(),
             ]);
         }
-        islands.write(text);
     }
-    let mut rules = Table::new(&["rule", "applies where", "here", "switched off by"]);
+    let mut rules =
+        Table::new("Rules that make the model smaller", &["rule", "applies where", "here", "switched off by"]);
     for rule in applied(model, plan, kept) {
         rules.row(vec![
             rule.name.to_string(),
@@ -109,7 +109,7 @@ pub fn write_tables(model: &Model, plan: &Plan, kept: &[Rule], text: &mut String
             rule.switch.map_or_else(String::new, |rule| format!("--keep {}", rule.name())),
         ]);
     }
-    rules.write(text);
+    [islands, rules]
 }
 
 fn counted_true(of_bodies: &[bool]) -> usize {

@@ -30,6 +30,7 @@ pub fn description(
         if floats { "floating" } else { "fixed" }.to_string()
     };
     let entries = [
+        ("scene", model.mechanism.name.clone()),
         ("robot", of_robots(&|robot| robot.name.clone())),
         ("base", of_robots(&base)),
         ("base_pose", of_robots(&|robot| listed(&pose_numbers(&robot.base_pose)))),
@@ -65,6 +66,7 @@ pub fn finish(
     recorder: Option<Recorder>,
     ended: Result<(), RunError>,
     summary: &Summary,
+    estimated_error: Option<f64>,
     output: Option<&Path>,
 ) -> (Result<(), Failure>, Option<PathBuf>) {
     let outcome = match &ended {
@@ -86,7 +88,7 @@ pub fn finish(
         Ok(()) => recorder.say(Severity::Info, "the run has reached its end"),
     }
     let beside = recorder.beside().map(Path::to_path_buf);
-    let written = recorder.finish(Ending { outcome, figures: figures(summary) }).map_err(log_failure);
+    let written = recorder.finish(Ending { outcome, figures: figures(summary, estimated_error) }).map_err(log_failure);
     match ended.and(written) {
         Ok(_) => (Ok(()), Some(output.to_path_buf())),
         // Of two errors the first is the cause.
@@ -100,8 +102,8 @@ pub fn finish(
     }
 }
 
-/// The figures of the whole run, as the log keeps them.
-fn figures(summary: &Summary) -> BTreeMap<String, String> {
+/// The figures of the whole run, as the log keeps them; with the error that is expected of positions (m), where that is known.
+fn figures(summary: &Summary, estimated_error: Option<f64>) -> BTreeMap<String, String> {
     let figures = [
         ("steps", summary.steps.to_string()),
         ("iterations", summary.iterations.to_string()),
@@ -112,7 +114,8 @@ fn figures(summary: &Summary) -> BTreeMap<String, String> {
         ("constraint_max_position", summary.max_violation.position.to_string()),
         ("constraint_max_velocity", summary.max_violation.velocity.to_string()),
     ];
-    figures.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+    let estimated = estimated_error.map(|error| ("estimated_error", error.to_string()));
+    figures.into_iter().chain(estimated).map(|(name, value)| (name.to_string(), value)).collect()
 }
 
 /// Who is to blame for a log that cannot be written: the command line, or the disk.

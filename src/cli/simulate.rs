@@ -5,7 +5,9 @@
 
 use crate::cli::check::{apart, end_with_half_the_step};
 use crate::cli::input::{InputArgs, Loaded};
+use crate::cli::log_options::LogArgs;
 use crate::cli::numbers::{Assignment, numbers, positive, rate};
+use crate::cli::page_files::{check_page, is_same};
 use crate::cli::progress::{PilotsShown, Progress};
 use crate::cli::run_log::{description, finish, log_failure};
 use crate::cli::special_output::open_special;
@@ -14,11 +16,12 @@ use anyhow::{Context, anyhow};
 use catena::instant::assembly::redundancy_counted;
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
-use catena::output::log::{LONGEST, Recorder, Severity, neighbour};
+use catena::output::log::{LONGEST, LogOptions, Recorder, Severity, neighbour, seconds};
+use catena::output::page::MESH_LIMIT;
 use catena::output::report::{
-    AccuracyReport, ConstraintReport, EnergyReport, EventReport, FarSpring, IslandReport, MethodReport, ModelReport,
-    Report, SpeedWatch, StepErrorReport, balance_warning, carried_reports, link_reports, ringing_warning,
-    singular_warning,
+    AccuracyReport, ConstraintReport, ContactsReport, EnergyReport, EventReport, FarSpring, IslandReport, MethodReport,
+    ModelReport, Report, SpeedWatch, StepErrorReport, balance_warning, carried_reports, link_reports, ringing_warning,
+    singular_warning, unsolved_warning,
 };
 use catena::scene::SimulationSettings;
 use catena::simulation::{Finished, Simulation, SimulationError, SimulationOptions, StepChoice};
@@ -58,6 +61,14 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "output")]
     no_log: bool,
 
+    /// Write a page of the run, too: 3-D, curves and report in one file that any browser opens
+    #[arg(long, value_name = "FILE.html", value_parser = crate::cli::output_file(), conflicts_with = "no_log")]
+    pub report: Option<PathBuf>,
+
+    /// Most triangles of all meshes of the page together; larger meshes are simplified, 0 leaves meshes out
+    #[arg(long, value_name = "TRIANGLES", default_value_t = MESH_LIMIT, requires = "report")]
+    pub mesh_limit: usize,
+
     /// Simulated time [s] [default: 10]
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
     duration: Option<f64>,
@@ -92,13 +103,16 @@ pub struct Arguments {
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = rate)]
     rate: Option<f64>,
 
+    #[command(flatten)]
+    log: LogArgs,
+
     /// Print the report as one JSON object
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 
     /// Print errors only
     #[arg(long)]
-    quiet: bool,
+    pub quiet: bool,
 }
 
 /// A run before its first step.
@@ -109,6 +123,8 @@ pub struct Setup {
     pub duration: f64,
     /// Samples per simulated second.
     pub rate: f64,
+    /// What is in the log, and how.
+    pub log: LogOptions,
 }
 
 impl Setup {
@@ -125,6 +141,7 @@ impl Setup {
             choice: step_choice(arguments, file).within(duration),
             duration,
             rate: arguments.rate.or(file.rate).unwrap_or(DEFAULT_RATE),
+            log: arguments.log.options(),
         })
     }
 }
@@ -150,19 +167,31 @@ pub fn setup_failure(error: SimulationError) -> Failure {
     }
 }
 
-/// Does what the arguments say.
+/// What became of a run that has begun.
+pub struct Ran {
+    /// Where the log is, if there is one.
+    pub log: Option<PathBuf>,
+    /// How the run ended.
+    pub ended: Result<(), Failure>,
+}
+
+/// Does what the arguments say, but for the page.
 ///
 /// # Errors
-/// [`Failure`] with the exit code the interface promises.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+/// [`Failure`] of runs that did not begin, with the exit code the interface promises.
+pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let output = output(arguments).map_err(Failure::input)?;
     let mut loaded = arguments.input.load().map_err(Failure::input)?;
-    let Setup { state, choice, duration, rate } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
+    let Setup { state, choice, duration, rate, log } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
     let model = &loaded.model;
     output.iter().try_for_each(|output| check_apart(output, model)).map_err(Failure::input)?;
-    if output.is_some() && duration > LONGEST {
+    if let (Some(page), Some(log)) = (&arguments.report, &output) {
+        check_report(page, log, model).map_err(Failure::input)?;
+    }
+    if output.is_some() && duration + seconds(log.start) > LONGEST {
         let error = anyhow!(
-            "a log counts nanoseconds, up to {LONGEST:e} s; give a shorter --duration than {duration:e} or --no-log"
+            "a log counts nanoseconds, up to {LONGEST:e} s after 1970; give a shorter --duration than {duration:e}, an earlier \
+             --start-time or --no-log"
         );
         return Err(Failure::input(error));
     }
@@ -197,7 +226,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => {
             let simulation = description(model, duration, rate, choice, simulation.description());
             let held = open_special(path, &interrupted).map_err(Failure::interrupted)?;
-            let mut recorder = Recorder::create(path, model, simulation).map_err(log_failure)?;
+            let mut recorder = Recorder::create(path, model, simulation, &log).map_err(log_failure)?;
             drop(held);
             recorder.heed(&interrupted);
             unreached.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
@@ -220,7 +249,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         (ended, half.and_then(|half| half.join().ok().flatten()))
     });
     let finished = simulation.finish();
-    let events = EventReport::new(model, &finished);
+    let (events, contact) = (EventReport::new(model, &finished), ContactsReport::new(model, &finished));
     let Finished { state, summary, method, islands, joints: statuses, .. } = finished;
     if let Some(progress) = &progress {
         progress.clear();
@@ -239,12 +268,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))
         .chain(ringing_warning(&method))
         .chain(singular_warning(&method))
+        .chain(unsolved_warning(&method))
         .chain(speeds.iter().flat_map(SpeedWatch::warning))
         .collect();
     if let Some(recorder) = &mut recorder {
         of_method.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
     }
-    let (ended, log) = finish(recorder, ended, &summary, output.as_deref());
+    let estimated_error =
+        accuracy.as_ref().map(|accuracy| accuracy.estimated).or(step_error.map(|error| error.estimated));
+    let (ended, log) = finish(recorder, ended, &summary, estimated_error, output.as_deref());
     let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
 
     let (joints, loops) = carried_reports(model, &state, &statuses);
@@ -265,6 +297,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         cpu_seconds,
         solve_cpu_seconds: summary.solve_cpu_seconds,
         events,
+        contact,
         energy: EnergyReport::new(&summary),
         constraint: ConstraintReport::new(&summary),
         links: link_reports(model, &state),
@@ -275,7 +308,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         accuracy,
         accuracy_unknown,
         step_error,
-        log,
+        log: log.clone(),
     };
     let printed = match (arguments.json, arguments.quiet) {
         (true, _) => print_json(&report),
@@ -283,7 +316,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         (false, false) => print(&report),
     };
     // What became of the run is more than what became of its report.
-    ended.and(printed)
+    Ok(Ran { log, ended: ended.and(printed) })
+}
+
+/// The page of a run is made from its log: that must be a file, and another one.
+fn check_report(page: &Path, log: &Path, model: &Model) -> anyhow::Result<()> {
+    check_page(page, model.files())?;
+    if is_same(page, log) {
+        return Err(anyhow!("the log and the page are the same file {}; choose another --report", page.display()));
+    }
+    if log.metadata().is_ok_and(|metadata| !metadata.is_file()) {
+        return Err(anyhow!("--report reads the log, and {} is no file; choose another --output", log.display()));
+    }
+    Ok(())
 }
 
 /// Where the log goes, refused early if it cannot go there.

@@ -1,16 +1,31 @@
 //! Tables and numbers for people.
 
+use catena::output::page::PageTable;
 use std::fmt::Write as _;
 
 /// A table whose columns are as wide as their widest cell.
 pub struct Table {
+    /// What it is about, as pages say above it.
+    pub title: &'static str,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
     /// A table with these headings.
-    pub fn new(head: &[&str]) -> Self {
-        Table { rows: vec![head.iter().map(ToString::to_string).collect()] }
+    pub fn new(title: &'static str, head: &[&str]) -> Self {
+        Table { title, rows: vec![head.iter().map(ToString::to_string).collect()] }
+    }
+
+    /// Whether it has nothing but headings.
+    pub fn is_empty(&self) -> bool {
+        self.rows.len() < 2
+    }
+
+    /// The table for a page.
+    pub fn on_page(&self) -> PageTable {
+        let (columns, rows) =
+            self.rows.split_first().map_or((Vec::new(), &[][..]), |(head, rows)| (head.clone(), rows));
+        PageTable { title: self.title.to_string(), columns, rows: rows.to_vec() }
     }
 
     /// Adds a row, a cell for each heading.
@@ -20,7 +35,7 @@ impl Table {
 
     /// Writes the table, unless it has no rows.
     pub fn write(&self, out: &mut String) {
-        if self.rows.len() < 2 {
+        if self.is_empty() {
             return;
         }
         let width = |column: usize| self.rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);

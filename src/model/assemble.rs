@@ -48,6 +48,7 @@ impl Model {
         let start = model.start(scene)?;
         let state = model.initial_state(&start.positions, &start.velocities, None)?;
         model.build_couplings(Some(scene), &state)?;
+        model.set_contact(&scene.contact)?;
         Ok((model, start))
     }
 
@@ -127,6 +128,7 @@ impl Model {
             scene: None,
             tables: Vec::new(),
             damping: 0..0,
+            contact: Default::default(),
         })
     }
 

@@ -54,6 +54,12 @@ pub enum CouplingProblem {
     /// A joint that has no displacement of one number.
     #[error("joint {joint:?} {reason}; one that turns about or slides along its axis is needed")]
     NotScalar { joint: String, reason: &'static str },
+    /// A collision shape without size.
+    #[error("the {what} is {size} m; it must be greater than zero")]
+    ShapeSize { what: &'static str, size: f64 },
+    /// A name of a pair that no shape has.
+    #[error("{pattern:?} names no link with a collision shape and no obstacle; there are {known}")]
+    NoShape { pattern: String, known: String },
     /// A joint follows one that does not exist.
     #[error("it mimics joint {0:?}, which does not exist")]
     UnknownLeader(String),

@@ -54,6 +54,7 @@ impl Model {
             friction: builder.friction(&mut warnings),
             motors: motors.collect::<Result<_, _>>()?,
             speeds: builder.speeds(),
+            ..Nonsmooth::default()
         };
         self.mechanism.loops = loops;
         self.mechanism.mimics = mimics;

@@ -3,6 +3,10 @@
 mod assemble;
 mod composite;
 mod constant_followers;
+mod contact;
+mod contact_meshes;
+mod contact_pairs;
+mod contact_reach;
 mod coordinates;
 mod coupling_builder;
 mod coupling_error;
@@ -24,6 +28,7 @@ mod without;
 
 pub use assemble::Start;
 pub use composite::Composite;
+pub use contact_pairs::{ContactRecord, LeftOutPair, NeverTouch, Owner};
 pub use coordinates::{JointCoordinates, position_names, velocity_names};
 pub use coupling_error::{CouplingError, CouplingProblem};
 pub use model_error::ModelError;

@@ -71,6 +71,9 @@ pub enum ModelError {
          direction; start it elsewhere, or give it no rest length"
     )]
     UndirectedSpring { spring: String, rest_length: f64 },
+    /// An obstacle that reports could not tell from a link.
+    #[error("obstacle {0:?} has the name of a link; give it another")]
+    ObstacleNamedAsLink(String),
     /// A base velocity for a base that does not float.
     #[error("a base velocity needs a floating base (--base floating)")]
     BaseDoesNotFloat,
@@ -87,7 +90,7 @@ fn with_fused(fused: &[String]) -> String {
 }
 
 /// Names in quotes; of a robot with hundreds of joints no more than fit into a line or two.
-fn listed(known: &[String]) -> String {
+pub(crate) fn listed(known: &[String]) -> String {
     const MOST: usize = 12;
     match known {
         [] => "none".to_string(),

@@ -110,6 +110,7 @@ impl Model {
             scene: None,
             tables: Vec::new(),
             damping: 0..0,
+            contact: Default::default(),
         })
     }
 }

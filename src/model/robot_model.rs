@@ -11,6 +11,7 @@
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::model::contact_pairs::ContactRecord;
 use crate::scene::{Geometry, Robot, UrdfJointKind, Warning};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
@@ -37,6 +38,8 @@ pub struct Model {
     pub tables: Vec<SourceFile>,
     /// Which of the mechanism's joint dampers are the damping of the joints themselves; the others belong to springs.
     pub damping: Range<usize>,
+    /// What became of shapes that may touch.
+    pub contact: ContactRecord,
 }
 
 /// A robot as it was read, and where it is in the model.
@@ -182,7 +185,7 @@ impl Model {
         self.scene.as_ref().map_or(&self.robots[0].robot.path, |scene| &scene.path)
     }
 
-    /// All files it is made from: the scene file, the URDFs, the tables, the meshes that were found.
+    /// All files it is made from: the scene file, the URDFs, the tables, the meshes that were found, those of obstacles.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let robots = || self.robots.iter().map(|placed| &placed.robot);
         let links = robots().flat_map(|robot| &robot.links);
@@ -193,7 +196,9 @@ impl Model {
         });
         let scene = self.scene.iter().map(|scene| &*scene.path);
         let tables = self.tables.iter().map(|table| &*table.path);
-        scene.chain(robots().map(|robot| &*robot.path)).chain(tables).chain(meshes)
+        let obstacles = self.contact.settings.obstacles.iter().filter_map(|obstacle| obstacle.mesh.as_ref());
+        let obstacles = obstacles.map(|mesh| &*mesh.path);
+        scene.chain(robots().map(|robot| &*robot.path)).chain(tables).chain(meshes).chain(obstacles)
     }
 
     /// What comes before the names of a robot's links and joints.

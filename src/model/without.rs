@@ -1,7 +1,7 @@
 //! What a user leaves out of the simulation although the files say it.
 
 use crate::model::robot_model::Model;
-use crate::scene::contact_warning;
+use crate::scene::Touching;
 use std::str::FromStr;
 
 /// Something that can be left out.
@@ -51,10 +51,13 @@ impl FromStr for Left {
 impl Model {
     /// Leaves something out of the simulation.
     pub fn without(&mut self, what: &[Left]) {
-        let mechanism = &mut self.mechanism;
         for left in what {
+            let mechanism = &mut self.mechanism;
             match left {
-                Left::Limits => mechanism.nonsmooth.limits.clear(),
+                Left::Limits => {
+                    mechanism.nonsmooth.limits.clear();
+                    self.forget_reach();
+                }
                 Left::Friction => mechanism.nonsmooth.friction.clear(),
                 Left::Motors => mechanism.nonsmooth.motors.clear(),
                 Left::Damping => {
@@ -63,10 +66,12 @@ impl Model {
                     self.damping.end = self.damping.start;
                 }
                 Left::Contact => {
-                    let robots = self.robots.iter().map(|placed| &placed.robot);
-                    let contacts: Vec<_> =
-                        robots.filter_map(|robot| contact_warning(&robot.path, &robot.links)).collect();
-                    self.warnings.retain(|warning| !contacts.contains(warning));
+                    mechanism.nonsmooth.colliders.clear();
+                    mechanism.nonsmooth.pairs.clear();
+                    // The obstacles and their meshes stay: the log carries them, so that the run can be made again.
+                    self.contact.settings.touching = Touching::None;
+                    self.contact.owners.clear();
+                    self.contact.left_out.clear();
                 }
             }
         }

@@ -260,6 +260,7 @@ impl Converter<'_> {
                 path: filename.clone(),
                 resolved: self.meshes.get(filename).cloned(),
                 scale: scale.map_or(Vector3::repeat(1.0), |scale| Vector3::from(scale.0)),
+                carried: None,
             }),
         }
     }

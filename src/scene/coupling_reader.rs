@@ -148,7 +148,8 @@ impl CouplingReader<'_> {
         Ok(LoopEnd { point, axis: Some(axis) })
     }
 
-    fn point(&self, link: &Spanned<String>, position: &[Finite; 3], owner: &Element) -> Result<Point, SceneError> {
+    /// A point of the link of a name.
+    pub fn point(&self, link: &Spanned<String>, position: &[Finite; 3], owner: &Element) -> Result<Point, SceneError> {
         let name = link.get_ref().clone();
         let found = if name == WORLD_LINK {
             Some(LinkReference::World)

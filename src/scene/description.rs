@@ -1,5 +1,6 @@
 //! A scene as it was read: robots, what couples them, and how to run them.
 
+use crate::scene::contact_settings::ContactSettings;
 use crate::scene::coupling::{SceneLoad, SceneLoop, SceneSpring};
 use crate::scene::error::Warning;
 use crate::scene::joint_settings::{SceneJoint, SceneMotor, TableFile};
@@ -29,6 +30,8 @@ pub struct Scene {
     pub motors: Vec<SceneMotor>,
     /// What replaces the URDFs' limits, friction and damping of joints.
     pub joints: Vec<SceneJoint>,
+    /// Obstacles, and which shapes may touch.
+    pub contact: ContactSettings,
     /// The CSV files that were read, in the order of reading.
     pub tables: Vec<TableFile>,
     /// How to run it.

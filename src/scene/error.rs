@@ -21,6 +21,10 @@ pub enum Element {
     Load(String),
     /// A motor, by the joint that it drives.
     Motor(String),
+    /// An obstacle, by name.
+    Obstacle(String),
+    /// A pair that may touch, by both names, in quotes.
+    Pair(String),
 }
 
 impl fmt::Display for Element {
@@ -33,6 +37,8 @@ impl fmt::Display for Element {
             Element::Spring(name) => write!(out, "spring {name:?}"),
             Element::Load(on) => write!(out, "load on {on:?}"),
             Element::Motor(on) => write!(out, "motor on {on:?}"),
+            Element::Obstacle(name) => write!(out, "obstacle {name:?}"),
+            Element::Pair(names) => write!(out, "contact of {names}"),
         }
     }
 }
@@ -165,15 +171,15 @@ pub enum Problem {
     /// Not TOML, or not the tables and keys of a scene.
     #[error("{}{message}", key.as_ref().map_or(String::new(), |key| format!("{key}: ")))]
     Toml { key: Option<String>, message: String },
-    /// Something that a later version will simulate.
-    #[error("[{0}] is not simulated yet; leave it out")]
-    NotYet(&'static str),
     /// A scene without robots.
     #[error("the scene has no [[robot]]")]
     NoRobots,
     /// A name that cannot be told from another.
     #[error("the name of a robot must not be empty, {WORLD_LINK:?} or contain \"/\"", WORLD_LINK = crate::scene::schema::WORLD_LINK)]
     RobotName,
+    /// An obstacle whose name says something else, too.
+    #[error("the name of an obstacle must not be empty, {WORLD_LINK:?} or contain \"|\" or \"*\"", WORLD_LINK = crate::scene::schema::WORLD_LINK)]
+    ObstacleName,
     /// A link or joint that no robot has.
     #[error("there is no {what} {name:?}{}", hint(*robots))]
     UnknownName { what: &'static str, name: String, robots: usize },
@@ -192,6 +198,9 @@ pub enum Problem {
     /// Two tables for one joint.
     #[error("the joint already has the [[joint]] of line {first_line}; write all keys into that")]
     SecondJoint { first_line: usize },
+    /// Two tables for one link.
+    #[error("the link already has the [[link]] of line {first_line}; give one for each link")]
+    SecondLink { first_line: usize },
     /// An entry of a table of times and values.
     #[error("{0}")]
     Table(String),

@@ -5,11 +5,16 @@
 //!     scene → text → TOML → serde (scene_schema.rs: known keys, good numbers) → Scene of Robots, names resolved
 //! ```
 //!
+//! Mesh files are read by [`crate::meshes`]: those of obstacles here, others when somebody needs them.
+//!
 //! Nothing here knows about simulation: a [`Robot`] is the URDF with every number finite, every reference resolved
 //! and every link on one tree. What the file says and nobody will use is listed in [`Robot::warnings`].
 
 mod bounded;
 mod clean;
+mod contact_reader;
+mod contact_schema;
+pub mod contact_settings;
 mod convert;
 pub mod coupling;
 mod coupling_reader;
@@ -36,6 +41,9 @@ mod tree;
 mod unsimulated;
 mod urdf;
 
+pub use contact_settings::{
+    ContactSettings, LinkShapes, MeshSource, Obstacle, PairRule, SceneLink, Touching, UnknownTouching,
+};
 pub use coupling::{
     JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
 };
@@ -51,5 +59,4 @@ pub use robot::{
 pub use scene_file::{read_scene, scene_from_text};
 pub use scene_files::{FilesOnDisk, SceneFiles};
 pub use schema::WORLD_LINK;
-pub(crate) use unsimulated::contact_warning;
 pub use urdf::{read_urdf, robot_from_text, robot_without_meshes};

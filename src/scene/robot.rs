@@ -2,10 +2,12 @@
 //!
 //! Units: m, rad, kg, kg m², N m. A [`Pose`] `X` places a child frame in its parent: `p_parent = X p_child`.
 
+use crate::scene::bounded::read_bounded;
 use crate::scene::error::Warning;
 use crate::scene::schema::WORLD_LINK;
 use nalgebra::{IsometryMatrix3, Matrix3, Vector3};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A rigid placement: rotation matrix and translation (m).
 pub type Pose = IsometryMatrix3<f64>;
@@ -112,6 +114,20 @@ pub struct MeshFile {
     pub resolved: Option<PathBuf>,
     /// Scale along x, y, z.
     pub scale: Vector3<f64>,
+    /// Its bytes, where a log carries them.
+    pub carried: Option<Arc<Vec<u8>>>,
+}
+
+impl MeshFile {
+    /// Where it is and its bytes, or why there are none, as the end of a sentence about it.
+    pub(crate) fn read(&self) -> Result<(PathBuf, Arc<Vec<u8>>), String> {
+        if let Some(bytes) = &self.carried {
+            return Ok((PathBuf::from(&self.path), bytes.clone()));
+        }
+        let path = self.resolved.as_ref().ok_or("was not found")?;
+        let bytes = read_bounded(path).map_err(|error| format!("cannot be read: {error}"))?;
+        Ok((path.clone(), Arc::new(bytes)))
+    }
 }
 
 /// The joint types of URDF.

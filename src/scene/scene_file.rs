@@ -9,6 +9,9 @@
 //! | `load`       | `joint`, `effort`; or `link`, `position` (link frame), `force`, `torque` (world)                |
 //! | `motor`      | `joint`, `kind`, `target`, `interpolation`, `kp`, `kd`, `max_effort`, `period`                |
 //! | `joint`      | `name`; instead of the URDF's `limit`, `restitution`, `friction`, `damping`                     |
+//! | `obstacle`   | `name`, `shape`, `pose`, `friction`, `restitution`                                             |
+//! | `contact`    | `pairs`, `friction`, `restitution`; `[[contact.pair]]`: `a`, `b`, `friction`, `restitution`, `ignore` |
+//! | `link`       | `name`, `collision`                                                                           |
 //! | `simulation` | `duration`, `tolerance` or `stages` and `step`, `rate`                                        |
 //!
 //! Units: m, rad, s, kg, N. Links and joints are called `robot/name`; where there is one robot, `name` is enough. The link
@@ -38,14 +41,13 @@ pub fn read_scene(path: &Path, packages: &PackagePath) -> Result<Scene, SceneErr
 }
 
 /// Reads and validates the text of a scene file; `path` names it in messages, and the files that it names are relative to it. Of
-/// `files` the robots are read first, one after the other, then the CSV files of targets, each once.
+/// `files` the robots are read first, one after the other, then the CSV files of targets, each once, then the meshes of obstacles.
 ///
 /// # Errors
 /// As [`read_scene`].
 pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) -> Result<Scene, SceneError> {
     let text = TomlText { file: path, text: source.strip_prefix('\u{feff}').unwrap_or(source) };
     let file: FileTable = text.read()?;
-    refuse_what_is_not_simulated(&text, &file)?;
     let robots = robots(&text, file.robot, files)?;
     let mut reader = CouplingReader { text: &text, robots: &robots, warnings: Vec::new() };
     let loops = reader.loops(file.loops)?;
@@ -54,6 +56,7 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
     let mut tables = Vec::new();
     let motors = reader.motors(file.motor, &loops, files, &mut tables)?;
     let joints = reader.joints(file.joint, &loops)?;
+    let contact = reader.contact(file.contact, file.obstacle, file.link, files)?;
     let warnings = reader.warnings;
     let stem = || path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned());
     let (name, gravity) = file.scene.map_or((None, None), |scene| (scene.name, scene.gravity));
@@ -68,21 +71,11 @@ pub fn scene_from_text(source: &str, path: &Path, files: &mut dyn SceneFiles) ->
         loads,
         motors,
         joints,
+        contact,
         tables,
         simulation: file.simulation.map_or(Ok(SimulationSettings::default()), |table| simulation(&text, &table))?,
         warnings,
     })
-}
-
-fn refuse_what_is_not_simulated(text: &TomlText, file: &FileTable) -> Result<(), SceneError> {
-    let found = [
-        ("[obstacle]", file.obstacle.first().map(Spanned::span)),
-        ("contact", file.contact.as_ref().map(Spanned::span)),
-    ];
-    match found.into_iter().find_map(|(what, span)| Some((what, span?))) {
-        Some((what, span)) => Err(text.error(&span, None, Problem::NotYet(what))),
-        None => Ok(()),
-    }
 }
 
 fn robots(

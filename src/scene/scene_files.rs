@@ -3,7 +3,7 @@
 use crate::scene::error::SceneError;
 use crate::scene::package_path::PackagePath;
 use crate::scene::robot::Robot;
-use crate::scene::text::read_text;
+use crate::scene::text::{read_bytes, read_text};
 use crate::scene::urdf::read_urdf;
 use std::path::Path;
 
@@ -20,6 +20,12 @@ pub trait SceneFiles {
     /// # Errors
     /// [`SceneError`] if there is no such file, or it is not text.
     fn text(&mut self, file: &Path) -> Result<String, SceneError>;
+
+    /// The bytes of a mesh.
+    ///
+    /// # Errors
+    /// [`SceneError`] if there is no such file.
+    fn bytes(&mut self, file: &Path) -> Result<Vec<u8>, SceneError>;
 }
 
 /// The files that the file system has.
@@ -33,5 +39,9 @@ impl SceneFiles for FilesOnDisk<'_> {
 
     fn text(&mut self, file: &Path) -> Result<String, SceneError> {
         read_text(file)
+    }
+
+    fn bytes(&mut self, file: &Path) -> Result<Vec<u8>, SceneError> {
+        read_bytes(file)
     }
 }

@@ -1,4 +1,4 @@
-//! The numbers of scene files, each refused with its reason where it is read.
+//! The numbers of scene files and poses of them, each number refused with its reason where it is read.
 
 /// A finite number.
 #[derive(Clone, Copy, Default, serde::Deserialize)]
@@ -14,6 +14,14 @@ pub(crate) struct NotNegative(pub f64);
 #[derive(Clone, Copy, serde::Deserialize)]
 #[serde(try_from = "f64")]
 pub(crate) struct Positive(pub f64);
+
+/// Where something is (m), and its roll, pitch and yaw (rad).
+#[derive(Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct PoseTable {
+    pub position: [Finite; 3],
+    pub rpy: [Finite; 3],
+}
 
 impl TryFrom<f64> for Finite {
     type Error = String;

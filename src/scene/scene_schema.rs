@@ -1,10 +1,11 @@
 //! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` says what they mean.
 
+use crate::scene::contact_schema::{ContactTable, LinkTable, ObstacleTable};
 use crate::scene::joint_schema::{JointTable, MotorTable};
 use crate::scene::robot::LoopType;
-use crate::scene::scene_numbers::{Finite, NotNegative, Positive};
+use crate::scene::scene_numbers::{Finite, NotNegative, PoseTable, Positive};
 use nalgebra::Vector3;
-use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 use std::collections::BTreeMap;
 use std::fmt;
 use toml::Spanned;
@@ -26,8 +27,10 @@ pub(crate) struct FileTable {
     #[serde(default)]
     pub joint: Vec<Spanned<JointTable>>,
     #[serde(default)]
-    pub obstacle: Vec<Spanned<IgnoredAny>>,
-    pub contact: Option<Spanned<IgnoredAny>>,
+    pub obstacle: Vec<Spanned<ObstacleTable>>,
+    pub contact: Option<ContactTable>,
+    #[serde(default)]
+    pub link: Vec<Spanned<LinkTable>>,
     pub simulation: Option<Spanned<SimulationTable>>,
 }
 
@@ -60,13 +63,6 @@ pub(crate) enum BaseKey {
     #[default]
     Fixed,
     Floating,
-}
-
-#[derive(Default, serde::Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct PoseTable {
-    pub position: [Finite; 3],
-    pub rpy: [Finite; 3],
 }
 
 #[derive(Default, serde::Deserialize)]

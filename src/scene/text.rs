@@ -17,22 +17,22 @@ pub(crate) struct XmlText {
     pub warnings: Vec<Warning>,
 }
 
+/// The bytes of a file.
+pub(crate) fn read_bytes(file: &Path) -> Result<Vec<u8>, SceneError> {
+    read_bounded(file).map_err(|error| {
+        let problem = Box::new(Problem::Unreadable(error.to_string()));
+        SceneError { file: file.to_path_buf(), line: None, element: None, problem }
+    })
+}
+
 /// The text of a file.
 pub(crate) fn read_text(file: &Path) -> Result<String, SceneError> {
-    let refuse =
-        |line, problem| Err(SceneError { file: file.to_path_buf(), line, element: None, problem: Box::new(problem) });
-    let bytes = match read_bounded(file) {
-        Ok(bytes) => bytes,
-        Err(error) => return refuse(None, Problem::Unreadable(error.to_string())),
-    };
-    match String::from_utf8(bytes) {
-        Ok(text) => Ok(text),
-        Err(error) => {
-            let valid = error.utf8_error().valid_up_to();
-            let line = 1 + error.as_bytes()[..valid].iter().filter(|&&byte| byte == b'\n').count();
-            refuse(Some(line), Problem::NotText(valid))
-        }
-    }
+    String::from_utf8(read_bytes(file)?).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..valid].iter().filter(|&&byte| byte == b'\n').count();
+        let problem = Box::new(Problem::NotText(valid));
+        SceneError { file: file.to_path_buf(), line: Some(line), element: None, problem }
+    })
 }
 
 impl XmlText {

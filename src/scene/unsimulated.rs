@@ -2,11 +2,11 @@
 
 use crate::scene::clean::Ignored;
 use crate::scene::error::Warning;
-use crate::scene::robot::{Limit, Link, UrdfJoint, UrdfJointKind};
+use crate::scene::robot::{Limit, UrdfJoint, UrdfJointKind};
 use std::path::Path;
 
-/// The warnings about a robot's joints, shapes, and elements nobody reads.
-pub(crate) fn unsimulated(file: &Path, links: &[Link], joints: &[UrdfJoint], ignored: &[Ignored]) -> Vec<Warning> {
+/// The warnings about a robot's joints, and elements nobody reads.
+pub(crate) fn unsimulated(file: &Path, joints: &[UrdfJoint], ignored: &[Ignored]) -> Vec<Warning> {
     let lines_where =
         |holds: &dyn Fn(&UrdfJoint) -> bool| joints.iter().filter(|j| holds(j)).map(|j| j.line).collect::<Vec<_>>();
     let endless = |joint: &UrdfJoint| joint.kind == UrdfJointKind::Continuous;
@@ -27,19 +27,13 @@ pub(crate) fn unsimulated(file: &Path, links: &[Link], joints: &[UrdfJoint], ign
             lines_where(&|joint| several(joint) && joint.limit.is_some_and(says_range)),
         ),
     ];
-    let counted = kinds.into_iter().filter_map(|kind| warning(file, kind)).chain(contact_warning(file, links));
+    let counted = kinds.into_iter().filter_map(|kind| warning(file, kind));
     let unread = ignored.iter().map(|ignored| {
         let times = if ignored.count == 1 { String::new() } else { format!(" ({} times)", ignored.count) };
         let message = format!("{}{times} is not read", ignored.what);
         Warning { file: file.to_path_buf(), line: Some(ignored.line), element: None, message }
     });
     counted.chain(unread).collect()
-}
-
-/// The warning that the collision shapes of a robot's links do not touch anything.
-pub(crate) fn contact_warning(file: &Path, links: &[Link]) -> Option<Warning> {
-    let touching = links.iter().filter(|link| !link.collisions.is_empty()).map(|link| link.line).collect();
-    warning(file, ("contacts (collision shapes)", "link", "are not simulated", touching))
 }
 
 /// One warning for all lines on which there is something of a kind.

@@ -89,7 +89,7 @@ fn read_robot(
     warnings.extend(converter.warnings);
     warnings.extend(Warning::of_kind(converter.impossible_inertias, "link"));
     warnings.extend(missing_meshes);
-    warnings.extend(unsimulated(path, &links, &joints, &ignored));
+    warnings.extend(unsimulated(path, &joints, &ignored));
     let name = robot.attribute("name").map_or_else(|| file_stem(path), str::to_string);
     meshes.make_absolute(&mut robot);
     robot.put(version);

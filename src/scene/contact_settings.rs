@@ -1,0 +1,170 @@
+//! The nouns of contact in a scene: obstacles, which shapes may touch, and how.
+//!
+//! Units: m. Coefficients of friction μ ≥ 0 and of restitution e in 0..1 have none.
+
+use crate::mechanism::description::contact::Shape;
+use crate::scene::coupling::LinkReference;
+use crate::scene::robot::Pose;
+use nalgebra::Translation3;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Arc;
+
+/// Static geometry: an `[[obstacle]]`, or the floor of `--floor`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// Name, unique among the obstacles.
+    pub name: String,
+    /// What it is.
+    pub shape: Shape,
+    /// The frame of the shape in the world.
+    pub pose: Pose,
+    /// μ with everything, if given.
+    pub friction: Option<f64>,
+    /// e with everything, if given.
+    pub restitution: Option<f64>,
+    /// The mesh that it was read from.
+    pub mesh: Option<MeshSource>,
+    /// Its line; `None` for the floor of the command line.
+    pub line: Option<usize>,
+}
+
+/// A mesh file that was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshSource {
+    /// What names it: for a link `robotN: ` and what its URDF calls the mesh, with the number N of the robot from 1.
+    pub name: String,
+    /// Where it is.
+    pub path: PathBuf,
+    /// Its bytes.
+    pub bytes: Arc<Vec<u8>>,
+}
+
+/// Which shapes may touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Touching {
+    /// None.
+    None,
+    /// Links and obstacles.
+    #[default]
+    Environment,
+    /// Links and obstacles, and the links of different robots.
+    All,
+}
+
+/// There is no such choice.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0:?} is none of none, environment, all")]
+pub struct UnknownTouching(pub String);
+
+impl Touching {
+    /// The name, for files and the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Touching::None => "none",
+            Touching::Environment => "environment",
+            Touching::All => "all",
+        }
+    }
+}
+
+impl FromStr for Touching {
+    type Err = UnknownTouching;
+
+    fn from_str(name: &str) -> Result<Self, UnknownTouching> {
+        let all = [Touching::None, Touching::Environment, Touching::All];
+        all.into_iter().find(|one| one.name() == name).ok_or_else(|| UnknownTouching(name.to_string()))
+    }
+}
+
+/// A `[[contact.pair]]`; what is `None` stays as it is without it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairRule {
+    /// A name, in which `*` stands for any text.
+    pub a: String,
+    /// The other.
+    pub b: String,
+    /// μ.
+    pub friction: Option<f64>,
+    /// e.
+    pub restitution: Option<f64>,
+    /// Whether they never touch.
+    pub ignore: Option<bool>,
+    /// Its line.
+    pub line: usize,
+}
+
+/// What the collision meshes of a link are taken for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LinkShapes {
+    /// The convex hull of each.
+    #[default]
+    Hull,
+    /// The convex hull of each of their connected parts.
+    Decompose,
+    /// Nothing: no collision shape of the link touches.
+    None,
+}
+
+/// A `[[link]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneLink {
+    /// The link.
+    pub link: LinkReference,
+    /// Its name, as written.
+    pub name: String,
+    /// What its collision meshes are taken for.
+    pub shapes: LinkShapes,
+    /// The line of its `name`.
+    pub line: usize,
+}
+
+/// All that a scene says of contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactSettings {
+    /// Which shapes may touch.
+    pub touching: Touching,
+    /// μ where nothing else is said.
+    pub friction: f64,
+    /// e where nothing else is said.
+    pub restitution: f64,
+    /// In the order of the file; later ones override earlier ones.
+    pub rules: Vec<PairRule>,
+    /// The obstacles.
+    pub obstacles: Vec<Obstacle>,
+    /// What is said of links.
+    pub links: Vec<SceneLink>,
+}
+
+impl Default for ContactSettings {
+    fn default() -> Self {
+        ContactSettings {
+            touching: Touching::Environment,
+            friction: 0.5,
+            restitution: 0.0,
+            rules: Vec::new(),
+            obstacles: Vec::new(),
+            links: Vec::new(),
+        }
+    }
+}
+
+impl Obstacle {
+    /// The name of [`Obstacle::floor`].
+    pub const FLOOR: &'static str = "floor";
+
+    /// All points of the world with z ≤ `height` (m).
+    pub fn floor(height: f64) -> Self {
+        Obstacle {
+            name: Obstacle::FLOOR.to_string(),
+            shape: Shape::HalfSpace,
+            pose: Pose::from_parts(Translation3::new(0.0, 0.0, height), nalgebra::Rotation3::identity()),
+            friction: None,
+            restitution: None,
+            mesh: None,
+            line: None,
+        }
+    }
+}
