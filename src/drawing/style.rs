@@ -80,6 +80,7 @@ pub fn look(method: &str, foreign: usize) -> Look {
         "euler" => rival(GREY, Marker::Plus),
         "rk4" => rival(ORANGE, Marker::TriangleDown),
         "dop853" => rival(BLACK, Marker::Circle),
+        "dop853-regularised" => rival(VERMILLION, Marker::Cross),
         _ => {
             const COLORS: [Color; 6] = [PURPLE, SKY_BLUE, ORANGE, GREEN, VERMILLION, BLUE];
             const MARKERS: [Marker; 5] =

@@ -81,7 +81,7 @@ fn energies(scene: &Scene, state: &State) -> (f64, f64) {
 
 /// Shows the end of every step and the energy exchanged in it; `None` if the run did not reach its end.
 fn walk(scene: &Scene, method: Method, setting: Setting, mut see: impl FnMut(&State, Exchange)) -> Option<()> {
-    let mut integrator = method.integrator(&scene.mechanism, setting)?;
+    let mut integrator = method.integrator(&scene.mechanism, &scene.start, setting)?;
     let mut state = scene.start.clone();
     let end = state.time + scene.duration;
     while state.time < end {

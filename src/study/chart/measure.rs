@@ -44,6 +44,8 @@ pub struct SceneChart {
     pub measurements: Vec<Measurement>,
     /// Energy against time for one setting of each method.
     pub energies: Vec<EnergyHistory>,
+    /// Whether the motion has events: the mechanism has limits, dry friction or motors.
+    pub has_events: bool,
     /// Whether the budget ran out before the ladders ended.
     pub out_of_budget: bool,
     /// Whether the user stopped it.
@@ -96,9 +98,9 @@ pub fn measure(
         // Beyond a hundred times what full accuracy costs a rival, nobody is interested.
         Effort { cap: (100.0 * reference.cost_scale).clamp(0.02, 5.0), total: 0.02, repeats: 5, enough: 1.0 }
     };
-    let mut climbs: Vec<Climb> = Method::ALL
-        .into_iter()
-        .map(|method| Climb {
+    let mut climbs: Vec<Climb> = Method::of(&scene.mechanism)
+        .iter()
+        .map(|&method| Climb {
             method,
             settings: ladder(method, scene.duration, reference.time_scale, plan.quick),
             runs: Vec::new(),
@@ -150,6 +152,7 @@ pub fn measure(
         reference,
         measurements: climbs.into_iter().flat_map(|climb| climb.measurements).collect(),
         energies,
+        has_events: !scene.mechanism.nonsmooth.is_empty(),
         out_of_budget,
         interrupted: stopped(),
     })

@@ -1,9 +1,16 @@
 //! The methods of a chart and the settings they are run at.
+//!
+//! On a mechanism with limits, dry friction or motors ours locate events, and so does DOP853, by the same code ([`crate::events`]); semi-implicit
+//! Euler and RK4 have the usual regularisations ([`super::regularised`]), and DOP853 once more with these.
 
+use crate::events::Eventful;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::integrator::Integrator;
+use crate::mechanism::motion::state::State;
 use crate::reduced::{Dop853, Euler, Rk4};
+use crate::simulation::StepChoice;
 use crate::stepping::integrator::Lobatto;
+use crate::study::chart::regularised::{Softness, regularised_system};
 use std::fmt;
 
 /// A way of integrating, as a curve of the chart.
@@ -19,8 +26,10 @@ pub enum Method {
     Euler,
     /// The classical Runge–Kutta method in joint coordinates.
     Rk4,
-    /// DOP853 with step control in joint coordinates.
+    /// DOP853 with step control in joint coordinates; its steps end at events.
     Dop853,
+    /// The same with limits, dry friction and motors as ordinary forces, of mechanisms that have them.
+    Dop853Regularised,
 }
 
 /// What a method is told for one run.
@@ -33,7 +42,7 @@ pub enum Setting {
 }
 
 impl Method {
-    /// All methods of a chart, ours first, in the order of the legend.
+    /// The methods of smooth motions, ours first, in the order of the legend.
     pub const ALL: [Method; 8] = [
         Method::Lobatto(2),
         Method::Lobatto(3),
@@ -44,6 +53,23 @@ impl Method {
         Method::Rk4,
         Method::Dop853,
     ];
+    /// The methods of motions with events, in the order of the legend.
+    pub const WITH_EVENTS: [Method; 9] = [
+        Method::Lobatto(2),
+        Method::Lobatto(3),
+        Method::Lobatto(5),
+        Method::Lobatto(9),
+        Method::LobattoTolerance,
+        Method::Euler,
+        Method::Rk4,
+        Method::Dop853,
+        Method::Dop853Regularised,
+    ];
+
+    /// The methods for a mechanism.
+    pub fn of(mechanism: &Mechanism) -> &'static [Method] {
+        if mechanism.nonsmooth.is_empty() { &Method::ALL } else { &Method::WITH_EVENTS }
+    }
 
     /// The name in CSV files.
     pub fn id(self) -> String {
@@ -54,12 +80,13 @@ impl Method {
             Method::Euler => "euler".to_string(),
             Method::Rk4 => "rk4".to_string(),
             Method::Dop853 => "dop853".to_string(),
+            Method::Dop853Regularised => "dop853-regularised".to_string(),
         }
     }
 
     /// The method with this name in CSV files.
     pub fn from_id(id: &str) -> Option<Self> {
-        Method::ALL.into_iter().find(|method| method.id() == id)
+        Method::WITH_EVENTS.into_iter().find(|method| method.id() == id)
     }
 
     /// The name in legends and tables.
@@ -71,6 +98,7 @@ impl Method {
             Method::Euler => "semi-implicit Euler".to_string(),
             Method::Rk4 => "RK4".to_string(),
             Method::Dop853 => "DOP853, tolerance".to_string(),
+            Method::Dop853Regularised => "DOP853, regularised".to_string(),
         }
     }
 
@@ -81,11 +109,14 @@ impl Method {
 
     /// Whether the ratios are measured against it.
     pub fn is_rival(self) -> bool {
-        matches!(self, Method::Rk4 | Method::Dop853)
+        matches!(self, Method::Rk4 | Method::Dop853 | Method::Dop853Regularised)
     }
 
-    /// The integrator at a setting; `None` where a method does not know such a setting.
-    pub fn integrator(self, mechanism: &Mechanism, setting: Setting) -> Option<Box<dyn Integrator>> {
+    /// The integrator at a setting, for a run from `start`; `None` where a method does not know such a setting or mechanism.
+    pub fn integrator(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
+        if !mechanism.nonsmooth.is_empty() {
+            return self.with_events(mechanism, start, setting);
+        }
         match (self, setting) {
             (Method::Lobatto(stages), Setting::Step(step)) => {
                 Lobatto::fixed(mechanism, stages, step).ok().map(|lobatto| Box::new(lobatto) as Box<dyn Integrator>)
@@ -100,6 +131,36 @@ impl Method {
             (Method::Rk4, Setting::Step(step)) => Some(Box::new(Rk4::new(mechanism, step))),
             (Method::Dop853, Setting::Tolerance(tolerance)) => Some(Box::new(Dop853::new(mechanism, tolerance))),
             (Method::Dop853, Setting::Step(step)) => Some(Box::new(Dop853::with_fixed_step(mechanism, step))),
+            _ => None,
+        }
+    }
+
+    /// The same for a mechanism with limits, dry friction or motors.
+    fn with_events(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
+        let ours = |steps: StepChoice| Some(Box::new(steps.integrator(mechanism, &[]).ok()?) as Box<dyn Integrator>);
+        match (self, setting) {
+            (Method::Lobatto(stages), Setting::Step(step)) => ours(StepChoice::Fixed { stages, step }),
+            (Method::LobattoTolerance, Setting::Tolerance(tolerance)) => ours(StepChoice::Tolerance(tolerance)),
+            (Method::Dop853, Setting::Tolerance(tolerance)) if !mechanism.has_closures() => {
+                Some(Box::new(Eventful::over_dop853(mechanism, tolerance).ok()?))
+            }
+            _ => self.regularised(mechanism, start, setting),
+        }
+    }
+
+    /// The same with the usual regularisations.
+    fn regularised(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
+        let softness = match setting {
+            Setting::Step(step) => Softness::Step(step),
+            Setting::Tolerance(tolerance) => Softness::Tolerance(tolerance),
+        };
+        let system = regularised_system(mechanism, start, softness)?;
+        match (self, setting) {
+            (Method::Euler, Setting::Step(step)) => Some(Box::new(Euler::of_system(mechanism, system, step))),
+            (Method::Rk4, Setting::Step(step)) => Some(Box::new(Rk4::of_system(system, step))),
+            (Method::Dop853Regularised, Setting::Tolerance(tolerance)) => {
+                Some(Box::new(Dop853::of_system(system, tolerance)))
+            }
             _ => None,
         }
     }

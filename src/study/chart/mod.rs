@@ -19,6 +19,7 @@ pub mod method;
 pub(crate) mod page;
 pub mod ratio;
 pub mod reference;
+mod regularised;
 pub mod report;
 mod scene;
 pub mod table;

@@ -129,7 +129,7 @@ pub fn reference(scene: &Scene, interrupt: &AtomicBool, told: &mut dyn FnMut(&st
     }
 
     told("reference in maximal coordinates");
-    let finest = if mechanism.is_plain_tree() { PRECISE } else { LARGE };
+    let finest = if mechanism.is_plain_tree() && mechanism.nonsmooth.is_empty() { PRECISE } else { LARGE };
     let steps = finest.map(|(method, fraction)| {
         (method, Setting::Step(crate::study::chart::ladder::whole_step(duration, fraction * time_scale)))
     });

@@ -121,7 +121,7 @@ fn single_run(
         exchange: Exchange::default(),
         ended: Ended::Done,
     };
-    let Some(mut integrator) = method.integrator(mechanism, setting) else {
+    let Some(mut integrator) = method.integrator(mechanism, start, setting) else {
         run.ended = Ended::Failed(format!("{} does not know {setting}", method.id()));
         return run;
     };
@@ -134,8 +134,7 @@ fn single_run(
                 run.steps += 1;
                 run.iterations += outcome.iterations;
                 run.rejected += outcome.rejected;
-                run.exchange.dissipated += outcome.exchange.dissipated;
-                run.exchange.work += outcome.exchange.work;
+                run.exchange += outcome.exchange;
             }
             Err(error) => {
                 run.ended = Ended::Failed(error.to_string());

@@ -16,7 +16,7 @@ const MOST_ERROR: f64 = 10.0;
 /// The picture of a scene; `foreign` are the measurements of other programs, of which those of this scene are drawn.
 pub fn work_precision_picture(chart: &SceneChart, foreign: &[Measurement]) -> Picture {
     let own = |ours: bool| -> Vec<Series> {
-        Method::ALL
+        Method::WITH_EVENTS
             .into_iter()
             .filter(|method| method.is_ours() == ours)
             .filter_map(|method| series(&chart.measurements, &method.id(), method.label(), 0))
@@ -36,8 +36,9 @@ pub fn work_precision_picture(chart: &SceneChart, foreign: &[Measurement]) -> Pi
     Picture {
         title: format!("{}: what accuracy costs", chart.name),
         subtitle: format!(
-            "{bodies} {plural}, {freedoms} degrees of freedom, {} s simulated · lower and further left is better",
-            chart.duration
+            "{bodies} {plural}, {freedoms} degrees of freedom, {} s simulated · lower and further left is better{}",
+            chart.duration,
+            if chart.has_events { " · steps end at events; Euler and RK4 are regularised" } else { "" }
         ),
         x: Scale::Log {
             label: "error at the end: largest distance of any body [m]".to_string(),

@@ -26,6 +26,8 @@ pub enum StressError {
 pub struct Map {
     /// What was mapped.
     pub thinned: ThinnedProblem,
+    /// The methods, ours first.
+    pub methods: [Method; Method::ALL.len()],
     /// For each row, what its right end is.
     pub answers: Vec<Answer>,
     /// Every run: method by method, row by row, coarse settings first.
@@ -50,7 +52,8 @@ impl Map {
             Answer::of(&cases[row], interrupt)
         })
         .ok_or(StressError::Interrupted)?;
-        let jobs: Vec<(Method, usize, Setting)> = Method::ALL
+        let methods = cases.first().map_or(Method::ALL, |case| Method::of(&case.mechanism));
+        let jobs: Vec<(Method, usize, Setting)> = methods
             .into_iter()
             .flat_map(|method| (0..cases.len()).map(move |row| (method, row)))
             .flat_map(|(method, row)| method.settings(problem).into_iter().map(move |setting| (method, row, setting)))
@@ -63,7 +66,7 @@ impl Map {
             cell
         })
         .ok_or(StressError::Interrupted)?;
-        Ok(Map { thinned, answers, cells })
+        Ok(Map { thinned, methods, answers, cells })
     }
 
     /// The cell of a method, a row and a column.

@@ -1,5 +1,6 @@
 //! The methods of a map, and the settings they are run at.
 
+use crate::mechanism::description::mechanism::Mechanism;
 use crate::study::chart::{Method as ChartMethod, Setting};
 use crate::study::stress::problem::Problem;
 
@@ -13,7 +14,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// All methods, ours first, in the order of the panels.
+    /// The methods of smooth motions, ours first, in the order of the panels.
     pub const ALL: [Method; 9] = [
         Method::Chart(ChartMethod::Lobatto(2)),
         Method::Chart(ChartMethod::Lobatto(3)),
@@ -25,6 +26,15 @@ impl Method {
         Method::Chart(ChartMethod::Dop853),
         Method::Baumgarte,
     ];
+
+    /// The methods for a mechanism: where it has limits, dry friction or motors, DOP853 locates events, and once more has them as ordinary forces
+    /// instead of the constrained integrator, which knows none of them.
+    pub fn of(mechanism: &Mechanism) -> [Method; Method::ALL.len()] {
+        Method::ALL.map(|method| match method {
+            Method::Baumgarte if !mechanism.nonsmooth.is_empty() => Method::Chart(ChartMethod::Dop853Regularised),
+            known => known,
+        })
+    }
 
     /// The name in CSV files.
     pub fn id(self) -> String {
@@ -51,7 +61,10 @@ impl Method {
 
     /// Whether its steps are chosen from a tolerance.
     pub fn is_adaptive(self) -> bool {
-        matches!(self, Method::Chart(ChartMethod::LobattoTolerance | ChartMethod::Dop853))
+        matches!(
+            self,
+            Method::Chart(ChartMethod::LobattoTolerance | ChartMethod::Dop853 | ChartMethod::Dop853Regularised)
+        )
     }
 
     /// The columns of its panel.

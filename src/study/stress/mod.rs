@@ -18,7 +18,6 @@ mod page;
 mod picture;
 pub mod problem;
 pub mod problems;
-mod regularised;
 pub mod report;
 pub mod runner;
 pub mod table;

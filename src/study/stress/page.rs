@@ -3,7 +3,6 @@
 use crate::study::chart::page::{STYLE, escape, inline};
 use crate::study::stress::cell::{Ended, Verdict};
 use crate::study::stress::map::Map;
-use crate::study::stress::method::Method;
 use crate::study::stress::problem::BUDGET;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -41,7 +40,7 @@ fn section(html: &mut String, map: &Map, picture: &str) {
         let _ = write!(html, "<th>{}</th>", verdict.word());
     }
     *html += "</tr></thead>\n<tbody>\n";
-    for method in Method::ALL {
+    for method in map.methods {
         let _ = write!(html, "<tr><td>{}</td>", escape(&method.label()));
         for verdict in Verdict::ALL {
             let _ = write!(html, "<td>{}</td>", map.count(method, verdict));

@@ -53,7 +53,7 @@ fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, map: &Map) -> Drawn<D
     let problem = &map.thinned.problem;
     text(area, problem.title, (24, 16), 28, HPos::Left, INK)?;
     legend(area, 62)?;
-    for (place, method) in Method::ALL.into_iter().enumerate() {
+    for (place, method) in map.methods.into_iter().enumerate() {
         let (column, row) = ((place % COLUMNS) as i32, (place / COLUMNS) as i32);
         let corner = (LEFT + column * (PANEL.0 + GAP.0), TOP + row * (PANEL.1 + GAP.1));
         panel(area, map, method, corner, column == 0)?;

@@ -9,13 +9,12 @@ use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::output::report::{AccuracyReport, energy_warning};
+use crate::simulation::CalibrationError;
 use crate::simulation::accuracy::calibrate;
-use crate::simulation::{CalibrationError, StepChoice};
 use crate::study::chart::{Method as ChartMethod, Setting};
 use crate::study::stress::baumgarte::{Baumgarte, BaumgarteError};
 use crate::study::stress::method::Method;
 use crate::study::stress::problem::Case;
-use crate::study::stress::regularised::comparator;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How a run failed.
@@ -131,12 +130,7 @@ impl<'m> Runner<'m> {
         let mut state = start.clone();
         assemble(mechanism, &mut state)
             .map_err(|error| Refused::Failed(Failure { time: start.time, ..Failure::of_start(&error) }))?;
-        let integrator = match (smooth, method.is_ours()) {
-            (true, _) => method.integrator(mechanism, setting),
-            (false, true) => with_events(mechanism, method, setting),
-            (false, false) => comparator(mechanism, &state, method, setting),
-        };
-        let Some(integrator) = integrator else {
+        let Some(integrator) = method.integrator(mechanism, &state, setting) else {
             return Err(Refused::NotApplicable("the method does not know such a setting"));
         };
         // An iteration or evaluation. With forces or loops the stages are coupled, which costs ten times as much.
@@ -155,10 +149,7 @@ impl<'m> Runner<'m> {
         match &mut self.work {
             Work::Joint { integrator, state, lost } => {
                 let outcome = integrator.advance(self.mechanism, state, until).map_err(|error| Failure::of(&error))?;
-                lost.dissipated += outcome.exchange.dissipated;
-                lost.work += outcome.exchange.work;
-                lost.friction += outcome.exchange.friction;
-                lost.impacts += outcome.exchange.impacts;
+                *lost += outcome.exchange;
                 Ok(self.unit * outcome.iterations.max(1) as f64)
             }
             Work::Maximal { integrator, .. } => {
@@ -212,16 +203,6 @@ impl<'m> Runner<'m> {
     }
 }
 
-/// Ours on a mechanism with limits, friction or motors.
-fn with_events(mechanism: &Mechanism, method: ChartMethod, setting: Setting) -> Option<Box<dyn Integrator>> {
-    let steps = match (method, setting) {
-        (ChartMethod::Lobatto(stages), Setting::Step(step)) => StepChoice::Fixed { stages, step },
-        (ChartMethod::LobattoTolerance, Setting::Tolerance(tolerance)) => StepChoice::Tolerance(tolerance),
-        _ => return None,
-    };
-    steps.integrator(mechanism, &[]).ok().map(|integrator| Box::new(integrator) as Box<dyn Integrator>)
-}
-
 impl Failure {
     fn of(error: &StepError) -> Self {
         let (name, time) = match *error {
@@ -251,6 +232,7 @@ impl Failure {
             AssemblyError::Contradiction { .. } => "Contradiction",
             AssemblyError::Limited { .. } => "Limited",
             AssemblyError::Outside { .. } => "Outside",
+            AssemblyError::Overlap { .. } => "Overlap",
         };
         Failure { name, time: 0.0, message: error.to_string() }
     }

@@ -3,7 +3,6 @@
 use crate::drawing::comma_separated::field;
 use crate::study::stress::cell::{Ended, Verdict};
 use crate::study::stress::map::Map;
-use crate::study::stress::method::Method;
 use std::fmt::Write;
 
 const COLUMNS: [&str; 14] = [
@@ -69,7 +68,7 @@ pub fn summary(maps: &[Map]) -> String {
     }
     text.push('\n');
     for map in maps {
-        for method in Method::ALL {
+        for method in map.methods {
             let _ = write!(text, "{:<20} {:<20}", map.thinned.problem.name, method.id());
             for verdict in Verdict::ALL {
                 let _ = write!(text, " {:>14}", map.count(method, verdict));

@@ -16,7 +16,7 @@ pub fn problem() -> Problem {
         name: "dry_friction",
         title: "Dry friction near the load",
         scene: "A double pendulum (0.5 m, 1 kg each), released level with dry friction in both joints: at first it slides in both, then one of them \
-                sticks, and lets go again; with more friction than load it does not move at all. The comparators have τ tanh(v/v₀).",
+                sticks, and lets go again; with more friction than load it does not move at all. Euler and RK4 have τ tanh(v/v₀); DOP853 locates events as ours does, or has that, too.",
         axis: "friction over load",
         difficulties: vec!["0.1", "0.5", "0.9", "0.99", "0.999", "1.001", "1.01"],
         steps: steps(0.1, 2e-4, 9),

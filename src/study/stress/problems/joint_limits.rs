@@ -19,8 +19,8 @@ pub fn problem() -> Problem {
     Problem {
         name: "joint_limits",
         title: "Impacts on joint limits",
-        scene: "A box of 1 m and 1 kg swings between two limits 1 rad apart, which give back all of its speed. The comparators have springs as \
-                limits, so stiff that an impact takes four steps or goes as deep as the tolerance.",
+        scene: "A box of 1 m and 1 kg swings between two limits 1 rad apart, which give back all of its speed. Euler and RK4 have springs as \
+                limits, so stiff that an impact takes four steps; DOP853 locates impacts as ours does, or has springs into which an impact goes as deep as the tolerance.",
         axis: "impacts a second",
         difficulties: vec!["3", "10", "10²", "10³", "10⁴"],
         steps: steps(0.1, 2e-4, 9),
