@@ -5,7 +5,9 @@ use crate::mechanisms::*;
 use catena::mechanism::description::nonsmooth::MotorLaw;
 use catena::mechanism::description::target::Target;
 use catena::mechanism::motion::event::EventKind;
+use catena::output::report::AccuracyReport;
 use catena::simulation::{Simulation, SimulationOptions, StepChoice};
+use nalgebra::Vector3;
 
 /// The effort that holds the pendulum still at an angle.
 fn weight(angle: f64) -> f64 {
@@ -36,6 +38,49 @@ fn a_link_that_friction_holds_on_a_moving_arm_has_no_rate_in_a_hundred_thousand_
     assert_eq!((done.state.position[1], done.state.velocity[1]), (0.5, 0.0));
     assert!(done.events.is_empty());
     assert!(done.summary.max_relative_energy_error < 1e-9, "{:?}", done.summary);
+}
+
+#[test]
+#[ignore = "half a minute: cargo test --release --test events million -- --ignored --nocapture"]
+fn a_joint_at_0_999_of_its_friction_has_no_rate_in_a_million_steps_of_a_wheel_that_it_carries() {
+    // The wheel turns about its centre of mass, so that its weight is all that the joint feels of it.
+    let angle = 0.4_f64;
+    let carrier = hinge("hinge", None, Vector3::zeros(), 0.5, 2.0, 0.02);
+    let wheel = hinge("axle", Some(0), Vector3::zeros(), 0.0, 1.0, 0.01);
+    let mut mechanism = mechanism(vec![carrier, wheel]);
+    friction(&mut mechanism, 0, 1.5 * weight(angle) / 0.999);
+    let mut start = at_rest(&mechanism, &[angle, 0.0]);
+    start.velocity[1] = 5.0;
+    let done = run(&mechanism, &start, 1e4, fixed(3, 0.01));
+    println!("{} steps: {:?}", done.summary.steps, done.state);
+    assert_eq!(done.summary.steps, 1_000_000);
+    assert_eq!((done.state.position[0], done.state.velocity[0]), (angle, 0.0));
+    assert!(done.events.is_empty());
+}
+
+#[test]
+fn a_motion_on_which_trial_runs_meet_other_events_says_from_when_it_is_not_determined() {
+    // Impacts between two limits of each joint part neighbouring motions within seconds.
+    let mut mechanism = double_pendulum(1.0);
+    mechanism.nonsmooth.limits.clear();
+    limit(&mut mechanism, 0, -0.7, 0.9, 1.0);
+    limit(&mut mechanism, 1, -0.5, 0.6, 1.0);
+    let start = at_rest(&mechanism, &[0.8, 0.5]);
+    let tolerant = |duration: f64| {
+        let options =
+            SimulationOptions { duration, steps: StepChoice::Tolerance(1e-6), switched_off: &[], interrupt: None };
+        let simulation = Simulation::new(&mechanism, start.clone(), options).expect("trial runs");
+        let report = AccuracyReport::of(&simulation).expect("an accuracy");
+        (simulation.calibrations()[0].clone().expect("a calibration"), report)
+    };
+    let (calm, report) = tolerant(1.0);
+    assert_eq!((calm.events_differ, calm.holds_until), (None, 1.0));
+    assert_eq!(report.warning(), None);
+    let (found, report) = tolerant(60.0);
+    println!("{found:?}");
+    let differ = found.events_differ.expect("another order of events");
+    assert!(differ > 1.0 && differ < 60.0 && found.holds_until <= differ);
+    assert!(report.warning().is_some_and(|warning| warning.contains("trial runs meet other events")));
 }
 
 #[test]

@@ -4,8 +4,19 @@
 mod common;
 
 mod closed;
+mod contacts;
+mod contacts_cradle;
+mod contacts_orders;
+mod contacts_pairs;
+mod contacts_rest;
+mod contacts_robot;
+mod contacts_rocking;
+mod contacts_rod;
+mod contacts_wall;
+mod continuous;
 mod exact;
 mod laws;
+mod loose;
 mod mechanisms;
 mod motors;
 mod orders;

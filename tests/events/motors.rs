@@ -66,6 +66,40 @@ fn a_sampled_motor_holds_its_effort_between_ticks() {
 }
 
 #[test]
+fn a_sampled_motor_reports_the_ticks_at_which_it_reaches_its_bound_and_comes_back() {
+    let (inertia, period, bound) = (0.4, 0.02, 6.0);
+    let mechanism = wheel_at(3.0, bound, period);
+    let done = run(&mechanism, &at_rest(&mechanism, &[0.0]), 2.0, fixed(9, 0.013));
+    // The exact recursion: a constant effort between ticks.
+    let (mut position, mut rate, mut expected) = (0.0, 0.0, Vec::new());
+    let mut before: Option<f64> = None;
+    for tick in 0..100 {
+        let unbounded: f64 = 50.0 * (0.9 - position) - 3.0 * rate;
+        let effort = unbounded.clamp(-bound, bound);
+        let at_bound = |effort: f64| effort.abs() == bound;
+        if let Some(before) = before {
+            let time = f64::from(tick) * period;
+            if at_bound(before) && effort != before {
+                expected.push((time, EventKind::Unsaturation));
+            }
+            if at_bound(effort) && effort != before {
+                expected.push((time, EventKind::Saturation));
+            }
+        }
+        before = Some(effort);
+        let acceleration = effort / inertia;
+        position += rate * period + 0.5 * acceleration * period * period;
+        rate += acceleration * period;
+    }
+    assert!(expected.len() > 3, "{expected:?}");
+    assert_eq!(done.events.len(), expected.len(), "{:?} for {expected:?}", done.events);
+    for (event, (time, kind)) in done.events.iter().zip(expected) {
+        assert_eq!(event.kind, kind);
+        near(event.time, time, 1e-12);
+    }
+}
+
+#[test]
 fn friction_sticks_and_slips_under_an_effort_from_a_table() {
     let mut mechanism = wheel(0.25);
     friction(&mut mechanism, 0, 1.5);

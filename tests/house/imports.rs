@@ -58,8 +58,16 @@ impl Source {
     /// Paths in the code that begin in this crate or in another of ours.
     fn paths(&self) -> Vec<Vec<String>> {
         let word = |c: char| c.is_alphanumeric() || c == '_';
-        let starts =
-            ["crate::", "super::", "self::", "catena::", "catena_mechanism::", "catena_lobatto::", "catena_kernels::"];
+        let starts = [
+            "crate::",
+            "super::",
+            "self::",
+            "catena::",
+            "catena_mechanism::",
+            "catena_geometry::",
+            "catena_lobatto::",
+            "catena_kernels::",
+        ];
         let mut found = Vec::new();
         for start in starts {
             for (at, _) in self.text.match_indices(start) {
@@ -170,7 +178,8 @@ fn absolute(source: &Source, path: &[String]) -> Option<(String, Vec<String>)> {
             match rest.split_first() {
                 Some((room, rest))
                     if of_crate == "catena"
-                        && ["mechanism", "lobatto", "kernels", "stepping", "reduced"].contains(&room.as_str()) =>
+                        && ["mechanism", "geometry", "lobatto", "kernels", "stepping", "reduced"]
+                            .contains(&room.as_str()) =>
                 {
                     ours(room, rest)
                 }

@@ -26,12 +26,28 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "literal",
         ],
     ),
-    ("catena", &["drawing", "scene", "model", "instant", "events", "simulation", "prelude", "output", "study", "cli"]),
+    (
+        "catena",
+        &[
+            "drawing",
+            "meshes",
+            "scene",
+            "model",
+            "instant",
+            "events",
+            "simulation",
+            "prelude",
+            "output",
+            "study",
+            "cli",
+        ],
+    ),
 ];
 
 /// The crates from the ground up.
-const CRATES: [&str; 9] = [
+const CRATES: [&str; 10] = [
     "mechanism",
+    "geometry",
     "reduced",
     "lobatto",
     "kernels/avx512",

@@ -9,6 +9,7 @@ mod models;
 
 mod islands;
 mod lean;
+mod mesh_formats;
 mod model_reduction;
 mod robots;
 mod scene_file;

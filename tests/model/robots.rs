@@ -30,7 +30,8 @@ fn every_robot_says_what_it_shows_and_how_to_run_it() {
 /// The robots of the scenes.
 fn parts() -> Vec<PathBuf> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("robots/parts");
-    std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    files.filter(|file| file.extension().is_some_and(|extension| extension == "urdf")).collect()
 }
 
 #[test]

@@ -7,7 +7,7 @@ use allocation_counter::measure;
 use catena::instant::assembly::assemble;
 use catena::mechanism::motion::state::State;
 use catena::model::{Base, Model, ModelOptions};
-use catena::output::log::{Ending, Recorder};
+use catena::output::log::{Ending, LogOptions, Recorder};
 use catena::scene::{PackagePath, read_scene, read_urdf};
 use catena::simulation::{RunOptions, run};
 use catena::stepping::integrator::Lobatto;
@@ -48,7 +48,7 @@ fn taking_a_sample_does_not_allocate_whatever_the_joints_loops_and_forces() {
         let mechanism = &model.mechanism;
         let mut lobatto = Lobatto::fixed(mechanism, 4, 0.002).unwrap();
         let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("no_allocation.mcap");
-        let mut recorder = Recorder::create(&path, &model, BTreeMap::new()).unwrap();
+        let mut recorder = Recorder::create(&path, &model, BTreeMap::new(), &LogOptions::default()).unwrap();
         let options = RunOptions { duration: 0.3, rate: Some(SAMPLES as f64 / 0.3), interrupt: None };
         // A run before lets the buffers of the integrator grow to their size.
         run(mechanism, &mut state, &mut lobatto, &options, &mut []).1.unwrap();

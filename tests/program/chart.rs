@@ -4,6 +4,7 @@ use crate::common::command::run;
 use crate::common::scratch;
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use catena::mechanism::description::mechanism::{Body, Mechanism};
+use catena::mechanism::description::target::{Interpolation, Target};
 use catena::mechanism::motion::distance;
 use catena::mechanism::motion::state::State;
 use catena::model::{Model, ModelOptions};
@@ -14,6 +15,7 @@ use catena::study::chart::reference::reference;
 use catena::study::chart::report::Report;
 use catena::study::chart::table::parse_csv;
 use catena::study::chart::{Ended, Measurement, Method, Scene, SceneChart, Setting, measure, read_csv, write_csv};
+use catena::study::stress::Problem;
 use nalgebra::{Translation3, Vector3};
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -288,22 +290,48 @@ fn a_budget_that_runs_out_is_said() {
     assert!(report.summary().contains("the budget ran out"), "{}", report.summary());
 }
 
+/// A problem of the stress maps with limits, friction or motors, as a scene of a chart.
+fn with_events(name: &str, place: usize) -> Scene {
+    let problem = Problem::all().into_iter().find(|problem| problem.name == name).unwrap();
+    let case = (problem.build)(place).unwrap();
+    Scene { name: name.into(), mechanism: case.mechanism, start: case.start, duration: case.duration }
+}
+
 #[test]
-fn a_chart_says_in_one_line_what_its_methods_leave_out() {
+fn two_formulations_that_locate_events_agree_on_where_limits_friction_and_motors_lead() {
+    let mut bounded = with_events("motor_gain", 1);
+    // Bounds that are reached, and a target with kinks: the saturation begins and ends within the run.
+    for motor in &mut bounded.mechanism.nonsmooth.motors {
+        motor.max_effort = 4.0;
+        motor.target = Target::table(&[(0.0, 0.0), (0.2, 1.0), (0.4, -0.5)], Interpolation::Linear).unwrap();
+    }
+    for scene in [with_events("joint_limits", 0), with_events("dry_friction", 1), with_events("motor_gain", 2), bounded]
+    {
+        let found = reference(&scene, &AtomicBool::new(false), &mut |_| {}).unwrap();
+        // Errors at 1e-14 are amplified by the events: by a few per impact, and by the sensitivity of the double pendulum.
+        assert!(found.agreement.unwrap() < 1e-10, "{}: {:?}", scene.name, found);
+    }
+}
+
+#[test]
+fn a_chart_simulates_limits_and_friction_and_who_locates_events_gets_to_rounding() {
     let folder = scratch("nonsmooth");
     let urdf = r#"<robot name="r"><link name="base"/><link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
         <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
         <joint name="hinge" type="revolute"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>
-        <limit lower="-1" upper="1" effort="1" velocity="9"/><dynamics friction="0.1"/></joint></robot>"#;
+        <limit lower="-0.5" upper="1" effort="1" velocity="9"/><dynamics friction="0.1"/></joint></robot>"#;
     std::fs::write(folder.join("rod.urdf"), urdf).unwrap();
-    let said = |more: &[&str]| {
-        let arguments = ["rod.urdf", "-o", "chart", "--quick", "--duration", "0.2", "--budget", "0.2"];
-        let ended = catena(&folder, &[&arguments[..], more].concat());
-        assert!(ended.status.success());
-        String::from_utf8_lossy(&ended.stderr).into_owned()
+    let arguments = ["rod.urdf", "-o", "chart", "--quick", "--duration", "1.5", "--position", "hinge=0.9"];
+    let ended = catena(&folder, &arguments);
+    assert!(ended.status.success());
+    assert_eq!(String::from_utf8_lossy(&ended.stderr), "");
+    let runs = read_csv(&folder.join("chart/measurements.csv")).unwrap();
+    assert!(Method::WITH_EVENTS.iter().all(|method| runs.iter().any(|run| run.method == method.id())));
+    let least = |method: Method| {
+        runs.iter().filter(|run| run.method == method.id()).map(|run| run.error).fold(f64::INFINITY, f64::min)
     };
-    let warned =
-        "catena: warning: rod: charts are of smooth motions: 1 joint limit and 1 joint with friction are left out\n";
-    assert_eq!(said(&[]), warned);
-    assert_eq!(said(&["--without", "limits", "--without", "friction"]), "");
+    // What locates events gets to rounding, what has springs for limits does not.
+    assert!(least(Method::Lobatto(9)) < 1e-11, "{:e}", least(Method::Lobatto(9)));
+    assert!(least(Method::Dop853) < 1e-10, "{:e}", least(Method::Dop853));
+    assert!(least(Method::Rk4) > 1e-7, "{:e}", least(Method::Rk4));
 }

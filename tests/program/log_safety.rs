@@ -1,8 +1,7 @@
 //! Whatever happens to a run, its log is there, and so is the log of the last run that finished.
 #![cfg(unix)]
 
-use foxglove::Decode;
-use foxglove::messages::Log;
+use catena::output::log::decode::log_line;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
@@ -75,9 +74,9 @@ fn a_finished_log_outlives_the_runs_that_do_not_finish() {
     assert_one_error(&output, 1, "failed");
     assert!(std::fs::read(&log).expect("a log") == bytes);
     let failed = std::fs::read(&beside).expect("a log");
-    let lines = salvaged(&failed, "/log");
-    let last = Log::decode(&*lines.last().expect("a line").data).expect("a log line");
-    assert!(text(&output.stderr).contains(&last.message), "{} {}", last.message, text(&output.stderr));
+    let lines = salvaged(&failed, "/rosout");
+    let last = log_line(&lines.last().expect("a line").data).expect("a line of text");
+    assert!(text(&output.stderr).contains(&last.text), "{} {}", last.text, text(&output.stderr));
     // Finished: the output is replaced, and nothing is left beside it.
     assert_eq!(run(&folder, &[&finished[..], &["--rate", "10"]].concat()).status.code(), Some(0));
     assert!(std::fs::read(&log).expect("a log") != bytes);

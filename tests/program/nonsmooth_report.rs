@@ -6,7 +6,7 @@ use catena::mechanism::motion::event::{Event, EventCounts, EventKind, FrictionSt
 use catena::mechanism::motion::integrator::MethodDescription;
 use catena::model::{Model, ModelOptions};
 use catena::output::report::{
-    ConstraintReport, EnergyReport, EventReport, MethodReport, ModelReport, Report, joint_reports,
+    ConstraintReport, ContactsReport, EnergyReport, EventReport, MethodReport, ModelReport, Report, joint_reports,
 };
 use catena::scene::{PackagePath, robot_from_text};
 use catena::simulation::{Finished, Summary};
@@ -17,7 +17,7 @@ use crate::common::command::PENDULUM;
 
 /// Three events of a pendulum, which in the end rests on its upper limit.
 fn finished(model: &Model) -> Finished {
-    let event = |time, kind, impulse| Event { time, kind, body: 0, impulse };
+    let event = |time, kind, impulse| Event { time, kind, body: 0, pair: None, impulse };
     let events = vec![
         event(0.25, EventKind::LimitImpact, Some(-1.5)),
         event(0.5, EventKind::LimitImpact, Some(-0.25)),
@@ -37,6 +37,7 @@ fn finished(model: &Model) -> Finished {
             friction: Some(FrictionState::Stuck),
             effort: Some(-3.5),
         }],
+        contacts: Vec::new(),
     }
 }
 
@@ -67,6 +68,7 @@ fn report(model: &Model) -> Report {
         accuracy_unknown: None,
         step_error: None,
         events: EventReport::new(model, &finished),
+        contact: ContactsReport::default(),
         energy: EnergyReport::new(&finished.summary),
         constraint: ConstraintReport::new(&finished.summary),
         links: Vec::new(),

@@ -10,7 +10,7 @@ use crate::common::command::{ENDLESS, catena, folder, run, salvaged, salvaged_sa
 /// A Python that has the readers.
 fn python() -> Option<PathBuf> {
     let python = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/python/bin/python3");
-    let has_readers = Command::new(&python).args(["-c", "import mcap, mcap_protobuf, mcap_ros2"]).output();
+    let has_readers = Command::new(&python).args(["-c", "import mcap, mcap_ros2, rosbags"]).output();
     if has_readers.is_ok_and(|output| output.status.success()) {
         return Some(python);
     }
@@ -37,6 +37,34 @@ fn a_log_has_schemas_monotonic_times_and_the_poses_of_report_and_urdf() {
         let report = folder.join(format!("{robot}.json"));
         std::fs::write(&report, &output.stdout).expect("written");
         assert!(readback(&python, &[&folder.join(format!("{robot}.mcap")), &report]) > 180, "{robot}");
+    }
+}
+
+/// Python's `rosbags` refuses what is no ROS 2 bag, and decodes by nothing but the definitions in the log.
+#[test]
+fn logs_of_ten_robots_are_bags_of_ros_2_and_convert_to_others() {
+    let Some(python) = python() else { return };
+    let folder = folder("bags");
+    let robots = [
+        "arm7",
+        "gantry",
+        "double_pendulum",
+        "humanoid",
+        "quadruped",
+        "planar_slider",
+        "spherical_chain",
+        "four_bar_1",
+        "slider_crank",
+        "stewart_platform",
+    ];
+    for robot in robots {
+        let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("robots/{robot}.urdf"));
+        let input = if urdf.exists() { urdf } else { urdf.with_extension("toml") };
+        let words = ["--duration", "0.2", "--quiet", "--start-time", "1700000000.5"];
+        let output = run(&folder, &[&["simulate", &input.to_string_lossy()], &words[..]].concat());
+        assert_eq!(output.status.code(), Some(0), "{robot}: {}", text(&output.stderr));
+        let log = folder.join(format!("{robot}.mcap"));
+        assert!(readback(&python, &[Path::new("--bag"), &log, &folder.join(robot)]) > 40, "{robot}");
     }
 }
 

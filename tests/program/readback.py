@@ -2,36 +2,39 @@
 
     readback.py LOG.mcap REPORT.json    a complete log: schemas, times, poses, forward kinematics computed from the URDF
     readback.py LOG.mcap                a log that may be cut off: every message up to there can be decoded
+    readback.py --bag LOG.mcap FOLDER   rosbags reads the log, every message by the definition in it, and converts it to a bag
 """
 
 import json
 import math
 import struct
+import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 from mcap.exceptions import EndOfFile
 from mcap.reader import NonSeekingReader, make_reader
-from mcap_protobuf.decoder import DecoderFactory as ProtobufDecoder
 from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
+from rosbags.highlevel import AnyReader
 
 EXPECTED = {
     "/robot_description": "std_msgs/msg/String",
-    "/scene": "foxglove.SceneUpdate",
-    "/log": "foxglove.Log",
-    "/tf": "foxglove.FrameTransforms",
+    "/visual_markers": "visualization_msgs/msg/MarkerArray",
+    "/rosout": "rcl_interfaces/msg/Log",
+    "/tf": "tf2_msgs/msg/TFMessage",
     "/joint_states": "sensor_msgs/msg/JointState",
     "/reactions": "sensor_msgs/msg/MultiDOFJointState",
-    "/energy": "std_msgs/msg/Float64MultiArray",
-    "/constraint": "std_msgs/msg/Float64MultiArray",
-    "/solver": "std_msgs/msg/Float64MultiArray",
+    "/energy": "catena_msgs/msg/Energy",
+    "/constraint": "catena_msgs/msg/Constraint",
+    "/solver": "catena_msgs/msg/Solver",
 }
 # Only of mechanisms with limits, dry friction or motors.
 NONSMOOTH = {"/events": "catena_msgs/msg/Event"}
 
 
 def decoders():
-    return [ProtobufDecoder(), Ros2Decoder()]
+    return [Ros2Decoder()]
 
 
 def near(a, b, bound):
@@ -126,9 +129,9 @@ def check_complete(path, report):
             if channel.topic == "/tf":
                 poses = {}
                 for frame in decoded.transforms:
-                    q, p = frame.rotation, frame.translation
+                    q, p = frame.transform.rotation, frame.transform.translation
                     assert abs(math.hypot(q.w, q.x, q.y, q.z) - 1) < 1e-12, f"{frame.child_frame_id} at {last}"
-                    assert frame.parent_frame_id == "world"
+                    assert frame.header.frame_id == "world"
                     poses[frame.child_frame_id] = [p.x, p.y, p.z], [q.w, q.x, q.y, q.z]
     assert last == round(report["duration"] * 1e9), last
     listed = [(event["time"], event["kind"], event["what"]) for event in report["events"]["list"]]
@@ -158,7 +161,46 @@ def check_cut(path):
     print(count)
 
 
-if len(sys.argv) > 2:
+def bag_messages(path):
+    """Every message as rosbags decodes it, by the definitions in the log or bag; it refuses what is no ROS 2 bag."""
+    with AnyReader([Path(path)]) as reader:
+        for connection, time, raw in reader.messages():
+            yield connection, time, reader.deserialize(raw, connection.msgtype)
+
+
+def check_bag(path, folder):
+    counts, latched, last = {}, set(), 0
+    for connection, time, message in bag_messages(path):
+        topic = connection.topic
+        counts[topic] = counts.get(topic, 0) + 1
+        assert time >= last, f"{topic} goes back to {time}"
+        last = time
+        if any(profile.durability.name == "TRANSIENT_LOCAL" for profile in connection.ext.offered_qos_profiles):
+            latched.add(topic)
+        if topic == "/energy":
+            assert message.kinetic >= 0 and math.isfinite(message.total + message.dissipated + message.work)
+            stamp = message.header.stamp
+            assert stamp.sec * 10**9 + stamp.nanosec == time
+        if topic == "/joint_states":
+            assert len(message.name) == len(message.position) == len(message.velocity) == len(message.effort)
+        if topic == "/solver":
+            assert message.stages >= 2 and message.iterations >= 0
+        if topic == "/constraint":
+            assert 0 <= message.position < 1e-9 and 0 <= message.velocity < 1e-9
+    assert {topic.rsplit("/", 1)[-1] for topic in latched} == {"robot_description", "visual_markers"}, latched
+    assert counts["/tf"] > 1, counts
+    command = Path(sys.executable).with_name("rosbags-convert")
+    subprocess.run([command, "--src", path, "--dst", folder], check=True)
+    converted = {}
+    for connection, _, _ in bag_messages(folder):
+        converted[connection.topic] = converted.get(connection.topic, 0) + 1
+    assert converted == counts, f"{converted} {counts}"
+    print(sum(counts.values()))
+
+
+if sys.argv[1] == "--bag":
+    check_bag(sys.argv[2], sys.argv[3])
+elif len(sys.argv) > 2:
     check_complete(sys.argv[1], json.load(open(sys.argv[2])))
 else:
     check_cut(sys.argv[1])

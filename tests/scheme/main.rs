@@ -29,3 +29,4 @@ mod stability;
 mod stages;
 mod stepping;
 mod symplectic;
+mod touches;

@@ -132,7 +132,7 @@ fn the_log_of_several_robots_describes_each_under_its_own_name() {
         }
     }
     // Its looks are in the frames of the transforms.
-    let looks = description("/scene");
+    let looks = description("/visual_markers");
     assert!(looks.contains("left/rod") && looks.contains("right/rod"));
     let transforms = description("/tf");
     assert!(transforms.contains("left/rod") && transforms.contains("right/tip"));

@@ -33,8 +33,6 @@ fn what_is_wrong_is_said_with_file_line_and_key() {
         ("[[robot]]\nurdf = \"none.urdf\"".into(), &["scene.toml:2: robot.urdf: ", "none.urdf"]),
         ("[[robot]]\nurdf = \"ball.urdf\"\nname = \"a/b\"".into(), &["scene.toml:3: robot \"a/b\": "]),
         (format!("{ONE}{ONE}"), &["scene.toml:3: robot \"double\": ", "taken on line 1"]),
-        (format!("{ONE}[[obstacle]]\n"), &["scene.toml:3: ", "[[obstacle]] is not simulated yet"]),
-        (format!("{ONE}\n[contact]\npairs = \"all\""), &["scene.toml:4: ", "[contact] is not simulated yet"]),
         (format!("{ONE}[simulation]\nduration = 0"), &["scene.toml:4: simulation.duration: 0 must be greater"]),
         (format!("{ONE}[simulation]\nstages = 3"), &["scene.toml:4: ", "needs a step"]),
         (format!("{ONE}[simulation]\nstep = 0.1"), &["scene.toml:4: ", "needs stages"]),

@@ -2,6 +2,8 @@
 
 mod built;
 mod command_line;
+mod contact;
+mod contact_errors;
 mod errors;
 mod joint_errors;
 mod joints;

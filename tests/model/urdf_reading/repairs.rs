@@ -126,7 +126,6 @@ fn what_is_not_simulated_is_said_once_for_each_kind() {
         messages,
         [
             "8: limits of 1 floating, planar or spherical joint are not simulated",
-            "3: contacts (collision shapes) of 1 link are not simulated",
             "3: <contact> of <link> is not read",
             "6: <safety_controller> of <joint> is not read",
             "8: <gazebo> (2 times) is not read",

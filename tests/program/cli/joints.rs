@@ -59,15 +59,6 @@ fn what_is_left_out_is_not_in_the_model_and_does_not_move_the_start() {
     let output = run(&folder, &["simulate", "scene.toml", "--without", "gravity"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("limits, friction, damping, motors, contact"), "{}", text(&output.stderr));
-    let shape = PENDULUM.replace(
-        "<link name=\"tip\"/>",
-        "<link name=\"tip\"><collision><geometry><sphere radius=\"1\"/></geometry></collision></link>",
-    );
-    std::fs::write(folder.join("touching.urdf"), shape).expect("written");
-    let warns = |arguments: &[&str]| {
-        model(&folder, &[&["touching.urdf"], arguments].concat())["warnings"].to_string().contains("contacts")
-    };
-    assert!(warns(&[]) && !warns(&["--without", "contact"]));
 }
 
 #[test]

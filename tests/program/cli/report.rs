@@ -21,6 +21,7 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
         "wall_seconds": 0, "cpu_seconds": 0, "solve_cpu_seconds": 0,
         "events": {"counts": {"limit_impact": 0, "contact_impact": 0, "rest": 0, "release": 0, "stick": 0, "slip": 0,
             "reversal": 0, "saturation": 0, "unsaturation": 0}, "list": []},
+        "contact": {"max_penetration": 0, "max_cone_violation": 0, "points": []},
         "energy": {"initial": 0, "final": 0, "max_relative_error": 0,
             "parts": {"kinetic": 0, "gravity": 0, "spring": 0, "load": 0}, "dissipated": 0, "friction": 0,
             "impacts": 0, "work": 0},
@@ -74,7 +75,7 @@ fn the_report_says_how_many_iterations_kept_their_factors() {
         // Every step begins with factors of its own; the exact Newton method of a loop keeps none.
         assert!(kept < all && (kept > 0) == some, "{input}: {kept} of {all}");
         let lines = run(&folder, &arguments);
-        assert_eq!(text(&lines.stdout).contains(" % with kept factors)"), some, "{input}: {}", text(&lines.stdout));
+        assert_eq!(text(&lines.stdout).contains(" % reuse a factorisation)"), some, "{input}: {}", text(&lines.stdout));
     }
 }
 

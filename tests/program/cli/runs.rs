@@ -1,8 +1,7 @@
 //! Runs as they are asked for and as they end: where the log is, steps of every kind, failure and interruption.
 
 use crate::common::command::{ENDLESS, catena, folder, run, salvaged, salvaged_samples, text, wait_for};
-use foxglove::Decode;
-use foxglove::messages::Log;
+use catena::output::log::decode::log_line;
 use serde_json::Value;
 use std::process::Command;
 
@@ -59,9 +58,9 @@ fn a_run_that_fails_leaves_a_complete_log_that_says_why() {
     serde_json::from_slice::<Value>(&output.stdout).expect("the report up to there");
     let log = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
     mcap::Summary::read(&log).expect("complete").expect("with a summary");
-    let lines = salvaged(&log, "/log");
-    let last = Log::decode(&*lines.last().expect("a line").data).expect("a log line");
-    assert_eq!(error.trim_end(), format!("catena: error: {}", last.message));
+    let lines = salvaged(&log, "/rosout");
+    let last = log_line(&lines.last().expect("a line").data).expect("a line of text");
+    assert_eq!(error.trim_end(), format!("catena: error: {}", last.text));
 }
 
 #[cfg(unix)]

@@ -93,19 +93,26 @@ fn of_a_log_with_a_damaged_chunk_everything_else_is_shown_and_recovered() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }
 
-/// Where each message of a log of uncompressed chunks ends, in bytes, and its channel.
+/// Where each message of a log ends, in bytes, and its channel; those of a compressed chunk end with it.
 fn ends_of_messages(log: &[u8]) -> Vec<(usize, u16)> {
-    let number = |at: usize| u64::from_le_bytes(log[at..at + 8].try_into().expect("eight bytes")) as usize;
+    let number =
+        |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight bytes")) as usize;
     let (mut ends, mut at) = (Vec::new(), 8);
     while at + 9 <= log.len() - 8 {
-        let next = at + 9 + number(at + 1);
+        let next = at + 9 + number(log, at + 1);
         if log[at] == 6 {
-            // Two times, two sizes, the checksum and no compression come before the records.
-            let mut inside = at + 9 + 8 + 8 + 8 + 4 + 4 + 8;
-            while inside < next {
-                let end = inside + 9 + number(inside + 1);
-                if log[inside] == 5 {
-                    ends.push((end, u16::from_le_bytes([log[inside + 9], log[inside + 10]])));
+            // Two times, the size, the checksum, the name of the compression and the size with it come before the records.
+            let name = at + 9 + 8 + 8 + 8 + 4;
+            let start = name + 4 + usize::from(log[name]) + 8;
+            let is_packed = log[name] > 0;
+            let packed = &log[start..next];
+            let records = if is_packed { zstd::decode_all(packed).expect("a frame") } else { packed.to_vec() };
+            let mut inside = 0;
+            while inside < records.len() {
+                let end = inside + 9 + number(&records, inside + 1);
+                if records[inside] == 5 {
+                    let channel = u16::from_le_bytes([records[inside + 9], records[inside + 10]]);
+                    ends.push((if is_packed { next } else { start + end }, channel));
                 }
                 inside = end;
             }

@@ -13,7 +13,7 @@ fn layout() -> serde_json::Value {
 fn the_layout_for_lichtblick_shows_the_scene_with_meshes_the_right_way_up() {
     let layout = layout();
     let view = &layout["configById"]["3D!catena"];
-    assert_eq!(view["topics"]["/scene"]["visible"], true);
+    assert_eq!(view["topics"]["/visual_markers"]["visible"], true);
     assert_eq!((&view["scene"]["meshUpAxis"], &view["scene"]["ignoreColladaUpAxis"]), (&"z_up".into(), &true.into()));
     assert_eq!(view["followTf"], "world");
 }

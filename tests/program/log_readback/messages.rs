@@ -6,11 +6,9 @@ use catena::mechanism::description::body_state::WORLD;
 use catena::mechanism::description::joint::rotation_from_wxyz;
 use catena::mechanism::motion::kinematics::forward_kinematics;
 use catena::model::Base;
-use catena::output::log::{Ending, Recorder, Severity};
+use catena::output::log::{Ending, LogOptions, Recorder, Severity, decode};
 use catena::scene::{PackagePath, robot_from_text};
 use catena::simulation::{RunOptions, run};
-use foxglove::Decode;
-use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::collections::HashMap;
 use std::path::Path;
@@ -49,12 +47,72 @@ impl<'d> Cdr<'d> {
         (0..self.unsigned()).map(|_| f64::from_le_bytes(self.take())).collect()
     }
 
+    pub fn singles<const N: usize>(&mut self) -> [f32; N] {
+        [(); N].map(|()| f32::from_le_bytes(self.take()))
+    }
+
+    pub fn numbers<const N: usize>(&mut self) -> [f64; N] {
+        [(); N].map(|()| f64::from_le_bytes(self.take()))
+    }
+
     pub fn strings(&mut self) -> Vec<String> {
         (0..self.unsigned()).map(|_| self.string()).collect()
     }
 
+    pub fn strings_of_line(&mut self) -> [String; 2] {
+        [(); 2].map(|()| self.string())
+    }
+
     pub fn assert_ended(&self) {
         assert_eq!(self.at, self.data.len(), "nothing is left over");
+    }
+}
+
+/// A marker, read by its definition.
+#[derive(Debug)]
+pub struct Marker {
+    pub frame: String,
+    pub namespace: String,
+    pub number: u32,
+    pub kind: u32,
+    pub action: u32,
+    /// Position and quaternion x, y, z, w.
+    pub pose: [f64; 7],
+    pub scale: [f64; 3],
+    /// Whether it moves with its frame.
+    pub follows: bool,
+    pub points: Vec<[f64; 3]>,
+}
+
+impl Marker {
+    /// The markers of a message.
+    pub fn read_all(message: &mcap::Message) -> Vec<Self> {
+        let mut cdr = Cdr::new(message);
+        let markers = (0..cdr.unsigned()).map(|_| Marker::read(&mut cdr)).collect();
+        cdr.assert_ended();
+        markers
+    }
+
+    fn read(cdr: &mut Cdr) -> Self {
+        let time = [cdr.unsigned(), cdr.unsigned()];
+        let (frame, namespace) = (cdr.string(), cdr.string());
+        let (number, kind, action) = (cdr.unsigned(), cdr.unsigned(), cdr.unsigned());
+        let (pose, scale, color) = (cdr.numbers(), cdr.numbers(), cdr.singles::<4>());
+        assert!(color.iter().all(|part| (0.0..=1.0).contains(part)), "{color:?}");
+        assert_eq!([cdr.unsigned(), cdr.unsigned()], [0, 0], "shown for ever");
+        let [follows] = cdr.take();
+        let points = (0..cdr.unsigned()).map(|_| cdr.numbers()).collect();
+        assert_eq!((cdr.unsigned(), cdr.string().as_str()), (0, ""), "no colours and no texture");
+        assert_eq!([cdr.unsigned(), cdr.unsigned()], time, "the time of the texture");
+        assert_eq!(cdr.strings_of_line(), ["", ""]);
+        assert_eq!([cdr.unsigned(), cdr.unsigned()], [0, 0], "no bytes and no coordinates of the texture");
+        assert_eq!(
+            (cdr.strings_of_line(), cdr.string().as_str()),
+            ([String::new(), String::new()], ""),
+            "no text, no file"
+        );
+        assert_eq!((cdr.unsigned(), cdr.take()), (0, [0]));
+        Marker { frame, namespace, number, kind, action, pose, scale, follows: follows == 1, points }
     }
 }
 
@@ -73,13 +131,13 @@ fn every_channel_has_a_schema_and_the_run_is_described() {
         .collect();
     let expected = [
         ("/robot_description", ("std_msgs/msg/String", "cdr")),
-        ("/scene", ("foxglove.SceneUpdate", "protobuf")),
-        ("/log", ("foxglove.Log", "protobuf")),
-        ("/tf", ("foxglove.FrameTransforms", "protobuf")),
+        ("/visual_markers", ("visualization_msgs/msg/MarkerArray", "cdr")),
+        ("/rosout", ("rcl_interfaces/msg/Log", "cdr")),
+        ("/tf", ("tf2_msgs/msg/TFMessage", "cdr")),
         ("/joint_states", ("sensor_msgs/msg/JointState", "cdr")),
-        ("/energy", ("std_msgs/msg/Float64MultiArray", "cdr")),
-        ("/constraint", ("std_msgs/msg/Float64MultiArray", "cdr")),
-        ("/solver", ("std_msgs/msg/Float64MultiArray", "cdr")),
+        ("/energy", ("catena_msgs/msg/Energy", "cdr")),
+        ("/constraint", ("catena_msgs/msg/Constraint", "cdr")),
+        ("/solver", ("catena_msgs/msg/Solver", "cdr")),
         ("/reactions", ("sensor_msgs/msg/MultiDOFJointState", "cdr")),
     ];
     assert_eq!(schemas, HashMap::from(expected));
@@ -103,16 +161,25 @@ fn what_is_known_at_the_start_is_in_the_log() {
     expected.links[slider].visuals.clone_from(&robot.links[slider].visuals);
     let looks = |robot: &catena::scene::Robot| robot.links.iter().map(|link| link.visuals.len()).collect::<Vec<_>>();
     assert_eq!(looks(&robot), looks(&expected));
-    let warning = Log::decode(&*of_topic(&messages, "/log")[0].data).expect("a log line");
-    assert_eq!(warning.message, arm().warnings[0].to_string());
-    let scene = SceneUpdate::decode(&*of_topic(&messages, "/scene")[0].data).expect("a scene");
-    let names: Vec<&str> = scene.entities.iter().map(|entity| entity.frame_id.as_str()).collect();
+    let mut warning = Cdr::new(of_topic(&messages, "/rosout")[0]);
+    assert_eq!([warning.unsigned(), warning.unsigned()], [0, 0]);
+    // 30 is the level of warnings.
+    assert_eq!((warning.take::<1>(), warning.string().as_str()), ([30], "catena"));
+    assert_eq!(warning.string(), arm().warnings[0].to_string());
+    assert_eq!((warning.strings_of_line(), warning.unsigned()), ([String::new(), String::new()], 0));
+    warning.assert_ended();
+    let markers = Marker::read_all(of_topic(&messages, "/visual_markers")[0]);
+    for marker in &markers {
+        assert_eq!((&marker.namespace, marker.number, marker.action, marker.follows), (&marker.frame, 0, 0, true));
+    }
     // The slider has mass and no looks: it gets the box of its inertia, 0.1 kg m² about every axis.
-    assert_eq!(names, ["base", "upper", "slider"]);
-    let size = scene.entities[2].cubes[0].size.expect("a size");
-    assert!([size.x, size.y, size.z].iter().all(|edge| (edge - 0.6_f64.sqrt()).abs() < 1e-12), "{size:?}");
-    assert_eq!(scene.entities[1].spheres[0].size.expect("a size").x, 1.0);
-    assert_eq!(scene.entities[1].spheres[0].pose.expect("a pose").position.expect("a position").z, 1.0);
+    let [base, upper, slider] = &markers[..] else { panic!("{markers:?}") };
+    assert_eq!((base.frame.as_str(), base.kind, base.scale), ("base", 1, [1.0, 2.0, 3.0]));
+    assert_eq!((upper.frame.as_str(), upper.kind, upper.scale), ("upper", 2, [1.0; 3]));
+    assert_eq!(upper.pose, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+    assert!(markers.iter().all(|marker| marker.points.is_empty()), "primitives have no points");
+    assert_eq!((slider.frame.as_str(), slider.kind), ("slider", 1));
+    assert!(slider.scale.iter().all(|edge| (edge - 0.6_f64.sqrt()).abs() < 1e-12), "{slider:?}");
 }
 
 #[test]
@@ -139,12 +206,9 @@ fn energy_is_logged_once_a_step_at_the_end_of_the_step() {
         let time = message.log_time as f64 * 1e-9;
         assert!((time - 0.05 * index as f64).abs() < 1e-9, "{index}: {time}");
         let mut cdr = Cdr::new(message);
-        assert_eq!(
-            (cdr.unsigned(), cdr.string().as_str()),
-            (1, "kinetic, potential, total; since the start: dissipated, work put in [J]")
-        );
-        assert_eq!([cdr.unsigned(), cdr.unsigned(), cdr.unsigned()], [5, 5, 0]);
-        let figures = cdr.doubles();
+        let stamp = u64::from(cdr.unsigned()) * 1_000_000_000 + u64::from(cdr.unsigned());
+        assert_eq!((stamp, cdr.string().as_str()), (message.log_time, ""));
+        let figures = cdr.numbers::<7>();
         cdr.assert_ended();
         let mut bodies = [WORLD; 2];
         forward_kinematics(&mechanism, &VELOCITY.map(|rate| rate * time), &VELOCITY, &mut bodies);
@@ -176,19 +240,20 @@ fn poses_are_the_forward_kinematics_of_the_logged_joint_states() {
         assert!(effort.len() == 2 && effort.iter().all(|effort| effort.abs() < 1e-12), "{effort:?}");
         let mut bodies = [WORLD; 2];
         forward_kinematics(&model.mechanism, &position, &velocity, &mut bodies);
-        let logged = FrameTransforms::decode(&*transforms.data).expect("transforms");
-        assert_eq!(logged.transforms.len(), 5, "every link of the URDF, also those that are no bodies");
-        for (index, transform) in logged.transforms.iter().enumerate() {
-            assert_eq!((&*transform.parent_frame_id, &transform.child_frame_id), ("world", &model.links[index].name));
-            assert_eq!(transform.timestamp.expect("a stamp").total_nanos(), state.log_time);
+        let mut cdr = Cdr::new(transforms);
+        assert_eq!(cdr.unsigned(), 5, "every link of the URDF, also those that are no bodies");
+        for index in 0..5 {
+            let stamp = u64::from(cdr.unsigned()) * 1_000_000_000 + u64::from(cdr.unsigned());
+            assert_eq!(stamp, state.log_time);
+            assert_eq!((cdr.string().as_str(), &cdr.string()), ("world", &model.links[index].name));
             let (position, rotation) = model.link_pose(&bodies, index);
-            let translation = transform.translation.expect("a translation");
-            assert!((Vector3::new(translation.x, translation.y, translation.z) - position).amax() < 1e-14);
-            let q = transform.rotation.expect("a rotation");
-            let norm = (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z).sqrt();
+            assert!((Vector3::from(cdr.numbers::<3>()) - position).amax() < 1e-14);
+            let [x, y, z, w] = cdr.numbers();
+            let norm = (w * w + x * x + y * y + z * z).sqrt();
             assert!((norm - 1.0).abs() < 1e-12, "{norm}");
-            assert!((rotation_from_wxyz(&[q.w, q.x, q.y, q.z]) - rotation).amax() < 1e-14);
+            assert!((rotation_from_wxyz(&[w, x, y, z]) - rotation).amax() < 1e-14);
         }
+        cdr.assert_ended();
     }
 }
 
@@ -238,7 +303,8 @@ fn joints_of_several_numbers_are_logged_as_transforms_and_twists() {
     let positions = [(name.clone(), vec![1.0, 2.0, 3.0, 0.1, 0.2, 0.3]), ("ball".to_string(), vec![0.4, 0.5, 0.6])];
     let velocities = [(name.clone(), vec![1.0, -2.0, 3.0, 4.0, -5.0, 6.0]), ("ball".to_string(), vec![7.0, 8.0, 9.0])];
     let mut state = model.initial_state(&positions, &velocities, None).expect("the joints exist");
-    let mut recorder = Recorder::create(&path, &model, simulation()).expect("the log is created");
+    let mut recorder =
+        Recorder::create(&path, &model, simulation(), &LogOptions::default()).expect("the log is created");
     let options = RunOptions { duration: 1e-9, rate: None, interrupt: None };
     let (_, ended) = run(&model.mechanism, &mut state, &mut Coasting { step: 1.0 }, &options, &mut [&mut recorder]);
     ended.expect("nothing can fail");
@@ -270,7 +336,8 @@ fn joints_of_several_numbers_are_logged_as_transforms_and_twists() {
 fn a_link_that_is_the_world_frame_has_no_transform() {
     let path = scratch("log").join("world.mcap");
     let model = model_of(&URDF.replace("\"base\"", "\"world\""), Base::Fixed);
-    let mut recorder = Recorder::create(&path, &model, simulation()).expect("the log is created");
+    let mut recorder =
+        Recorder::create(&path, &model, simulation(), &LogOptions::default()).expect("the log is created");
     let options = RunOptions { duration: 0.1, rate: None, interrupt: None };
     let mut state = model.zero_state();
     let (_, ended) = run(&model.mechanism, &mut state, &mut Coasting { step: 0.1 }, &options, &mut [&mut recorder]);
@@ -278,21 +345,21 @@ fn a_link_that_is_the_world_frame_has_no_transform() {
     recorder.finish(Ending::default()).expect("the log is completed");
     let bytes = std::fs::read(&path).expect("the log is readable");
     let messages = messages(&bytes);
-    let transforms = FrameTransforms::decode(&*of_topic(&messages, "/tf")[0].data).expect("transforms").transforms;
-    let names: Vec<&str> = transforms.iter().map(|frame| frame.child_frame_id.as_str()).collect();
+    let links = decode::transforms(&of_topic(&messages, "/tf")[0].data).expect("transforms");
+    let names: Vec<&str> = links.iter().map(|pose| pose.link.as_str()).collect();
     assert_eq!(names, ["upper", "fused", "slider", "massless"]);
-    assert!(transforms.iter().all(|frame| frame.parent_frame_id == "world"));
 }
 
 #[test]
 fn what_ended_a_run_is_the_last_line_of_the_log() {
     let path = scratch("log").join("ended.mcap");
     let model = arm();
-    let mut recorder = Recorder::create(&path, &model, simulation()).expect("the log is created");
+    let mut recorder =
+        Recorder::create(&path, &model, simulation(), &LogOptions::default()).expect("the log is created");
     recorder.say(Severity::Error, "it broke");
     recorder.finish(Ending::default()).expect("the log is completed");
     let bytes = std::fs::read(&path).expect("the log is readable");
     let messages = messages(&bytes);
-    let last = Log::decode(&*of_topic(&messages, "/log").last().expect("a line").data).expect("a log line");
-    assert_eq!((last.message.as_str(), last.level), ("it broke", 4));
+    let last = decode::log_line(&of_topic(&messages, "/rosout").last().expect("a line").data).expect("a line of text");
+    assert_eq!((last.text.as_str(), last.is_problem), ("it broke", true));
 }

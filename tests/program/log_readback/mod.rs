@@ -1,5 +1,6 @@
 //! The log, read back by the mcap crate and decoded by hand: what it says is what was simulated.
 
+mod contacts;
 mod events;
 mod file;
 mod layout;
@@ -12,7 +13,7 @@ use catena::mechanism::motion::inputs::Inputs;
 use catena::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use catena::mechanism::motion::state::State;
 use catena::model::{Base, Model, ModelOptions};
-use catena::output::log::{Ending, Recorder};
+use catena::output::log::{Ending, LogOptions, Recorder};
 use catena::scene::{PackagePath, robot_from_text};
 use catena::simulation::{Observer, ObserverError, RunOptions, Sample, run};
 use std::collections::BTreeMap;
@@ -101,7 +102,8 @@ fn log_seen_by(name: &str, duration: f64, onlooker: &mut Onlooker) -> Vec<u8> {
     let model = arm();
     let mut state = model.zero_state();
     state.velocity.copy_from_slice(&VELOCITY);
-    let mut recorder = Recorder::create(&path, &model, simulation()).expect("the log is created");
+    let mut recorder =
+        Recorder::create(&path, &model, simulation(), &LogOptions::default()).expect("the log is created");
     let options = RunOptions { duration, rate: Some(60.0), interrupt: None };
     let (_, ended) =
         run(&model.mechanism, &mut state, &mut Coasting { step: 0.05 }, &options, &mut [&mut recorder, onlooker]);

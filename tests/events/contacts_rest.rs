@@ -1,0 +1,103 @@
+//! What stands stays where it is: blocks on a slope, stacks, and a robot on its legs.
+
+use crate::exact::near;
+use crate::loose::{DOWN, cuboid, loose, on_floor, put, resting};
+use crate::mechanisms::{GRAVITY, fixed, run};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::state::State;
+use catena::simulation::StepChoice;
+use nalgebra::Vector3;
+
+/// A block on a slope of so many radians, which lies level, with friction 0.5.
+fn on_slope(slope: f64) -> (Mechanism, State) {
+    let gravity = Vector3::new(slope.sin(), 0.0, -slope.cos()) * GRAVITY;
+    let mut block = loose(gravity, &[(1.0, cuboid(0.2, 0.2, 0.05))]);
+    on_floor(&mut block, 0.5, 0.0);
+    let start = resting(&block, &[Vector3::new(0.0, 0.0, 0.05)]);
+    (block, start)
+}
+
+#[test]
+fn a_block_on_a_slope_a_little_below_its_angle_of_friction_does_not_move_by_a_bit() {
+    let (block, start) = on_slope(0.5_f64.atan() - 1e-3);
+    for steps in [fixed(3, 0.01), fixed(9, 0.1), StepChoice::Tolerance(1e-6)] {
+        let finished = run(&block, &start, 100.0, steps);
+        assert_eq!(finished.state.position, start.position, "{steps:?}");
+        assert_eq!(finished.state.velocity, vec![0.0; 6], "{steps:?}");
+        assert!(finished.summary.steps < 10, "{steps:?}: {:?}", finished.summary);
+    }
+}
+
+#[test]
+fn a_block_on_a_slope_a_little_above_its_angle_of_friction_slides_with_what_friction_leaves() {
+    let slope = 0.5_f64.atan() + 1e-3;
+    let (block, start) = on_slope(slope);
+    let wanted = GRAVITY * (slope.sin() - 0.5 * slope.cos());
+    for steps in [fixed(3, 0.01), fixed(9, 0.1), StepChoice::Tolerance(1e-6)] {
+        let finished = run(&block, &start, 4.0, steps);
+        println!("{steps:?}: {:?}", finished.events);
+        near(finished.state.velocity[0] / 4.0, wanted, 1e-10);
+        near(finished.state.position[0] / 8.0, wanted, 1e-10);
+        near(finished.state.position[2], 0.05, 1e-12);
+    }
+}
+
+/// Boxes of side 0.2 m with these masses on top of each other.
+fn stack(masses: &[f64]) -> (Mechanism, State) {
+    let boxes: Vec<_> = masses.iter().map(|&mass| (mass, cuboid(0.1, 0.1, 0.1))).collect();
+    let mut stack = loose(DOWN, &boxes);
+    on_floor(&mut stack, 0.5, 0.0);
+    let places: Vec<_> = (0..masses.len()).map(|at| Vector3::new(0.0, 0.0, 0.1 + 0.2 * at as f64)).collect();
+    let start = resting(&stack, &places);
+    (stack, start)
+}
+
+/// Runs a stack for a minute: it does not move by a bit, in a few steps.
+fn stands(masses: &[f64]) {
+    let (stack, start) = stack(masses);
+    for steps in [fixed(3, 0.01), StepChoice::Tolerance(1e-6)] {
+        let finished = run(&stack, &start, 60.0, steps);
+        println!("{steps:?}: {} steps, {:?}", finished.summary.steps, finished.summary.contact);
+        assert_eq!(finished.state.position, start.position, "{steps:?}");
+        assert!(finished.state.velocity.iter().all(|&rate| rate == 0.0), "{steps:?}");
+        assert!(finished.summary.steps < 10, "{steps:?}: {:?}", finished.summary);
+        assert!(finished.summary.contact.penetration <= 1e-12, "{:?}", finished.summary.contact);
+        // The floor bears all of it.
+        let floor: f64 = finished
+            .contacts
+            .iter()
+            .filter(|point| point.pair < masses.len() && point.position.z < 0.01)
+            .map(|point| point.force.z.abs())
+            .sum();
+        let weight = GRAVITY * masses.iter().sum::<f64>();
+        near(floor, weight, 1e-9 * weight);
+    }
+}
+
+#[test]
+fn a_small_box_carries_one_ten_thousand_times_as_heavy_without_creep() {
+    stands(&[1.0, 1e4]);
+}
+
+#[test]
+fn a_stack_of_ten_boxes_stands_for_a_minute_without_creep() {
+    stands(&[1.0; 10]);
+}
+
+#[test]
+fn boxes_dropped_one_above_the_other_end_as_a_stack() {
+    let (stack, mut start) = stack(&[1.0, 2.0, 0.5]);
+    let none = Vector3::zeros();
+    for (body, height) in [0.101, 0.305, 0.51].into_iter().enumerate() {
+        put(&stack, &mut start, body, [Vector3::new(0.0, 0.0, height), none, none, none]);
+    }
+    for steps in [fixed(3, 0.01), StepChoice::Tolerance(1e-6)] {
+        let finished = run(&stack, &start, 10.0, steps);
+        println!("{steps:?}: {} steps, {:?}", finished.summary.steps, finished.events);
+        for body in 0..3 {
+            near(finished.state.position[7 * body + 2], 0.1 + 0.2 * body as f64, 1e-12);
+        }
+        assert!(finished.state.velocity.iter().all(|&rate| rate == 0.0), "{steps:?}");
+        assert!(finished.summary.steps < 200, "{:?}", finished.summary);
+    }
+}

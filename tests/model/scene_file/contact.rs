@@ -1,0 +1,260 @@
+//! What scene files say of contact becomes colliders and pairs: where shapes lie, which may touch, and how.
+
+use super::{ONE, build, folder};
+use catena::mechanism::description::contact::Shape;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::model::{Left, Model, NeverTouch, ReductionRule};
+use nalgebra::{Rotation3, Vector3};
+use std::path::{Path, PathBuf};
+
+/// A trunk with a foot that is fixed to it, a leg that turns, and a shelf that the world holds.
+const WALKER: &str = r#"<robot name="walker">
+  <link name="trunk"><inertial><origin xyz="0.1 0.2 0.3" rpy="0.3 0.2 0.1"/><mass value="1"/>
+    <inertia ixx="0.1" iyy="0.2" izz="0.15" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0 0 1" rpy="0 0.5 0"/><geometry><box size="0.2 0.4 0.6"/></geometry></collision></link>
+  <link name="foot"><collision><origin xyz="0 0 0.25"/><geometry><sphere radius="0.05"/></geometry></collision>
+    <collision><geometry><cylinder radius="0.1" length="0.3"/></geometry></collision></link>
+  <link name="leg"><inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><capsule radius="0.1" length="0.3"/></geometry></collision></link>
+  <joint name="weld" type="fixed"><parent link="trunk"/><child link="foot"/><origin xyz="0.5 0 -1" rpy="0 0 0.7"/></joint>
+  <joint name="hip" type="continuous"><parent link="trunk"/><child link="leg"/><axis xyz="0 1 0"/></joint>
+</robot>"#;
+
+/// Two tetrahedra that share nothing.
+const TWINS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n\
+                     v 5 0 0\nv 6 0 0\nv 5 1 0\nv 5 0 1\nf -4 -2 -3\nf -4 -3 -1\nf -4 -1 -2\nf -3 -2 -1\n";
+
+fn with_walker(name: &str) -> PathBuf {
+    let folder = folder(name);
+    std::fs::write(folder.join("walker.urdf"), WALKER).expect("written");
+    std::fs::write(folder.join("twins.obj"), TWINS).expect("written");
+    let meshed =
+        WALKER.replace("<capsule radius=\"0.1\" length=\"0.3\"/>", "<mesh filename=\"twins.obj\" scale=\"2 2 2\"/>");
+    std::fs::write(folder.join("meshed.urdf"), meshed).expect("written");
+    folder
+}
+
+const FLOATING: &str =
+    "[[robot]]\nurdf = \"walker.urdf\"\nbase = \"floating\"\npose = { position = [1, 2, 3], rpy = [0.1, 0.2, 0.3] }\n";
+const FLOOR: &str = "[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n";
+
+/// The pairs as `a|b` with friction and restitution.
+fn pairs(model: &Model) -> Vec<(String, f64, f64)> {
+    let nonsmooth = &model.mechanism.nonsmooth;
+    let name = |collider: usize| nonsmooth.colliders[collider].name.as_str();
+    let numbers = nonsmooth.pairs.iter().map(|pair| pair.number);
+    assert!(numbers.eq(0..nonsmooth.pairs.len()), "pairs are numbered in their order");
+    let pairs = nonsmooth.pairs.iter();
+    pairs.map(|pair| (format!("{}|{}", name(pair.a), name(pair.b)), pair.friction, pair.restitution)).collect()
+}
+
+fn model(folder: &Path, text: &str) -> Model {
+    build(folder, text).0
+}
+
+#[test]
+fn shapes_of_links_lie_in_their_bodies_where_the_urdf_puts_them_in_the_world() {
+    let folder = with_walker("shapes_lie");
+    let (model, _, state) = build(&folder, &format!("{FLOATING}{FLOOR}"));
+    let bodies = body_states(&model.mechanism, &state);
+    let colliders = &model.mechanism.nonsmooth.colliders;
+    let names: Vec<&str> = colliders.iter().map(|collider| collider.name.as_str()).collect();
+    assert_eq!(names, ["trunk", "foot", "foot", "leg", "floor"]);
+    assert_eq!(model.mechanism.bodies.len(), 2, "the foot is part of the trunk");
+    assert!(model.reductions.iter().any(|left| left.link == "foot" && left.rule == ReductionRule::FusedWithParent));
+    let half = Vector3::new(0.1, 0.2, 0.3);
+    assert_eq!(colliders[0].shape, Shape::Box { half });
+    assert_eq!(colliders[1].shape, Shape::Sphere { radius: 0.05 });
+    assert_eq!(colliders[2].shape, Shape::Cylinder { radius: 0.1, half: 0.15 });
+    assert_eq!(colliders[3].shape, Shape::Capsule { radius: 0.1, half: 0.15 });
+    // By hand: the frame of the link in the world, then that of the shape in it.
+    for (collider, place, turn) in [
+        (0, Vector3::new(0.0, 0.0, 1.0), Rotation3::from_euler_angles(0.0, 0.5, 0.0)),
+        (1, Vector3::new(0.0, 0.0, 0.25), Rotation3::identity()),
+        (2, Vector3::zeros(), Rotation3::identity()),
+        (3, Vector3::zeros(), Rotation3::identity()),
+    ] {
+        let given = &colliders[collider];
+        let (origin, frame) = model.link_pose(&bodies, model.link(&given.name).unwrap());
+        let body = &bodies[given.body.unwrap()];
+        let at = body.position + body.rotation * given.pose.translation.vector;
+        // Some roundings of numbers of a few metres.
+        assert!((at - (origin + frame * place)).norm() < 4e-15, "{}: {at}", given.name);
+        let turned = body.rotation * given.pose.rotation.matrix();
+        assert!((turned - frame * turn.matrix()).norm() < 4e-15, "{}: {turned}", given.name);
+    }
+    assert_eq!(colliders[4].body, None);
+}
+
+#[test]
+fn obstacles_of_every_shape_are_in_the_world_and_have_the_defaults() {
+    let folder = with_walker("obstacles");
+    let text = format!(
+        "{FLOATING}[[obstacle]]\nshape = {{ type = \"half_space\", normal = [0, -2, 0] }}\npose = {{ position = [0, 0, 1] }}\n\
+         [[obstacle]]\nshape = {{ type = \"box\", size = [2, 4, 6] }}\npose = {{ position = [1, 2, 3], rpy = [0.1, 0.2, 0.3] }}\n\
+         [[obstacle]]\nname = \"ball\"\nshape = {{ type = \"sphere\", radius = 0.5 }}\n\
+         [[obstacle]]\nshape = {{ type = \"cylinder\", radius = 0.5, length = 3 }}\n\
+         [[obstacle]]\nshape = {{ type = \"capsule\", radius = 0.5, length = 3 }}\n\
+         [[obstacle]]\nshape = {{ type = \"mesh\", file = \"twins.obj\", scale = [1, 1, -1] }}\nfriction = 0.25\nrestitution = 0.75\n"
+    );
+    let model = model(&folder, &text);
+    let obstacles = &model.mechanism.nonsmooth.colliders[4..];
+    let names: Vec<&str> = obstacles.iter().map(|obstacle| obstacle.name.as_str()).collect();
+    assert_eq!(names, ["obstacle1", "obstacle2", "ball", "obstacle4", "obstacle5", "obstacle6"]);
+    assert_eq!(obstacles[0].shape, Shape::HalfSpace);
+    let normal = obstacles[0].pose.rotation * Vector3::z();
+    assert!((normal - Vector3::new(0.0, -1.0, 0.0)).norm() < 1e-15, "{normal}");
+    assert_eq!(obstacles[0].pose.translation.vector, Vector3::z());
+    assert_eq!(obstacles[1].shape, Shape::Box { half: Vector3::new(1.0, 2.0, 3.0) });
+    assert_eq!(obstacles[1].pose.rotation, Rotation3::from_euler_angles(0.1, 0.2, 0.3));
+    assert_eq!(obstacles[2].shape, Shape::Sphere { radius: 0.5 });
+    assert_eq!(obstacles[3].shape, Shape::Cylinder { radius: 0.5, half: 1.5 });
+    assert_eq!(obstacles[4].shape, Shape::Capsule { radius: 0.5, half: 1.5 });
+    let Shape::Mesh(surface) = &obstacles[5].shape else { panic!("{:?}", obstacles[5].shape) };
+    assert_eq!((surface.vertices.len(), surface.triangles.len()), (8, 8));
+    assert_eq!(surface.vertices.iter().map(|vertex| vertex.z).fold(0.0, f64::min), -1.0);
+    let pairs = pairs(&model);
+    assert_eq!(pairs[0], ("trunk|obstacle1".to_string(), 0.5, 0.0));
+    assert_eq!(pairs[5], ("trunk|obstacle6".to_string(), 0.25, 0.75));
+    assert_eq!(pairs.len(), 4 * 6);
+}
+
+#[test]
+fn later_pairs_override_earlier_ones_key_by_key_and_in_either_order_of_names() {
+    let folder = with_walker("overrides");
+    let text = format!(
+        "{FLOATING}{FLOOR}friction = 0.3\n[contact]\nfriction = 0.7\nrestitution = 0.2\n\
+         [[contact.pair]]\na = \"floor\"\nb = \"f*t\"\nfriction = 0.9\n\
+         [[contact.pair]]\na = \"foot\"\nb = \"*\"\nrestitution = 0.6\n\
+         [[contact.pair]]\na = \"*\"\nb = \"*\"\nignore = true\n\
+         [[contact.pair]]\na = \"*\"\nb = \"floor\"\nignore = false\n\
+         [[contact.pair]]\na = \"leg\"\nb = \"floor\"\nignore = true\n"
+    );
+    let model = model(&folder, &text);
+    let expected = [("trunk|floor", 0.3, 0.2), ("foot|floor", 0.9, 0.6), ("foot|floor", 0.9, 0.6)];
+    assert_eq!(
+        pairs(&model),
+        expected.map(|(names, friction, restitution)| (names.to_string(), friction, restitution))
+    );
+    let left_out = &model.contact.left_out;
+    assert_eq!(left_out.iter().map(|left| left.because).collect::<Vec<_>>(), [NeverTouch::Ignored(28)]);
+    assert_eq!(model.mechanism.nonsmooth.colliders[left_out[0].pair.a].name, "leg");
+}
+
+#[test]
+fn links_touch_links_of_other_robots_only_where_all_pairs_are_wanted() {
+    let folder = with_walker("all_pairs");
+    let two = "[[robot]]\nname = \"a\"\nurdf = \"walker.urdf\"\nbase = \"floating\"\n[[robot]]\nname = \"b\"\nurdf = \"walker.urdf\"\n";
+    let counted = |rest: &str| {
+        let model = model(&folder, &format!("{two}{rest}"));
+        (model.mechanism.nonsmooth.colliders.len(), pairs(&model), model.contact.left_out.len())
+    };
+    // Without obstacles nothing touches, and no shape is looked at.
+    assert_eq!(counted(""), (0, Vec::new(), 0));
+    let (colliders, of_all, left_out) = counted("[contact]\npairs = \"all\"\n");
+    assert_eq!((colliders, of_all.len(), left_out), (8, 16, 0));
+    assert_eq!(of_all[0], ("a/trunk|b/trunk".to_string(), 0.5, 0.0));
+    assert!(of_all.iter().all(|(names, ..)| names.starts_with("a/") && names.contains("|b/")));
+    // The trunk and the foot of the second robot are fixed in the world, as the floor is.
+    let (_, with_floor, left_out) = counted(FLOOR);
+    assert_eq!((with_floor.len(), left_out), (5, 3));
+    assert_eq!(counted(&format!("{FLOOR}[contact]\npairs = \"none\"\n")), (0, Vec::new(), 0));
+    let (colliders, of_all, left_out) = counted(&format!("{FLOOR}[contact]\npairs = \"all\"\n"));
+    assert_eq!((colliders, of_all.len(), left_out), (9, 21, 3));
+}
+
+#[test]
+fn what_a_fixed_robot_cannot_reach_is_left_out_until_its_limits_are() {
+    let folder = with_walker("reach");
+    let slides = WALKER.replace(
+        "type=\"continuous\"><parent",
+        "type=\"prismatic\"><limit lower=\"-0.5\" upper=\"0.2\" effort=\"1\" velocity=\"1\"/><parent",
+    );
+    std::fs::write(folder.join("slides.urdf"), slides).expect("written");
+    let below = |height: f64| {
+        let obstacle =
+            FLOOR.replace("half_space\" }", &format!("half_space\" }}\npose = {{ position = [0, 0, {height}] }}"));
+        model(&folder, &format!("[[robot]]\nurdf = \"slides.urdf\"\n{obstacle}"))
+    };
+    // The capsule ends 0.25 m from the origin of the leg, which slides by up to 0.5 m.
+    for (height, count) in [(-0.74, 1), (-0.76, 0)] {
+        let mut model = below(height);
+        assert_eq!(pairs(&model).len(), count, "{height}");
+        let reasons: Vec<NeverTouch> = model.contact.left_out.iter().map(|left| left.because).collect();
+        assert_eq!(reasons.contains(&NeverTouch::OutOfReach), count == 0, "{reasons:?}");
+        model.without(&[Left::Limits]);
+        assert_eq!(pairs(&model).len(), 1, "{height}");
+    }
+}
+
+#[test]
+fn meshes_of_links_are_hulls_or_the_hulls_of_their_parts_or_nothing() {
+    let folder = with_walker("meshes_of_links");
+    let hulls = |keys: &str| -> Vec<usize> {
+        let text = FLOATING.replace("walker", "meshed") + FLOOR + keys;
+        let model = model(&folder, &text);
+        assert_eq!(model.contact.meshes.len(), usize::from(!keys.contains("none")));
+        let of_leg = model.mechanism.nonsmooth.colliders.iter().filter(|collider| collider.name == "leg");
+        of_leg
+            .map(|collider| match &collider.shape {
+                Shape::Hull(points) => {
+                    assert!(points.iter().all(|point| point.x <= 12.0) && points.iter().any(|point| point.x >= 2.0));
+                    points.len()
+                }
+                other => panic!("{other:?}"),
+            })
+            .collect()
+    };
+    let link = |choice: &str| format!("[[link]]\nname = \"leg\"\ncollision = \"{choice}\"\n");
+    assert_eq!(hulls(""), [8]);
+    assert_eq!(hulls(&link("hull")), [8]);
+    assert_eq!(hulls(&link("decompose")), [4, 4]);
+    assert_eq!(hulls(&link("none")), [0; 0]);
+}
+
+#[test]
+fn a_mesh_of_a_link_that_cannot_be_used_is_left_out_with_a_warning_where_it_could_touch() {
+    let folder = with_walker("bad_meshes");
+    let meshed = std::fs::read_to_string(folder.join("meshed.urdf")).expect("there");
+    std::fs::write(folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n").expect("written");
+    std::fs::write(folder.join("empty.obj"), "v 0 0 0\n").expect("written");
+    std::fs::write(folder.join("cut.stl"), [0; 90]).expect("written");
+    std::fs::write(folder.join("cut.dae"), "<COLLADA>").expect("written");
+    std::fs::write(folder.join("other.ply"), "ply").expect("written");
+    for (file, reason) in [
+        ("none.obj", "was not found"),
+        ("flat.obj", "is flat"),
+        ("empty.obj", "there is no triangle in it"),
+        ("cut.dae", "is not well-formed XML"),
+        ("other.ply", ".stl, .obj and .dae"),
+    ] {
+        std::fs::write(folder.join("bad.urdf"), meshed.replace("twins.obj", file)).expect("written");
+        let text = FLOATING.replace("walker", "bad");
+        let said = |model: &Model| {
+            let all: Vec<String> = model.warnings.iter().map(ToString::to_string).collect();
+            let about = all.into_iter().filter(|warning| warning.contains("so this shape touches nothing"));
+            about.collect::<Vec<_>>()
+        };
+        let touching = model(&folder, &format!("{text}{FLOOR}"));
+        let warnings = said(&touching);
+        assert_eq!(warnings.len(), 1, "{file}: {warnings:?}");
+        for part in ["bad.urdf:8: link \"leg\": ", file, reason] {
+            assert!(warnings[0].contains(part), "{part:?} in {}", warnings[0]);
+        }
+        assert!(touching.mechanism.nonsmooth.colliders.iter().all(|collider| collider.name != "leg"));
+        // Where nothing can touch, nobody looks.
+        assert_eq!(said(&model(&folder, &text)), [""; 0], "{file}");
+        assert_eq!(said(&model(&folder, &format!("{text}{FLOOR}[contact]\npairs = \"none\"\n"))), [""; 0], "{file}");
+    }
+}
+
+#[test]
+fn a_scene_without_contact_has_no_shapes_and_is_smooth() {
+    let folder = with_walker("smooth");
+    for text in [FLOATING.to_string(), format!("{FLOATING}[contact]\nfriction = 0.1\n"), ONE.to_string()] {
+        let model = model(&folder, &text);
+        let nonsmooth = &model.mechanism.nonsmooth;
+        assert!(nonsmooth.is_empty() && nonsmooth.colliders.is_empty(), "{text}");
+        assert!(model.warnings.iter().all(|warning| !warning.message.contains("contact")), "{:?}", model.warnings);
+    }
+}

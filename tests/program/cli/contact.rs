@@ -1,0 +1,160 @@
+//! Contact on the command line: the floor, which pairs are looked at, what is shown of them, and what a log carries of it.
+
+use crate::common::command::{PENDULUM, assert_one_error, folder, run, text};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+const FLOOR: &str = "[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n";
+
+/// A folder with the pendulum, a ball at the end of its rod, and a scene of it whose pivot is 2.2 m above z = 0.
+fn touching(name: &str, scene: &str) -> PathBuf {
+    let folder = folder(name);
+    let ball = "<link name=\"tip\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>";
+    std::fs::write(folder.join("touching.urdf"), PENDULUM.replace("<link name=\"tip\"/>", ball)).expect("written");
+    let text = format!("[[robot]]\nurdf = \"touching.urdf\"\npose = {{ position = [0, 0, 2.2] }}\n{scene}");
+    std::fs::write(folder.join("scene.toml"), text).expect("written");
+    folder
+}
+
+fn model(folder: &Path, arguments: &[&str]) -> Value {
+    let output = run(folder, &[&["model", "--json"], arguments].concat());
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {}", text(&output.stderr)))
+}
+
+/// The pairs, and the names of the rules that left out others.
+fn pairs(folder: &Path, arguments: &[&str]) -> (Vec<String>, Vec<String>) {
+    let contact = model(folder, arguments)["contact"].take();
+    let name = |pair: &Value, key: &str| pair[key].as_str().expect("a name").to_string();
+    let list = |key: &str| contact[key].as_array().expect("a list").clone();
+    let pairs = list("pairs").iter().map(|pair| format!("{}|{}", name(pair, "a"), name(pair, "b"))).collect();
+    (pairs, list("never_touch").iter().map(|pair| name(pair, "rule")).collect())
+}
+
+#[test]
+fn a_floor_is_put_where_it_is_said_and_a_file_is_not_taken_for_its_height() {
+    let folder = touching("floor", "");
+    // The ball reaches down to 1.1 m below the pivot.
+    let one = (vec!["tip|floor".to_string()], vec![]);
+    let never = (vec![], vec!["out_of_reach".to_string()]);
+    for (arguments, expected) in [
+        (&["--floor", "touching.urdf"][..], &one),
+        (&["touching.urdf", "--floor"], &one),
+        (&["touching.urdf", "--floor", "-1.09"], &one),
+        (&["touching.urdf", "--floor=-1.09"], &one),
+        (&["--floor", "-1.11", "touching.urdf"], &never),
+        (&["--floor", "scene.toml"], &never),
+        (&["scene.toml", "--floor", "1.11"], &one),
+        (&["scene.toml", "--floor", "1.11", "--contact", "all"], &one),
+    ] {
+        assert_eq!(&pairs(&folder, arguments), expected, "{arguments:?}");
+    }
+    let nothing = (vec![], vec![]);
+    for arguments in [&["scene.toml"][..], &["touching.urdf"], &["touching.urdf", "--floor", "--without", "contact"]] {
+        assert_eq!(pairs(&folder, arguments), nothing, "{arguments:?}");
+    }
+    let contact = model(&folder, &["touching.urdf", "--floor", "-1"])["contact"].take();
+    assert_eq!(contact["touching"], "environment");
+    assert_eq!(contact["pairs"], json!([{"a": "tip", "b": "floor", "friction": 0.5, "restitution": 0.0}]));
+    let shape = |index: usize| contact["shapes"][index].clone();
+    let ball = json!({"name": "tip", "obstacle": false, "body": "rod", "shape": "sphere", "radius": 0.1,
+                      "position": [0.0, 0.0, -0.5], "orientation": [1.0, 0.0, 0.0, 0.0]});
+    assert_eq!(shape(0), ball);
+    let floor = json!({"name": "floor", "obstacle": true, "body": "world", "shape": "half_space",
+                       "position": [0.0, 0.0, -1.0], "orientation": [1.0, 0.0, 0.0, 0.0]});
+    assert_eq!(shape(1), floor);
+}
+
+#[test]
+fn the_tables_of_the_model_show_shapes_obstacles_and_pairs_and_why_others_never_touch() {
+    let rules = "[contact]\nfriction = 0.25\n[[contact.pair]]\na = \"tip\"\nb = \"wall\"\nignore = true\n";
+    let wall = "[[obstacle]]\nname = \"wall\"\nshape = { type = \"box\", size = [1, 2, 3] }\n";
+    let folder = touching(
+        "tables",
+        &format!("{}{wall}{rules}", FLOOR.replace("space\" }", "space\" }\npose = { position = [0, 0, 1.2] }")),
+    );
+    let output = run(&folder, &["model", "scene.toml"]);
+    let said = text(&output.stdout);
+    for part in ["radius 0.1000", "half space", "1.000, 2.000, 3.000", "0.2500", "[[contact.pair]] of line 13"] {
+        assert!(said.contains(part), "{part:?} in {said}");
+    }
+    let silent = |arguments: &[&str], why: &str| {
+        let output = run(&folder, &[&["model", "touching.urdf"], arguments].concat());
+        let said = format!("the collision shapes of 1 link touch nothing: {why}");
+        assert!(text(&output.stdout).contains(&said), "{}", text(&output.stdout));
+        assert!(!text(&output.stdout).contains("warning"), "{}", text(&output.stdout));
+    };
+    silent(&[], "there is no obstacle (--floor gives one)");
+    silent(&["--without", "contact"], "contact is left out");
+    silent(&["--contact", "none"], "contact is left out");
+}
+
+#[test]
+fn wrong_contact_writes_nothing() {
+    let folder = touching("wrong_contact", FLOOR);
+    std::fs::write(folder.join("scene.mcap"), "kept").expect("written");
+    for (arguments, part) in [
+        (&["--floor"][..], "the scene has an obstacle \"floor\" already"),
+        (&["--floor", "nan"], "is not finite"),
+        (&["--floor=low"], "\"low\" is not a number"),
+        (&["--contact", "some"], "\"some\" is none of none, environment, all"),
+        (&["--contact"], "--contact"),
+    ] {
+        let output = run(&folder, &[&["simulate", "scene.toml"], arguments].concat());
+        assert_one_error(&output, 2, &format!("{arguments:?}"));
+        assert!(text(&output.stderr).contains(part), "{}", text(&output.stderr));
+    }
+    let output = run(&folder, &["simulate", "touching.urdf", "--floor", "--contact", "none"]);
+    assert_one_error(&output, 2, "a floor that nothing touches");
+    assert!(text(&output.stderr).contains("--contact environment"), "{}", text(&output.stderr));
+    let scene = std::fs::read_to_string(folder.join("scene.toml")).expect("there");
+    for (wrong, part) in [
+        ("friction = -1\n", "scene.toml:7: obstacle.friction: -1 must not be negative"),
+        ("[[contact.pair]]\na = \"foot*\"\nb = \"floor\"\nfriction = 1\n", "scene.toml:7: contact of \"foot*\" and"),
+        ("[[obstacle]]\nshape = { type = \"mesh\", file = \"none.stl\" }\n", "scene.toml:8: obstacle \"obstacle2\": "),
+    ] {
+        std::fs::write(folder.join("scene.toml"), format!("{scene}{wrong}")).expect("written");
+        let output = run(&folder, &["simulate", "scene.toml"]);
+        assert_one_error(&output, 2, wrong);
+        assert!(text(&output.stderr).contains(part), "{}", text(&output.stderr));
+    }
+    assert_eq!(std::fs::read_to_string(folder.join("scene.mcap")).expect("there"), "kept");
+    assert!(!folder.join("touching.mcap").exists());
+}
+
+#[test]
+fn a_report_has_contacts_and_a_log_carries_the_meshes_that_may_touch() {
+    let folder = touching("carried", "");
+    let triangles = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    let ball = "<sphere radius=\"0.1\"/>";
+    let urdf = std::fs::read_to_string(folder.join("touching.urdf")).expect("there");
+    std::fs::write(folder.join("touching.urdf"), urdf.replace(ball, "<mesh filename=\"tip.obj\"/>")).expect("written");
+    std::fs::write(folder.join("tip.obj"), triangles).expect("written");
+    std::fs::write(folder.join("far.obj"), triangles).expect("written");
+    let obstacle =
+        "[[obstacle]]\nshape = { type = \"mesh\", file = \"far.obj\" }\npose = { position = [0.7, 0, 1.4] }\n";
+    let scene = std::fs::read_to_string(folder.join("scene.toml")).expect("there") + obstacle;
+    std::fs::write(folder.join("scene.toml"), scene).expect("written");
+    let output = run(&folder, &["simulate", "scene.toml", "--duration", "0.1", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(report["contact"], json!({"max_penetration": 0.0, "max_cone_violation": 0.0, "points": []}));
+    let output = run(&folder, &["inspect", "scene.mcap", "--json"]);
+    let summary: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let length = Some(triangles.len() as u64);
+    assert_eq!(summary["attachments"]["tip.obj"].as_u64(), length);
+    assert_eq!(summary["attachments"]["far.obj"].as_u64(), length);
+    let topics: Vec<&str> =
+        summary["topics"].as_array().expect("topics").iter().filter_map(|t| t["topic"].as_str()).collect();
+    assert!(topics.contains(&"/contacts") && topics.contains(&"/contact_forces"), "{topics:?}");
+    // The files themselves are not needed any more.
+    std::fs::remove_file(folder.join("tip.obj")).expect("removed");
+    std::fs::remove_file(folder.join("far.obj")).expect("removed");
+    let output = run(&folder, &["replay", "scene.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let output = run(&folder, &["inspect", "scene.mcap", "--at", "0.05", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    // Where nothing can touch, no mesh is carried and none is missed.
+    let output = run(&folder, &["simulate", "touching.urdf", "--duration", "0.1", "--json"]);
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(!report["warnings"].to_string().contains("touches nothing"), "{}", report["warnings"]);
+}

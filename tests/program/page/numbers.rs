@@ -1,0 +1,192 @@
+//! The numbers in a page are those of the log and of the files, unpacked here by the letter of `packing.rs`.
+
+use super::{between, done, header, with_log};
+use serde_json::Value;
+use std::path::Path;
+
+/// The bytes of all arrays of a page.
+pub fn bytes(page: &str) -> Vec<u8> {
+    const DIGITS: &str = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let text = between(page, r#"id="packed">"#, "</script>").trim_end_matches('=');
+    let bits = text.chars().flat_map(|letter| {
+        let digit = DIGITS.find(letter).expect("a digit of base64");
+        (0..6).rev().map(move |bit| (digit >> bit & 1) as u8)
+    });
+    let bits: Vec<u8> = bits.collect();
+    let zlib: Vec<u8> = bits.chunks_exact(8).map(|byte| byte.iter().fold(0, |sum, bit| 2 * sum + bit)).collect();
+    miniz_oxide::inflate::decompress_to_vec_zlib(&zlib).expect("zlib")
+}
+
+/// The words of an array.
+pub fn words(bytes: &[u8], place: &Value) -> Vec<u64> {
+    let [at, count, width, column] =
+        ["at", "count", "width", "column"].map(|key| place[key].as_u64().expect(key) as usize);
+    let mut words: Vec<u64> = Vec::new();
+    for k in 0..count {
+        let word = (0..width).map(|b| u64::from(bytes[at + b * count + k]) << (8 * b)).sum::<u64>();
+        let before = if column > 0 && k % column > 0 { words[k - 1] } else { 0 };
+        let sum = word.wrapping_add(before);
+        words.push(if width == 8 { sum } else { sum & ((1 << (8 * width)) - 1) });
+    }
+    words
+}
+
+pub fn floats(bytes: &[u8], place: &Value) -> Vec<f32> {
+    words(bytes, place).into_iter().map(|word| f32::from_bits(word as u32)).collect()
+}
+
+#[test]
+fn curves_poses_and_events_of_a_page_are_those_of_the_log() {
+    let folder = with_log("curves");
+    done(&folder, &["report", "red.mcap"]);
+    done(&folder, &["inspect", "red.mcap", "--csv", "red.csv"]);
+    let page = std::fs::read_to_string(folder.join("red.html")).expect("a page");
+    let (header, bytes) = (header(&page), bytes(&page));
+    let table = std::fs::read_to_string(folder.join("red.csv")).expect("a table");
+    let mut rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = rows.next().expect("a head");
+    let rows: Vec<Vec<f64>> =
+        rows.map(|row| row.iter().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect()).collect();
+    let column = |name: &str| {
+        let place = head.iter().position(|head| head.split(" [").next() == Some(name)).expect(name);
+        rows.iter().map(|row| row[place]).collect::<Vec<f64>>()
+    };
+    let times: Vec<f64> = words(&bytes, &header["times"]).into_iter().map(f64::from_bits).collect();
+    assert_eq!(times, column("time"));
+    let samples = times.len();
+    assert_eq!((samples, header["samples"].as_u64()), (121, Some(121)));
+    let values = floats(&bytes, &header["values"]);
+    let mut steps = column("step_end");
+    steps.dedup();
+    let steps = steps.len();
+    for name in ["hinge.position", "hinge.velocity", "hinge.reaction_force.z", "energy.kinetic"] {
+        let curves = header["curves"].as_array().expect("curves");
+        let place = curves.iter().position(|curve| curve["name"] == name).expect(name);
+        let found = &values[place * samples..][..samples];
+        let known = found.iter().filter(|value| value.is_finite()).count();
+        for (sample, (found, expected)) in found.iter().zip(column(name)).enumerate() {
+            assert!(found.is_nan() || *found == expected as f32, "{name} of sample {sample}: {found} {expected}");
+        }
+        // Figures of a step are at the first sample after its end, those of joints at every sample.
+        let expected = if name.starts_with("energy") { steps } else { samples };
+        assert_eq!(known, expected, "{name}");
+    }
+    // The origin of the link from the pose of its body, as the page places it: p_body + R(q) arm.
+    let poses = floats(&bytes, &header["poses"]);
+    let link = &header["tree"]["links"][1];
+    assert_eq!((&link["name"], &link["body"]), (&"rod".into(), &0.into()));
+    let arm = nalgebra::Vector3::from_fn(|k, _| link["pose"][k].as_f64().expect("a number"));
+    let [x, y, z] = ["rod.x", "rod.y", "rod.z"].map(column);
+    for sample in 0..samples {
+        let at = |k: usize| f64::from(poses[k * samples + sample]);
+        let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(at(3), at(4), at(5), at(6)));
+        let origin = nalgebra::Vector3::new(at(0), at(1), at(2)) + turn * arm;
+        let expected = nalgebra::Vector3::new(x[sample], y[sample], z[sample]);
+        // Half a metre in single precision.
+        assert!((origin - expected).norm() < 2e-7, "sample {sample}");
+    }
+    let events: Value =
+        serde_json::from_str(&done(&folder, &["inspect", "red.mcap", "--events", "--json"])).expect("JSON");
+    assert_eq!(header["events"], events["list"]);
+    assert!(events["list"].as_array().is_some_and(|list| !list.is_empty()), "it runs into its limit");
+}
+
+#[test]
+fn meshes_are_drawn_once_simplified_to_the_limit_and_boxes_stand_for_those_that_are_missing() {
+    let folder = with_log("meshes");
+    // A ball of 80 by 40 cells.
+    let at = |i: u32, j: u32| {
+        let (a, b) = (f64::from(i) / 80.0 * std::f64::consts::TAU, f64::from(j) / 40.0 * std::f64::consts::PI);
+        // The poles exactly: all their corners are one.
+        let ring = if j.is_multiple_of(40) { 0.0 } else { b.sin() };
+        format!("v {} {} {}\n", a.cos() * ring, a.sin() * ring, b.cos())
+    };
+    let mut ball: String = (0..80).flat_map(|i| (0..=40).map(move |j| at(i, j))).collect();
+    for (i, j) in (0..80u32).flat_map(|i| (0..40).map(move |j| (i, j))) {
+        let corner = |i: u32, j: u32| (i % 80) * 41 + j + 1;
+        ball += &format!("f {} {} {} {}\n", corner(i, j), corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j));
+    }
+    std::fs::write(folder.join("ball.obj"), ball).expect("written");
+    let mesh =
+        |name: &str| format!(r#"<visual><geometry><mesh filename="{name}" scale="0.5 0.5 0.5"/></geometry></visual>"#);
+    let visuals = [mesh("ball.obj"), mesh("ball.obj")].concat();
+    let with = |visuals: &str| super::RED.replace("</inertial>", &format!("</inertial>{visuals}"));
+    std::fs::write(folder.join("ball.urdf"), with(&visuals)).expect("written");
+    let page = |name: &str, more: &[&str]| {
+        done(&folder, &[&["model", name, "-o", "page.html"], more].concat());
+        let page = std::fs::read_to_string(folder.join("page.html")).expect("a page");
+        (header(&page), bytes(&page))
+    };
+    let triangles =
+        |header: &Value| header["meshes"][0]["parts"][0]["triangles"]["count"].as_u64().map(|count| count / 3);
+    let (full, packed) = page("ball.urdf", &[]);
+    assert_eq!(full["meshes"].as_array().map(Vec::len), Some(1), "two visuals share it");
+    // Cells at the poles are triangles: their other half has no area.
+    assert_eq!(triangles(&full), Some(2 * 80 * 40 - 160));
+    let corners = words(&packed, &full["meshes"][0]["parts"][0]["corners"]);
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let (origin, step) = (&full["meshes"][0]["origin"], number(&full["meshes"][0]["step"]));
+    let count = corners.len() / 3;
+    for k in 0..count {
+        let at = |axis: usize| number(&origin[axis]) + step * corners[axis * count + k] as f64;
+        let radius = at(0).hypot(at(1)).hypot(at(2));
+        // Half a step of the grid along each axis.
+        assert!((radius - 1.0).abs() < step, "{radius}");
+    }
+    let (few, _) = page("ball.urdf", &["--mesh-limit", "500"]);
+    assert!(triangles(&few).is_some_and(|count| count > 300 && count <= 500), "{:?}", triangles(&few));
+    assert!(few["notes"].to_string().contains("simplified from 6240 to"), "{}", few["notes"]);
+    let (none, _) = page("ball.urdf", &["--mesh-limit", "0"]);
+    assert!(none["notes"].to_string().contains("2 meshes are left out"), "{}", none["notes"]);
+    assert_eq!(none["shapes"].as_array().map(Vec::len), Some(1), "the box of the URDF is left");
+    let lost = with(&mesh("lost.stl")).replace("<box size=\"0.2 0.2 1\"/>", r#"<mesh filename="lost.dae"/>"#);
+    std::fs::write(folder.join("lost.urdf"), lost).expect("written");
+    let (lost, _) = page("lost.urdf", &[]);
+    assert!(lost["notes"].to_string().contains("lost.stl"), "{}", lost["notes"]);
+    assert_eq!(lost["shapes"][0]["kind"], "box", "of the same inertia");
+}
+
+#[test]
+fn a_page_of_a_log_draws_the_meshes_in_it_when_their_files_are_gone() {
+    let folder = with_log("meshes_of_log");
+    let paint = "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n";
+    let shape =
+        "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 2 3\nusemtl blue\nf 1 2 4\nf 1 4 3\n";
+    std::fs::write(folder.join("two.mtl"), paint).expect("written");
+    std::fs::write(folder.join("two.obj"), shape).expect("written");
+    // Two meshes at the same place, which only the numbers of their markers tell apart, and one of the same triangles.
+    let visual =
+        |scale: &str| format!(r#"<visual><geometry><mesh filename="two.obj" scale="{scale}"/></geometry></visual>"#);
+    let visuals = [visual("1 1 1"), visual("-2 2 2"), visual("1 1 1")].concat();
+    std::fs::write(folder.join("two.urdf"), super::RED.replace("</inertial>", &format!("</inertial>{visuals}")))
+        .expect("written");
+    done(&folder, &["simulate", "two.urdf", "--duration", "0.1", "--quiet"]);
+    std::fs::remove_file(folder.join("two.obj")).expect("removed");
+    done(&folder, &["report", "two.mcap", "-o", "two.html"]);
+    let header = header(&std::fs::read_to_string(folder.join("two.html")).expect("a page"));
+    let meshes = header["meshes"].as_array().expect("meshes");
+    assert_eq!(meshes.len(), 2, "the first and the third are one");
+    for (mesh, origin) in meshes.iter().zip([0.0, -2.0]) {
+        assert_eq!(mesh["origin"][0], origin);
+        let parts = mesh["parts"].as_array().expect("parts");
+        let of_parts = parts.iter().map(|part| (part["color"].clone(), part["triangles"]["count"].as_u64()));
+        let expected =
+            [(serde_json::json!([1.0, 0.0, 0.0, 1.0]), Some(3)), (serde_json::json!([0.0, 0.0, 1.0, 1.0]), Some(6))];
+        assert_eq!(of_parts.collect::<Vec<_>>(), expected);
+    }
+    let drawn: Vec<&Value> =
+        header["shapes"].as_array().expect("shapes").iter().filter(|shape| shape["kind"] == "mesh").collect();
+    assert_eq!(drawn.iter().map(|shape| shape["mesh"].as_u64()).collect::<Vec<_>>(), [Some(0), Some(1), Some(0)]);
+    // The scale is in the triangles.
+    assert!(drawn.iter().all(|shape| shape["size"] == serde_json::json!([1.0, 1.0, 1.0])), "{drawn:?}");
+}
+
+#[test]
+fn a_page_of_an_arm_is_small() {
+    let folder = with_log("small");
+    let arm = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/arm7.urdf");
+    done(&folder, &["simulate", &arm.to_string_lossy(), "--duration", "10", "--report", "arm.html", "--quiet"]);
+    let size = std::fs::metadata(folder.join("arm.html")).expect("a page").len();
+    // What issue 35 asks for.
+    assert!(size <= 1_500_000, "{size} bytes");
+}
