@@ -16,17 +16,34 @@ import tempfile
 import time
 from pathlib import Path
 
+import rerun as rr
 import rerun.blueprint as rrb
+from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 
 APPLICATION = "catena"
+
+
+def figures(name, topic, message, fields):
+    """A view of fields of a message, which rerun does not draw by itself."""
+
+    def curve(field):
+        source = VisualizerComponentMapping(
+            target="Scalars:scalars",
+            source_kind=ComponentSourceKind.SourceComponent,
+            source_component=f"{message}:message",
+            selector=f".{field}",
+        )
+        return rr.SeriesLines(names=field).visualizer(mappings=[source])
+
+    return rrb.TimeSeriesView(origin=topic, name=name, overrides={topic: [curve(field) for field in fields]})
 
 
 def blueprint(eye, target):
     curves = [
         rrb.TimeSeriesView(origin="/joint_states/position", name="joint positions [rad, m]"),
         rrb.TimeSeriesView(origin="/joint_states/velocity", name="joint velocities [rad/s, m/s]"),
-        rrb.TimeSeriesView(origin="/energy", name="energy: kinetic, potential, total [J]"),
-        rrb.TextLogView(origin="/log", name="warnings"),
+        figures("energy [J]", "/energy", "catena_msgs.msg.Energy", ["kinetic", "potential", "total"]),
+        rrb.TextLogView(origin="/rosout", name="warnings"),
     ]
     robot = rrb.Spatial3DView(
         origin="/",
