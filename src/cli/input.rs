@@ -108,6 +108,14 @@ impl Loaded {
         // What limits alone moved is said apart.
         let mechanism = &self.model.mechanism;
         let open = violation(mechanism, &given, &body_states(mechanism, &given)).position > UNNOTICEABLE;
+        let apart = correction.overlap.and_then(|(number, depth)| {
+            let pair = mechanism.nonsmooth.pairs.iter().find(|pair| pair.number == number)?;
+            let [a, b] = [pair.a, pair.b].map(|of| mechanism.nonsmooth.colliders[of].name.as_str());
+            Some(format!(
+                "{a:?} and {b:?} start {depth:.1e} m inside each other: the start was moved apart, positions by up to {:.1e} rad or m",
+                correction.position
+            ))
+        });
         if mechanism.has_closures()
             && ((open && correction.position > UNNOTICEABLE) || correction.velocity > UNNOTICEABLE)
         {
@@ -118,6 +126,10 @@ impl Loaded {
                 self.moved(&wanted, &state)
             );
             self.model.warnings.push(Warning { file: file.to_path_buf(), line: None, element: None, message });
+        }
+        if let Some(message) = apart {
+            let file = self.model.path().to_path_buf();
+            self.model.warnings.push(Warning { file, line: None, element: None, message });
         }
         self.model.warnings.extend(self.model.moved_in_warning(&given, &state));
         self.model.warnings.extend(self.model.limit_warning(&state));

@@ -75,20 +75,25 @@ pub(crate) fn move_apart(
     true
 }
 
-/// Moves a state apart; `close` brings it back on what else has to hold. Says which pair still overlaps, by its number, and by how much (m).
+/// A pair that overlaps, by its number, and by how much (m); none if nothing does.
+pub(crate) type Overlap = Option<(usize, f64)>;
+
+/// Moves a state apart; `close` brings it back on what else has to hold. Says which pair overlapped most, and which still does.
 pub(crate) fn without_overlap<E>(
     mechanism: &Mechanism,
     state: &mut State,
     mut close: impl FnMut(&mut State) -> Result<(), E>,
-) -> Result<Option<(usize, f64)>, E> {
+) -> Result<(Overlap, Overlap), E> {
     let touching = Touching::new(mechanism);
     if touching.pairs.is_empty() {
-        return Ok(None);
+        return Ok((None, None));
     }
+    let named = |(pair, depth): (usize, f64)| (touching.pairs[pair].number, depth);
+    let first = deepest(&touching, mechanism, state).map(named);
     let mut response = None;
     for _ in 0..ROUNDS {
         if deepest(&touching, mechanism, state).is_none() {
-            return Ok(None);
+            return Ok((first, None));
         }
         let response = response.get_or_insert_with(|| Response::new(mechanism));
         if !move_apart(&touching, mechanism, response, state) {
@@ -98,5 +103,5 @@ pub(crate) fn without_overlap<E>(
     }
     let left = deepest(&touching, mechanism, state);
     let left = left.filter(|&(pair, depth)| depth > 1e-12 * touching.pairs[pair].size);
-    Ok(left.map(|(pair, depth)| (touching.pairs[pair].number, depth)))
+    Ok((first, left.map(named)))
 }

@@ -36,6 +36,8 @@ pub struct Correction {
     pub position: f64,
     /// Largest change of a joint velocity [m/s or rad/s].
     pub velocity: f64,
+    /// The pair of shapes that overlapped most, by its number, and by how much (m), where any did.
+    pub overlap: Option<(usize, f64)>,
 }
 
 /// Which equations of the closures say nothing new at a configuration.
@@ -129,9 +131,11 @@ pub fn assemble_counted(
     let mut done = close(mechanism, state)?;
     let again = |state: &mut State| {
         done = close(mechanism, state)?;
-        Ok(())
+        Ok::<(), AssemblyError>(())
     };
-    if let Some((number, depth)) = without_overlap(mechanism, state, again)? {
+    let (overlap, left) = without_overlap(mechanism, state, again)?;
+    done.0.overlap = overlap;
+    if let Some((number, depth)) = left {
         let nonsmooth = &mechanism.nonsmooth;
         let pair = nonsmooth.pairs.iter().find(|pair| pair.number == number);
         let name = |of: usize| nonsmooth.colliders[of].name.clone();
