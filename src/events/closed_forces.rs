@@ -17,7 +17,7 @@ use crate::instant::cone::margin_or_clear;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::response::Response;
 use crate::mechanism::description::body_state::BodyState;
-use crate::mechanism::motion::kinematics::{BodyAcceleration, body_states};
+use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
 use nalgebra::{DMatrix, DVector};
@@ -50,11 +50,7 @@ pub(super) fn blocks(at: &Present, bodies: &[BodyState]) -> Vec<Block> {
     let contacts = mode.contacts.iter().enumerate().map(|(index, closed)| {
         let friction = touching.pairs[closed.contact.pair].friction;
         let joint = &closed.contact.joint;
-        let law = match slide(closed, bodies) {
-            _ if friction == 0.0 => Law::Interval { lower: 0.0, upper: f64::INFINITY },
-            Some(direction) => Law::Sliding { friction, direction },
-            None => Law::Contact { friction },
-        };
+        let law = Law::of_contact(friction, slide(closed, bodies));
         Block { of: Of::Contact(index), law, rows: rows_of_contact(whole, bodies, joint, friction > 0.0) }
     });
     held.chain(contacts).collect()
@@ -154,19 +150,7 @@ pub(super) fn offsets(
     let Present { whole, elements, mode, .. } = *at;
     let mut free = vec![0.0; whole.velocity_count];
     response.accelerations(state, efforts, &mut free);
-    let mut offset = Vec::new();
-    let mut room = vec![BodyAcceleration::default(); bodies.len()];
-    for block in blocks {
-        match block.of {
-            Of::Joint(index) => offset.push(free[elements.joints[index].coordinate.freedom]),
-            Of::Contact(index) => {
-                let joint = &mode.contacts[index].contact.joint;
-                let second = second_rates(whole, bodies, state, joint, &free, &mut room);
-                offset.extend_from_slice(&second[..block.rows.len()]);
-            }
-        }
-    }
-    offset
+    second_rates(whole, elements, bodies, state, &free, blocks, |contact| &mode.contacts[contact].contact.joint)
 }
 
 /// Which rows are equations, and what their forces push with.

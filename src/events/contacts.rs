@@ -112,8 +112,7 @@ impl Contacts {
         let contact = &self.all[index];
         let friction = scene.touching.pairs[contact.pair].friction;
         let rows = rows_of_contact(scene.whole, bodies, &contact.joint, friction > 0.0);
-        let law =
-            if friction > 0.0 { Law::Contact { friction } } else { Law::Interval { lower: 0.0, upper: f64::INFINITY } };
+        let law = Law::of_contact(friction, None);
         Block { of: Of::Contact(index), law, rows }
     }
 

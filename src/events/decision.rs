@@ -26,7 +26,7 @@ use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Side;
-use crate::mechanism::motion::kinematics::{BodyAcceleration, body_states};
+use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
 use nalgebra::{DMatrix, Vector3};
@@ -141,11 +141,7 @@ pub(crate) fn decide(
         }
         let friction = touching.pairs[candidate.contact.pair].friction;
         let joint = &candidate.contact.joint;
-        let law = match direction_in(joint, &bodies, &candidate.slip) {
-            _ if friction == 0.0 => Law::Interval { lower: 0.0, upper: f64::INFINITY },
-            Some(direction) => Law::Sliding { friction, direction },
-            None => Law::Contact { friction },
-        };
+        let law = Law::of_contact(friction, direction_in(joint, &bodies, &candidate.slip));
         let rows = rows_of_contact(whole, &bodies, joint, friction > 0.0);
         blocks.push(Block { of: Of::Contact(index), law, rows });
     }
@@ -155,18 +151,8 @@ pub(crate) fn decide(
     let mut free = vec![0.0; state.velocity.len()];
     response.accelerations(state, &efforts, &mut free);
     let rows = Rows::of(response, state, &blocks);
-    let mut offset: Vec<f64> = Vec::new();
-    let mut room = vec![BodyAcceleration::default(); bodies.len()];
-    for block in &blocks {
-        match block.of {
-            Of::Joint(index) => offset.push(free[elements.joints[index].coordinate.freedom]),
-            Of::Contact(index) => {
-                let joint = &candidates[index].contact.joint;
-                let second = second_rates(whole, &bodies, state, joint, &free, &mut room);
-                offset.extend_from_slice(&second[..block.rows.len()]);
-            }
-        }
-    }
+    let offset =
+        second_rates(whole, elements, &bodies, state, &free, &blocks, |contact| &candidates[contact].contact.joint);
     let mut row = 0;
     for block in &mut blocks {
         let load = offset[row].abs() / rows.square[(row, row)].max(f64::MIN_POSITIVE);

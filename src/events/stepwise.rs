@@ -151,9 +151,8 @@ impl Eventful {
                 continue;
             }
             for (contact, gap) in self.touching.near(pair, &bodies, within) {
-                let rubs = of.friction > 0.0;
-                let rows = rows_of_contact(&self.whole, &bodies, &contact.joint, rubs);
-                let law = if rubs { Law::Contact { friction: of.friction } } else { unbounded };
+                let rows = rows_of_contact(&self.whole, &bodies, &contact.joint, of.friction > 0.0);
+                let law = Law::of_contact(of.friction, None);
                 blocks.push(Block { of: Of::Contact(pair), law, rows });
                 gaps.push(gap);
             }

@@ -12,6 +12,7 @@
 //! accelerations by `Y Wᵀ r`.
 
 use crate::instant::cone::problem::Law;
+use crate::instant::elements::Elements;
 use crate::instant::response::Response;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
@@ -93,19 +94,33 @@ pub(crate) fn rows_of_contact(
         .collect()
 }
 
-/// The second rates of a contact's rows, for accelerations of the joints: of its gap, and of its slip along both tangents [m/s²].
-pub(crate) fn second_rates(
+/// Ẇ v + W a: the second rates of the rows of blocks, for accelerations a of the joints; `touching` gives the contact of a number.
+pub(crate) fn second_rates<'c>(
     mechanism: &Mechanism,
+    elements: &Elements,
     bodies: &[BodyState],
     state: &State,
-    joint: &TouchJoint,
     accelerations: &[f64],
-    room: &mut [BodyAcceleration],
-) -> [f64; 3] {
-    body_accelerations(mechanism, bodies, &state.velocity, accelerations, room);
-    let touch = touch_motion(joint, bodies);
-    let [first, second] = tangents(&touch.normal);
-    touch_accelerations(joint, bodies, room, &[first, second])
+    blocks: &[Block],
+    touching: impl Fn(usize) -> &'c TouchJoint,
+) -> Vec<f64> {
+    let mut of_bodies = vec![BodyAcceleration::default(); bodies.len()];
+    if blocks.iter().any(|block| matches!(block.of, Of::Contact(_))) {
+        body_accelerations(mechanism, bodies, &state.velocity, accelerations, &mut of_bodies);
+    }
+    let mut rates = Vec::with_capacity(blocks.iter().map(|block| block.rows.len()).sum());
+    for block in blocks {
+        match block.of {
+            Of::Joint(index) => rates.push(accelerations[elements.joints[index].coordinate.freedom]),
+            Of::Contact(index) => {
+                let joint = touching(index);
+                let tangents = tangents(&touch_motion(joint, bodies).normal);
+                let along = touch_accelerations(joint, bodies, &of_bodies, &tangents);
+                rates.extend_from_slice(&along[..block.rows.len()]);
+            }
+        }
+    }
+    rates
 }
 
 impl Rows {

@@ -23,7 +23,7 @@ use crate::instant::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::BodyWrench;
-use crate::mechanism::motion::kinematics::{BodyAcceleration, body_states};
+use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{TouchMotion, tangents, touch_motion};
 use nalgebra::Vector3;
@@ -121,15 +121,11 @@ impl Exerted {
                 if touch.rate > AT_REST {
                     continue;
                 }
-                let law = if of.friction == 0.0 {
-                    Law::Interval { lower: 0.0, upper: f64::INFINITY }
-                } else if touch.slip.norm() > AT_REST {
+                let slides = (touch.slip.norm() > AT_REST).then(|| {
                     let along = touch.slip.normalize();
-                    let direction = tangents(&touch.normal).map(|tangent| tangent.dot(&along));
-                    Law::Sliding { friction: of.friction, direction }
-                } else {
-                    Law::Contact { friction: of.friction }
-                };
+                    tangents(&touch.normal).map(|tangent| tangent.dot(&along))
+                });
+                let law = Law::of_contact(of.friction, slides);
                 let rows = rows_of_contact(&self.mechanism, bodies, &contact.joint, of.friction > 0.0);
                 self.blocks.push(Block { of: Of::Contact(contacts.len()), law, rows });
                 contacts.push((contact, touch));
@@ -143,17 +139,8 @@ impl Exerted {
         let Exerted { elements, mechanism, response, state, efforts, wrenches, free, blocks, .. } = self;
         response.accelerations(state, efforts, free);
         let rows = Rows::of(response, state, blocks);
-        let mut offset = Vec::with_capacity(rows.square.nrows());
-        let mut room = vec![BodyAcceleration::default(); bodies.len()];
-        for block in &*blocks {
-            match block.of {
-                Of::Joint(index) => offset.push(free[elements.joints[index].coordinate.freedom]),
-                Of::Contact(index) => {
-                    let second = second_rates(mechanism, bodies, state, &contacts[index].0.joint, free, &mut room);
-                    offset.extend_from_slice(&second[..block.rows.len()]);
-                }
-            }
-        }
+        let offset =
+            second_rates(mechanism, elements, bodies, state, free, blocks, |contact| &contacts[contact].0.joint);
         let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
         let problem = Problem { mobility: &rows.square, free: &offset, laws: &laws };
         let forces = match solve(&problem, None) {

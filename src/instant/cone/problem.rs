@@ -37,6 +37,15 @@ pub(crate) enum Law {
 }
 
 impl Law {
+    /// That of a contact that sticks, or slides in this direction of its tangents; without friction only its normal has a row.
+    pub fn of_contact(friction: f64, slides: Option<[f64; 2]>) -> Self {
+        match slides {
+            _ if friction == 0.0 => Law::Interval { lower: 0.0, upper: f64::INFINITY },
+            Some(direction) => Law::Sliding { friction, direction },
+            None => Law::Contact { friction },
+        }
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         match self {
