@@ -7,7 +7,7 @@ use crate::cli::simulate::Setup;
 use crate::cli::{Failure, print};
 use anyhow::anyhow;
 use catena::output::log::{Difference, Recorder};
-use catena::session::{DRIVEN, Error, Settled};
+use catena::session::{DRIVEN, Error, Settled, TOLD};
 use catena::simulation::{RunError, Simulation, SimulationOptions};
 use clap::Args;
 use std::path::PathBuf;
@@ -46,10 +46,19 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let switched_off = &recorded.arguments.input.keep[..];
     let run = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
     let mut recorder;
-    let mut simulation =
-        Simulation::from_counted(&model.mechanism, state, recorded.loaded.counted.clone(), run).map_err(Error::from)?;
+    let counted = recorded.loaded.counted.clone();
+    // Earlier versions made trial runs, and so do runs whose log is a pipe.
+    let simulation = if recorded.simulation.contains_key(TOLD) {
+        Simulation::at_once(&model.mechanism, state, counted, run)
+    } else {
+        Simulation::from_counted(&model.mechanism, state, counted, run)
+    };
+    let mut simulation = simulation.map_err(Error::from)?;
     let stages = simulation.description().stages as f64;
     recorder = Recorder::compare(log, model, stages, &options).map_err(Failure::run)?;
+    if simulation.tells_at_once() {
+        recorder.wait_for_the_end();
+    }
     simulation.sample_at(rate);
     simulation.observe(&mut recorder);
     let ended = simulation.run();
@@ -58,7 +67,7 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     match ended {
         Err(error @ RunError::Interrupted { .. }) => return Err(Failure::interrupted(error)),
         // A run that failed does so again, and has the same log up to there.
-        Ok(()) | Err(RunError::Step(_) | RunError::Observer(_)) => {}
+        Ok(()) | Err(RunError::Step(_) | RunError::Observer(_) | RunError::BeginsAgain { .. }) => {}
     }
     let version = env!("CARGO_PKG_VERSION");
     let (messages, time) = (compared.messages, compared.time);

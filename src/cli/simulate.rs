@@ -9,7 +9,7 @@ use crate::cli::log_options::LogArgs;
 use crate::cli::numbers::{Assignment, numbers, pairs, positive, rate};
 use crate::cli::page_files::{check_page, is_same};
 use crate::cli::progress::{PilotsShown, Progress};
-use crate::cli::special_output::open_special;
+use crate::cli::special_output::{is_special, open_special};
 use crate::cli::{Failure, print, print_json};
 use anyhow::{Context, anyhow};
 use catena::mechanism::motion::state::State;
@@ -166,15 +166,20 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     // The run ends after the step it is in.
     let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
     let shows = !arguments.quiet && std::io::stderr().is_terminal();
-    let pilots = (shows && choice.tolerance().is_some()).then(PilotsShown::new);
     let switched_off = &arguments.input.keep[..];
     let options = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
     // They outlive the run, which they watch.
     let (mut recorder, mut progress, mut speeds);
     let start = arguments.check.then(|| state.clone());
     let account = Account::open(model, &state, settled);
-    let mut simulation = Simulation::from_counted(mechanism, state, counted.clone(), options).map_err(Error::from)?;
-    drop(pilots);
+    // A pipe keeps what was written, so that nothing can begin again.
+    let simulation = if output.as_deref().is_some_and(is_special) {
+        let _pilots = (shows && choice.tolerance().is_some()).then(PilotsShown::new);
+        Simulation::from_counted(mechanism, state, counted.clone(), options)
+    } else {
+        Simulation::at_once(mechanism, state, counted.clone(), options)
+    };
+    let mut simulation = simulation.map_err(Error::from)?;
     let begun = account.begun(model, counted.as_deref(), &simulation);
     recorder = match &output {
         Some(path) => {

@@ -13,12 +13,17 @@ use std::time::Duration;
 /// How often it is asked whether the run is interrupted.
 const INTERVAL: Duration = Duration::from_millis(50);
 
+/// Whether what is at a path is a pipe or device, which keeps what was written.
+pub fn is_special(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file())
+}
+
 /// Opens what is at a path and no file; `None` where there is a file or nothing, or where it cannot be opened, which the log will say.
 ///
 /// # Errors
 /// If the run is interrupted while nobody reads it.
 pub fn open_special(path: &Path, interrupted: &AtomicBool) -> anyhow::Result<Option<File>> {
-    if std::fs::metadata(path).map_or(true, |metadata| metadata.is_file()) {
+    if !is_special(path) {
         return Ok(None);
     }
     let (opened, wait) = channel();

@@ -95,6 +95,8 @@ pub struct Eventful {
     pub(super) stepped_in: Option<Mode>,
     /// For the forces that are reported.
     pub(super) reporting: RefCell<Reporting>,
+    /// Whether a companion goes along until the first event.
+    accompanied: bool,
 }
 
 impl Eventful {
@@ -169,6 +171,7 @@ impl Eventful {
             quiet: 0,
             stepped_in: None,
             reporting: RefCell::new(Reporting::new(mechanism)),
+            accompanied: false,
             whole: mechanism.clone(),
         })
     }
@@ -176,6 +179,25 @@ impl Eventful {
     /// Whether stability, and not accuracy, has limited a step.
     pub fn was_held_by_stability(&self) -> bool {
         self.pieces.iter().filter_map(|piece| piece.steps.as_ref()).any(|steps| steps.was_held_by_stability())
+    }
+
+    /// Carries a companion from the first step on, which shows what errors the steps make, up to the first event.
+    pub(crate) fn accompany(&mut self) {
+        self.accompanied = true;
+    }
+
+    /// Carries it no more.
+    pub(crate) fn leave_companion(&mut self) {
+        self.accompanied = false;
+        self.pieces.iter_mut().filter_map(|piece| piece.steps.as_mut()).for_each(|steps| steps.leave_companion());
+    }
+
+    /// Writes where the companion is after the last step; `false` if there is none, or none any more.
+    pub(crate) fn place_companion(&self, state: &mut State) -> bool {
+        let Some(piece) = self.pieces.get(self.current).filter(|_| self.accompanied) else { return false };
+        let Some(companion) = piece.steps.as_ref().and_then(|steps| steps.companion()) else { return false };
+        piece.moving.spread(&self.whole, companion.state(), state);
+        true
     }
 
     /// The height that accumulating impacts may leave.
@@ -254,6 +276,10 @@ impl Eventful {
 
     /// Carries out the event at a state, and enters the mode that follows; returns the energy lost (J).
     pub(super) fn pass(&mut self, inputs: Inputs, state: &mut State, triggers: &[Watched]) -> f64 {
+        // Events happen to two motions at two times.
+        if self.accompanied {
+            self.leave_companion();
+        }
         self.carry_out(inputs, state, Found { triggers, height: self.height(), anew: false })
     }
 
@@ -343,7 +369,10 @@ impl Eventful {
         let mut moving = Held::new(&self.whole, state, key.held.clone(), &key.closures);
         let drives = Drives::add(&self.elements, &self.mode, &self.whole, &mut moving);
         // Stages and steps were accepted for the whole.
-        let steps = if moving.is_empty() { None } else { self.recipe.make(&moving.mechanism).ok() };
+        let mut steps = if moving.is_empty() { None } else { self.recipe.make(&moving.mechanism).ok() };
+        if let Some(steps) = steps.as_mut().filter(|_| self.accompanied) {
+            steps.accompany(&moving.mechanism);
+        }
         let (positions, freedoms) = (moving.mechanism.position_count, moving.mechanism.velocity_count);
         let small = State::zero(&moving.mechanism);
         let piece = Piece {

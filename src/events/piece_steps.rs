@@ -9,6 +9,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::reduced::Dop853;
+use crate::stepping::companion::Companion;
 use crate::stepping::integrator::{Lobatto, MethodError, StepPace};
 use crate::stepping::recipe::{Recipe, Steps};
 
@@ -85,6 +86,17 @@ pub(super) trait PieceSteps: Integrator + Send {
 
     /// Whether stability, and not accuracy, has limited a step.
     fn was_held_by_stability(&self) -> bool;
+
+    /// Carries a companion from the next step on, where there can be one ([`Lobatto::accompany`]).
+    fn accompany(&mut self, _mechanism: &Mechanism) {}
+
+    /// Carries it no more.
+    fn leave_companion(&mut self) {}
+
+    /// The companion.
+    fn companion(&self) -> Option<&Companion> {
+        None
+    }
 }
 
 impl PieceSteps for Lobatto {
@@ -114,6 +126,20 @@ impl PieceSteps for Lobatto {
 
     fn was_held_by_stability(&self) -> bool {
         Lobatto::was_held_by_stability(self)
+    }
+
+    fn accompany(&mut self, mechanism: &Mechanism) {
+        if !mechanism.has_closures() {
+            Lobatto::accompany(self, mechanism);
+        }
+    }
+
+    fn leave_companion(&mut self) {
+        Lobatto::leave_companion(self);
+    }
+
+    fn companion(&self) -> Option<&Companion> {
+        Lobatto::companion(self)
     }
 }
 

@@ -16,7 +16,7 @@ use crate::output::report::{
     singular_warning, unsolved_warning,
 };
 use crate::session::asked::{DEFAULT_TOLERANCE, Settled};
-use crate::session::description::{Origin, description, figures};
+use crate::session::description::{Origin, TOLD, description, figures};
 use crate::session::error::Error;
 use crate::simulation::{Finished, RunError, Simulation};
 use cpu_time::ProcessTime;
@@ -37,9 +37,7 @@ pub struct Account {
 pub struct Begun {
     account: Account,
     model: ModelReport,
-    accuracy: Option<AccuracyReport>,
-    accuracy_unknown: Option<String>,
-    /// What cannot be reached.
+    /// What cannot be reached, whatever the steps.
     warnings: Vec<String>,
 }
 
@@ -69,17 +67,10 @@ impl Account {
     /// Before the first step; `counted` is what was counted of the closures at the start.
     pub fn begun(self, model: &Model, counted: Option<&Counted>, simulation: &Simulation) -> Begun {
         let redundancy = counted.map(|counted| redundancy_counted(&model.mechanism, counted)).unwrap_or_default();
-        let (mut accuracy, accuracy_unknown) = match AccuracyReport::of(simulation) {
-            Ok(accuracy) => (Some(accuracy), None),
-            Err(reason) => (None, Some(reason.to_string())),
-        };
-        let mut warnings: Vec<String> = accuracy.as_ref().and_then(AccuracyReport::warning).into_iter().collect();
-        if let Some(far) = &self.far {
-            warnings.extend(far.warning(self.settled.choice.tolerance().unwrap_or(DEFAULT_TOLERANCE)));
-            accuracy.iter_mut().for_each(|accuracy| accuracy.see_rounding(far));
-        }
+        let tolerance = self.settled.choice.tolerance().unwrap_or(DEFAULT_TOLERANCE);
+        let warnings = self.far.iter().filter_map(|far| far.warning(tolerance)).collect();
         let model = ModelReport::new(model, &redundancy, simulation.parts());
-        Begun { account: self, model, accuracy, accuracy_unknown, warnings }
+        Begun { account: self, model, warnings }
     }
 }
 
@@ -98,7 +89,10 @@ impl Begun {
         interrupted: &Arc<AtomicBool>,
     ) -> Result<Recorder, Error> {
         let Settled { duration, rate, choice } = self.account.settled;
-        let described = description(model, duration, rate, choice, simulation.description(), origin);
+        let mut described = description(model, duration, rate, choice, simulation.description(), origin);
+        if simulation.tells_at_once() {
+            described.insert(TOLD.to_string(), "by the run".to_string());
+        }
         let mut recorder = Recorder::create(path, model, described, options)?;
         recorder.heed(interrupted);
         self.warnings.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
@@ -108,10 +102,18 @@ impl Begun {
     /// Completes the log, whatever ended the run, and says how the run ended and what there is to say of it. `input` is what the user called
     /// the model.
     pub fn close(self, model: &Model, input: String, run: Ended) -> (Report, Result<(), Error>) {
-        let Begun { account, model: model_report, mut accuracy, accuracy_unknown, warnings: unreached } = self;
+        let Begun { account, model: model_report, warnings: unreached } = self;
         let Ended { finished, ended, checked, speeds, recorder, output } = run;
         let Settled { duration, choice, .. } = account.settled;
         let mechanism = &model.mechanism;
+        let (mut accuracy, accuracy_unknown) = match AccuracyReport::of(choice, &finished) {
+            Ok(accuracy) => (Some(accuracy), None),
+            Err(reason) => (None, Some(reason.to_string())),
+        };
+        let of_accuracy: Vec<String> = accuracy.as_ref().and_then(AccuracyReport::warning).into_iter().collect();
+        if let (Some(accuracy), Some(far)) = (&mut accuracy, &account.far) {
+            accuracy.see_rounding(far);
+        }
         let (events, contact) = (EventReport::new(model, &finished), ContactsReport::new(model, &finished));
         let Finished { state, summary, method, islands, joints: statuses, .. } = finished;
         let step_error = choice.step().and_then(|_| match checked {
@@ -123,8 +125,9 @@ impl Begun {
         if let Some(accuracy) = &mut accuracy {
             accuracy.see_energy(&summary);
         }
-        let of_method: Vec<String> = MethodReport::warning(&method)
+        let of_method: Vec<String> = of_accuracy
             .into_iter()
+            .chain(MethodReport::warning(&method))
             .chain(balance_warning(&method, &summary))
             .chain(step_error.and_then(|error| error.warning(&method)))
             .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))

@@ -9,6 +9,9 @@ use std::collections::BTreeMap;
 /// The entry of a log that says who has driven a run which its files alone do not tell.
 pub const DRIVEN: &str = "driven";
 
+/// The entry of a log that says that the run itself has told its accuracy, without trial runs before it.
+pub const TOLD: &str = "accuracy";
+
 /// Who has made a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Origin {

@@ -17,7 +17,7 @@ mod world;
 
 pub use account::{Account, Begun, Ended};
 pub use asked::{Asked, Settled};
-pub use description::{DRIVEN, Origin};
+pub use description::{DRIVEN, Origin, TOLD};
 pub use error::{ControllerFailure, Error};
 pub use loaded::{Assembled, Loaded};
 pub use place::{check_log, check_place, folder_of};

@@ -31,7 +31,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::event::Event;
-use crate::mechanism::motion::integrator::StepOutcome;
+use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::event_order::first_difference;
 use crate::simulation::run_integrator::RunIntegrator;
@@ -68,7 +68,24 @@ const SATURATED: f64 = 1e-2;
 /// Finest pilots that have parted before so many of the instants at which they were compared are looked at more closely.
 const CLOSELY: usize = 8;
 
-/// What the pilot runs found.
+/// Why the accuracy of a run is not known.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum UnknownAccuracy {
+    /// Stages and steps were given.
+    #[error("no --tolerance was asked for")]
+    NotAsked,
+    /// The run has made no step yet.
+    #[error("the run ended before anything was known of its error")]
+    NotYet,
+    /// Efforts from outside act, which what tells the accuracy does not feel.
+    #[error("efforts that a program decides on act on the joints")]
+    Driven,
+    /// A trial run failed, as the run will.
+    #[error("a trial run failed: {0}")]
+    TrialFailed(StepError),
+}
+
+/// What the pilot runs found, or the run itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
     /// The iteration stop to run with.
@@ -83,8 +100,10 @@ pub struct Calibration {
     pub parted: bool,
     /// Where the accuracy does not hold to the end, the first instant (s) from which the finest pilots meet other events: impacts, sticking, bounds of motors.
     pub events_differ: Option<f64>,
-    /// Number of pilot runs.
+    /// Number of pilot runs: none where the run itself has told its accuracy.
     pub pilots: usize,
+    /// How often the run has begun.
+    pub begun: usize,
 }
 
 impl Calibration {
@@ -191,6 +210,7 @@ pub(crate) fn calibrate_counted(
         events_differ: differ,
         parted,
         pilots: search.pilots,
+        begun: 1,
     })
 }
 

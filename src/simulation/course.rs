@@ -37,6 +37,9 @@ pub enum RunError {
     /// The interrupt flag was set.
     #[error("interrupted at t = {time} s")]
     Interrupted { time: f64 },
+    /// The steps were too coarse: the run begins again from its start with finer ones, which [`Simulation::run`](crate::simulation::Simulation::run) does.
+    #[error("at t = {time} s the run is not as accurate as was asked for")]
+    BeginsAgain { time: f64 },
 }
 
 /// Runs `integrator` from `state` for `options.duration` and shows it to the observers.
@@ -180,6 +183,9 @@ impl Course {
             let outcome = integrator.step(mechanism, inputs, state, end);
             self.solving += clock.elapsed();
             let outcome = outcome?;
+            if integrator.begins_again() {
+                return Err(RunError::BeginsAgain { time: state.time });
+            }
             self.see_events(integrator, observers);
             place_bodies(mechanism, state, &mut self.bodies);
             self.bookkeeper.record(mechanism, state, &self.bodies, outcome);

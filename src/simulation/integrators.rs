@@ -4,10 +4,10 @@
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::description::rules::Rule;
-use crate::mechanism::motion::integrator::StepError;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::state::State;
-use crate::simulation::accuracy::{Calibration, calibrate_counted};
+use crate::simulation::accuracy::{Calibration, UnknownAccuracy, calibrate_counted};
+use crate::simulation::assessed::{Assessed, Terms};
 use crate::simulation::islands::Islands;
 use crate::simulation::partition::Plan;
 use crate::simulation::run_integrator::RunIntegrator;
@@ -50,17 +50,6 @@ pub(crate) enum Integrators {
     },
 }
 
-/// Why the accuracy of a run is not known.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum UnknownAccuracy {
-    /// Stages and steps were given.
-    #[error("no --tolerance was asked for")]
-    NotAsked,
-    /// A trial run failed, as the run will.
-    #[error("a trial run failed: {0}")]
-    TrialFailed(StepError),
-}
-
 /// What trial runs have found: one entry for each integrator.
 pub(crate) type Calibrations = Vec<Result<Calibration, UnknownAccuracy>>;
 
@@ -73,6 +62,8 @@ pub(crate) struct Wanted<'w> {
     pub interrupt: Option<&'w AtomicBool>,
     /// What was counted of the closures of the whole at the start.
     pub counted: Option<Arc<Counted>>,
+    /// Whether the run tells its accuracy as it goes along, and may begin again; otherwise trial runs tell it before.
+    pub at_once: bool,
 }
 
 impl Integrators {
@@ -108,6 +99,42 @@ impl Integrators {
         Ok((Integrators::Islands { islands, idle }, found))
     }
 
+    /// Prepares all of a run that is to begin again.
+    ///
+    /// # Errors
+    /// [`MethodError`] for steps that cannot be.
+    pub fn begin_again(&mut self, mechanism: &Mechanism) -> Result<(), MethodError> {
+        match self {
+            Integrators::Whole(integrator) => {
+                integrator.assessed().map_or(Ok(()), |assessed| assessed.begin_again(mechanism))
+            }
+            Integrators::Islands { islands, .. } => islands.begin_again(),
+        }
+    }
+
+    /// Whatever the errors, the run does not begin again from now on.
+    pub fn settle(&mut self) {
+        match self {
+            Integrators::Whole(integrator) => integrator.assessed().into_iter().for_each(Assessed::settle),
+            Integrators::Islands { islands, .. } => islands.each_assessed(|_, _, assessed| assessed.settle()),
+        }
+    }
+
+    /// What the run itself has told of its accuracy up to a state: one entry for each integrator that was to.
+    pub fn told(&mut self, mechanism: &Mechanism, state: &State) -> Calibrations {
+        let told = |mechanism: &Mechanism, state: &State, assessed: &mut Assessed| assessed.accuracy(mechanism, state);
+        match self {
+            Integrators::Whole(integrator) => {
+                integrator.assessed().map(|assessed| told(mechanism, state, assessed)).into_iter().collect()
+            }
+            Integrators::Islands { islands, .. } => {
+                let mut all = Vec::new();
+                islands.each_assessed(|mechanism, state, assessed| all.push(told(mechanism, state, assessed)));
+                all
+            }
+        }
+    }
+
     /// How steps are made, and how they have gone so far.
     pub fn description(&self) -> MethodDescription {
         match self {
@@ -133,6 +160,12 @@ impl Wanted<'_> {
         let Some(tolerance) = self.choice.tolerance() else {
             return Ok((uncalibrated()?, Err(UnknownAccuracy::NotAsked)));
         };
+        if self.at_once {
+            let (start, end) = (state.time, state.time + self.duration);
+            let terms = Terms { tolerance, start, end, kept: kept.to_vec(), counted };
+            let assessed = Assessed::new(mechanism, terms)?;
+            return Ok((RunIntegrator::Assessed(Box::new(assessed)), Err(UnknownAccuracy::NotYet)));
+        }
         let go_on = || !self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
         match calibrate_counted(mechanism, state, counted.as_ref(), self.duration, tolerance, kept, &mut |_| go_on()) {
             Ok(found) => Ok((found.run_integrator(mechanism, tolerance, kept)?.counted(counted), Ok(found))),

@@ -21,6 +21,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
+use crate::simulation::assessed::Assessed;
 use crate::simulation::course::Aim;
 use crate::simulation::island::{IslandRun, first_error, frontier};
 use crate::simulation::merged::MergedRun;
@@ -29,6 +30,7 @@ use crate::simulation::run_integrator::RunIntegrator;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::{Threads, spread};
 use crate::simulation::{Observer, RunError, RunOptions, Summary};
+use crate::stepping::integrator::MethodError;
 use std::time::Instant;
 
 /// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
@@ -142,6 +144,29 @@ impl Islands {
         }
         // Stable: several points of a pair stay in their order.
         out.sort_by_key(|point| point.pair);
+    }
+
+    /// Does something with each island that knows how far it is off, and where it is.
+    pub(crate) fn each_assessed(&mut self, mut work: impl FnMut(&Mechanism, &State, &mut Assessed)) {
+        for IslandRun { island, state, awake, .. } in &mut self.parts {
+            if let Some(assessed) = awake.as_mut().and_then(RunIntegrator::assessed) {
+                work(&island.mechanism, state, assessed);
+            }
+        }
+    }
+
+    /// Prepares all islands of a run that is to begin again: the same steps but where they were too coarse.
+    ///
+    /// # Errors
+    /// [`MethodError`] for steps that cannot be.
+    pub(crate) fn begin_again(&mut self) -> Result<(), MethodError> {
+        let mut prepared = Ok(());
+        self.each_assessed(|mechanism, _, assessed| {
+            if prepared.is_ok() {
+                prepared = assessed.begin_again(mechanism);
+            }
+        });
+        prepared
     }
 
     /// What each island did.

@@ -11,14 +11,17 @@
 //! | who decides on efforts | `controller`, `continuous` |
 //! | one mechanism, step by step | `course`, `summary`, `observer` |
 //! | independent parts side by side | `partition`, `islands`, `island`, `merged`, `threads` |
-//! | the accuracy that a tolerance means | `accuracy`, `trial_run`, `event_order` |
+//! | the accuracy that a tolerance means | `assessed`, `forecast` (the run tells it as it goes along), `accuracy`, `trial_run` (trial runs do before), `event_order` |
 
 #[doc(hidden)]
 pub mod accuracy;
+#[doc(hidden)]
+pub mod assessed;
 mod continuous;
 mod controller;
 mod course;
 mod event_order;
+mod forecast;
 mod integrators;
 mod island;
 #[doc(hidden)]
@@ -36,11 +39,12 @@ mod summary;
 pub mod threads;
 mod trial_run;
 
+pub use accuracy::UnknownAccuracy;
 pub use continuous::ContinuousController;
 pub use controller::{ControlError, Controller};
 pub(crate) use course::Course;
 pub use course::{RunError, RunOptions, run};
-pub use integrators::{SimulationError, UnknownAccuracy};
+pub use integrators::SimulationError;
 pub(crate) use observer::show;
 pub use observer::{Counts, Observer, ObserverError, Sample, StepEnd};
 pub use run::{Finished, InputError, Simulation, SimulationOptions};

@@ -4,7 +4,7 @@ use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::energy::{Energy, Violation};
 use crate::mechanism::motion::event::Event;
-use crate::mechanism::motion::integrator::StepOutcome;
+use crate::mechanism::motion::integrator::{MethodDescription, StepOutcome};
 
 /// The mechanism at one sampled instant.
 pub struct Sample<'s> {
@@ -56,6 +56,15 @@ pub trait Observer {
     /// # Errors
     /// Whatever stops the run, for instance a disk that is full.
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError>;
+
+    /// The run begins again from its start, because its steps were too coarse: what was shown so far is void. The
+    /// first sample comes again, and all others of steps that are made by this method.
+    ///
+    /// # Errors
+    /// Whatever stops the run.
+    fn begin_again(&mut self, _method: &MethodDescription) -> Result<(), ObserverError> {
+        Ok(())
+    }
 
     /// The end of a step, before the samples inside it.
     fn step(&mut self, _end: &StepEnd) {}

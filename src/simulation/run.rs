@@ -14,9 +14,9 @@ use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::{Feedback, Inputs};
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::state::State;
-use crate::simulation::accuracy::Calibration;
+use crate::simulation::accuracy::{Calibration, UnknownAccuracy};
 use crate::simulation::course::{Aim, Course, RunError, RunOptions};
-use crate::simulation::integrators::{Calibrations, Integrators, SimulationError, UnknownAccuracy, Wanted};
+use crate::simulation::integrators::{Calibrations, Integrators, SimulationError, Wanted};
 use crate::simulation::islands::IslandFigures;
 use crate::simulation::merged::MergedRun;
 use crate::simulation::observer::Observer;
@@ -68,6 +68,10 @@ pub struct SimulationOptions<'o> {
 pub struct Simulation<'s> {
     mechanism: &'s Mechanism,
     state: State,
+    /// Where the run begins, if it may begin again.
+    start: Option<State>,
+    /// CPU time of what was begun and is void (s).
+    spent: f64,
     efforts: Vec<f64>,
     integrators: Integrators,
     choice: StepChoice,
@@ -103,6 +107,12 @@ pub struct Finished {
     pub joints: Vec<JointStatus>,
     /// The closed contacts at the end, in the order of their pairs.
     pub contacts: Vec<ContactPoint>,
+    /// [`Simulation::calibrations`] at the end.
+    pub accuracy: Vec<Result<Calibration, UnknownAccuracy>>,
+    /// [`Simulation::end`].
+    pub end: f64,
+    /// [`Simulation::parts`].
+    pub parts: (usize, usize),
 }
 
 /// Why efforts cannot be taken.
@@ -139,6 +149,21 @@ impl<'s> Simulation<'s> {
         Self::from_counted(mechanism, state, None, options)
     }
 
+    /// The same without trial runs: the run itself tells its accuracy as it goes along, from the first step on, and [`Simulation::run`] begins it
+    /// again with finer steps where that is not what is wanted. Observers are told ([`Observer::begin_again`]). Under efforts from outside, and up
+    /// to a time that [`Simulation::step_to`] says, it goes on, and the accuracy is what it is.
+    ///
+    /// # Errors
+    /// As of [`Simulation::new`].
+    pub fn at_once(
+        mechanism: &'s Mechanism,
+        state: State,
+        counted: Option<Arc<Counted>>,
+        options: SimulationOptions<'s>,
+    ) -> Result<Self, SimulationError> {
+        Self::with(mechanism, state, counted, options, true)
+    }
+
     /// The same from a state in which the closures were counted already, if there are any.
     ///
     /// # Errors
@@ -149,15 +174,28 @@ impl<'s> Simulation<'s> {
         counted: Option<Arc<Counted>>,
         options: SimulationOptions<'s>,
     ) -> Result<Self, SimulationError> {
+        Self::with(mechanism, state, counted, options, false)
+    }
+
+    fn with(
+        mechanism: &'s Mechanism,
+        state: State,
+        counted: Option<Arc<Counted>>,
+        options: SimulationOptions<'s>,
+        at_once: bool,
+    ) -> Result<Self, SimulationError> {
         let SimulationOptions { duration, steps, switched_off, interrupt } = options;
         let plan = Plan::from_counted(mechanism, &state, switched_off, counted.as_ref());
         let parts = (plan.islands.len(), plan.sleeping());
-        let wanted = Wanted { choice: steps, duration, interrupt, counted };
+        let start = (at_once && steps.tolerance().is_some()).then(|| state.clone());
+        let wanted = Wanted { choice: steps, duration, interrupt, counted, at_once };
         let (integrators, calibrations) = Integrators::new(mechanism, &state, plan, &wanted)?;
         Ok(Simulation {
             mechanism,
             end: state.time + duration,
             state,
+            start,
+            spent: 0.0,
             efforts: Vec::new(),
             integrators,
             choice: steps,
@@ -202,6 +240,7 @@ impl<'s> Simulation<'s> {
     /// # Errors
     /// [`RunError`]: a step fails, an observer fails, or the run is interrupted.
     pub fn step_to(&mut self, time: f64) -> Result<(), RunError> {
+        self.settle();
         self.proceed(time, None)
     }
 
@@ -210,7 +249,33 @@ impl<'s> Simulation<'s> {
     /// # Errors
     /// [`RunError`]: a step fails, an observer fails, or the run is interrupted.
     pub fn run(&mut self) -> Result<(), RunError> {
-        self.proceed(f64::INFINITY, None)
+        if !self.efforts.is_empty() || self.progress.is_some() {
+            self.settle();
+        }
+        loop {
+            match self.proceed(f64::INFINITY, None) {
+                Err(RunError::BeginsAgain { .. }) => self.begin_again()?,
+                ended => return ended,
+            }
+        }
+    }
+
+    /// What a program has decided on in the meantime cannot be made again.
+    fn settle(&mut self) {
+        if self.start.take().is_some() {
+            self.integrators.settle();
+        }
+    }
+
+    /// Goes back to the start, with finer steps where they were too coarse.
+    fn begin_again(&mut self) -> Result<(), RunError> {
+        let Some(start) = &self.start else { return Ok(()) };
+        self.spent = self.summary().solve_cpu_seconds;
+        self.state.copy_from(start);
+        self.progress = None;
+        self.integrators.begin_again(self.mechanism).map_err(|error| RunError::Observer(error.into()))?;
+        let method = self.description();
+        self.observers.iter_mut().try_for_each(|observer| observer.begin_again(&method)).map_err(RunError::Observer)
     }
 
     /// Makes the steps of all islands together from now on; `false` if they have begun apart.
@@ -229,6 +294,7 @@ impl<'s> Simulation<'s> {
 
     /// Makes steps to the end of the run under efforts that follow the state.
     pub(crate) fn run_with_feedback(&mut self, feedback: &dyn Feedback) -> Result<(), RunError> {
+        self.settle();
         self.proceed(f64::INFINITY, Some(feedback))
     }
 
@@ -291,18 +357,27 @@ impl<'s> Simulation<'s> {
         self.parts
     }
 
-    /// What trial runs have found, for the whole or for each island that moves, or why there is nothing.
-    pub fn calibrations(&self) -> &[Result<Calibration, UnknownAccuracy>] {
-        &self.calibrations
+    /// Whether the run itself tells its accuracy, and may begin again.
+    pub fn tells_at_once(&self) -> bool {
+        self.start.is_some()
+    }
+
+    /// What is known of the accuracy, for the whole or for each island that moves, or why there is nothing: from trial runs before the first
+    /// step, or from the run itself up to where it is.
+    pub fn calibrations(&mut self) -> Vec<Result<Calibration, UnknownAccuracy>> {
+        let told = self.integrators.told(self.mechanism, &self.state);
+        if told.is_empty() { self.calibrations.clone() } else { told }
     }
 
     /// The figures so far.
     pub fn summary(&self) -> Summary {
-        match &self.progress {
+        let mut summary = match &self.progress {
             None => Course::new(self.mechanism, &self.state, 0.0, None).summary(),
             Some(Progress::Whole(course)) => course.summary(),
             Some(Progress::Islands(whole)) => whole.summary,
-        }
+        };
+        summary.solve_cpu_seconds += self.spent;
+        summary
     }
 
     /// What the joint of each body is up to: on its limit, held by friction, driven by so much.
@@ -326,7 +401,8 @@ impl<'s> Simulation<'s> {
     }
 
     /// Ends the run: what it has left. Observers are free again.
-    pub fn finish(self) -> Finished {
+    pub fn finish(mut self) -> Finished {
+        let accuracy = self.calibrations();
         let (summary, method) = (self.summary(), self.description());
         let islands = match &self.integrators {
             Integrators::Whole(_) => Vec::new(),
@@ -339,6 +415,7 @@ impl<'s> Simulation<'s> {
             Some(Progress::Whole(course)) => course.events().to_vec(),
             Some(Progress::Islands(whole)) => whole.events,
         };
-        Finished { state: self.state, summary, method, islands, events, joints, contacts }
+        let (end, parts) = (self.end, self.parts);
+        Finished { state: self.state, summary, method, islands, events, joints, contacts, accuracy, end, parts }
     }
 }

@@ -258,6 +258,9 @@ impl Control {
             };
             match self.judge(&attempt, energies, length, guess) {
                 Decision::Accept => {
+                    if let (Some(companion), Attempt::Converged { legendre, .. }) = (&mut stepper.companion, attempt) {
+                        companion.see(legendre, self.limit, self.wanted, self.stop);
+                    }
                     stepper.accept(mechanism, state, length, end, &mut outcome)?;
                     self.keep_below(stepper.watch.safe_step());
                     if let Some(settling) = stepper.watch.take_settling(state.time, self.tolerance) {

@@ -3,6 +3,7 @@
 //! A step is made, judged and kept in [`crate::stepper`]; how long it is comes from [`crate::fixed`], [`crate::control`] or
 //! [`crate::reversible`].
 
+use crate::companion::Companion;
 use crate::control::Control;
 use crate::fixed::FixedSteps;
 use crate::reversible::Reversible;
@@ -172,6 +173,21 @@ impl Lobatto {
         let isa = Isa::detect();
         let control = Control::new(mechanism, tolerance, stop, stages, isa);
         Self::with_tableau(mechanism, stages.tableau(isa), Mode::Chosen(control), isa)
+    }
+
+    /// Carries a companion from the next step on, which shows what errors the steps make: of trees, with chosen steps.
+    pub fn accompany(&mut self, mechanism: &Mechanism) {
+        self.stepper.companion = Some(Box::new(Companion::new(mechanism)));
+    }
+
+    /// Carries it no more.
+    pub fn leave_companion(&mut self) {
+        self.stepper.companion = None;
+    }
+
+    /// The motion beside that of the run.
+    pub fn companion(&self) -> Option<&Companion> {
+        self.stepper.companion.as_deref()
     }
 
     /// Whether a step that was to be chosen for its accuracy was shortened for the stability of the scheme.

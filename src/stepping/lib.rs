@@ -13,6 +13,7 @@
 #[doc(hidden)]
 pub mod acceptance;
 #[doc(hidden)]
+pub mod companion;
 pub mod control;
 #[doc(hidden)]
 pub mod dynamics;

@@ -6,6 +6,7 @@
 //!
 //! Between `finish` and `accept` the state has not moved, so that a step can still be thrown away.
 
+use crate::companion::Companion;
 use crate::feedback;
 use crate::modes::Modes;
 use crate::pace::Pace;
@@ -91,6 +92,8 @@ pub(crate) struct Stepper {
     changing: Vec<f64>,
     /// What was counted of the closures where the first step is going to begin.
     pub counted: Option<Arc<Counted>>,
+    /// What goes beside the motion, if anything does.
+    pub companion: Option<Box<Companion>>,
 }
 
 /// What acts on a mechanism, as a kernel was made for it.
@@ -131,6 +134,7 @@ impl Stepper {
             outside: Outside::new(mechanism),
             changing: Vec::new(),
             counted: None,
+            companion: None,
         }
     }
 
@@ -177,6 +181,11 @@ impl Stepper {
                 self.kernel.expect_at(counted);
             }
             self.kernel.begin(mechanism, state);
+            // One that has begun knows nothing of where the motion was moved to.
+            self.companion = self.companion.take().filter(|companion| !companion.has_begun());
+            if let Some(companion) = &mut self.companion {
+                companion.begin(self.kernel.as_mut(), mechanism, state);
+            }
             self.watch.forget();
             self.modes.forget();
             if let Some(known) = self.kernel.known() {
@@ -224,6 +233,7 @@ impl Stepper {
         length: f64,
     ) -> Result<StepOutcome, StepError> {
         self.kernel.retract();
+        self.companion = None;
         state.copy_from(&self.origin);
         self.left_at = None;
         self.steps -= 1;
@@ -302,6 +312,9 @@ impl Stepper {
         outcome.kept = self.kernel.take_kept();
         if let Some(redundant) = self.kernel.redundant() {
             self.ranks.see(redundant, mechanism, &self.end, time);
+        }
+        if let Some(companion) = &mut self.companion {
+            companion.follow(self.kernel.as_mut(), mechanism, state, outcome.exact, time);
         }
         self.kernel.accept();
         self.origin.copy_from(state);

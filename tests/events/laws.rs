@@ -69,9 +69,9 @@ fn a_motion_on_which_trial_runs_meet_other_events_says_from_when_it_is_not_deter
     let tolerant = |duration: f64| {
         let options =
             SimulationOptions { duration, steps: StepChoice::Tolerance(1e-6), switched_off: &[], interrupt: None };
-        let simulation = Simulation::new(&mechanism, start.clone(), options).expect("trial runs");
-        let report = AccuracyReport::of(&simulation).expect("an accuracy");
-        (simulation.calibrations()[0].clone().expect("a calibration"), report)
+        let found = Simulation::new(&mechanism, start.clone(), options).expect("trial runs").finish();
+        let report = AccuracyReport::of(options.steps, &found).expect("an accuracy");
+        (found.accuracy[0].clone().expect("a calibration"), report)
     };
     let (calm, report) = tolerant(1.0);
     assert_eq!((calm.events_differ, calm.holds_until), (None, 1.0));

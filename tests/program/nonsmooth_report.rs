@@ -38,6 +38,9 @@ fn finished(model: &Model) -> Finished {
             effort: Some(-3.5),
         }],
         contacts: Vec::new(),
+        accuracy: Vec::new(),
+        end: 0.0,
+        parts: (1, 0),
     }
 }
 

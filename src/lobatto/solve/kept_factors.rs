@@ -53,6 +53,11 @@ impl Chord {
         self.below = (self.below * SOONER).min(SMALL);
     }
 
+    /// Another solution of a step that has just been solved, and whose factors may be kept if there are any.
+    pub fn begin_with(&mut self, factors: bool) {
+        *self = Chord { last: if factors { 0.5 * SMALL } else { f64::INFINITY }, ..Chord::NEW };
+    }
+
     /// Whether the next iteration keeps the factors of the last one.
     pub fn keeps(&mut self) -> bool {
         self.kept = !self.lost && self.last < self.below;

@@ -36,6 +36,23 @@ impl StopRule {
     };
 }
 
+/// How far the steps of a carried motion are iterated.
+#[derive(Clone, Copy, Debug)]
+pub struct Carrying {
+    /// What parted the starts (rad, m).
+    pub apart: f64,
+    /// The part of what parts the motions that an iteration may leave.
+    pub part: f64,
+    /// After so many iterations this part will do,
+    pub most: usize,
+    /// which is larger.
+    pub rest: f64,
+    /// Whether the exact Newton method has made the step.
+    pub exactly: bool,
+    /// The truncation of the step (rad, m), which no iteration sees.
+    pub truncation: f64,
+}
+
 /// How an attempt at a step ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attempt {

@@ -3,7 +3,7 @@
 
 use crate::coupled::counted::Counted;
 use crate::coupled::known::Known;
-use crate::stages::attempt::{Attempt, Guess, StopRule};
+use crate::stages::attempt::{Attempt, Carrying, Guess, StopRule};
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::energy::Energy;
@@ -50,6 +50,12 @@ pub trait Step: Send {
     fn redundant(&self) -> Option<usize>;
     /// Brings positions and velocities near the closures, if there are any, on them.
     fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]);
+    /// A second motion is carried beside this one from its next step on, from this state; those of 32 digits carry none.
+    fn begin_to_carry(&mut self, _mechanism: &Mechanism, _state: &State) {}
+    /// Moves the carried motion, which is in this state, through the step that was finished and is not accepted yet; returns the iterations.
+    fn carry_on(&mut self, _mechanism: &Mechanism, _state: &mut State, _carrying: &Carrying) -> usize {
+        0
+    }
     /// Keeps the finished step: its end is the start of the next one.
     fn accept(&mut self);
     /// Of each degree of freedom two weighted sums of its displacements at the stages 2 … s of the last solved step.

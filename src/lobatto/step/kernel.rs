@@ -27,6 +27,7 @@ use crate::solve::kept_factors::Chord;
 use crate::stages::attempt::{Attempt, Guess, REFINED_BELOW, StopRule};
 use crate::stages::pose::Turn;
 use crate::stages::predictor::Predictor;
+use crate::step::carried::Carried;
 use crate::step::workspace::Workspace;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -45,13 +46,15 @@ pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
     pub(crate) closing: Option<Closing<W::Geometry<One>>>,
     pub(crate) tableau: &'static Tableau,
     /// Top row of the inverse Legendre matrix for the stages 2 … s.
-    top_legendre: V,
+    pub(crate) top_legendre: V,
     /// Whether this step is iterated so far that the rounding of the coefficients counts.
     pub(crate) refined: bool,
     pub(crate) velocity: Vec<f64>,
     pub(crate) displaced: Vec<f64>,
     /// What dry friction of contacts took from the finished step (J).
     pub(crate) friction: f64,
+    /// What is carried beside the motion.
+    pub(crate) carried: Option<Box<Carried<V, W::Start>>>,
     /// The end of the finished step.
     pub(crate) end: W::Start,
 }
@@ -77,6 +80,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
             velocity: vec![0.0; freedoms],
             displaced: vec![0.0; freedoms],
             friction: 0.0,
+            carried: None,
             end: W::new_start(mechanism),
             workspace,
         }

@@ -13,7 +13,7 @@ use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::{at_end, weigh, write_ends};
 use crate::solve::iteration::{Equations, Guarded, exact_at_first};
 use crate::solve::kept_factors::Chord;
-use crate::stages::attempt::{Attempt, Guess, StopRule};
+use crate::stages::attempt::{Attempt, Carrying, Guess, StopRule};
 use crate::step::interface::Step;
 use crate::step::kernel::Kernel;
 use crate::step::workspace::Workspace;
@@ -154,6 +154,14 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
         if let Some(closing) = &mut self.closing {
             closing.project(mechanism, position, velocity);
         }
+    }
+
+    fn begin_to_carry(&mut self, mechanism: &Mechanism, state: &State) {
+        self.start_carrying(mechanism, state);
+    }
+
+    fn carry_on(&mut self, mechanism: &Mechanism, state: &mut State, carrying: &Carrying) -> usize {
+        self.carry(mechanism, state, carrying)
     }
 
     fn accept(&mut self) {

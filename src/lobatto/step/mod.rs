@@ -7,6 +7,7 @@
 //! [`interface`] is what those see who string steps together. [`kernel`] and [`kernel_step`] make it, over a [`workspace`] in space ([`spatial`]) or in a plane
 //! ([`planar`]); [`precise`] and [`precise_start`] solve it to 32 digits; [`make`] hands the vectors out.
 
+mod carried;
 pub mod interface;
 pub(crate) mod kernel;
 mod kernel_step;

@@ -125,6 +125,11 @@ impl<V: Lanes> Workspace<V> for PlanarWorkspace<V> {
         self.stages.step = step;
     }
 
+    /// The velocities at the end have overwritten them, with those of other dampers if there are any.
+    fn has_factors(&self) -> bool {
+        self.stages.applied.is_none()
+    }
+
     fn is_general(&self) -> bool {
         self.stages.is_general()
     }

@@ -152,6 +152,10 @@ impl<V: Lanes> Workspace<V> for SpatialWorkspace<V> {
         self.first.leave();
     }
 
+    fn has_factors(&self) -> bool {
+        self.first.latest().is_none()
+    }
+
     fn is_general(&self) -> bool {
         self.stages.is_general()
     }

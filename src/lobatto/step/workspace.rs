@@ -90,6 +90,11 @@ pub(crate) trait Workspace<V: Lanes>: Send + 'static {
     /// All iterations that follow in this attempt are in double precision.
     fn leave_single(&mut self) {}
 
+    /// Whether the last iteration of a finished step has left factors that the next may keep.
+    fn has_factors(&self) -> bool {
+        true
+    }
+
     /// Whether the most general sweeps are taken, which have both halves of the coefficients' digits.
     fn is_general(&self) -> bool;
     /// An iteration of another kind than [`Workspace::iterate`], if it is the turn of one: finds the increments, returns the largest.

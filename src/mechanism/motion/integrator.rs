@@ -207,6 +207,11 @@ pub trait Integrator {
     /// Positions and velocities at a `time` inside the last step, from its dense output.
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]);
 
+    /// Whether the steps so far were too coarse for the accuracy that is wanted of the run: the caller begins it again with finer ones.
+    fn begins_again(&self) -> bool {
+        false
+    }
+
     /// What this integrator is.
     fn description(&self) -> MethodDescription;
 

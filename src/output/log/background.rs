@@ -46,6 +46,8 @@ struct Shared {
 #[derive(Default)]
 struct Waiting {
     piece: Piece,
+    /// The run has begun again, and `piece` is of that.
+    again: bool,
     ending: Option<Ending>,
     /// The thread cannot write any more.
     failed: bool,
@@ -124,6 +126,13 @@ impl BackgroundFile {
             self.shared.news.notify_one();
         }
         stop
+    }
+
+    /// Everything since the run began is void: it begins again.
+    pub(crate) fn begin_again(&self) {
+        let mut waiting = self.shared.lock();
+        waiting.piece.clear();
+        waiting.again = true;
     }
 
     /// Waits until there is room.
@@ -219,9 +228,13 @@ fn write_all(file: &mut LogFile, mut encoder: SampleEncoder, shared: &Shared) ->
         taken.clear();
         std::mem::swap(&mut taken, &mut waiting.piece);
         let (ending, abandoned) = (waiting.ending.take(), waiting.abandoned);
+        let again = std::mem::take(&mut waiting.again);
         shared.rounds.fetch_add(1, Ordering::Relaxed);
         drop(waiting);
         shared.room.notify_one();
+        if again {
+            file.begin_again()?;
+        }
         encoder.encode(&taken, file)?;
         if let Some(ending) = ending {
             return file.finish(&ending);

@@ -129,6 +129,15 @@ impl Comparison {
         })
     }
 
+    /// Begins again from the start of the log, which is at `path`.
+    ///
+    /// # Errors
+    /// As of [`Comparison::new`].
+    pub(crate) fn begin_again(&mut self, path: &Path) -> Result<(), LogError> {
+        *self = Comparison { topics: std::mem::take(&mut self.topics), ..Comparison::new(path, self.start)? };
+        Ok(())
+    }
+
     fn next(&mut self) -> Result<Option<Message>, Difference> {
         loop {
             if let Some(message) = self.expected.next() {

@@ -60,6 +60,7 @@ fn set_length(record: &mut [u8], length: u64) {
 }
 
 /// An MCAP file as far as it has been encoded.
+#[derive(Clone)]
 pub(crate) struct Container {
     /// What has not been taken yet.
     out: Vec<u8>,
@@ -108,6 +109,11 @@ impl Container {
         let written = write(&self.out);
         self.out.clear();
         written
+    }
+
+    /// Length of what has been taken.
+    pub(crate) fn length(&self) -> u64 {
+        self.taken
     }
 
     /// Where in the file the next record will be.

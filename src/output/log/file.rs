@@ -80,6 +80,8 @@ pub(crate) struct LogFile {
     tail: Tail<FilePlace>,
     is_regular: bool,
     container: Container,
+    /// That before the first sample.
+    head: Option<Box<Container>>,
     /// What packs the chunks that come now, if they are compressed.
     packer: Option<Packer>,
     /// Whether those of samples will be.
@@ -114,6 +116,7 @@ impl LogFile {
             tail: Tail::new(FilePlace::new(file, is_regular)),
             is_regular,
             container,
+            head: None,
             packer: Some(packer),
             compress,
             batch: Batch::default(),
@@ -145,7 +148,21 @@ impl LogFile {
         self.close_batch()?;
         let packer = self.compress.then(Packer::new).transpose();
         self.packer = packer.map_err(|error| cannot_encode(&self.path, error.into()))?;
+        self.head = self.is_regular.then(|| Box::new(self.container.clone()));
         self.output.settle(false).map_err(|reason| self.cannot_write(reason))
+    }
+
+    /// Cuts off everything since [`LogFile::begin`]: the run begins again. Pipes and devices keep what they have, and get all of it again.
+    pub(crate) fn begin_again(&mut self) -> Result<(), LogError> {
+        self.batch.clear();
+        self.provisional = 0;
+        if let Some(head) = &self.head {
+            self.container.clone_from(head);
+            let length = self.container.length();
+            self.tail.cut_to(length).map_err(|reason| self.cannot_write(reason))?;
+            self.unsynced = true;
+        }
+        Ok(())
     }
 
     /// Adds a metadata record.

@@ -149,6 +149,12 @@ impl<P: Place> Tail<P> {
         self.place.sync()
     }
 
+    /// Cuts off all but the first `length` bytes, which are final.
+    pub(crate) fn cut_to(&mut self, length: u64) -> io::Result<()> {
+        (self.end, self.provisional) = (length, 0);
+        self.place.truncate(length)
+    }
+
     /// Where what is whole in the file ends.
     pub(super) fn whole(&self) -> u64 {
         self.end + self.provisional

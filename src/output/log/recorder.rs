@@ -3,6 +3,7 @@
 use crate::lobatto::instants::snapshot::INSTANTS;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
+use crate::mechanism::motion::integrator::MethodDescription;
 use crate::model::Model;
 use crate::output::log::background::BackgroundFile;
 use crate::output::log::comparison::{Compared, Comparison, Difference};
@@ -13,13 +14,13 @@ use crate::output::log::file::{Ending, LogFile, MessageSink};
 use crate::output::log::inputs::{attach_inputs, inputs};
 use crate::output::log::line::{Severity, encode_line};
 use crate::output::log::names::{SIMULATION, START};
-use crate::output::log::nanoseconds;
 use crate::output::log::options::{LogOptions, Meshes};
 use crate::output::log::order::Order;
 use crate::output::log::queue::{Between, Piece};
+use crate::output::log::{nanoseconds, seconds};
 use crate::simulation::{Observer, ObserverError, Sample};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -29,6 +30,9 @@ pub struct Recorder {
     order: Order,
     /// The time of the log at the start of the run, in nanoseconds.
     start: u64,
+    /// The lines before the first sample, which come again with it.
+    before: Vec<(Severity, String)>,
+    begun: bool,
     /// The contacts of the next sample, where shapes may touch.
     contacts: Option<Vec<ContactPoint>>,
 }
@@ -41,9 +45,12 @@ enum Sink {
 
 /// A comparison, and what makes the messages for it.
 struct Compare {
+    log: PathBuf,
     comparison: Comparison,
     encoder: SampleEncoder,
     piece: Piece,
+    /// Whether differences count at the end alone, because the run may begin again.
+    waits: bool,
 }
 
 impl Compare {
@@ -51,7 +58,10 @@ impl Compare {
         let encoded = self.encoder.encode(&self.piece, &mut self.comparison);
         self.piece.clear();
         encoded?;
-        Ok(self.comparison.settle()?)
+        match self.comparison.settle() {
+            Err(Difference::Message { .. } | Difference::Kind { .. }) if self.waits => Ok(()),
+            settled => Ok(settled?),
+        }
     }
 }
 
@@ -80,7 +90,7 @@ impl Recorder {
         file.begin()?;
         let file = BackgroundFile::new(path, file, encoder)?;
         let (sink, order) = (Sink::File(file), Order::new(stages));
-        Ok(Recorder { sink, order, start: options.start, contacts: may_touch(model) })
+        Ok(Recorder { sink, order, start: options.start, before: Vec::new(), begun: false, contacts: may_touch(model) })
     }
 
     /// Waits no more for an output that is no file, and of which nothing is read, once this says that the run is interrupted.
@@ -100,9 +110,16 @@ impl Recorder {
         // Geometry is not compared.
         let options = LogOptions { meshes: Meshes::None, ..options.clone() };
         let encoder = prepare(&mut comparison, model, &options, None)?;
-        let compare = Compare { comparison, encoder, piece: Piece::default() };
+        let compare = Compare { log: path.to_path_buf(), comparison, encoder, piece: Piece::default(), waits: false };
         let (sink, order) = (Sink::Comparison(Box::new(compare)), Order::new(stages));
-        Ok(Recorder { sink, order, start: options.start, contacts: may_touch(model) })
+        Ok(Recorder { sink, order, start: options.start, before: Vec::new(), begun: false, contacts: may_touch(model) })
+    }
+
+    /// The run that is compared may begin again: where it differs counts at its end alone, but that the log has ended.
+    pub fn wait_for_the_end(&mut self) {
+        if let Sink::Comparison(compare) = &mut self.sink {
+            compare.waits = true;
+        }
     }
 
     /// Lets `add` add to what will be logged; returns whether the sink has something to say.
@@ -118,6 +135,13 @@ impl Recorder {
 
     /// Adds a line of text at the time of the last message.
     pub fn say(&mut self, severity: Severity, text: &str) {
+        if !self.begun {
+            self.before.push((severity, text.to_string()));
+        }
+        self.write(severity, text);
+    }
+
+    fn write(&mut self, severity: Severity, text: &str) {
         let time = self.order.last_time();
         let line = encode_line(self.start + time, severity, text);
         Self::add(&mut self.sink, |piece| piece.push_between(Between::Line(time, line)));
@@ -158,7 +182,29 @@ impl Recorder {
 }
 
 impl Observer for Recorder {
+    fn begin_again(&mut self, method: &MethodDescription) -> Result<(), ObserverError> {
+        let after = seconds(self.order.last_time());
+        self.order = Order::new(method.stages as f64);
+        self.contacts.iter_mut().for_each(Vec::clear);
+        match &mut self.sink {
+            Sink::File(file) => file.begin_again(),
+            Sink::Comparison(compare) => {
+                compare.piece.clear();
+                compare.comparison.begin_again(&compare.log)?;
+            }
+        }
+        let before = std::mem::take(&mut self.before);
+        before.iter().for_each(|(severity, text)| self.write(*severity, text));
+        self.before = before;
+        self.write(
+            Severity::Info,
+            &format!("begun again after t = {after} s, with finer steps: errors grow more than was expected"),
+        );
+        Ok(())
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        self.begun = true;
         let contacts = self.contacts.as_mut().map(std::mem::take);
         let add = |piece: &mut Piece| {
             self.order.add(sample, piece);

@@ -4,7 +4,7 @@ use crate::mechanism::ground::words::{counted, rounded};
 use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
 use crate::output::report::rounding::{FarSpring, is_energy_rounding};
 use crate::simulation::accuracy::Calibration;
-use crate::simulation::{Simulation, Summary, UnknownAccuracy};
+use crate::simulation::{Finished, StepChoice, Summary, UnknownAccuracy};
 use serde::Serialize;
 
 /// The scheme of a run.
@@ -126,7 +126,7 @@ pub fn unsolved_warning(description: &MethodDescription) -> Option<String> {
     })
 }
 
-/// The accuracy to expect of a run, from pilot runs.
+/// The accuracy to expect of a run, from the run itself or from trial runs before it.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct AccuracyReport {
     /// The accuracy asked for (m).
@@ -138,15 +138,17 @@ pub struct AccuracyReport {
     pub holds_until: f64,
     /// Whether that is the end of the run.
     pub reached: bool,
-    /// Number of pilot runs.
+    /// Number of trial runs before the run: none where the run itself tells its accuracy.
     pub pilots: usize,
-    /// Whether the run ends anywhere: no pilot runs stay together.
+    /// How often the run has begun: once, and again with finer steps where errors grew more than was expected; of several parts the most.
+    pub begun: usize,
+    /// Whether the run ends anywhere: no runs that differ by roundings stay together.
     #[serde(skip)]
     parts: bool,
-    /// From when on pilot runs meet other events (s).
+    /// From when on runs that differ by little meet other events (s).
     #[serde(skip)]
     events_differ: Option<f64>,
-    /// Whether pilot runs can tell at all.
+    /// Whether it can be told at all.
     #[serde(skip)]
     can_tell: bool,
     /// The relative energy error of the run, if it is more than the wanted accuracy leaves.
@@ -154,10 +156,10 @@ pub struct AccuracyReport {
     unbalanced: Option<f64>,
 }
 
-/// Where a motion amplifies errors more than [`CALM`] times, finer accuracies than this (m) are among the roundings of the run, and of the
-/// pilot runs alike (benches/README.md, "Is the accuracy what was asked for?").
+/// Where a motion amplifies errors more than [`CALM`] times, finer accuracies than this (m) are among the roundings of the run, and of what
+/// tells it alike (benches/README.md, "Is the accuracy what was asked for?").
 const FINEST: f64 = 1e-11;
-/// Energy errors over the wanted accuracy (1/m) beyond which trial runs are not believed: steps are kept within one.
+/// Energy errors over the wanted accuracy (1/m) beyond which the estimate is not believed: steps are kept within one.
 const UNBALANCED: f64 = 10.0;
 /// Error at the end over the stop of the iteration.
 const CALM: f64 = 100.0;
@@ -171,6 +173,7 @@ impl AccuracyReport {
             holds_until: found.holds_until,
             reached: found.holds_until >= end,
             pilots: found.pilots,
+            begun: found.begun,
             parts: found.parted,
             events_differ: found.events_differ,
             can_tell: wanted >= 0.99 * FINEST || found.estimate <= CALM * found.stop,
@@ -178,18 +181,23 @@ impl AccuracyReport {
         }
     }
 
-    /// What the trial runs of a run say of it.
+    /// What a run that has ended says of itself, or what its trial runs say of it: up to where it has come.
     ///
     /// # Errors
-    /// [`UnknownAccuracy`] where there were none, or where one of them failed.
-    pub fn of(simulation: &Simulation) -> Result<Self, UnknownAccuracy> {
-        let wanted = simulation.choice().tolerance().ok_or(UnknownAccuracy::NotAsked)?;
-        let report = |found: &Calibration| AccuracyReport::new(wanted, simulation.end(), found);
+    /// [`UnknownAccuracy`] where nothing tells it.
+    pub fn of(choice: StepChoice, run: &Finished) -> Result<Self, UnknownAccuracy> {
+        let wanted = choice.tolerance().ok_or(UnknownAccuracy::NotAsked)?;
+        // Trial runs go to the end, whatever becomes of the run.
+        let here = run.end.min(run.state.time);
+        let end = |found: &Calibration| if found.pilots > 0 { run.end } else { here };
+        let report = |found: &Calibration| AccuracyReport::new(wanted, end(found), found);
         let islands: Vec<_> =
-            simulation.calibrations().iter().map(|found| found.as_ref().map(report).map_err(Clone::clone)).collect();
+            run.accuracy.iter().map(|found| found.as_ref().map(report).map_err(Clone::clone)).collect();
         match &islands[..] {
-            [alone] if simulation.parts() == (1, 0) => alone.clone(),
-            _ => AccuracyReport::together(wanted, simulation.end(), &islands),
+            [alone] if run.parts == (1, 0) => alone.clone(),
+            _ => {
+                AccuracyReport::together(wanted, run.accuracy.iter().flatten().map(end).fold(here, f64::max), &islands)
+            }
         }
     }
 
@@ -210,6 +218,7 @@ impl AccuracyReport {
             holds_until: all.iter().map(|one| one.holds_until).fold(end, f64::min),
             reached: all.iter().all(|one| one.reached),
             pilots: all.iter().map(|one| one.pilots).sum(),
+            begun: all.iter().map(|one| one.begun).max().unwrap_or(1),
             parts: all.iter().any(|one| one.parts),
             events_differ: all.iter().filter_map(|one| one.events_differ).min_by(f64::total_cmp),
             can_tell: all.iter().all(|one| one.can_tell),
@@ -223,7 +232,7 @@ impl AccuracyReport {
         self.reached &= far.rounding() <= self.wanted;
     }
 
-    /// Sees how the run kept its energy: steps that change it by more than the tolerance are not as accurate as trial runs have shown.
+    /// Sees how the run kept its energy: steps that change it by more than the tolerance are not as accurate as is estimated.
     pub fn see_energy(&mut self, summary: &Summary) {
         let error = summary.max_relative_energy_error;
         // What is not a number does not balance either.
@@ -251,7 +260,7 @@ impl AccuracyReport {
             let holds = format!("chaotic motion: {wanted:e} m holds until t = {until} s");
             return Some(if let Some(differ) = self.events_differ {
                 format!(
-                    "{holds}; from t = {} s on trial runs meet other events (impacts, sticking, motors at their bounds)",
+                    "{holds}; from t = {} s on runs that differ by little meet other events (impacts, sticking, motors at their bounds)",
                     rounded(differ)
                 )
             } else if self.parts {
@@ -262,7 +271,7 @@ impl AccuracyReport {
         }
         (!self.can_tell).then(|| {
             format!(
-                "chaotic motion: rounding errors grow too, so that trial runs cannot tell whether the accuracy of {wanted:e} m is \
+                "chaotic motion: rounding errors grow too, so that nothing can tell whether the accuracy of {wanted:e} m is \
                  reached; the error may be a hundred times larger"
             )
         })
@@ -280,8 +289,16 @@ mod tests {
             let stop = 1e-15;
             let stages = StageChoice::Filling;
             let estimate = amplification * stop;
-            let found =
-                Calibration { stop, stages, estimate, holds_until: 2.0, parted: false, events_differ: None, pilots: 2 };
+            let found = Calibration {
+                stop,
+                stages,
+                estimate,
+                holds_until: 2.0,
+                parted: false,
+                events_differ: None,
+                pilots: 2,
+                begun: 1,
+            };
             AccuracyReport::new(wanted, 2.0, &found).warning()
         };
         assert!(warning(1e-12, 2e4).is_some_and(|words| words.contains("cannot tell")));

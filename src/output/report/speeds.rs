@@ -6,6 +6,7 @@
 use crate::mechanism::description::joint::JointKind;
 use crate::mechanism::description::nonsmooth::SpeedLimit;
 use crate::mechanism::ground::words::{rounded, short};
+use crate::mechanism::motion::integrator::MethodDescription;
 use crate::model::Model;
 use crate::output::report::events::joint_name;
 use crate::simulation::{Observer, ObserverError, Sample};
@@ -67,6 +68,11 @@ impl SpeedWatch {
 }
 
 impl Observer for SpeedWatch {
+    fn begin_again(&mut self, _: &MethodDescription) -> Result<(), ObserverError> {
+        self.joints.iter_mut().for_each(|joint| joint.largest = 0.0);
+        Ok(())
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
         for joint in &mut self.joints {
             let speed = sample.velocity.get(joint.limit.coordinate.freedom).map_or(0.0, |rate| rate.abs());

@@ -67,12 +67,12 @@ impl fmt::Display for Report {
             (None, None) => writeln!(out, "step {step} ms")?,
         }
         if let Some(accuracy) = &self.accuracy {
-            writeln!(
-                out,
-                "  accuracy    estimated error {:.1e} m (order of magnitude, from {})",
-                accuracy.estimated,
-                counted(accuracy.pilots, "trial run", "trial runs")
-            )?;
+            let by = match (accuracy.pilots, accuracy.begun) {
+                (0, 1) => "carried along".to_string(),
+                (0, begun) => format!("carried along; begun {begun} times, each time finer"),
+                (pilots, _) => format!("from {}", counted(pilots, "trial run", "trial runs")),
+            };
+            writeln!(out, "  accuracy    estimated error {:.1e} m (order of magnitude, {by})", accuracy.estimated)?;
         }
         if let (Some(reason), true) = (&self.accuracy_unknown, self.method.adaptive) {
             writeln!(out, "  accuracy    not known: {reason}")?;

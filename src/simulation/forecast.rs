@@ -1,0 +1,130 @@
+//! Whether a run will be as accurate as is wanted, from how its error has grown so far, and how much finer it has to be where not.
+//!
+//! A run iterates its steps to a stop `ε`, and carries along how far it is off: `e(t)`, the largest so far. Errors are proportional to the stop,
+//! and grow by a factor from step to step, which a motion has as it has its frequencies. With `n` steps until `t` and `N = n T/t` until the end,
+//!
+//! ```text
+//!     g = (log₁₀(e/ε) + M g₀) / (n + M)        growth a step, drawn to what is usual, g₀ = 0.04, as if M = 100 steps had been seen before
+//!     ê = e max(10^{g (N − n)}, T/t)           the error at the end                                                    (m)
+//!     ε ← min(ε/10, ε E/(30 ê))                where e > E/2, or where ê > 300 E at T/16, T/8, T/4 or T/2
+//! ```
+//!
+//! with the wanted accuracy `E`. Below a stop of 1e-13 there are only roundings: from the second time on the finest follows.
+
+/// The finest stop: rounding.
+pub(crate) const FINEST: f64 = 1e-16;
+/// Below this stop errors are roundings.
+pub(crate) const ROUNDED: f64 = 1e-13;
+/// The usual growth of errors a step, in powers of ten,
+const USUAL: f64 = 0.04;
+/// and as if after how many steps it had been seen.
+const SEEN: f64 = 100.0;
+/// A run is forecast to be too coarse if it would be off by so many times what is wanted.
+const TOO_COARSE: f64 = 300.0;
+/// What begins again aims at the wanted accuracy over this.
+const AIM: f64 = 30.0;
+/// What has parted from its companion begins again with a stop that is finer by this.
+const PARTED: f64 = 1e-4;
+/// Runs of fewer steps are not forecast: little is lost if they are too coarse.
+const FEWEST: f64 = 80.0;
+/// When runs are forecast, over their duration.
+const INSTANTS: [f64; 4] = [1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0];
+
+/// What is known of a run and wanted of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wanted {
+    /// The accuracy (m).
+    pub accuracy: f64,
+    /// The iteration stop.
+    pub stop: f64,
+    /// When the run begins and ends (s).
+    pub start: f64,
+    pub end: f64,
+    /// Whether its errors grow like those of all motions but the simplest: one freedom knows no chaos.
+    pub grows: bool,
+}
+
+/// Looks at a run now and then.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Forecast {
+    wanted: Wanted,
+    /// How many of the instants are over.
+    looked: usize,
+}
+
+impl Forecast {
+    /// Before the first step.
+    pub fn new(wanted: Wanted) -> Self {
+        Forecast { wanted, looked: 0 }
+    }
+
+    /// The error at the end (m) if the run is to begin again, from its error at a time (s), after so many steps.
+    pub fn too_coarse(&mut self, time: f64, steps: usize, error: f64) -> Option<f64> {
+        let Wanted { accuracy, stop, start, end, grows } = self.wanted;
+        let (passed, whole, steps) = (time - start, end - start, steps as f64);
+        let all = steps * whole / passed;
+        let growth = ((error / stop).log10().max(0.0) + SEEN * USUAL) / (steps + SEEN);
+        let by_steps = if grows { 10_f64.powf(growth * (all - steps)) } else { 1.0 };
+        let predicted = error * by_steps.max(whole / passed);
+        let due = INSTANTS.iter().filter(|&&share| passed >= share * whole).count();
+        let is_due = due > std::mem::replace(&mut self.looked, due);
+        let is_over = error.is_nan() || error > 0.5 * accuracy;
+        let will_be = is_due && grows && all >= FEWEST && predicted > TOO_COARSE * accuracy;
+        (is_over || will_be).then_some(predicted)
+    }
+
+    /// The stop to begin again with, from the error at the end that is forecast (m), for the second time or the first.
+    pub fn finer(&self, predicted: f64, again: bool) -> f64 {
+        let Wanted { accuracy, stop, .. } = self.wanted;
+        // What has parted says no more than that it was much too coarse.
+        let wanted = if predicted.is_finite() { stop * accuracy / (AIM * predicted) } else { PARTED * stop };
+        let stop = wanted.min(0.1 * stop).max(FINEST);
+        if again && stop < ROUNDED { FINEST } else { stop }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WANTED: Wanted = Wanted { accuracy: 1e-6, stop: 1e-8, start: 2.0, end: 12.0, grows: true };
+
+    #[test]
+    fn an_error_above_half_of_what_is_wanted_begins_the_run_again_and_a_smaller_one_does_not() {
+        let look = |error| Forecast::new(WANTED).too_coarse(2.1, 5, error).is_some();
+        assert!([4.9e-7, 5.1e-7, f64::INFINITY, f64::NAN].map(look) == [false, true, true, true]);
+    }
+
+    #[test]
+    fn errors_that_grow_by_a_tenth_each_step_are_forecast_at_a_sixteenth_of_the_run() {
+        // 50 steps of 400, with an error of 10^0.1 a step: at 1/16 it is 1e-8 · 10^2.5, at the end it would be 1e-8 · 10^40.
+        let mut forecast = Forecast::new(WANTED);
+        assert_eq!(forecast.too_coarse(2.6, 24, 1e-8), None, "before the first instant");
+        let predicted = forecast.too_coarse(2.0 + 10.0 / 16.0, 25, 3.2e-8).expect("too coarse");
+        // g = (0.5 + 4)/125, 375 steps left.
+        let expected = 3.2e-8 * 10_f64.powf(375.0 * (3.2_f64.log10() + 4.0) / 125.0);
+        assert!((predicted / expected - 1.0).abs() < 1e-9, "{predicted:e}, not {expected:e}");
+        assert_eq!(forecast.too_coarse(2.7, 28, 3.2e-8), None, "once at each instant");
+        let finer = forecast.finer(predicted, false);
+        assert!((finer / (1e-8 * 1e-6 / (30.0 * predicted)) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_run_of_few_steps_or_of_one_freedom_is_not_forecast() {
+        let at = 2.0 + 10.0 / 16.0;
+        assert_eq!(Forecast::new(WANTED).too_coarse(at, 4, 3e-7), None, "64 steps in all");
+        let calm = Wanted { grows: false, ..WANTED };
+        assert_eq!(Forecast::new(calm).too_coarse(at, 25, 3e-7), None, "one freedom");
+    }
+
+    #[test]
+    fn stops_among_roundings_are_the_finest_from_the_second_time_on() {
+        let forecast = Forecast::new(Wanted { stop: 1e-11, ..WANTED });
+        assert_eq!(forecast.finer(1e-4, true), FINEST);
+        let once = forecast.finer(1e-4, false);
+        assert!((once / (1e-13 / 30.0) - 1.0).abs() < 1e-12, "{once:e}");
+        assert_eq!(forecast.finer(f64::INFINITY, false), 1e-4 * 1e-11);
+        // However small the error, what begins again is finer.
+        assert!((forecast.finer(1e-12, false) / 1e-12 - 1.0).abs() < 1e-12);
+    }
+}

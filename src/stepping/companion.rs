@@ -1,0 +1,76 @@
+//! A motion that goes beside that of the run, in its steps, and has the errors out of it that their iterations leave
+//! ([`catena_lobatto::step::carried`]): what parts the two is the error that the run has made so far.
+
+use catena_lobatto::stages::attempt::Carrying;
+use catena_lobatto::step::interface::Step;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::state::State;
+
+/// What an iteration may leave of what parts the motions,
+const PART: f64 = 0.02;
+/// and after so many of them it may leave more.
+const MOST: usize = 2;
+const REST: f64 = 0.05;
+/// Steps of which E is above this part of the largest that is kept have a truncation that counts.
+const TRUNCATED: f64 = 0.5;
+
+/// The motion beside that of the run.
+pub struct Companion {
+    state: State,
+    begun: bool,
+    /// Iterations so far.
+    iterations: usize,
+    /// Truncation of the next step to be accepted (rad, m).
+    truncation: f64,
+}
+
+impl Companion {
+    /// None so far: it begins with the next step.
+    pub(crate) fn new(mechanism: &Mechanism) -> Self {
+        Companion { state: State::zero(mechanism), begun: false, iterations: 0, truncation: 0.0 }
+    }
+
+    /// Where it is.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Whether it goes along.
+    pub(crate) fn has_begun(&self) -> bool {
+        self.begun
+    }
+
+    /// Iterations that it has taken.
+    pub fn iterations(&self) -> usize {
+        self.iterations
+    }
+
+    /// Takes note of a step that is going to be kept: its E, the largest that would be, and the E that goes with the iteration `stop` (rad, m). The local
+    /// error falls like E², which is chosen to be that of the stop ([`crate::control`]).
+    pub(crate) fn see(&mut self, legendre: f64, limit: f64, wanted: f64, stop: f64) {
+        self.truncation = if legendre > TRUNCATED * limit { stop * (legendre / wanted).powi(2) } else { 0.0 };
+    }
+
+    /// Begins where the run begins.
+    pub(crate) fn begin(&mut self, kernel: &mut dyn Step, mechanism: &Mechanism, state: &State) {
+        self.begun = true;
+        self.state.copy_from(state);
+        kernel.begin_to_carry(mechanism, state);
+    }
+
+    /// Goes through the finished step of the run from `state` to `time` (s).
+    pub(crate) fn follow(
+        &mut self,
+        kernel: &mut dyn Step,
+        mechanism: &Mechanism,
+        state: &State,
+        exactly: bool,
+        time: f64,
+    ) {
+        let pairs = self.state.position.iter().zip(&state.position);
+        let apart = pairs.map(|(own, other)| (own - other).abs()).fold(0.0, f64::max);
+        let carrying = Carrying { apart, part: PART, most: MOST, rest: REST, exactly, truncation: self.truncation };
+        self.iterations += kernel.carry_on(mechanism, &mut self.state, &carrying);
+        self.state.time = time;
+    }
+}
