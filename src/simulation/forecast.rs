@@ -105,8 +105,9 @@ mod tests {
         let expected = 3.2e-8 * 10_f64.powf(375.0 * (3.2_f64.log10() + 4.0) / 125.0);
         assert!((predicted / expected - 1.0).abs() < 1e-9, "{predicted:e}, not {expected:e}");
         assert_eq!(forecast.too_coarse(2.7, 28, 3.2e-8), None, "once at each instant");
-        let finer = forecast.finer(predicted, false);
-        assert!((finer / (1e-8 * 1e-6 / (30.0 * predicted)) - 1.0).abs() < 1e-12);
+        assert_eq!(forecast.finer(predicted, false), FINEST, "of {predicted:e} m");
+        let finer = forecast.finer(1e-3, false);
+        assert!((finer / (1e-8 * 1e-6 / (30.0 * 1e-3)) - 1.0).abs() < 1e-12, "{finer:e}");
     }
 
     #[test]

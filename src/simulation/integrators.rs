@@ -9,8 +9,8 @@ use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy::{Calibration, UnknownAccuracy, calibrate_counted};
 use crate::simulation::assessed::{Assessed, Terms};
 use crate::simulation::islands::Islands;
+use crate::simulation::making::Making;
 use crate::simulation::partition::Plan;
-use crate::simulation::run_integrator::RunIntegrator;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::Threads;
 use crate::simulation::trial_run::CalibrationError;
@@ -42,7 +42,7 @@ pub enum SimulationError {
 
 /// What makes the steps.
 pub(crate) enum Integrators {
-    Whole(RunIntegrator),
+    Whole(Making),
     Islands {
         islands: Islands,
         /// What stands for the method where all sleep.
@@ -106,7 +106,7 @@ impl Integrators {
     pub fn begin_again(&mut self, mechanism: &Mechanism) -> Result<(), MethodError> {
         match self {
             Integrators::Whole(integrator) => {
-                integrator.assessed().map_or(Ok(()), |assessed| assessed.begin_again(mechanism))
+                integrator.telling().map_or(Ok(()), |assessed| assessed.begin_again(mechanism))
             }
             Integrators::Islands { islands, .. } => islands.begin_again(),
         }
@@ -115,7 +115,7 @@ impl Integrators {
     /// Whatever the errors, the run does not begin again from now on.
     pub fn settle(&mut self) {
         match self {
-            Integrators::Whole(integrator) => integrator.assessed().into_iter().for_each(Assessed::settle),
+            Integrators::Whole(integrator) => integrator.telling().into_iter().for_each(Assessed::settle),
             Integrators::Islands { islands, .. } => islands.each_assessed(|_, _, assessed| assessed.settle()),
         }
     }
@@ -125,7 +125,7 @@ impl Integrators {
         let told = |mechanism: &Mechanism, state: &State, assessed: &mut Assessed| assessed.accuracy(mechanism, state);
         match self {
             Integrators::Whole(integrator) => {
-                integrator.assessed().map(|assessed| told(mechanism, state, assessed)).into_iter().collect()
+                integrator.telling().map(|assessed| told(mechanism, state, assessed)).into_iter().collect()
             }
             Integrators::Islands { islands, .. } => {
                 let mut all = Vec::new();
@@ -152,27 +152,29 @@ impl Wanted<'_> {
         state: &State,
         kept: &[Rule],
         counted: Option<Arc<Counted>>,
-    ) -> Result<(RunIntegrator, Result<Calibration, UnknownAccuracy>), SimulationError> {
+    ) -> Result<(Making, Result<Calibration, UnknownAccuracy>), SimulationError> {
         // Events hold joints, which leaves other mechanisms.
         let counts = mechanism.has_closures() && mechanism.nonsmooth.is_empty();
         let counted = counted.or_else(|| counts.then(|| Arc::new(Counted::at(mechanism, state))));
         let uncalibrated = || Ok::<_, MethodError>(self.choice.integrator(mechanism, kept)?.counted(counted.clone()));
         let Some(tolerance) = self.choice.tolerance() else {
-            return Ok((uncalibrated()?, Err(UnknownAccuracy::NotAsked)));
+            return Ok((uncalibrated()?.into(), Err(UnknownAccuracy::NotAsked)));
         };
         if self.at_once {
             let (start, end) = (state.time, state.time + self.duration);
             let terms = Terms { tolerance, start, end, kept: kept.to_vec(), counted };
             let assessed = Assessed::new(mechanism, terms)?;
-            return Ok((RunIntegrator::Assessed(Box::new(assessed)), Err(UnknownAccuracy::NotYet)));
+            return Ok((Making::Telling(Box::new(assessed)), Err(UnknownAccuracy::NotYet)));
         }
         let go_on = || !self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
         match calibrate_counted(mechanism, state, counted.as_ref(), self.duration, tolerance, kept, &mut |_| go_on()) {
-            Ok(found) => Ok((found.run_integrator(mechanism, tolerance, kept)?.counted(counted), Ok(found))),
+            Ok(found) => Ok((found.run_integrator(mechanism, tolerance, kept)?.counted(counted).into(), Ok(found))),
             Err(interrupted @ CalibrationError::Interrupted) => Err(SimulationError::Interrupted(interrupted)),
             Err(CalibrationError::Method(error)) => Err(SimulationError::Method(error)),
             // The run will fail where the trial run did, and leave its log up to there.
-            Err(CalibrationError::Step(error)) => Ok((uncalibrated()?, Err(UnknownAccuracy::TrialFailed(error)))),
+            Err(CalibrationError::Step(error)) => {
+                Ok((uncalibrated()?.into(), Err(UnknownAccuracy::TrialFailed(error))))
+            }
         }
     }
 }

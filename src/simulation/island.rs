@@ -7,7 +7,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::Island;
 use crate::simulation::course::Aim;
-use crate::simulation::run_integrator::RunIntegrator;
+use crate::simulation::making::Making;
 use crate::simulation::{Course, Observer, ObserverError, RunError, RunOptions, Sample, StepEnd};
 use std::collections::VecDeque;
 
@@ -18,7 +18,7 @@ pub(crate) struct IslandRun {
     /// Efforts that drive its joints from outside [N m or N]; none, or one a degree of freedom.
     pub(crate) efforts: Vec<f64>,
     /// `None` if it sleeps.
-    pub(crate) awake: Option<RunIntegrator>,
+    pub(crate) awake: Option<Making>,
     pub(crate) course: Option<Course>,
     /// What it has shown and nobody has taken yet.
     pub(crate) shown: Shown,

@@ -24,9 +24,9 @@ use crate::mechanism::motion::state::State;
 use crate::simulation::assessed::Assessed;
 use crate::simulation::course::Aim;
 use crate::simulation::island::{IslandRun, first_error, frontier};
+use crate::simulation::making::Making;
 use crate::simulation::merged::MergedRun;
 use crate::simulation::partition::Plan;
-use crate::simulation::run_integrator::RunIntegrator;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::{Threads, spread};
 use crate::simulation::{Observer, RunError, RunOptions, Summary};
@@ -72,7 +72,7 @@ impl Islands {
     ///
     /// # Errors
     /// The first error of `make`, in the order of the islands.
-    pub fn new<I: Into<RunIntegrator>, N: Send, E: Send>(
+    pub fn new<I: Into<Making>, N: Send, E: Send>(
         plan: Plan,
         state: &State,
         threads: Threads,
@@ -149,7 +149,7 @@ impl Islands {
     /// Does something with each island that knows how far it is off, and where it is.
     pub(crate) fn each_assessed(&mut self, mut work: impl FnMut(&Mechanism, &State, &mut Assessed)) {
         for IslandRun { island, state, awake, .. } in &mut self.parts {
-            if let Some(assessed) = awake.as_mut().and_then(RunIntegrator::assessed) {
+            if let Some(assessed) = awake.as_mut().and_then(Making::telling) {
                 work(&island.mechanism, state, assessed);
             }
         }
@@ -250,7 +250,7 @@ impl Islands {
             let driven = part.efforts.iter().any(|&effort| effort != 0.0);
             if part.awake.is_none() && driven {
                 let Ok(integrator) = choice.integrator(&part.island.mechanism, &self.kept) else { continue };
-                part.awake = Some(integrator);
+                part.awake = Some(integrator.into());
                 part.state.time = whole.start;
                 part.begin(options.duration, sampling_rate(options))?;
                 part.shown.samples.clear();

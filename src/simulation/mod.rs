@@ -7,7 +7,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | the run as an object | `run`, `integrators`, `run_integrator`, `step_choice` |
+//! | the run as an object | `run`, `integrators`, `making`, `run_integrator`, `step_choice` |
 //! | who decides on efforts | `controller`, `continuous` |
 //! | one mechanism, step by step | `course`, `summary`, `observer` |
 //! | independent parts side by side | `partition`, `islands`, `island`, `merged`, `threads` |
@@ -26,6 +26,8 @@ mod integrators;
 mod island;
 #[doc(hidden)]
 pub mod islands;
+#[doc(hidden)]
+pub mod making;
 mod merged;
 mod observer;
 #[doc(hidden)]

@@ -287,7 +287,7 @@ impl<'s> Simulation<'s> {
             if self.progress.is_some() {
                 return Ok(false);
             }
-            self.integrators = Integrators::Whole(self.choice.integrator(self.mechanism, &[])?);
+            self.integrators = Integrators::Whole(self.choice.integrator(self.mechanism, &[])?.into());
         }
         Ok(true)
     }

@@ -9,7 +9,6 @@ use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
-use crate::simulation::assessed::Assessed;
 use crate::stepping::integrator::{Lobatto, MethodError};
 use crate::stepping::recipe::{Recipe, Steps};
 use std::sync::Arc;
@@ -20,8 +19,6 @@ pub enum RunIntegrator {
     Smooth(Box<Lobatto>),
     /// Of one with events.
     Eventful(Box<Eventful>),
-    /// Of either, that knows how far it is off.
-    Assessed(Box<Assessed>),
 }
 
 impl From<Lobatto> for RunIntegrator {
@@ -49,7 +46,7 @@ impl RunIntegrator {
     pub fn counted(self, counted: Option<Arc<Counted>>) -> Self {
         match self {
             RunIntegrator::Smooth(lobatto) => RunIntegrator::from(lobatto.counted(counted)),
-            RunIntegrator::Eventful(_) | RunIntegrator::Assessed(_) => self,
+            RunIntegrator::Eventful(_) => self,
         }
     }
 
@@ -58,7 +55,6 @@ impl RunIntegrator {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.was_held_by_stability(),
             RunIntegrator::Eventful(eventful) => eventful.was_held_by_stability(),
-            RunIntegrator::Assessed(_) => false,
         }
     }
 
@@ -69,7 +65,6 @@ impl RunIntegrator {
             _ if mechanism.has_closures() => return false,
             RunIntegrator::Smooth(lobatto) => lobatto.accompany(mechanism),
             RunIntegrator::Eventful(eventful) => eventful.accompany(),
-            RunIntegrator::Assessed(_) => return false,
         }
         true
     }
@@ -79,7 +74,6 @@ impl RunIntegrator {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.leave_companion(),
             RunIntegrator::Eventful(eventful) => eventful.leave_companion(),
-            RunIntegrator::Assessed(_) => {}
         }
     }
 
@@ -90,15 +84,6 @@ impl RunIntegrator {
                 lobatto.companion().inspect(|companion| state.copy_from(companion.state())).is_some()
             }
             RunIntegrator::Eventful(eventful) => eventful.place_companion(state),
-            RunIntegrator::Assessed(_) => false,
-        }
-    }
-
-    /// The run as one that knows how far it is off, if it is one.
-    pub(crate) fn assessed(&mut self) -> Option<&mut Assessed> {
-        match self {
-            RunIntegrator::Assessed(assessed) => Some(assessed),
-            RunIntegrator::Smooth(_) | RunIntegrator::Eventful(_) => None,
         }
     }
 
@@ -106,7 +91,6 @@ impl RunIntegrator {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.as_ref(),
             RunIntegrator::Eventful(eventful) => eventful.as_ref(),
-            RunIntegrator::Assessed(assessed) => assessed.as_ref(),
         }
     }
 
@@ -114,7 +98,6 @@ impl RunIntegrator {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.as_mut(),
             RunIntegrator::Eventful(eventful) => eventful.as_mut(),
-            RunIntegrator::Assessed(assessed) => assessed.as_mut(),
         }
     }
 }
@@ -128,10 +111,6 @@ impl Integrator for RunIntegrator {
         until: f64,
     ) -> Result<StepOutcome, StepError> {
         self.inner_mut().step(mechanism, inputs, state, until)
-    }
-
-    fn begins_again(&self) -> bool {
-        self.inner().begins_again()
     }
 
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {

@@ -80,7 +80,7 @@ fn a_motion_on_which_trial_runs_meet_other_events_says_from_when_it_is_not_deter
     println!("{found:?}");
     let differ = found.events_differ.expect("another order of events");
     assert!(differ > 1.0 && differ < 60.0 && found.holds_until <= differ);
-    assert!(report.warning().is_some_and(|warning| warning.contains("trial runs meet other events")));
+    assert!(report.warning().is_some_and(|warning| warning.contains("runs that differ by little meet other events")));
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod common;
 #[path = "../shared/models/mod.rs"]
 mod models;
 
+mod assessed;
 mod islands;
 mod lean;
 mod mesh_formats;

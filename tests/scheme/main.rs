@@ -10,6 +10,7 @@ mod in_plane;
 mod models;
 
 mod chord;
+mod companion;
 mod first_iterations;
 mod forces;
 mod inputs;

@@ -1,136 +1,49 @@
-//! A motion carried beside the one that a kernel makes, in its steps: what parts them is the error that the steps have made.
-//!
-//! The iteration of a step ends at a stop, and what it leaves is the error of the step. A second motion `y` with a start of its own goes through
-//! the same steps, from the stages `θ` of the first and a guess of what parts them, and is iterated until what is left is a small part of that:
-//!
-//! ```text
-//!     θ_y ← θ + δ̂                                      δ̂ from the last step's δ, and v_y − v at the start      extrapolation.rs
-//!     repeat:  θ_y ← Anderson(θ_y, increments at θ_y)   with the factors that the first motion has left         anderson.rs
-//!     until the increments are a small part of δ = θ_y − θ, or of what parted the starts
-//!     velocity from H(q̄) v̄ = Sᵀ p̄                      at the end of θ_y                                        (2.5.11h)
-//! ```
-//!
-//! So `y` has the errors of the first motion out of it, and `y − x` is what they have grown to. A step costs one to three iterations.
+//! What a motion that is carried beside another knows of it: where it begins, and what parts them at the stages of a step
+//! ([`crate::step::carrying`]).
 
 use crate::numbers::lanes::{Lanes, in_lanes};
-use crate::numbers::reductions::{add_to, largest, largest_coefficient, write_ends};
-use crate::solve::iteration::{Coupling, Equations};
-use crate::stages::attempt::Carrying;
+use crate::numbers::reductions::{add_to, largest_coefficient};
 use crate::stages::extrapolation::Extrapolation;
 use crate::stages::unknowns::Unknowns;
-use crate::step::kernel::Kernel;
 use crate::step::workspace::Workspace;
+use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
-use catena_mechanism::motion::state::State;
-
-/// After so many iterations what parts the motions is no small difference any more.
-const HOPELESS: usize = 12;
 
 /// The carried motion.
 pub(crate) struct Carried<V, S> {
     /// The start of its next step.
-    start: S,
+    pub(crate) start: S,
     /// Where that is going to end.
-    end: S,
+    pub(crate) end: S,
     /// `θ` of the first motion.
-    solved: Vec<V>,
+    pub(crate) solved: Vec<V>,
     /// `δ`, of the freedoms that are iterated.
-    apart: Vec<V>,
+    pub(crate) apart: Vec<V>,
     /// `v_y − v` at the start of the step.
-    rates: Vec<f64>,
-    past: Extrapolation<V>,
-}
-
-impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
-    /// A motion is carried from this state on.
-    pub(crate) fn start_carrying(&mut self, mechanism: &Mechanism, state: &State) {
-        let (freedoms, iterated) = (self.displaced.len(), self.displaced.len() - self.workspace.known());
-        let carried = self.carried.get_or_insert_with(|| {
-            Box::new(Carried {
-                start: W::new_start(mechanism),
-                end: W::new_start(mechanism),
-                solved: vec![V::zero(); freedoms],
-                apart: vec![V::zero(); iterated],
-                rates: vec![0.0; iterated],
-                past: Extrapolation::new(iterated, self.tableau),
-            })
-        });
-        carried.past.forget();
-        self.workspace.set_end(&mut carried.start, mechanism, state);
-    }
-
-    /// Moves the carried motion, which is in this state, through the step that was finished and is not accepted yet; returns the iterations.
-    pub(crate) fn carry(&mut self, mechanism: &Mechanism, state: &mut State, carrying: &Carrying) -> usize {
-        let Some(mut carried) = self.carried.take() else { return 0 };
-        let chord = self.chord;
-        carried.part_from(&mut self.workspace);
-        let iterations = if carrying.exactly {
-            self.solve_carried_exactly(carrying)
-        } else {
-            self.solve_carried(carrying, &carried.apart)
-        };
-        carried.learn(&mut self.workspace);
-        let Kernel { workspace, velocity, displaced, tableau, top_legendre, .. } = self;
-        let square = workspace.end_velocities(self.refined, velocity);
-        write_ends(workspace.displacement(), tableau.stages - 1, displaced);
-        if carrying.truncation > 0.0 {
-            carried.truncate(*top_legendre, carrying.truncation, displaced);
-        }
-        state.displace(mechanism, displaced);
-        state.velocity.copy_from_slice(velocity);
-        workspace.set_end(&mut carried.end, mechanism, state);
-        if let Some(square) = square
-            && workspace.refine_velocities(&carried.end, square, velocity)
-        {
-            state.velocity.copy_from_slice(velocity);
-            workspace.set_end(&mut carried.end, mechanism, state);
-        }
-        std::mem::swap(workspace.start_mut(), &mut carried.start);
-        std::mem::swap(&mut carried.start, &mut carried.end);
-        workspace.advanced().0.copy_from_slice(&carried.solved);
-        self.chord = chord;
-        self.carried = Some(carried);
-        iterations
-    }
-
-    /// The simplified iteration.
-    fn solve_carried(&mut self, carrying: &Carrying, apart: &[V]) -> usize {
-        let guessed = in_lanes!(V, largest(apart));
-        self.chord.begin_with(self.workspace.has_factors());
-        self.workspace.leave_single();
-        self.anderson.restart();
-        for iteration in 1.. {
-            let increment = self.iterate(self.refined);
-            let left = increment / guessed.max(carrying.apart);
-            if left <= carrying.part || (iteration >= carrying.most && left <= carrying.rest) || iteration >= HOPELESS {
-                self.complete();
-                return iteration;
-            }
-            self.advance();
-        }
-        0
-    }
-
-    /// The exact Newton method, of which one iteration leaves the square of what parts the motions.
-    fn solve_carried_exactly(&mut self, carrying: &Carrying) -> usize {
-        let Kernel { workspace, newton: Some(newton), closing, .. } = self else { return 0 };
-        workspace.begin_exactly();
-        let stages = workspace.stage_unknowns();
-        newton.begin(stages.plan, stages.start, closing.as_ref().map(|closing| closing.known()));
-        for iteration in 1.. {
-            let increment = self.couple();
-            self.add_increments();
-            if iteration >= carrying.most || increment <= carrying.part * carrying.apart {
-                return iteration;
-            }
-        }
-        0
-    }
+    pub(crate) rates: Vec<f64>,
+    pub(crate) past: Extrapolation<V>,
 }
 
 impl<V: Lanes, S> Carried<V, S> {
+    /// Room for a mechanism of so many degrees of freedom, of which some are iterated.
+    pub(crate) fn new<W: Workspace<V, Start = S>>(
+        mechanism: &Mechanism,
+        freedoms: usize,
+        iterated: usize,
+        tableau: &Tableau,
+    ) -> Self {
+        Carried {
+            start: W::new_start(mechanism),
+            end: W::new_start(mechanism),
+            solved: vec![V::zero(); freedoms],
+            apart: vec![V::zero(); iterated],
+            rates: vec![0.0; iterated],
+            past: Extrapolation::new(iterated, tableau),
+        }
+    }
+
     /// Takes the place of the first motion in a workspace, with a guess of what parts them.
-    fn part_from<W: Workspace<V, Start = S>>(&mut self, workspace: &mut W) {
+    pub(crate) fn part_from<W: Workspace<V, Start = S>>(&mut self, workspace: &mut W) {
         self.solved.copy_from_slice(workspace.displacement());
         let first = workspace.unknowns();
         for (own, &rate) in self.rates.iter_mut().zip(first.rates) {
@@ -157,7 +70,7 @@ impl<V: Lanes, S> Carried<V, S> {
 
     /// Moves the end of the step by what its polynomials leave out, of which the freedom with the largest top Legendre coefficient `Σ_i L_i θ_i` has
     /// `truncation` (rad, m), and the others a part by theirs: what a symmetry of the motion holds stays where it is.
-    fn truncate(&self, top: V, truncation: f64, displaced: &mut [f64]) {
+    pub(crate) fn truncate(&self, top: V, truncation: f64, displaced: &mut [f64]) {
         in_lanes!(V, {
             let share = truncation / largest_coefficient(&self.solved, top).max(f64::MIN_POSITIVE);
             for (displaced, &solved) in displaced.iter_mut().zip(&self.solved) {
@@ -167,7 +80,7 @@ impl<V: Lanes, S> Carried<V, S> {
     }
 
     /// Learns from the solved step what parts the motions in it.
-    fn learn<W: Workspace<V, Start = S>>(&mut self, workspace: &mut W) {
+    pub(crate) fn learn<W: Workspace<V, Start = S>>(&mut self, workspace: &mut W) {
         let known = workspace.known();
         let Unknowns { displacement, step, coefficients, .. } = workspace.unknowns();
         let (past, rates) = (&mut self.past, &self.rates[..]);

@@ -5,9 +5,10 @@
 //! ```
 //!
 //! [`interface`] is what those see who string steps together. [`kernel`] and [`kernel_step`] make it, over a [`workspace`] in space ([`spatial`]) or in a plane
-//! ([`planar`]); [`precise`] and [`precise_start`] solve it to 32 digits; [`make`] hands the vectors out.
+//! ([`planar`]); [`carrying`] moves a second motion through it, which is [`carried`]; [`precise`] and [`precise_start`] solve it to 32 digits; [`make`] hands the vectors out.
 
-mod carried;
+pub(crate) mod carried;
+pub(crate) mod carrying;
 pub mod interface;
 pub(crate) mod kernel;
 mod kernel_step;

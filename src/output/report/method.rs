@@ -271,7 +271,7 @@ impl AccuracyReport {
         }
         (!self.can_tell).then(|| {
             format!(
-                "chaotic motion: rounding errors grow too, so that nothing can tell whether the accuracy of {wanted:e} m is \
+                "chaotic motion: rounding errors grow too, so that it cannot be told whether the accuracy of {wanted:e} m is \
                  reached; the error may be a hundred times larger"
             )
         })
@@ -301,7 +301,7 @@ mod tests {
             };
             AccuracyReport::new(wanted, 2.0, &found).warning()
         };
-        assert!(warning(1e-12, 2e4).is_some_and(|words| words.contains("cannot tell")));
+        assert!(warning(1e-12, 2e4).is_some_and(|words| words.contains("cannot be told")));
         assert_eq!(warning(1e-12, 3.0), None, "a calm motion");
         assert_eq!(warning(1e-11, 2e4), None, "an accuracy that can be told");
     }

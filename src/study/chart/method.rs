@@ -9,6 +9,7 @@ use crate::mechanism::motion::integrator::Integrator;
 use crate::mechanism::motion::state::State;
 use crate::reduced::{Dop853, Euler, Rk4};
 use crate::simulation::StepChoice;
+use crate::simulation::assessed::{Assessed, Terms};
 use crate::stepping::integrator::Lobatto;
 use crate::study::chart::regularised::{Softness, regularised_system};
 use std::fmt;
@@ -112,7 +113,8 @@ impl Method {
         matches!(self, Method::Rk4 | Method::Dop853 | Method::Dop853Regularised)
     }
 
-    /// The integrator at a setting, for a run from `start`; `None` where a method does not know such a setting or mechanism.
+    /// The integrator at a setting, for a run from `start`; `None` where a method does not know such a setting or mechanism, and for what
+    /// [`Method::telling`] makes.
     pub fn integrator(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
         if !mechanism.nonsmooth.is_empty() {
             return self.with_events(mechanism, start, setting);
@@ -124,9 +126,6 @@ impl Method {
             (Method::Precise(stages), Setting::Step(step)) => {
                 Lobatto::precise(mechanism, stages, step).ok().map(|lobatto| Box::new(lobatto) as Box<dyn Integrator>)
             }
-            (Method::LobattoTolerance, Setting::Tolerance(tolerance)) => {
-                Some(Box::new(Lobatto::adaptive(mechanism, tolerance)))
-            }
             (Method::Euler, Setting::Step(step)) => Some(Box::new(Euler::new(mechanism, step))),
             (Method::Rk4, Setting::Step(step)) => Some(Box::new(Rk4::new(mechanism, step))),
             (Method::Dop853, Setting::Tolerance(tolerance)) => Some(Box::new(Dop853::new(mechanism, tolerance))),
@@ -135,12 +134,18 @@ impl Method {
         }
     }
 
+    /// What makes a run of `duration` (s) that tells its accuracy itself, and may begin again: of the one method that does.
+    pub fn telling(self, mechanism: &Mechanism, start: &State, duration: f64, setting: Setting) -> Option<Assessed> {
+        let (Method::LobattoTolerance, Setting::Tolerance(tolerance)) = (self, setting) else { return None };
+        let terms = Terms { tolerance, start: start.time, end: start.time + duration, kept: Vec::new(), counted: None };
+        Assessed::new(mechanism, terms).ok()
+    }
+
     /// The same for a mechanism with limits, dry friction or motors.
     fn with_events(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
         let ours = |steps: StepChoice| Some(Box::new(steps.integrator(mechanism, &[]).ok()?) as Box<dyn Integrator>);
         match (self, setting) {
             (Method::Lobatto(stages), Setting::Step(step)) => ours(StepChoice::Fixed { stages, step }),
-            (Method::LobattoTolerance, Setting::Tolerance(tolerance)) => ours(StepChoice::Tolerance(tolerance)),
             (Method::Dop853, Setting::Tolerance(tolerance)) if !mechanism.has_closures() => {
                 Some(Box::new(Eventful::over_dop853(mechanism, tolerance).ok()?))
             }

@@ -6,6 +6,7 @@
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::integrator::Integrator;
 use crate::mechanism::motion::state::State;
 use crate::study::chart::method::{Method, Setting};
 use cpu_time::ThreadTime;
@@ -74,6 +75,22 @@ pub struct TimedRun {
     pub ended: Ended,
 }
 
+impl TimedRun {
+    /// Nothing yet.
+    fn empty(start: &State) -> Self {
+        TimedRun {
+            end: start.clone(),
+            cpu_seconds: 0.0,
+            steps: 0,
+            iterations: 0,
+            rejected: 0,
+            mean_step: 0.0,
+            exchange: Exchange::default(),
+            ended: Ended::Done,
+        }
+    }
+}
+
 /// Runs a method from `start` for `duration` seconds, as often as `effort` asks.
 pub fn timed_run(
     mechanism: &Mechanism,
@@ -111,25 +128,32 @@ fn single_run(
 ) -> TimedRun {
     let mut state = start.clone();
     let end = start.time + duration;
-    let mut run = TimedRun {
-        end: start.clone(),
-        cpu_seconds: 0.0,
-        steps: 0,
-        iterations: 0,
-        rejected: 0,
-        mean_step: 0.0,
-        exchange: Exchange::default(),
-        ended: Ended::Done,
-    };
-    let Some(mut integrator) = method.integrator(mechanism, start, setting) else {
-        run.ended = Ended::Failed(format!("{} does not know {setting}", method.id()));
-        return run;
-    };
+    let mut run = TimedRun::empty(start);
+    let mut telling = method.telling(mechanism, start, duration, setting);
+    let mut plain = if telling.is_none() { method.integrator(mechanism, start, setting) } else { None };
     let reading = seconds_a_reading();
     let clock = ThreadTime::now();
     let mut readings = 1.0;
     while state.time < end {
-        match integrator.advance(mechanism, &mut state, end) {
+        let advanced = match (&mut telling, &mut plain) {
+            (Some(telling), _) => telling.advance(mechanism, &mut state, end),
+            (None, Some(plain)) => plain.advance(mechanism, &mut state, end),
+            (None, None) => {
+                run.ended = Ended::Failed(format!("{} does not know {setting}", method.id()));
+                break;
+            }
+        };
+        // All of the time counts, and the steps of the run that there is in the end.
+        if let Some(telling) = telling.as_mut().filter(|telling| telling.begins_again()) {
+            if let Err(error) = telling.begin_again(mechanism) {
+                run.ended = Ended::Failed(error.to_string());
+                break;
+            }
+            state.copy_from(start);
+            run = TimedRun::empty(start);
+            continue;
+        }
+        match advanced {
             Ok(outcome) => {
                 run.steps += 1;
                 run.iterations += outcome.iterations;

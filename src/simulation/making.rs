@@ -1,0 +1,91 @@
+//! What makes the steps of a run, or of an island: an integrator alone, or one that tells how far it is off.
+
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::event::{Event, JointStatus};
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::state::State;
+use crate::simulation::assessed::Assessed;
+use crate::simulation::run_integrator::RunIntegrator;
+use crate::stepping::integrator::Lobatto;
+
+/// What makes the steps.
+pub enum Making {
+    /// An integrator alone.
+    Alone(RunIntegrator),
+    /// One that tells how far it is off, and may begin again.
+    Telling(Box<Assessed>),
+}
+
+impl From<RunIntegrator> for Making {
+    fn from(alone: RunIntegrator) -> Self {
+        Making::Alone(alone)
+    }
+}
+
+impl From<Lobatto> for Making {
+    fn from(lobatto: Lobatto) -> Self {
+        Making::Alone(lobatto.into())
+    }
+}
+
+impl Making {
+    /// The one that tells how far it is off, if it is one.
+    pub(crate) fn telling(&mut self) -> Option<&mut Assessed> {
+        match self {
+            Making::Telling(assessed) => Some(assessed),
+            Making::Alone(_) => None,
+        }
+    }
+
+    fn inner(&self) -> &dyn Integrator {
+        match self {
+            Making::Alone(alone) => alone,
+            Making::Telling(assessed) => assessed.as_ref(),
+        }
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn Integrator {
+        match self {
+            Making::Alone(alone) => alone,
+            Making::Telling(assessed) => assessed.as_mut(),
+        }
+    }
+}
+
+impl Integrator for Making {
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        self.inner_mut().step(mechanism, inputs, state, until)
+    }
+
+    fn begins_again(&self) -> bool {
+        self.inner().begins_again()
+    }
+
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        self.inner_mut().dense(mechanism, time, position, velocity);
+    }
+
+    fn description(&self) -> MethodDescription {
+        self.inner().description()
+    }
+
+    fn take_events(&mut self, events: &mut Vec<Event>) {
+        self.inner_mut().take_events(events);
+    }
+
+    fn joint_status(&self, mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
+        self.inner().joint_status(mechanism, state, body)
+    }
+
+    fn contacts(&self, mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
+        self.inner().contacts(mechanism, state, out);
+    }
+}

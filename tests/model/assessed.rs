@@ -1,0 +1,214 @@
+//! Runs that tell their accuracy themselves, and begin again with finer steps where that is not what is wanted.
+
+use crate::models;
+use catena::mechanism::description::joint::{Joint, JointKind};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::distance::{distance, probes};
+use catena::mechanism::motion::integrator::{Integrator, MethodDescription};
+use catena::mechanism::motion::state::State;
+use catena::simulation::accuracy::Calibration;
+use catena::simulation::{
+    Finished, Observer, ObserverError, RunError, Sample, Simulation, SimulationOptions, StepChoice, UnknownAccuracy,
+};
+use catena::stepping::integrator::Lobatto;
+use nalgebra::Vector3;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+fn options(duration: f64, tolerance: f64) -> SimulationOptions<'static> {
+    SimulationOptions { duration, steps: StepChoice::Tolerance(tolerance), switched_off: &[], interrupt: None }
+}
+
+fn finished(mechanism: &Mechanism, start: &State, duration: f64, tolerance: f64) -> Finished {
+    let mut simulation =
+        Simulation::at_once(mechanism, start.clone(), None, options(duration, tolerance)).expect("a simulation");
+    simulation.run().expect("a run");
+    simulation.finish()
+}
+
+fn told(finished: &Finished) -> Calibration {
+    finished.accuracy[0].clone().expect("an accuracy")
+}
+
+fn truth(mechanism: &Mechanism, start: &State, duration: f64) -> Vec<Vector3<f64>> {
+    let mut lobatto = Lobatto::adaptive_with_stop(mechanism, 1e-12, 1e-16);
+    let mut state = start.clone();
+    while state.time < duration {
+        lobatto.advance(mechanism, &mut state, duration).expect("the truth");
+    }
+    probes(mechanism, &state)
+}
+
+/// Motions whose errors grow by 10² to 10⁶, with their durations (s).
+fn motions() -> Vec<(models::Model, f64)> {
+    vec![
+        (models::double_pendulum(), 4.0),
+        (models::planar_chain(4), 2.0),
+        (models::chain(6), 1.0),
+        (models::floating_tree(), 2.0),
+        (models::heavy_top(), 1.0),
+    ]
+}
+
+#[test]
+fn a_run_that_says_that_its_accuracy_is_reached_is_that_accurate_and_its_estimate_is_no_darker_and_no_brighter_than_it_may_be()
+ {
+    for (model, duration) in motions() {
+        let truth = truth(&model.mechanism, &model.state, duration);
+        for tolerance in [1e-3, 1e-5, 1e-7, 1e-9] {
+            let finished = finished(&model.mechanism, &model.state, duration, tolerance);
+            let (error, told) = (distance(&truth, &probes(&model.mechanism, &finished.state)), told(&finished));
+            let name = &model.mechanism.name;
+            println!(
+                "{name} at {tolerance:e}: error {error:.2e} m, estimate {:.2e} m, begun {}",
+                told.estimate, told.begun
+            );
+            assert_eq!((told.holds_until, told.pilots), (duration, 0), "{name} at {tolerance:e}");
+            assert!(error <= tolerance, "{name} at {tolerance:e}: {error:e} m");
+            // Thirty times is what a report may be off; what is below a thousandth of the accuracy is calm, and may be told to be more.
+            assert!(error <= 30.0 * told.estimate + 1e-13, "{name} at {tolerance:e}: {error:e} of {:e}", told.estimate);
+            assert!(
+                told.estimate <= (30.0 * error).max(0.1 * tolerance),
+                "{name} at {tolerance:e}: {error:e} of {:e}",
+                told.estimate
+            );
+        }
+    }
+}
+
+/// Keeps all samples, and counts beginnings.
+#[derive(Default)]
+struct Kept {
+    samples: Vec<(f64, Vec<f64>)>,
+    begun: usize,
+}
+
+impl Observer for Kept {
+    fn begin_again(&mut self, _: &MethodDescription) -> Result<(), ObserverError> {
+        self.begun += 1;
+        self.samples.clear();
+        Ok(())
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        self.samples.push((sample.time, sample.position.to_vec()));
+        Ok(())
+    }
+}
+
+#[test]
+fn observers_of_a_run_that_begins_again_see_that_and_then_the_run_that_was_made_with_its_steps_from_the_start() {
+    let model = models::chain(6);
+    let (mechanism, duration, tolerance) = (&model.mechanism, 12.0, 1e-3);
+    let mut kept = Kept::default();
+    let mut simulation =
+        Simulation::at_once(mechanism, model.state.clone(), None, options(duration, tolerance)).expect("a simulation");
+    simulation.sample_at(10.0);
+    simulation.observe(&mut kept);
+    simulation.run().expect("a run");
+    let finished = simulation.finish();
+    let told = told(&finished);
+    println!("{told:?}");
+    assert!(told.begun > 1 && kept.begun == told.begun - 1, "{} beginnings shown of {}", kept.begun, told.begun);
+    assert_eq!(kept.samples.len(), 121);
+    assert!(kept.samples.iter().enumerate().all(|(k, sample)| sample.0 == (k as f64 / 10.0).min(duration)));
+    // The run alone, with the steps that it ended with.
+    let mut lobatto = told.integrator(mechanism, tolerance);
+    let mut state = model.state.clone();
+    while state.time < duration {
+        lobatto.advance(mechanism, &mut state, duration).expect("a step");
+    }
+    assert_eq!(finished.state, state);
+}
+
+#[test]
+fn a_motion_that_no_steps_of_doubles_can_follow_says_until_when_its_accuracy_holds() {
+    let model = models::chain(6);
+    let finished = finished(&model.mechanism, &model.state, 60.0, 1e-6);
+    let told = told(&finished);
+    println!("{told:?}");
+    assert!(told.parted && told.estimate > 0.1, "{told:?}");
+    // Errors grow some tenfold a second.
+    assert!(told.holds_until > 1.0 && told.holds_until < 59.0, "{told:?}");
+    // Where it is said to hold, it does.
+    let until = 0.9 * told.holds_until;
+    let mut lobatto = told.integrator(&model.mechanism, 1e-6);
+    let mut state = model.state.clone();
+    while state.time < until {
+        lobatto.advance(&model.mechanism, &mut state, until).expect("a step");
+    }
+    let error = distance(&truth(&model.mechanism, &model.state, until), &probes(&model.mechanism, &state));
+    assert!(error < 1e-5, "{error:e} m at t = {until} s");
+}
+
+/// A pendulum that nearly stands for most of the run, and falls in its last part.
+#[test]
+fn an_error_that_grows_in_the_last_part_of_a_run_alone_is_seen_and_the_run_begins_again() {
+    let frame = |z| models::frame(Vector3::new(0.0, 0.0, z), Vector3::y());
+    let rod = |name: &str, parent, on_parent: f64| {
+        let joint = Joint::new(name, JointKind::Revolute, frame(on_parent), frame(-0.5));
+        models::body(name, parent, 1.0, Vector3::new(0.1, 0.1, 0.01), joint)
+    };
+    let bodies = vec![rod("lower", None, 0.0), rod("upper", Some(0), 0.5)];
+    let mechanism = Mechanism::new("standing", models::gravity(), bodies).expect("a mechanism");
+    let mut start = State::zero(&mechanism);
+    start.velocity[0] = 1e-7;
+    // It leaves the upright position as e^{t/0.2 s}: after 3.5 s it falls, and errors have grown as much as it has.
+    let duration = 5.0;
+    let truth = truth(&mechanism, &start, duration);
+    for tolerance in [1e-4, 1e-6] {
+        let finished = finished(&mechanism, &start, duration, tolerance);
+        let (error, told) = (distance(&truth, &probes(&mechanism, &finished.state)), told(&finished));
+        println!("{tolerance:e}: error {error:.2e} m, {told:?}");
+        assert!(error <= tolerance || told.holds_until < duration, "{error:e} m, said to be {:e}", told.estimate);
+        assert!(error <= 30.0 * told.estimate, "{error:e} m, said to be {:e}", told.estimate);
+    }
+}
+
+#[test]
+fn a_run_under_efforts_from_outside_does_not_begin_again_and_says_that_its_accuracy_is_not_known() {
+    let model = models::double_pendulum();
+    let mut kept = Kept::default();
+    let mut simulation =
+        Simulation::at_once(&model.mechanism, model.state.clone(), None, options(12.0, 1e-6)).expect("a simulation");
+    simulation.observe(&mut kept);
+    simulation.set_efforts(&[0.1, 0.0]).expect("efforts");
+    simulation.run().expect("a run");
+    let finished = simulation.finish();
+    assert!(matches!(finished.accuracy[0], Err(UnknownAccuracy::Driven)), "{:?}", finished.accuracy);
+    assert_eq!(kept.begun, 0);
+}
+
+/// Interrupts a run at its first sample after some time (s).
+struct Interrupting<'f>(&'f AtomicBool, f64);
+
+impl Observer for Interrupting<'_> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        if sample.time >= self.1 {
+            self.0.store(true, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn a_run_that_is_interrupted_tells_its_accuracy_up_to_there_and_nothing_if_it_has_not_begun() {
+    let model = models::double_pendulum();
+    for after in [0.0, 1.0] {
+        let flag = AtomicBool::new(false);
+        let mut observer = Interrupting(&flag, after);
+        let options = SimulationOptions { interrupt: Some(&flag), ..options(10.0, 1e-6) };
+        let mut simulation =
+            Simulation::at_once(&model.mechanism, model.state.clone(), None, options).expect("a simulation");
+        simulation.sample_at(10.0);
+        simulation.observe(&mut observer);
+        assert!(matches!(simulation.run(), Err(RunError::Interrupted { .. })));
+        let finished = simulation.finish();
+        if after == 0.0 {
+            assert!(matches!(finished.accuracy[0], Err(UnknownAccuracy::NotYet)), "{:?}", finished.accuracy);
+            continue;
+        }
+        let told = told(&finished);
+        assert_eq!(told.holds_until, finished.state.time);
+        assert!(told.estimate > 0.0 && told.estimate < 1e-6, "{told:?}");
+    }
+}
