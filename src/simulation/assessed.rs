@@ -50,6 +50,8 @@ const ENERGY: f64 = 300.0;
 const PARTED: f64 = 1e-2;
 /// Number of looks at a run that carries its companion, and at one with a run beside it.
 const LOOKS: [f64; 2] = [128.0, 32.0];
+/// However long a run is, the next look is after this part more of the time at the last.
+const LATER: f64 = 1.25;
 /// Steps between two looks, at least.
 const STRIDE: usize = 4;
 /// A run whose steps fail with a coarse stop begins again with one that is finer by this.
@@ -212,7 +214,7 @@ impl Assessed {
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.origin = Some(state.clone());
         self.size = size(mechanism, state);
-        self.due = self.terms.start + (self.terms.end - self.terms.start) / self.looks();
+        self.due = self.terms.start;
         if !matches!(self.by, By::Carried) {
             self.by = self.beside(mechanism, state).map_or(By::Nothing, |beside| By::Beside(Box::new(beside)));
         }
@@ -258,7 +260,9 @@ impl Assessed {
         }
         let error = self.error(mechanism, state).max(self.worst());
         self.trail.push((state.time, error));
-        (self.looked, self.due) = (self.steps, state.time + (self.terms.end - self.terms.start) / self.looks());
+        let Terms { start, end, .. } = self.terms;
+        let later = (state.time - start) * LATER;
+        (self.looked, self.due) = (self.steps, (state.time + (end - start) / self.looks()).min(start + later));
         if self.may_begin_again
             && self.stop > FINEST
             && let Some(predicted) = self.forecast.too_coarse(state.time, self.steps, error)
