@@ -41,6 +41,11 @@
 
 #![deny(unsafe_code)]
 
+// The command line names the library as other programs do.
+extern crate self as catena;
+
+#[doc(hidden)]
+pub mod cli;
 #[doc(hidden)]
 pub mod drawing;
 pub mod events;
@@ -51,6 +56,7 @@ pub mod model;
 pub mod output;
 pub mod prelude;
 pub mod scene;
+pub mod session;
 pub mod simulation;
 #[doc(hidden)]
 pub mod study;

@@ -1,7 +1,5 @@
-//! The `catena` program: one file per verb in [`cli`].
-
-mod cli;
+//! The `catena` program.
 
 fn main() -> std::process::ExitCode {
-    cli::main()
+    catena::cli::main()
 }

@@ -3,13 +3,14 @@
 //! Everything that can be wrong with the input is found before the folder is made. After every scene all files are
 //! written anew, each whole; Ctrl-C ends with what has been measured up to then.
 
-use crate::cli::input::{Loaded, WorldArgs};
-use crate::cli::numbers::{Assignment, numbers, positive};
+use crate::cli::input::WorldArgs;
+use crate::cli::numbers::{Assignment, numbers, pairs, positive};
 use crate::cli::{Failure, print, warn};
 use anyhow::{Context, anyhow};
 use catena::drawing::error::ChartError;
 use catena::mechanism::ground::words::counted;
 use catena::model::Model;
+use catena::session::Loaded;
 use catena::study::chart::measure::Plan;
 use catena::study::chart::report::{ENERGY, Report};
 use catena::study::chart::{Measurement, Scene, measure, read_csv};
@@ -145,9 +146,8 @@ fn scenes(arguments: &ChartArgs) -> anyhow::Result<Vec<Scene>> {
     for (mut loaded, input) in inputs.into_iter().zip(&arguments.inputs) {
         refuse_what_has_no_rival(&loaded.model)?;
         let alone = arguments.inputs.len() == 1;
-        let here = |assignments: &[Assignment]| -> Vec<Assignment> {
-            let here = assignments.iter().filter(|one| alone || loaded.model.joint(&one.name).is_some());
-            here.cloned().collect()
+        let here = |assignments: &[Assignment]| -> Vec<(String, Vec<f64>)> {
+            pairs(assignments.iter().filter(|one| alone || loaded.model.joint(&one.name).is_some()))
         };
         let (position, velocity) = (here(&arguments.position), here(&arguments.velocity));
         let in_input = || input.display().to_string();

@@ -1,7 +1,6 @@
-//! `--check`: the same run with half the step, on another core, and how far its end is from that of the run.
+//! `--check`: the same run with half the step, on another core.
 
 use catena::mechanism::description::mechanism::Mechanism;
-use catena::mechanism::motion::distance::{distance, probes};
 use catena::mechanism::motion::state::State;
 use catena::simulation::{Simulation, SimulationOptions};
 
@@ -11,9 +10,4 @@ pub fn end_with_half_the_step(mechanism: &Mechanism, start: State, options: Simu
     let mut simulation = Simulation::new(mechanism, start, options).ok()?;
     simulation.run().ok()?;
     Some(simulation.finish().state)
-}
-
-/// How far two ends are apart (m): any point of a body, with turns at a metre's distance.
-pub fn apart(mechanism: &Mechanism, one: &State, other: &State) -> f64 {
-    distance(&probes(mechanism, one), &probes(mechanism, other))
 }

@@ -1,9 +1,7 @@
 //! The options that say what touches what.
 
 use crate::cli::numbers::finite;
-use anyhow::bail;
-use catena::model::Left;
-use catena::scene::{ContactSettings, Obstacle, Touching};
+use catena::scene::Touching;
 use std::ffi::OsString;
 
 /// The floor, and which shapes may touch.
@@ -16,35 +14,6 @@ pub struct ContactArgs {
     /// Which collision shapes may touch: none, environment (links with obstacles), all (links of different robots, too) [default: environment]
     #[arg(long, value_name = "PAIRS")]
     pub contact: Option<Touching>,
-}
-
-impl ContactArgs {
-    /// What the command line says of contact, or else the scene; with all that is `left` out of the simulation.
-    ///
-    /// # Errors
-    /// If the scene has a floor of its own, or nothing may touch the one of the command line.
-    pub fn settings(&self, mut settings: ContactSettings, left: &[Left]) -> anyhow::Result<ContactSettings> {
-        let without = left.contains(&Left::Contact);
-        if let Some(touching) = self.contact {
-            settings.touching = touching;
-        }
-        if let Some(height) = self.floor {
-            if settings.obstacles.iter().any(|obstacle| obstacle.name == Obstacle::FLOOR) {
-                bail!("--floor: the scene has an obstacle {:?} already; leave one of them out", Obstacle::FLOOR);
-            }
-            if settings.touching == Touching::None && !without {
-                bail!(
-                    "--floor: nothing may touch it, because pairs are \"none\"; give --contact environment, or no --floor"
-                );
-            }
-            settings.obstacles.push(Obstacle::floor(height));
-        }
-        if without {
-            // Files that only contact needs are not looked for.
-            settings.touching = Touching::None;
-        }
-        Ok(settings)
-    }
 }
 
 /// The arguments with `--floor Z` as `--floor=Z`, so that a file after `--floor` is not taken for its height.

@@ -2,7 +2,7 @@
 
 use crate::cli::page_files::is_same;
 use crate::cli::recorded::Recorded;
-use crate::cli::{Failure, check_place, warn};
+use crate::cli::{Failure, warn};
 use anyhow::{Context, bail};
 use catena::drawing::files::write_with;
 use catena::drawing::picture::Figure;
@@ -10,6 +10,7 @@ use catena::output::inspection::joint_values::{JointKinds, joint_kinds};
 use catena::output::inspection::summary::Summary;
 use catena::output::inspection::table::write_table;
 use catena::output::log::recovery::recover;
+use catena::session::check_place;
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufWriter, Write as _};

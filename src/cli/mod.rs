@@ -28,7 +28,6 @@ mod recorded;
 mod replay;
 mod report;
 mod rules;
-mod run_log;
 mod simulate;
 mod special_output;
 mod stress;
@@ -36,6 +35,7 @@ mod table;
 
 use crate::cli::contact_args::with_heights;
 use anyhow::Context;
+use catena::session::Error;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
@@ -46,7 +46,7 @@ use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -107,6 +107,17 @@ impl Failure {
     /// Interrupted by the user.
     pub fn interrupted(error: impl Into<anyhow::Error>) -> Self {
         Failure { exit_code: 130, error: error.into() }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        let exit_code = match &error {
+            error if error.is_interruption() => 130,
+            error if error.is_input() => 2,
+            _ => 1,
+        };
+        Failure { exit_code, error: error.into() }
     }
 }
 
@@ -174,26 +185,6 @@ pub fn simulate_arguments(arguments: &[String]) -> anyhow::Result<simulate::Argu
         Verb::Simulate(arguments) => Ok(*arguments),
         _ => anyhow::bail!("it was not written by catena simulate"),
     }
-}
-
-/// The folder that a path is in.
-pub fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
-/// Whether a file can be at this place.
-///
-/// # Errors
-/// If there is no folder for it, or it is one.
-pub fn check_place(output: &Path) -> anyhow::Result<()> {
-    let folder = folder_of(output);
-    if !folder.is_dir() {
-        anyhow::bail!("cannot write {}: there is no folder {}", output.display(), folder.display());
-    }
-    if output.is_dir() {
-        anyhow::bail!("cannot write {}: it is a folder", output.display());
-    }
-    Ok(())
 }
 
 /// A file to write.

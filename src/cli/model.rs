@@ -1,6 +1,6 @@
 //! `catena model`: what was read, what was left out and why, and what will be simulated.
 
-use crate::cli::input::{InputArgs, Loaded};
+use crate::cli::input::InputArgs;
 use crate::cli::page_files::{check_page, write_page};
 use crate::cli::table::{Table, number, triple};
 use crate::cli::{Failure, contact_tables, couplings, joint_tables, print, print_json, rules};
@@ -13,6 +13,7 @@ use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names
 use catena::output::page::{MESH_LIMIT, PageOptions, PageTable, model_page};
 use catena::output::report::ModelReport;
 use catena::scene::Warning;
+use catena::session::Loaded;
 use catena::simulation::partition::Plan;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -47,7 +48,7 @@ pub fn run(args: &ModelArgs) -> Result<(), Failure> {
         Ok(state) => state,
         // What does not close is worth looking at all the more.
         Err(error) => {
-            let (file, message) = (loaded.model.path().to_path_buf(), error.root_cause().to_string());
+            let (file, message) = (loaded.model.path().to_path_buf(), error.problem().to_string());
             loaded.model.warnings.push(Warning { file, line: None, element: None, message });
             loaded.unassembled_state().map_err(Failure::input)?
         }

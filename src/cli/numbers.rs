@@ -49,6 +49,11 @@ impl FromStr for Assignment {
     }
 }
 
+/// Names and numbers, as models take them.
+pub fn pairs<'a>(given: impl IntoIterator<Item = &'a Assignment>) -> Vec<(String, Vec<f64>)> {
+    given.into_iter().map(|one| (one.name.clone(), one.values.clone())).collect()
+}
+
 /// Exactly `N` finite numbers, separated by commas.
 pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let numbers: Vec<f64> = finite_numbers(text)?;

@@ -1,8 +1,9 @@
 //! The file of a page: where it may be, and that all of it is there or nothing.
 
-use crate::cli::{Failure, check_place, folder_of};
+use crate::cli::Failure;
 use anyhow::bail;
 use catena::drawing::files::write_text;
+use catena::session::{check_place, folder_of};
 use std::path::Path;
 
 /// Whether a page can be at this place, where it must replace none of these files.

@@ -4,12 +4,13 @@
 //! scene are the attachments after it, in their order, then the meshes of its obstacles; meshes of links that may touch are named after
 //! their robots. Other meshes, on which no motion depends, are left out.
 
-use crate::cli::input::{Loaded, WorldArgs, is_scene};
+use crate::cli::input::WorldArgs;
 use crate::cli::{simulate, simulate_arguments};
 use anyhow::{Context, anyhow, bail};
 use catena::output::log::reader::{Item, read_log};
 use catena::output::log::{INPUTS, START, sha256};
 use catena::scene::{Geometry, Problem, Robot, SceneError, SceneFiles, robot_without_meshes, scene_from_text};
+use catena::session::{Loaded, is_scene};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -68,9 +69,9 @@ impl Recorded {
 /// What the text of the main input says, and the files it names.
 fn load(path: &Path, text: &str, mut files: FilesInLog, world: &WorldArgs) -> anyhow::Result<Loaded> {
     if !is_scene(path) {
-        return world.place_robot(files.with_meshes(robot_without_meshes(text, path)?));
+        return Ok(world.world().place_robot(files.with_meshes(robot_without_meshes(text, path)?))?);
     }
-    world.place_scene(scene_from_text(text, path, &mut files)?)
+    Ok(world.world().place_scene(scene_from_text(text, path, &mut files)?)?)
 }
 
 /// A file that a log carries.

@@ -3,10 +3,11 @@
 //! A log that was cut off or whose run was interrupted is compared up to its end; one that is damaged is not the same as any run.
 
 use crate::cli::recorded::Recorded;
-use crate::cli::simulate::{Setup, setup_failure};
+use crate::cli::simulate::Setup;
 use crate::cli::{Failure, print};
 use anyhow::anyhow;
 use catena::output::log::{Difference, Recorder};
+use catena::session::{DRIVEN, Error, Settled};
 use catena::simulation::{RunError, Simulation, SimulationOptions};
 use clap::Args;
 use std::path::PathBuf;
@@ -30,8 +31,13 @@ pub struct ReplayArgs {
 pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let log = &arguments.log;
     let mut recorded = Recorded::open(log).map_err(Failure::input)?;
+    if let Some(by) = recorded.simulation.get(DRIVEN) {
+        let error = anyhow!("{}: it cannot be made again from the log alone: {by}", log.display());
+        return Err(Failure::input(error));
+    }
     let setup = Setup::new(&recorded.arguments, &mut recorded.loaded).map_err(Failure::input)?;
-    let Setup { state, choice, duration, rate, log: mut options } = setup;
+    let Setup { state, settled, log: mut options } = setup;
+    let Settled { duration, choice, rate } = settled;
     // What the clock said then.
     options.start = recorded.start();
     let made_by = recorded.simulation.get("version").map_or("?", String::as_str);
@@ -40,8 +46,8 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let switched_off = &recorded.arguments.input.keep[..];
     let run = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
     let mut recorder;
-    let mut simulation = Simulation::from_counted(&model.mechanism, state, recorded.loaded.counted.clone(), run)
-        .map_err(setup_failure)?;
+    let mut simulation =
+        Simulation::from_counted(&model.mechanism, state, recorded.loaded.counted.clone(), run).map_err(Error::from)?;
     let stages = simulation.description().stages as f64;
     recorder = Recorder::compare(log, model, stages, &options).map_err(Failure::run)?;
     simulation.sample_at(rate);

@@ -3,37 +3,25 @@
 //! The output is opened last, when nothing in the input can be wrong any more: a bad input leaves an existing log as
 //! it was. Every way out of the run completes the log.
 
-use crate::cli::check::{apart, end_with_half_the_step};
-use crate::cli::input::{InputArgs, Loaded};
+use crate::cli::check::end_with_half_the_step;
+use crate::cli::input::InputArgs;
 use crate::cli::log_options::LogArgs;
-use crate::cli::numbers::{Assignment, numbers, positive, rate};
+use crate::cli::numbers::{Assignment, numbers, pairs, positive, rate};
 use crate::cli::page_files::{check_page, is_same};
 use crate::cli::progress::{PilotsShown, Progress};
-use crate::cli::run_log::{description, finish, log_failure};
 use crate::cli::special_output::open_special;
-use crate::cli::{Failure, check_place, print, print_json};
+use crate::cli::{Failure, print, print_json};
 use anyhow::{Context, anyhow};
-use catena::instant::assembly::redundancy_counted;
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
-use catena::output::log::{LONGEST, LogOptions, Recorder, Severity, neighbour, seconds};
+use catena::output::log::LogOptions;
 use catena::output::page::MESH_LIMIT;
-use catena::output::report::{
-    AccuracyReport, ConstraintReport, ContactsReport, EnergyReport, EventReport, FarSpring, IslandReport, MethodReport,
-    ModelReport, Report, SpeedWatch, StepErrorReport, balance_warning, carried_reports, link_reports, ringing_warning,
-    singular_warning, unsolved_warning,
-};
-use catena::scene::SimulationSettings;
-use catena::simulation::{Finished, Simulation, SimulationError, SimulationOptions, StepChoice};
+use catena::output::report::SpeedWatch;
+use catena::session::{Account, Asked, Ended, Error, Loaded, Origin, Settled, check_log, check_place};
+use catena::simulation::{Simulation, SimulationOptions};
 use clap::{Args, value_parser};
-use cpu_time::ProcessTime;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
-
-const DEFAULT_DURATION: f64 = 10.0;
-const DEFAULT_TOLERANCE: f64 = 1e-6;
-const DEFAULT_RATE: f64 = 60.0;
 
 /// The options of `catena simulate`.
 #[derive(Args, Debug)]
@@ -118,11 +106,7 @@ pub struct Arguments {
 /// A run before its first step.
 pub struct Setup {
     pub state: State,
-    pub choice: StepChoice,
-    /// Simulated time [s].
-    pub duration: f64,
-    /// Samples per simulated second.
-    pub rate: f64,
+    pub settled: Settled,
     /// What is in the log, and how.
     pub log: LogOptions,
 }
@@ -133,37 +117,24 @@ impl Setup {
     /// # Errors
     /// What is wrong with the start, or cannot be simulated.
     pub fn new(arguments: &Arguments, loaded: &mut Loaded) -> anyhow::Result<Self> {
-        let state = loaded.initial_state(&arguments.position, &arguments.velocity, arguments.base_velocity)?;
-        let file = &loaded.simulation;
-        let duration = arguments.duration.or(file.duration).unwrap_or(DEFAULT_DURATION);
-        Ok(Setup {
-            state,
-            choice: step_choice(arguments, file).within(duration),
-            duration,
-            rate: arguments.rate.or(file.rate).unwrap_or(DEFAULT_RATE),
-            log: arguments.log.options(),
-        })
+        let (positions, velocities) = (pairs(&arguments.position), pairs(&arguments.velocity));
+        let state = loaded.initial_state(&positions, &velocities, arguments.base_velocity)?;
+        let settled = arguments.asked().settle(&loaded.simulation)?;
+        Ok(Setup { state, settled, log: arguments.log.options() })
     }
 }
 
-/// How steps are chosen: what the command line says, or else the file.
-fn step_choice(arguments: &Arguments, file: &SimulationSettings) -> StepChoice {
-    let given = arguments.stages.zip(arguments.step).map(|(stages, step)| (stages.into(), step));
-    let fixed = given.or(file.fixed.filter(|_| arguments.tolerance.is_none()));
-    match fixed {
-        Some((stages, step)) if arguments.reversible => StepChoice::Reversible { stages, step },
-        Some((stages, step)) if arguments.precise => StepChoice::Precise { stages, step },
-        Some((stages, step)) => StepChoice::Fixed { stages, step },
-        None => StepChoice::Tolerance(arguments.tolerance.or(file.tolerance).unwrap_or(DEFAULT_TOLERANCE)),
-    }
-}
-
-/// Who is to blame for a run that cannot begin: the command line, or nobody.
-pub fn setup_failure(error: SimulationError) -> Failure {
-    match error {
-        SimulationError::Method(error) => Failure::input(error),
-        SimulationError::Interrupted(error) => Failure::interrupted(error),
-        SimulationError::Mechanism(error) => Failure::run(error),
+impl Arguments {
+    /// What they ask of the run.
+    fn asked(&self) -> Asked {
+        Asked {
+            duration: self.duration,
+            tolerance: self.tolerance,
+            fixed: self.stages.zip(self.step).map(|(stages, step)| (stages.into(), step)),
+            reversible: self.reversible,
+            precise: self.precise,
+            rate: self.rate,
+        }
     }
 }
 
@@ -182,26 +153,18 @@ pub struct Ran {
 pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let output = output(arguments).map_err(Failure::input)?;
     let mut loaded = arguments.input.load().map_err(Failure::input)?;
-    let Setup { state, choice, duration, rate, log } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
+    let Setup { state, settled, log } = Setup::new(arguments, &mut loaded).map_err(Failure::input)?;
+    let Settled { duration, choice, rate } = settled;
     let model = &loaded.model;
-    output.iter().try_for_each(|output| check_apart(output, model)).map_err(Failure::input)?;
+    output.iter().try_for_each(|output| check_log(output, model, duration, &log)).map_err(Failure::input)?;
     if let (Some(page), Some(log)) = (&arguments.report, &output) {
         check_report(page, log, model).map_err(Failure::input)?;
     }
-    if output.is_some() && duration + seconds(log.start) > LONGEST {
-        let error = anyhow!(
-            "a log counts nanoseconds, up to {LONGEST:e} s after 1970; give a shorter --duration than {duration:e}, an earlier \
-             --start-time or --no-log"
-        );
-        return Err(Failure::input(error));
-    }
     let mechanism = &model.mechanism;
     let counted = loaded.counted.clone();
-    let redundancy = counted.as_deref().map(|counted| redundancy_counted(mechanism, counted)).unwrap_or_default();
 
     // The run ends after the step it is in.
     let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
-    let (clock, cpu_clock) = (Instant::now(), ProcessTime::now());
     let shows = !arguments.quiet && std::io::stderr().is_terminal();
     let pilots = (shows && choice.tolerance().is_some()).then(PilotsShown::new);
     let switched_off = &arguments.input.keep[..];
@@ -209,27 +172,15 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     // They outlive the run, which they watch.
     let (mut recorder, mut progress, mut speeds);
     let start = arguments.check.then(|| state.clone());
-    let far = FarSpring::of(mechanism, &state);
-    let mut simulation = Simulation::from_counted(mechanism, state, counted, options).map_err(setup_failure)?;
+    let account = Account::open(model, &state, settled);
+    let mut simulation = Simulation::from_counted(mechanism, state, counted.clone(), options).map_err(Error::from)?;
     drop(pilots);
-    let model_report = ModelReport::new(model, &redundancy, simulation.parts());
-    let (mut accuracy, accuracy_unknown) = match AccuracyReport::of(&simulation) {
-        Ok(accuracy) => (Some(accuracy), None),
-        Err(reason) => (None, Some(reason.to_string())),
-    };
-    let mut unreached: Vec<String> = accuracy.as_ref().and_then(AccuracyReport::warning).into_iter().collect();
-    if let Some(far) = &far {
-        unreached.extend(far.warning(choice.tolerance().unwrap_or(DEFAULT_TOLERANCE)));
-        accuracy.iter_mut().for_each(|accuracy| accuracy.see_rounding(far));
-    }
+    let begun = account.begun(model, counted.as_deref(), &simulation);
     recorder = match &output {
         Some(path) => {
-            let simulation = description(model, duration, rate, choice, simulation.description());
             let held = open_special(path, &interrupted).map_err(Failure::interrupted)?;
-            let mut recorder = Recorder::create(path, model, simulation, &log).map_err(log_failure)?;
+            let recorder = begun.log(path, model, &simulation, &Origin::of_process(), &log, &interrupted)?;
             drop(held);
-            recorder.heed(&interrupted);
-            unreached.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
             Some(recorder)
         }
         None => None,
@@ -249,74 +200,25 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
         (ended, half.and_then(|half| half.join().ok().flatten()))
     });
     let finished = simulation.finish();
-    let (events, contact) = (EventReport::new(model, &finished), ContactsReport::new(model, &finished));
-    let Finished { state, summary, method, islands, joints: statuses, .. } = finished;
     if let Some(progress) = &progress {
         progress.clear();
     }
-    let step_error = choice.step().and_then(|_| match &checked {
-        Some(other) => Some(StepErrorReport::by_half_the_step(apart(mechanism, &state, other))),
-        None => StepErrorReport::by_energy(mechanism, &summary, duration),
-    });
-    if let Some(accuracy) = &mut accuracy {
-        accuracy.see_energy(&summary);
-    }
-    let of_method: Vec<String> = MethodReport::warning(&method)
-        .into_iter()
-        .chain(balance_warning(&method, &summary))
-        .chain(step_error.and_then(|error| error.warning(&method)))
-        .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))
-        .chain(ringing_warning(&method))
-        .chain(singular_warning(&method))
-        .chain(unsolved_warning(&method))
-        .chain(speeds.iter().flat_map(SpeedWatch::warning))
-        .collect();
-    if let Some(recorder) = &mut recorder {
-        of_method.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
-    }
-    let estimated_error =
-        accuracy.as_ref().map(|accuracy| accuracy.estimated).or(step_error.map(|error| error.estimated));
-    let (ended, log) = finish(recorder, ended, &summary, estimated_error, output.as_deref());
-    let (wall_seconds, cpu_seconds) = (clock.elapsed().as_secs_f64(), cpu_clock.elapsed().as_secs_f64());
-
-    let (joints, loops) = carried_reports(model, &state, &statuses);
-    let report = Report {
-        catena: env!("CARGO_PKG_VERSION"),
-        input: arguments.input.input.display().to_string(),
-        scene: mechanism.name.clone(),
-        // The time that was reached, which is less than what was asked for if the run ended early.
-        duration: state.time,
-        method: MethodReport::new(&method),
-        model: model_report,
-        steps: summary.steps,
-        iterations: summary.iterations,
-        rejected_steps: summary.rejected_steps,
-        kept_factor_iterations: summary.kept_iterations,
-        exact_newton_steps: summary.exact_steps,
-        wall_seconds,
-        cpu_seconds,
-        solve_cpu_seconds: summary.solve_cpu_seconds,
-        events,
-        contact,
-        energy: EnergyReport::new(&summary),
-        constraint: ConstraintReport::new(&summary),
-        links: link_reports(model, &state),
-        joints,
-        loops,
-        islands: islands.iter().map(IslandReport::new).collect(),
-        warnings: model.warnings.iter().map(ToString::to_string).chain(unreached).chain(of_method).collect(),
-        accuracy,
-        accuracy_unknown,
-        step_error,
-        log: log.clone(),
+    let ended = Ended {
+        finished,
+        ended: ended.map_err(Error::from),
+        checked: checked.as_ref(),
+        speeds: speeds.as_ref(),
+        recorder,
+        output: output.as_deref(),
     };
+    let (report, ended) = begun.close(model, arguments.input.input.display().to_string(), ended);
     let printed = match (arguments.json, arguments.quiet) {
         (true, _) => print_json(&report),
         (false, true) => Ok(()),
         (false, false) => print(&report),
     };
     // What became of the run is more than what became of its report.
-    Ok(Ran { log, ended: ended.and(printed) })
+    Ok(Ran { log: report.log, ended: ended.map_err(Failure::from).and(printed) })
 }
 
 /// The page of a run is made from its log: that must be a file, and another one.
@@ -344,21 +246,6 @@ fn output(arguments: &Arguments) -> anyhow::Result<Option<PathBuf>> {
             PathBuf::from(format!("{}.mcap", stem.to_string_lossy()))
         }
     };
-    if output.as_os_str().to_string_lossy().ends_with(std::path::is_separator) {
-        return Err(anyhow!("cannot write {}: give a file, not a folder", output.display()));
-    }
     check_place(&output)?;
     Ok(Some(output))
-}
-
-/// Neither the log nor its file while the run has not finished may replace what it is made from.
-fn check_apart(output: &Path, model: &Model) -> anyhow::Result<()> {
-    let wanted = output.canonicalize().unwrap_or_else(|_| output.to_path_buf());
-    for written in [neighbour(&wanted), wanted].iter().filter_map(|path| path.canonicalize().ok()) {
-        if model.files().any(|file| file.canonicalize().is_ok_and(|file| file == written)) {
-            let (output, written) = (output.display(), written.display());
-            return Err(anyhow!("cannot write {output}: the run is made from {written}; choose another --output"));
-        }
-    }
-    Ok(())
 }

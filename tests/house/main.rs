@@ -38,6 +38,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "simulation",
             "prelude",
             "output",
+            "session",
             "study",
             "cli",
         ],

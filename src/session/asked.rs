@@ -1,0 +1,85 @@
+//! What is asked of a run: its duration, how its steps are chosen, and how often it is sampled.
+
+use crate::scene::SimulationSettings;
+use crate::session::error::Error;
+use crate::simulation::StepChoice;
+
+/// Simulated time, where nobody says otherwise (s).
+pub const DEFAULT_DURATION: f64 = 10.0;
+/// Wanted accuracy of positions, where nobody says otherwise (m).
+pub const DEFAULT_TOLERANCE: f64 = 1e-6;
+/// Samples per simulated second, where nobody says otherwise.
+pub const DEFAULT_RATE: f64 = 60.0;
+
+/// The highest rate whose instants, in nanoseconds, differ.
+const HIGHEST_RATE: f64 = 1e6;
+
+/// What is asked of a run; what is not asked for is as its file says, or else a default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Asked {
+    /// Simulated time (s).
+    pub duration: Option<f64>,
+    /// Wanted accuracy of positions (m).
+    pub tolerance: Option<f64>,
+    /// Stages, and the length of steps (s).
+    pub fixed: Option<(usize, f64)>,
+    /// Whether given steps vary with the pace of the motion ([`StepChoice::Reversible`]).
+    pub reversible: bool,
+    /// Whether given steps are solved to 32 digits ([`StepChoice::Precise`]).
+    pub precise: bool,
+    /// Samples per simulated second.
+    pub rate: Option<f64>,
+}
+
+/// What a run is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settled {
+    /// Simulated time (s).
+    pub duration: f64,
+    /// How steps are chosen.
+    pub choice: StepChoice,
+    /// Samples per simulated second.
+    pub rate: f64,
+}
+
+impl Asked {
+    /// What is asked for, or else what the file says, or else the defaults.
+    ///
+    /// # Errors
+    /// [`Error::Option`]: numbers that cannot be, which no command line and no file lets through.
+    pub fn settle(&self, file: &SimulationSettings) -> Result<Settled, Error> {
+        let given = [
+            ("duration", self.duration),
+            ("tolerance", self.tolerance),
+            ("step", self.fixed.map(|(_, step)| step)),
+            ("rate", self.rate),
+        ];
+        for (option, value) in given {
+            match value {
+                Some(value) if !value.is_finite() => {
+                    return Err(Error::Option { option, value, wanted: "give a finite number" });
+                }
+                Some(value) if value <= 0.0 => {
+                    return Err(Error::Option { option, value, wanted: "must be greater than zero" });
+                }
+                Some(value) if option == "rate" && value > HIGHEST_RATE => {
+                    return Err(Error::Option { option, value, wanted: "must be at most 1e6" });
+                }
+                _ => {}
+            }
+        }
+        let duration = self.duration.or(file.duration).unwrap_or(DEFAULT_DURATION);
+        let rate = self.rate.or(file.rate).unwrap_or(DEFAULT_RATE);
+        Ok(Settled { duration, choice: self.choice(file).within(duration), rate })
+    }
+
+    fn choice(&self, file: &SimulationSettings) -> StepChoice {
+        let fixed = self.fixed.or(file.fixed.filter(|_| self.tolerance.is_none()));
+        match fixed {
+            Some((stages, step)) if self.reversible => StepChoice::Reversible { stages, step },
+            Some((stages, step)) if self.precise => StepChoice::Precise { stages, step },
+            Some((stages, step)) => StepChoice::Fixed { stages, step },
+            None => StepChoice::Tolerance(self.tolerance.or(file.tolerance).unwrap_or(DEFAULT_TOLERANCE)),
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! What a log says about its run: how it was made at the beginning, its figures at the end.
+
+use crate::mechanism::description::joint::Pose;
+use crate::mechanism::motion::integrator::MethodDescription;
+use crate::model::{Model, PlacedRobot};
+use crate::simulation::{StepChoice, Summary};
+use std::collections::BTreeMap;
+
+/// The entry of a log that says who has driven a run which its files alone do not tell.
+pub const DRIVEN: &str = "driven";
+
+/// Who has made a run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Origin {
+    /// The command line as people read it.
+    pub command_line: String,
+    /// The words of a `catena simulate` that makes the same run, without the name of the program.
+    pub arguments: Vec<String>,
+    /// What the run depends on besides: steps that a program chose, or its efforts. Such a run cannot be made again from its log.
+    pub driven: Option<String>,
+}
+
+impl Origin {
+    /// The command line of this process.
+    pub fn of_process() -> Self {
+        let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+        let arguments = words.get(1..).unwrap_or_default().to_vec();
+        Origin { command_line: words.join(" "), arguments, driven: None }
+    }
+}
+
+/// What the log says about how the run was made.
+pub fn description(
+    model: &Model,
+    duration: f64,
+    rate: f64,
+    choice: StepChoice,
+    method: MethodDescription,
+    origin: &Origin,
+) -> BTreeMap<String, String> {
+    let said = |number: Option<f64>| number.map_or(String::new(), |number| number.to_string());
+    // Word by word, which the command line as people read it does not tell.
+    let arguments = serde_json::Value::from(origin.arguments.clone());
+    // Of several robots, one after the other.
+    let of_robots = |what: &dyn Fn(&PlacedRobot) -> String| model.robots.iter().map(what).collect::<Vec<_>>().join(";");
+    let base = |robot: &PlacedRobot| {
+        let floats = model.joints[robot.joints.clone()].iter().any(|joint| joint.is_base);
+        if floats { "floating" } else { "fixed" }.to_string()
+    };
+    let entries = [
+        ("scene", model.mechanism.name.clone()),
+        ("robot", of_robots(&|robot| robot.name.clone())),
+        ("base", of_robots(&base)),
+        ("base_pose", of_robots(&|robot| listed(&pose_numbers(&robot.base_pose)))),
+        ("gravity", listed(model.mechanism.gravity.as_slice())),
+        ("version", env!("CARGO_PKG_VERSION").to_string()),
+        ("method", method.name),
+        ("stages", method.stages.to_string()),
+        ("order", method.order.to_string()),
+        ("step", said(choice.step())),
+        ("tolerance", said(choice.tolerance())),
+        ("duration", duration.to_string()),
+        ("rate", rate.to_string()),
+        ("command_line", origin.command_line.clone()),
+        ("arguments", arguments.to_string()),
+    ];
+    let driven = origin.driven.iter().map(|by| (DRIVEN, by.clone()));
+    entries.into_iter().chain(driven).map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// A pose as `--base-pose` takes it.
+fn pose_numbers(pose: &Pose) -> [f64; 6] {
+    let (roll, pitch, yaw) = pose.rotation.euler_angles();
+    let [x, y, z] = pose.translation.vector.into();
+    [x, y, z, roll, pitch, yaw]
+}
+
+/// Numbers with commas between, in full precision.
+fn listed(numbers: &[f64]) -> String {
+    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
+}
+
+/// The figures of the whole run, as the log keeps them; with the error that is expected of positions (m), where that is known.
+pub(crate) fn figures(summary: &Summary, estimated_error: Option<f64>) -> BTreeMap<String, String> {
+    let figures = [
+        ("steps", summary.steps.to_string()),
+        ("iterations", summary.iterations.to_string()),
+        ("rejected_steps", summary.rejected_steps.to_string()),
+        ("energy_initial", summary.initial_energy.total().to_string()),
+        ("energy_final", summary.final_energy.total().to_string()),
+        ("energy_max_relative_error", summary.max_relative_energy_error.to_string()),
+        ("constraint_max_position", summary.max_violation.position.to_string()),
+        ("constraint_max_velocity", summary.max_violation.velocity.to_string()),
+    ];
+    let estimated = estimated_error.map(|error| ("estimated_error", error.to_string()));
+    figures.into_iter().chain(estimated).map(|(name, value)| (name.to_string(), value)).collect()
+}

@@ -1,0 +1,181 @@
+//! What was read, and the state in which a run of it begins.
+
+use crate::instant::assembly::assemble_counted;
+use crate::lobatto::coupled::counted::Counted;
+use crate::mechanism::ground::words::{decimals, short};
+use crate::mechanism::motion::energy::violation;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::model::{Model, ModelError, Start};
+use crate::output::report::{Numbers, joint_reports};
+use crate::scene::{SimulationSettings, Warning};
+use crate::session::error::Error;
+use std::sync::Arc;
+
+/// What was read: the model, where it starts, and how its file wants it to be run.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// What is simulated.
+    pub model: Model,
+    /// Where the file starts it.
+    pub start: Start,
+    /// What the file says about the run.
+    pub simulation: SimulationSettings,
+    /// What was counted of the closures at the start, once there is one.
+    pub counted: Option<Arc<Counted>>,
+}
+
+/// A start on all loops.
+#[derive(Clone, Debug)]
+pub struct Assembled {
+    /// The state.
+    pub state: State,
+    /// What was counted of the closures there, if there are any.
+    pub counted: Option<Arc<Counted>>,
+    /// What was changed for that.
+    pub warnings: Vec<Warning>,
+}
+
+/// Changes of the start [m, rad, or a second of these] that nobody need be told.
+const UNNOTICEABLE: f64 = 1e-9;
+
+/// Most changes of the start that are told one by one.
+const NAMED: usize = 3;
+
+impl Loaded {
+    /// The start, moved within limits and onto all loops and mimic relations; what was changed for that becomes a warning of the model.
+    ///
+    /// # Errors
+    /// As of [`Loaded::assembled`].
+    pub fn initial_state(
+        &mut self,
+        positions: &[(String, Vec<f64>)],
+        velocities: &[(String, Vec<f64>)],
+        base_velocity: Option<[f64; 6]>,
+    ) -> Result<State, Error> {
+        let Assembled { state, counted, warnings } = self.assembled(positions, velocities, base_velocity)?;
+        self.counted = counted;
+        self.model.warnings.extend(warnings);
+        Ok(state)
+    }
+
+    /// The start, moved within limits and onto all loops and mimic relations, and what was changed for that.
+    ///
+    /// # Errors
+    /// As [`Loaded::unassembled_state`], if a joint is given twice, if a loop cannot be closed or the velocities contradict one, and if
+    /// forces or energies are undefined or infinite there.
+    pub fn assembled(
+        &self,
+        positions: &[(String, Vec<f64>)],
+        velocities: &[(String, Vec<f64>)],
+        base_velocity: Option<[f64; 6]>,
+    ) -> Result<Assembled, Error> {
+        refuse_repeated("position", positions)?;
+        refuse_repeated("velocity", velocities)?;
+        let wanted = self.wanted(positions, velocities, base_velocity)?;
+        let mut state = self.model.initial_state(&wanted.positions, &wanted.velocities, None)?;
+        let file = self.model.path();
+        let in_file = |error: Error| error.in_file(file);
+        self.model.check_representable(&state).map_err(|error| in_file(error.into()))?;
+        let given = state.clone();
+        let mechanism = &self.model.mechanism;
+        let (correction, counted) = assemble_counted(mechanism, &mut state).map_err(|error| in_file(error.into()))?;
+        self.model.check_springs(&state).map_err(|error| in_file(error.into()))?;
+        // What limits alone moved is said apart.
+        let open = violation(mechanism, &given, &body_states(mechanism, &given)).position > UNNOTICEABLE;
+        let apart = correction.overlap.and_then(|(number, depth)| {
+            let pair = mechanism.nonsmooth.pairs.iter().find(|pair| pair.number == number)?;
+            let [a, b] = [pair.a, pair.b].map(|of| mechanism.nonsmooth.colliders[of].name.as_str());
+            Some(format!(
+                "{a:?} and {b:?} start {depth:.1e} m inside each other: the start was moved apart, positions by up to {:.1e} rad or m",
+                correction.position
+            ))
+        });
+        let moved = mechanism.has_closures()
+            && ((open && correction.position > UNNOTICEABLE) || correction.velocity > UNNOTICEABLE);
+        let onto_loops = moved.then(|| {
+            format!(
+                "the start was moved onto the loops: positions by up to {:.1e} rad or m, velocities by up to {:.1e} rad/s or m/s{}",
+                correction.position,
+                correction.velocity,
+                self.moved(&wanted, &state)
+            )
+        });
+        let warning = |message| Warning { file: file.to_path_buf(), line: None, element: None, message };
+        let mut warnings: Vec<Warning> = onto_loops.into_iter().chain(apart).map(warning).collect();
+        warnings.extend(self.model.moved_in_warning(&given, &state));
+        warnings.extend(self.model.limit_warning(&state));
+        Ok(Assembled { state, counted, warnings })
+    }
+
+    /// The first joints of one number that do not start as they were wanted, as the end of a sentence.
+    fn moved(&self, wanted: &Start, state: &State) -> String {
+        let unit = |joint: &str| {
+            let record = self.model.joints.iter().find(|record| record.name == joint);
+            let body = record.and_then(|record| record.body);
+            body.map_or("", |body| self.model.mechanism.bodies[body].joint.kind.unit(0))
+        };
+        let reports = joint_reports(&self.model, state, &[]);
+        let mut all = Vec::new();
+        for (joint, report) in &reports {
+            for (given, starts, per_second) in
+                [(&wanted.positions, &report.position, ""), (&wanted.velocities, &report.velocity, "/s")]
+            {
+                // What comes later counts.
+                let given = given.iter().rev().find(|(name, _)| name == joint).map(|(_, numbers)| numbers.as_slice());
+                if let (Some(&[given]), &Numbers::One(starts)) = (given, starts)
+                    && decimals(given) != decimals(starts)
+                {
+                    let (starts, given, unit) = (decimals(starts), short(given), unit(joint));
+                    all.push(format!("; {joint} starts at {starts} {unit}{per_second}, not at {given}"));
+                }
+            }
+        }
+        all.truncate(NAMED);
+        all.concat()
+    }
+
+    /// The start of the file as it stands, whatever the loops say.
+    ///
+    /// # Errors
+    /// [`ModelError`] for joints that do not exist or do not move, and for wrong counts of numbers.
+    pub fn unassembled_state(&self) -> Result<State, ModelError> {
+        self.model.initial_state(&self.start.positions, &self.start.velocities, None)
+    }
+
+    /// The start of the file, with what is said instead of it.
+    fn wanted(
+        &self,
+        positions: &[(String, Vec<f64>)],
+        velocities: &[(String, Vec<f64>)],
+        base_velocity: Option<[f64; 6]>,
+    ) -> Result<Start, Error> {
+        let mut wanted = self.start.clone();
+        // What comes later counts.
+        wanted.positions.extend_from_slice(positions);
+        wanted.velocities.extend_from_slice(velocities);
+        if let Some(velocity) = base_velocity {
+            let count = self.model.robots.len();
+            if count > 1 {
+                return Err(Error::SeveralBases(count));
+            }
+            // The velocity of the base is that of its joint.
+            let base = self.model.joints.iter().find(|joint| joint.is_base).ok_or(ModelError::BaseDoesNotFloat)?;
+            if velocities.iter().any(|(name, _)| *name == base.name) {
+                return Err(Error::BaseVelocityTwice(base.name.clone()));
+            }
+            wanted.velocities.push((base.name.clone(), velocity.to_vec()));
+        }
+        Ok(wanted)
+    }
+}
+
+/// Of two values for one joint, nobody can tell which was meant.
+fn refuse_repeated(option: &'static str, given: &[(String, Vec<f64>)]) -> Result<(), Error> {
+    for (index, (joint, _)) in given.iter().enumerate() {
+        if given[..index].iter().any(|(earlier, _)| earlier == joint) {
+            return Err(Error::GivenTwice { option, joint: joint.clone() });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,154 @@
+//! From a file to what is simulated: a URDF or a scene, and what the user says besides it.
+//!
+//! What the user says goes before what a scene file says, and that before the defaults; [`World::load`] is where they meet.
+
+use crate::mechanism::description::joint::Pose;
+use crate::model::{Base, Left, Model, ModelOptions, Start};
+use crate::scene::{
+    ContactSettings, Obstacle, PackagePath, Robot, Scene, SimulationSettings, Touching, Warning, read_scene, read_urdf,
+};
+use crate::session::error::Error;
+use crate::session::loaded::Loaded;
+use nalgebra::{Rotation3, Translation3, Vector3};
+use std::path::{Path, PathBuf};
+
+/// What is said of a robot or scene besides its file; what is not said is as in the file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct World {
+    /// Whether the root link of the only robot is fixed in the world or floats.
+    pub base: Option<Base>,
+    /// Pose of that root link in the world: x, y, z, roll, pitch, yaw [m, rad].
+    pub base_pose: Option<[f64; 6]>,
+    /// Acceleration of gravity in the world [m/s²].
+    pub gravity: Option<[f64; 3]>,
+    /// What is left out of the simulation although the files say it.
+    pub without: Vec<Left>,
+    /// Height of a floor under everything (m).
+    pub floor: Option<f64>,
+    /// Which collision shapes may touch.
+    pub contact: Option<Touching>,
+    /// Names of ROS packages and their folders.
+    pub packages: Vec<(String, PathBuf)>,
+}
+
+/// Whether an input of this name is a scene file; all others are URDFs.
+pub fn is_scene(input: &Path) -> bool {
+    input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+impl World {
+    /// Reads and reduces a robot or scene.
+    ///
+    /// # Errors
+    /// What is wrong with the file, naming file, line, and link, joint or key.
+    pub fn load(&self, input: &Path) -> Result<Loaded, Error> {
+        if let Some((name, folder)) = self.packages.iter().find(|(_, folder)| !folder.is_dir()) {
+            return Err(Error::Package { name: name.clone(), folder: folder.clone() });
+        }
+        let packages = PackagePath::from_environment(self.packages.clone());
+        if is_scene(input) {
+            self.place_scene(read_scene(input, &packages)?)
+        } else {
+            self.place_robot(read_urdf(input, &packages)?)
+        }
+    }
+
+    /// Reduces a robot that was read.
+    ///
+    /// # Errors
+    /// What cannot be simulated.
+    pub fn place_robot(&self, robot: Robot) -> Result<Loaded, Error> {
+        self.check()?;
+        let defaults = ModelOptions::default();
+        let options = ModelOptions {
+            base: self.base.unwrap_or(defaults.base),
+            base_pose: self.base_pose.map_or(defaults.base_pose, pose),
+            gravity: self.gravity.map_or(defaults.gravity, Vector3::from),
+        };
+        let mut model = Model::new(robot, &options)?;
+        model.set_contact(&self.contact_settings(ContactSettings::default())?)?;
+        model.without(&self.without);
+        model.warnings.extend(nothing_moves(&model, "--base floating"));
+        Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default(), counted: None })
+    }
+
+    /// Reduces a scene that was read.
+    ///
+    /// # Errors
+    /// What cannot be simulated, and options that are for one robot where there are several.
+    pub fn place_scene(&self, mut scene: Scene) -> Result<Loaded, Error> {
+        self.check()?;
+        if let Some(gravity) = self.gravity {
+            scene.gravity = Some(Vector3::from(gravity));
+        }
+        match scene.robots.as_mut_slice() {
+            [only] => {
+                if let Some(base) = self.base {
+                    only.floating = base == Base::Floating;
+                    // A velocity of the base is lost with its freedom.
+                    only.velocity = only.velocity.filter(|_| only.floating);
+                }
+                only.pose = self.base_pose.map_or(only.pose, pose);
+            }
+            several => {
+                if self.base.is_some() || self.base_pose.is_some() {
+                    return Err(Error::SeveralRobots { file: scene.path.clone(), count: several.len() });
+                }
+            }
+        }
+        scene.contact = self.contact_settings(scene.contact)?;
+        let (mut model, start) = Model::from_scene(&scene)?;
+        model.without(&self.without);
+        model.warnings.extend(nothing_moves(&model, "base = \"floating\" in its [[robot]]"));
+        Ok(Loaded { model, start, simulation: scene.simulation, counted: None })
+    }
+
+    /// Numbers that are none, which no command line lets through.
+    fn check(&self) -> Result<(), Error> {
+        let gravity = self.gravity.iter().flatten().map(|&value| ("gravity", value));
+        let pose = self.base_pose.iter().flatten().map(|&value| ("base pose", value));
+        let floor = self.floor.iter().map(|&value| ("floor", value));
+        match gravity.chain(pose).chain(floor).find(|(_, value)| !value.is_finite()) {
+            Some((option, value)) => Err(Error::Option { option, value, wanted: "give a finite number" }),
+            None => Ok(()),
+        }
+    }
+
+    /// What is said of contact here, or else in the scene; with all that is left out of the simulation.
+    fn contact_settings(&self, mut settings: ContactSettings) -> Result<ContactSettings, Error> {
+        let without = self.without.contains(&Left::Contact);
+        if let Some(touching) = self.contact {
+            settings.touching = touching;
+        }
+        if let Some(height) = self.floor {
+            if settings.obstacles.iter().any(|obstacle| obstacle.name == Obstacle::FLOOR) {
+                return Err(Error::FloorTwice(Obstacle::FLOOR));
+            }
+            if settings.touching == Touching::None && !without {
+                return Err(Error::FloorUntouched);
+            }
+            settings.obstacles.push(Obstacle::floor(height));
+        }
+        if without {
+            // Files that only contact needs are not looked for.
+            settings.touching = Touching::None;
+        }
+        Ok(settings)
+    }
+}
+
+/// A warning of a robot without bodies, all of whose mass is fixed in the world, which `remedy` would let move.
+fn nothing_moves(model: &Model, remedy: &str) -> Option<Warning> {
+    let robot = model.robots.iter().find(|placed| !placed.robot.root_is_world())?;
+    let has_mass = model.links[robot.links.clone()].iter().any(|link| link.mass > 0.0);
+    (model.mechanism.bodies.is_empty() && has_mass).then(|| Warning {
+        file: model.path().to_path_buf(),
+        line: None,
+        element: None,
+        message: format!("nothing moves, because the root link is fixed in the world; {remedy} lets it move"),
+    })
+}
+
+fn pose([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Pose {
+    Pose::from_parts(Translation3::new(x, y, z), Rotation3::from_euler_angles(roll, pitch, yaw))
+}
