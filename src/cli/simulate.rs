@@ -17,7 +17,7 @@ use catena::model::Model;
 use catena::output::log::LogOptions;
 use catena::output::page::MESH_LIMIT;
 use catena::output::report::SpeedWatch;
-use catena::session::{Account, Asked, Ended, Error, Loaded, Origin, Settled, check_log, check_place};
+use catena::session::{Account, Asked, Closed, Ended, Error, Loaded, Origin, Settled, check_log, check_place};
 use catena::simulation::{Simulation, SimulationOptions};
 use clap::{Args, value_parser};
 use std::io::IsTerminal;
@@ -175,11 +175,12 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let account = Account::open(model, &state, settled);
     let mut simulation = Simulation::from_counted(mechanism, state, counted.clone(), options).map_err(Error::from)?;
     drop(pilots);
+    let origin = Origin::of_process();
     let begun = account.begun(model, counted.as_deref(), &simulation);
     recorder = match &output {
         Some(path) => {
             let held = open_special(path, &interrupted).map_err(Failure::interrupted)?;
-            let recorder = begun.log(path, model, &simulation, &Origin::of_process(), &log, &interrupted)?;
+            let recorder = begun.log(path, model, &origin, &log, &interrupted)?;
             drop(held);
             Some(recorder)
         }
@@ -211,7 +212,8 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
         recorder,
         output: output.as_deref(),
     };
-    let (report, ended) = begun.close(model, arguments.input.input.display().to_string(), ended);
+    let input = arguments.input.input.display().to_string();
+    let Closed { report, ended, .. } = begun.close(model, input, &origin, ended);
     let printed = match (arguments.json, arguments.quiet) {
         (true, _) => print_json(&report),
         (false, true) => Ok(()),
