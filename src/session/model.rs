@@ -93,6 +93,13 @@ impl Loader {
         self
     }
 
+    /// Sets a number by its key path ([`Model::with_params`]).
+    #[must_use]
+    pub fn set(mut self, key: &str, number: f64) -> Self {
+        self.world.set.push((key.to_string(), number));
+        self
+    }
+
     /// Reads a `.urdf`, or a scene `.toml`.
     ///
     /// # Errors
@@ -121,6 +128,27 @@ impl Model {
     pub(crate) fn of_loaded(loaded: Loaded, path: PathBuf, world: World) -> Self {
         let coordinates = Coordinates::of(&loaded.model);
         Model { shared: Arc::new(Shared { loaded, coordinates, path, world }) }
+    }
+
+    /// The same with other numbers, by their key paths: `link7.mass`, `spring.band.stiffness`, `gravity.z` (`catena model INPUT --parameters`
+    /// lists them). The file is read again.
+    ///
+    /// # Errors
+    /// Keys that do not exist or mean several numbers, and numbers that the file could not say.
+    pub fn with_params<K: Into<String>>(&self, numbers: impl IntoIterator<Item = (K, f64)>) -> Result<Self, Error> {
+        let mut world = self.world().clone();
+        world.set.extend(numbers.into_iter().map(|(key, number)| (key.into(), number)));
+        let loaded = world.load(self.path())?;
+        Ok(Model::of_loaded(loaded, self.path().to_path_buf(), world))
+    }
+
+    /// All numbers that have a key path, and what the files say of them (nothing where neither does).
+    ///
+    /// # Errors
+    /// As of [`Model::load`].
+    pub fn params(&self) -> Result<Vec<(String, Option<f64>)>, Error> {
+        let scene = self.world().scene(self.path())?;
+        Ok(scene.parameters().into_iter().map(|one| (one.key().to_string(), one.said())).collect())
     }
 
     /// Names of the joints that move, in the order of q and v.

@@ -157,3 +157,31 @@ fn a_run_that_is_dropped_leaves_a_log_that_says_that_it_was_interrupted() {
     assert_eq!((summary.state().as_str(), summary.duration), ("complete, the run interrupted", 0.5));
     std::fs::remove_dir_all(folder).expect("removed");
 }
+
+#[test]
+fn numbers_set_by_key_are_those_of_another_file_and_replayed() {
+    let folder = folder("set");
+    let text = std::fs::read_to_string(robot("pendulum.urdf")).expect("a robot");
+    let model = Model::load(robot("pendulum.urdf")).expect("a model");
+    let said = model.params().expect("numbers");
+    let mass = said.iter().find(|(key, _)| key == "link.arm.mass").and_then(|(_, mass)| *mass).expect("a mass");
+    let heavier = model.with_params([("arm.mass", 2.0 * mass)]).expect("a model");
+    let (file, log) = (folder.join("pendulum.urdf"), folder.join("set.mcap"));
+    std::fs::write(
+        &file,
+        text.replace(&format!("<mass value=\"{mass:?}\""), &format!("<mass value=\"{:?}\"", 2.0 * mass)),
+    )
+    .expect("written");
+    let written = Model::load(&file).expect("a model");
+    assert_eq!(heavier.description().mechanism, written.description().mechanism);
+    assert_ne!(heavier.description().mechanism, model.description().mechanism);
+    let mut simulation = Simulation::new(&heavier).duration(0.2).log(&log);
+    simulation.run().expect("it runs");
+    simulation.finish().expect("a report");
+    let replayed = catena(&["replay", &log.display().to_string()]);
+    assert!(replayed.status.success(), "{}", String::from_utf8_lossy(&replayed.stderr));
+    let unknown = model.with_params([("arm.mas", 1.0)]).err().expect("refused").to_string();
+    assert!(unknown.contains("arm.mas") && unknown.contains("link.arm.mass"), "{unknown}");
+    assert!(model.with_params([("arm.mass", -1.0)]).err().expect("refused").to_string().contains("arm.mass"));
+    std::fs::remove_dir_all(folder).expect("removed");
+}
