@@ -10,14 +10,14 @@ use crate::cli::numbers::{Assignment, numbers, pairs, positive, rate};
 use crate::cli::page_files::{check_page, is_same};
 use crate::cli::progress::{PilotsShown, Progress};
 use crate::cli::special_output::open_special;
-use crate::cli::{Failure, print, print_json};
+use crate::cli::{Failure, origin, print, print_json};
 use anyhow::{Context, anyhow};
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
 use catena::output::log::LogOptions;
 use catena::output::page::MESH_LIMIT;
 use catena::output::report::SpeedWatch;
-use catena::session::{Account, Asked, Closed, Ended, Error, Loaded, Origin, Settled, check_log, check_place};
+use catena::session::{Account, Asked, Closed, Ended, Error, Loaded, Settled, check_log, check_place};
 use catena::simulation::{Simulation, SimulationOptions};
 use clap::{Args, value_parser};
 use std::io::IsTerminal;
@@ -175,7 +175,7 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let account = Account::open(model, &state, settled);
     let mut simulation = Simulation::from_counted(mechanism, state, counted.clone(), options).map_err(Error::from)?;
     drop(pilots);
-    let origin = Origin::of_process();
+    let origin = origin();
     let begun = account.begun(model, counted.as_deref(), &simulation);
     recorder = match &output {
         Some(path) => {

@@ -17,7 +17,7 @@ use crate::output::report::{
     singular_warning, unsolved_warning,
 };
 use crate::session::asked::{DEFAULT_TOLERANCE, Settled};
-use crate::session::description::{Origin, description, figures};
+use crate::session::description::{DRIVEN, Origin, description, figures};
 use crate::session::error::Error;
 use crate::session::recording::Recording;
 use crate::simulation::{Finished, RunError, Simulation};
@@ -212,6 +212,11 @@ impl Begun {
 }
 
 impl Told {
+    /// Who has driven the run, where its files alone do not tell.
+    pub fn driven(&self) -> Option<&str> {
+        self.described.get(DRIVEN).map(String::as_str)
+    }
+
     /// Writes the log of a run that was recorded: the same bytes as if it had been written while the run went on.
     ///
     /// # Errors
