@@ -41,7 +41,8 @@ class Result:
     ----------
     t : times of the samples (samples,) [s]
     q, v : positions and velocities (samples, n), by index or name of a joint: ``result.q["elbow"]``
-    energy : total energy (samples,) [J]; ``energies`` has its parts
+    energy : total energy (samples,) [J], of the sampled q and v, which are interpolated inside of steps; ``energies`` has its parts. How well the
+        scheme conserves it is ``summary["energy"]["max_relative_error"]``.
     poses : by link, x, y, z, w, x, y, z of its frame in the world (samples, 7)
     reactions : by joint, force and torque of the parent on the child, in the world (samples, 6) [N, N m]
     summary : the report as a dict, as ``catena simulate --json`` prints it

@@ -20,8 +20,9 @@ def test_the_readme_s_five_lines_work(double_pendulum, tmp_path):
     assert result.t.shape == (121,) and result.q.shape == (121, 2) and result.v.shape == (121, 2)
     assert result.q["shoulder"][0] == 0.5 and result.q["shoulder"].shape == (121,)
     assert result.poses["lower_arm"].shape == (121, 7) and result.reactions["elbow"].shape == (121, 6)
-    # Conserved to what the scheme leaves at this tolerance, of some 100 J.
-    assert np.ptp(result.energy) < 1e-6 * abs(result.energy[0])
+    # Conserved where steps end; samples inside of steps are interpolated, to some 1e-5 of velocities at this tolerance.
+    assert result.summary["energy"]["max_relative_error"] < 1e-6
+    assert np.ptp(result.energy) < 1e-4 * abs(result.energy[0])
     assert result.summary["duration"] == 2.0 and sim.time == 2.0
     assert np.array_equal(sim.q, result.q[-1]) and sim.q["elbow"] == result.q["elbow"][-1]
 
@@ -33,7 +34,7 @@ def test_report_and_log_are_those_of_the_command_line(robots, name, tmp_path):
     theirs, ours = json.loads(done.stdout), dict(result.summary)
     for report in (theirs, ours):
         for clocked in ("wall_seconds", "cpu_seconds", "solve_cpu_seconds", "log"):
-            report.pop(clocked)
+            report.pop(clocked, None)
         for island in report.get("islands", []):
             island.pop("solve_cpu_seconds", None)
     assert ours == theirs

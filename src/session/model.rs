@@ -192,6 +192,7 @@ impl Model {
     /// # Errors
     /// An unknown link, a wrong length of q, and numbers that are not finite.
     pub fn pose(&self, link: &str, q: &[f64]) -> Result<Pose, Error> {
+        self.link_index(link)?;
         let rest = vec![0.0; self.coordinates().v_count()];
         Ok(pose_of(&self.link_at(link, &self.coordinates().state(self.description(), q, &rest)?)?))
     }
