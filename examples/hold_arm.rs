@@ -5,7 +5,10 @@
 use catena::mechanism::description::closure::Coordinate;
 use catena::mechanism::description::nonsmooth::{Motor, MotorLaw};
 use catena::mechanism::description::target::Target;
-use catena::prelude::*;
+use catena::mechanism::motion::state::State;
+use catena::model::{Model, ModelOptions};
+use catena::scene::{PackagePath, read_urdf};
+use catena::simulation::{Simulation, SimulationOptions, StepChoice};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let robot = read_urdf("robots/arm7.urdf".as_ref(), &PackagePath::default())?;

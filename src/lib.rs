@@ -6,20 +6,46 @@
 //! ```
 //! use catena::prelude::*;
 //!
-//! let robot = read_urdf("robots/double_pendulum.urdf".as_ref(), &PackagePath::default())?;
-//! let model = Model::new(robot, &ModelOptions::default())?;
-//! let start = State::zero(&model.mechanism);
-//! let options = SimulationOptions { duration: 1.0, steps: StepChoice::Tolerance(1e-6), switched_off: &[], interrupt: None };
-//! let mut simulation = Simulation::new(&model.mechanism, start, options)?;
+//! let model = Model::load("robots/double_pendulum.urdf")?; // or a scene file
+//! let mut simulation = Simulation::new(&model).tolerance(1e-6).duration(2.0).start([("shoulder", 0.5)])?;
 //! simulation.run()?;
-//! assert!(simulation.finish().summary.max_relative_energy_error < 1e-6);
+//! println!("the tip is at {}", simulation.pose("lower_arm")?.translation);
+//! # assert!(simulation.energy()?.total().is_finite());
+//! let report = simulation.finish()?;
+//! assert!(report.energy.max_relative_error < 1e-6);
+//! # Ok::<(), catena::session::Error>(())
+//! ```
+//!
+//! Somebody may decide on efforts on the way, and a log in MCAP shows the run in viewers:
+//!
+//! ```
+//! # use catena::prelude::*;
+//! # let folder = std::env::temp_dir().join(format!("catena-front-page-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder)?;
+//! # let path = folder.join("held.mcap");
+//! let model = Model::load("robots/arm7.urdf")?;
+//! let holding = model.clone();
+//! let mut simulation = Simulation::new(&model).duration(0.5).log(&path);
+//! simulation.set_controller(0.001, move |now, efforts| {
+//!     if let Ok(weight) = holding.gravity_efforts(&now.q) {
+//!         efforts.copy_from_slice(weight.as_slice());
+//!     }
+//! })?;
+//! simulation.step_to(0.25)?;
+//! simulation.run()?;
+//! assert!(simulation.velocity("joint2")?[0].abs() < 1e-3, "it holds itself");
+//! simulation.finish()?;
+//! # std::fs::remove_dir_all(&folder)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! [`prelude`] has the names that most programs need; [`session::Model`] also the mass matrix, Jacobians, inverse dynamics, and many runs at once
+//! ([`session::Model::rollout`]).
 //!
 //! Data goes one way through the floors, and nothing imports anything to its right:
 //!
 //! ```text
-//!     URDF, scene file → scene → model → mechanism → lobatto → stepping → instant → events → simulation → output → study
+//!     URDF, scene file → scene → model → mechanism → lobatto → stepping → instant → events → simulation → output → session → study
 //!                                            └→ reduced (joint coordinates: the comparator and a test oracle)
 //! ```
 //!
@@ -34,6 +60,7 @@
 //! | [`events`] | steps that end at events: limits, dry friction, motors |
 //! | [`simulation`] | a run: [`Simulation`](simulation::Simulation), its observers |
 //! | [`output`] | logs, reports and pages |
+//! | [`session`] | a run as people ask for it: what command line, programs and Python build on |
 //!
 //! The step itself (`lobatto`, and `kernels`, which are its code for each instruction set), charts and stability maps (`study`) and their
 //! drawing kit are public to the programs of this repository alone: they change without notice. `doc/architecture.md` is the map for people who
@@ -70,3 +97,5 @@ pub use catena_lobatto as lobatto;
 pub use catena_mechanism as mechanism;
 pub use catena_reduced as reduced;
 pub use catena_stepping as stepping;
+/// Vectors and matrices of what this library takes and gives.
+pub use nalgebra;

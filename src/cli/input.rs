@@ -6,6 +6,7 @@ use crate::cli::contact_args::ContactArgs;
 use crate::cli::numbers::numbers;
 use catena::mechanism::description::rules::Rule;
 use catena::model::{Base, Left};
+use catena::scene::Scene;
 use catena::session::{Loaded, World};
 use std::path::{Path, PathBuf};
 
@@ -45,6 +46,10 @@ pub struct WorldArgs {
     #[command(flatten)]
     pub contact: ContactArgs,
 
+    /// Set a number of the scene or robot by its key path, as `link7.mass=2.5` (repeatable); `catena model INPUT --parameters` lists them
+    #[arg(long, value_name = "KEY=VALUE", value_parser = one_number)]
+    pub set: Vec<(String, f64)>,
+
     /// Folder of a ROS package, for package://NAME/... (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the
     /// folders above the URDF are searched
     #[arg(long, value_name = "NAME=DIR", value_parser = package)]
@@ -79,6 +84,14 @@ impl WorldArgs {
         Ok(self.world().load(input)?)
     }
 
+    /// Reads a scene, or a robot as the only one of a scene, whose numbers have key paths.
+    ///
+    /// # Errors
+    /// As [`WorldArgs::load`].
+    pub fn scene(&self, input: &Path) -> anyhow::Result<Scene> {
+        Ok(self.world().scene(input)?)
+    }
+
     /// What they say.
     pub fn world(&self) -> World {
         World {
@@ -89,6 +102,7 @@ impl WorldArgs {
             floor: self.contact.floor,
             contact: self.contact.contact,
             packages: self.package.clone(),
+            set: self.set.clone(),
         }
     }
 }
@@ -100,6 +114,13 @@ impl BaseChoice {
             BaseChoice::Floating => Base::Floating,
         }
     }
+}
+
+/// `KEY=VALUE`. Which values a key takes is asked where it is known.
+fn one_number(text: &str) -> Result<(String, f64), String> {
+    let (key, value) = text.rsplit_once('=').filter(|(key, _)| !key.is_empty()).ok_or("give KEY=VALUE")?;
+    let value = value.trim().parse().map_err(|_| format!("{value:?} is not a number"))?;
+    Ok((key.to_string(), value))
 }
 
 /// `NAME=DIR`. Whether there is such a folder is asked where it is needed: a log can be read without.

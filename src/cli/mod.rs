@@ -33,9 +33,11 @@ mod special_output;
 mod stress;
 mod table;
 
+pub use crate::cli::report::page_of_log;
+
 use crate::cli::contact_args::with_heights;
 use anyhow::Context;
-use catena::session::Error;
+use catena::session::{Error, Origin};
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
@@ -48,8 +50,8 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 /// What asks a process to end.
@@ -121,9 +123,26 @@ impl From<Error> for Failure {
     }
 }
 
-/// Does what the command line says.
+/// The words of the command line, from the name of the program on.
+static WORDS: OnceLock<Vec<OsString>> = OnceLock::new();
+
+/// What a log says of its run on this command line.
+fn origin() -> Origin {
+    let said = WORDS.get().map_or(&[][..], Vec::as_slice);
+    let words: Vec<String> = said.iter().map(|word| word.to_string_lossy().into_owned()).collect();
+    let arguments = words.get(1..).unwrap_or_default().to_vec();
+    Origin { command_line: words.join(" "), arguments, driven: None }
+}
+
+/// Does what the command line of this process says.
 pub fn main() -> ExitCode {
-    let command_line = match CommandLine::try_parse_from(with_heights(std::env::args_os())) {
+    ExitCode::from(main_of(std::env::args_os().collect()))
+}
+
+/// Does what a command line says, which begins with the name of the program; returns the exit code. Once in a process.
+pub fn main_of(words: Vec<OsString>) -> u8 {
+    let words = WORDS.get_or_init(|| words);
+    let command_line = match CommandLine::try_parse_from(with_heights(words.iter().cloned())) {
         Ok(command_line) => command_line,
         Err(error) => return usage(&error),
     };
@@ -138,29 +157,29 @@ pub fn main() -> ExitCode {
         Verb::Stress(arguments) => stress::run(&arguments),
     };
     match ended {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => {
             complain(&format!("{:#}", failure.error));
-            ExitCode::from(failure.exit_code)
+            failure.exit_code
         }
     }
 }
 
 /// Help and version go to standard output; everything else is an error of one line.
-fn usage(error: &clap::Error) -> ExitCode {
+fn usage(error: &clap::Error) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             // A reader that has gone away has seen what it wanted.
             let _ = error.print();
-            ExitCode::SUCCESS
+            0
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             let _ = error.print();
-            ExitCode::from(2)
+            2
         }
         _ => {
             complain(&in_one_line(error));
-            ExitCode::from(2)
+            2
         }
     }
 }

@@ -10,14 +10,14 @@ use crate::cli::numbers::{Assignment, numbers, pairs, positive, rate};
 use crate::cli::page_files::{check_page, is_same};
 use crate::cli::progress::{PilotsShown, Progress};
 use crate::cli::special_output::{is_special, open_special};
-use crate::cli::{Failure, print, print_json};
+use crate::cli::{Failure, origin, print, print_json};
 use anyhow::{Context, anyhow};
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
 use catena::output::log::LogOptions;
 use catena::output::page::MESH_LIMIT;
 use catena::output::report::SpeedWatch;
-use catena::session::{Account, Asked, Ended, Error, Loaded, Origin, Settled, check_log, check_place};
+use catena::session::{Account, Asked, Closed, Ended, Error, Loaded, Settled, check_log, check_place};
 use catena::simulation::{Simulation, SimulationOptions};
 use clap::{Args, value_parser};
 use std::io::IsTerminal;
@@ -180,11 +180,12 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
         Simulation::at_once(mechanism, state, counted.clone(), options)
     };
     let mut simulation = simulation.map_err(Error::from)?;
+    let origin = origin();
     let begun = account.begun(model, counted.as_deref(), &simulation);
     recorder = match &output {
         Some(path) => {
             let held = open_special(path, &interrupted).map_err(Failure::interrupted)?;
-            let recorder = begun.log(path, model, &simulation, &Origin::of_process(), &log, &interrupted)?;
+            let recorder = begun.log(path, model, &origin, &log, &interrupted)?;
             drop(held);
             Some(recorder)
         }
@@ -216,7 +217,8 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
         recorder,
         output: output.as_deref(),
     };
-    let (report, ended) = begun.close(model, arguments.input.input.display().to_string(), ended);
+    let input = arguments.input.input.display().to_string();
+    let Closed { report, ended, .. } = begun.close(model, input, &origin, ended);
     let printed = match (arguments.json, arguments.quiet) {
         (true, _) => print_json(&report),
         (false, true) => Ok(()),

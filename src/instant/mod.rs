@@ -10,7 +10,7 @@ pub(crate) mod elements;
 mod exerted;
 #[doc(hidden)]
 pub mod limits;
-mod mass_matrix;
+pub(crate) mod mass_matrix;
 pub mod reactions;
 pub(crate) mod response;
 pub mod rest;

@@ -7,6 +7,8 @@
 //! | spherical                       | roll, pitch, yaw        | quaternion w, x, y, z    | wx, wy, wz           |
 //! | floating                        | x, y, z, roll, pitch, yaw | x, y, z, quaternion    | vx, vy, vz, wx, wy, wz |
 //!
+//! A position may be given as it is reported, too: with a quaternion, of any length but zero, for the turn.
+//!
 //! Everything is in the joint's frame on the parent; a floating joint's numbers are of the child *link* frame and its
 //! origin, whereas the state holds the pose of the body's principal frame. With the child link frame `L` in the body,
 //!
@@ -19,7 +21,7 @@ use crate::mechanism::motion::state::State;
 use crate::model::model_error::ModelError;
 use crate::model::robot_model::{JointRecord, Model};
 use crate::scene::UrdfJointKind;
-use nalgebra::{Rotation3, Translation3, Vector3};
+use nalgebra::{Rotation3, Translation3, Vector3, Vector4};
 
 /// The largest angle that a joint may start with (rad). There the next double is 1.5e-8 rad away, as far as anyone may want a
 /// joint to be placed; much further out no step is short enough for the roundings.
@@ -78,21 +80,8 @@ impl Model {
     ) -> Result<State, ModelError> {
         let mut state = self.zero_state();
         for (name, values) in positions {
-            let (record, body) = self.moving_joint(name)?;
-            check_numbers("position", record, position_names(record.kind), values)?;
-            refuse_endless_turns(record, values)?;
-            let numbers = match record.kind {
-                UrdfJointKind::Spherical => wxyz_from_rpy(&values[..3]).to_vec(),
-                UrdfJointKind::Floating => {
-                    let link = Pose::from_parts(
-                        Translation3::new(values[0], values[1], values[2]),
-                        Rotation3::from_euler_angles(values[3], values[4], values[5]),
-                    );
-                    pose_numbers(&(link * record.child_link_in_body.inverse())).to_vec()
-                }
-                _ => values.clone(),
-            };
-            state.position[self.mechanism.bodies[body].joint.position_range()].copy_from_slice(&numbers);
+            let (record, _) = self.moving_joint(name)?;
+            self.set_position(&mut state, record, values)?;
         }
         if let Some(velocity) = base_velocity {
             let base = self.joints.first().filter(|record| self.is_base(record)).ok_or(ModelError::BaseDoesNotFloat)?;
@@ -159,7 +148,41 @@ impl Model {
         }
     }
 
-    fn set_velocity(&self, state: &mut State, record: &JointRecord, values: &[f64]) -> Result<(), ModelError> {
+    /// Puts a joint at a position.
+    pub(crate) fn set_position(
+        &self,
+        state: &mut State,
+        record: &JointRecord,
+        values: &[f64],
+    ) -> Result<(), ModelError> {
+        check_numbers("position", record, position_names(record.kind), values)?;
+        refuse_endless_turns(record, values)?;
+        let Some(body) = record.body else { return Ok(()) };
+        let position = &mut state.position[self.mechanism.bodies[body].joint.position_range()];
+        match (record.kind, values.len()) {
+            (UrdfJointKind::Spherical, 4) => position.copy_from_slice(&unit_quaternion(record, values)?),
+            (UrdfJointKind::Spherical, _) => position.copy_from_slice(&wxyz_from_rpy(&values[..3])),
+            (UrdfJointKind::Floating, count) => {
+                let rotation = if count == 7 {
+                    Rotation3::from_matrix_unchecked(rotation_from_wxyz(&unit_quaternion(record, &values[3..])?))
+                } else {
+                    Rotation3::from_euler_angles(values[3], values[4], values[5])
+                };
+                let link = Pose::from_parts(Translation3::new(values[0], values[1], values[2]), rotation);
+                position.copy_from_slice(&pose_numbers(&(link * record.child_link_in_body.inverse())));
+            }
+            _ => position.copy_from_slice(values),
+        }
+        Ok(())
+    }
+
+    /// Gives a joint a velocity, once it is at its position.
+    pub(crate) fn set_velocity(
+        &self,
+        state: &mut State,
+        record: &JointRecord,
+        values: &[f64],
+    ) -> Result<(), ModelError> {
         check_numbers("velocity", record, velocity_names(record.kind), values)?;
         let Some(body) = record.body else { return Ok(()) };
         let joint = &self.mechanism.bodies[body].joint;
@@ -215,13 +238,30 @@ fn check_numbers(
     values: &[f64],
 ) -> Result<(), ModelError> {
     let joint = record.name.clone();
-    if values.len() != wanted.split(',').count() {
+    let quaternion = match record.kind {
+        UrdfJointKind::Spherical if what == "position" => Some(4),
+        UrdfJointKind::Floating if what == "position" => Some(7),
+        _ => None,
+    };
+    if values.len() != wanted.split(',').count() && Some(values.len()) != quaternion {
         return Err(ModelError::WrongCount { what, joint, kind: record.kind.name(), wanted, given: values.len() });
     }
     if values.iter().any(|value| !value.is_finite()) {
         return Err(ModelError::NotFinite { what, joint });
     }
     Ok(())
+}
+
+/// A quaternion w, x, y, z of length one.
+fn unit_quaternion(record: &JointRecord, values: &[f64]) -> Result<[f64; 4], ModelError> {
+    let q = Vector4::new(values[0], values[1], values[2], values[3]);
+    let length = q.norm();
+    if !(length > f64::MIN_POSITIVE && length.is_finite()) {
+        return Err(ModelError::NoRotation { joint: record.name.clone() });
+    }
+    // One of length one stays as it is.
+    let unit = if (length - 1.0).abs() <= f64::EPSILON { q } else { q / length };
+    Ok(with_positive_w(unit.as_slice()))
 }
 
 /// Of joints whose position in the state is an angle; the others keep a rotation.

@@ -32,6 +32,7 @@ pub use contact_pairs::{ContactRecord, LeftOutPair, NeverTouch, Owner};
 pub use coordinates::{JointCoordinates, position_names, velocity_names};
 pub use coupling_error::{CouplingError, CouplingProblem};
 pub use model_error::ModelError;
+pub(crate) use model_error::listed;
 pub use reduce::{Base, ModelOptions};
 pub use robot_model::{JointRecord, LinkFrame, LinkState, Model, PlacedRobot, Reduction, ReductionRule, SourceFile};
 pub use without::{Left, UnknownLeft};

@@ -47,6 +47,9 @@ pub enum ModelError {
     /// Infinite or not a number.
     #[error("the {what} of joint {joint:?} is not finite")]
     NotFinite { what: &'static str, joint: String },
+    /// A quaternion without a direction.
+    #[error("the position of joint {joint:?} is no rotation: its quaternion w, x, y, z has no length")]
+    NoRotation { joint: String },
     /// An angle whose digits do not say where the joint is.
     #[error(
         "the position of joint {joint:?} is {angle:e} rad; beyond {largest:e} rad sixteen digits say too little of where in its \

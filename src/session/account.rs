@@ -7,6 +7,7 @@
 use crate::instant::assembly::redundancy_counted;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::motion::distance::{distance, probes};
+use crate::mechanism::motion::integrator::MethodDescription;
 use crate::mechanism::motion::state::State;
 use crate::model::Model;
 use crate::output::log::{Ending, LogError, LogOptions, Outcome, Recorder, Severity};
@@ -16,10 +17,12 @@ use crate::output::report::{
     singular_warning, unsolved_warning,
 };
 use crate::session::asked::{DEFAULT_TOLERANCE, Settled};
-use crate::session::description::{Origin, TOLD, description, figures};
+use crate::session::description::{DRIVEN, Origin, TOLD, description, figures};
 use crate::session::error::Error;
+use crate::session::recording::Recording;
 use crate::simulation::{Finished, RunError, Simulation};
 use cpu_time::ProcessTime;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -36,9 +39,33 @@ pub struct Account {
 /// A run that has begun.
 pub struct Begun {
     account: Account,
+    method: MethodDescription,
+    /// Whether the run itself tells its accuracy.
+    told: bool,
     model: ModelReport,
     /// What cannot be reached, whatever the steps.
     warnings: Vec<String>,
+}
+
+/// What is said of a run that has ended.
+pub struct Closed {
+    /// The report.
+    pub report: Report,
+    /// How the run ended, and whether its log was written.
+    pub ended: Result<(), Error>,
+    /// What its log says besides its samples.
+    pub told: Told,
+}
+
+/// What the log of a run says besides its samples.
+#[derive(Clone, Debug)]
+pub struct Told {
+    described: BTreeMap<String, String>,
+    before: Vec<String>,
+    after: Vec<String>,
+    figures: BTreeMap<String, String>,
+    /// Why the run ended early, where it did, and how that is called.
+    failure: Option<(Outcome, String)>,
 }
 
 /// What a run has left.
@@ -70,7 +97,8 @@ impl Account {
         let tolerance = self.settled.choice.tolerance().unwrap_or(DEFAULT_TOLERANCE);
         let warnings = self.far.iter().filter_map(|far| far.warning(tolerance)).collect();
         let model = ModelReport::new(model, &redundancy, simulation.parts());
-        Begun { account: self, model, warnings }
+        let told = simulation.tells_at_once();
+        Begun { account: self, method: simulation.description(), told, model, warnings }
     }
 }
 
@@ -83,26 +111,30 @@ impl Begun {
         &self,
         path: &Path,
         model: &Model,
-        simulation: &Simulation,
         origin: &Origin,
         options: &LogOptions,
         interrupted: &Arc<AtomicBool>,
     ) -> Result<Recorder, Error> {
-        let Settled { duration, rate, choice } = self.account.settled;
-        let mut described = description(model, duration, rate, choice, simulation.description(), origin);
-        if simulation.tells_at_once() {
-            described.insert(TOLD.to_string(), "by the run".to_string());
-        }
-        let mut recorder = Recorder::create(path, model, described, options)?;
+        let mut recorder = Recorder::create(path, model, self.described(model, origin), options)?;
         recorder.heed(interrupted);
         self.warnings.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
         Ok(recorder)
     }
 
+    fn described(&self, model: &Model, origin: &Origin) -> BTreeMap<String, String> {
+        let Settled { duration, rate, choice } = self.account.settled;
+        let mut described = description(model, duration, rate, choice, self.method.clone(), origin);
+        if self.told {
+            described.insert(TOLD.to_string(), "by the run".to_string());
+        }
+        described
+    }
+
     /// Completes the log, whatever ended the run, and says how the run ended and what there is to say of it. `input` is what the user called
     /// the model.
-    pub fn close(self, model: &Model, input: String, run: Ended) -> (Report, Result<(), Error>) {
-        let Begun { account, model: model_report, warnings: unreached } = self;
+    pub fn close(self, model: &Model, input: String, origin: &Origin, run: Ended) -> Closed {
+        let described = self.described(model, origin);
+        let Begun { account, model: model_report, warnings: unreached, .. } = self;
         let Ended { finished, ended, checked, speeds, recorder, output } = run;
         let Settled { duration, choice, .. } = account.settled;
         let mechanism = &model.mechanism;
@@ -138,10 +170,14 @@ impl Begun {
             .collect();
         let estimated_error =
             accuracy.as_ref().map(|accuracy| accuracy.estimated).or(step_error.map(|error| error.estimated));
+        let figures = figures(&summary, estimated_error);
+        let failure = ended.as_ref().err().map(|error| (outcome(error), error.to_string()));
+        let told =
+            Told { described, before: unreached.clone(), after: of_method.clone(), figures: figures.clone(), failure };
         let (ended, log) = match (recorder, output) {
             (Some(mut recorder), Some(output)) => {
                 of_method.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
-                complete(recorder, ended, figures(&summary, estimated_error), output)
+                complete(recorder, ended, figures, output)
             }
             _ => (ended, None),
         };
@@ -178,7 +214,48 @@ impl Begun {
             step_error,
             log,
         };
-        (report, ended)
+        Closed { report, ended, told }
+    }
+}
+
+impl Told {
+    /// Who has driven the run, where its files alone do not tell.
+    pub fn driven(&self) -> Option<&str> {
+        self.described.get(DRIVEN).map(String::as_str)
+    }
+
+    /// Writes the log of a run that was recorded: the same bytes as if it had been written while the run went on.
+    ///
+    /// # Errors
+    /// [`Error::Log`] if it cannot be written.
+    pub fn write(&self, path: &Path, model: &Model, recording: &Recording, options: &LogOptions) -> Result<(), Error> {
+        let mut recorder = Recorder::create(path, model, self.described.clone(), options)?;
+        self.before.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
+        let shown = recording.show_to(&mut recorder);
+        self.after.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
+        let ended = shown.map_err(|error| Error::Run(RunError::Observer(error)));
+        let outcome = match (&self.failure, &ended) {
+            (_, Err(_)) => Outcome::Failed,
+            (Some((outcome, _)), _) => *outcome,
+            (None, _) => Outcome::Finished,
+        };
+        match &self.failure {
+            Some((_, why)) => recorder.say(Severity::Error, why),
+            None => recorder.say(Severity::Info, AT_END),
+        }
+        let written = recorder.finish(Ending { outcome, figures: self.figures.clone() }).map_err(Error::from);
+        ended.and(written)
+    }
+}
+
+/// What a log says of a run at its end.
+const AT_END: &str = "the run has reached its end";
+
+/// What the log calls a failure.
+fn outcome(error: &Error) -> Outcome {
+    match error {
+        Error::Run(RunError::Interrupted { .. }) => Outcome::Interrupted,
+        _ => Outcome::Failed,
     }
 }
 
@@ -186,17 +263,13 @@ impl Begun {
 fn complete(
     mut recorder: Recorder,
     ended: Result<(), Error>,
-    figures: std::collections::BTreeMap<String, String>,
+    figures: BTreeMap<String, String>,
     output: &Path,
 ) -> (Result<(), Error>, Option<PathBuf>) {
-    let outcome = match &ended {
-        Ok(()) => Outcome::Finished,
-        Err(Error::Run(RunError::Interrupted { .. })) => Outcome::Interrupted,
-        Err(_) => Outcome::Failed,
-    };
+    let outcome = ended.as_ref().err().map_or(Outcome::Finished, outcome);
     match &ended {
         Err(error) => recorder.say(Severity::Error, &error.to_string()),
-        Ok(()) => recorder.say(Severity::Info, "the run has reached its end"),
+        Ok(()) => recorder.say(Severity::Info, AT_END),
     }
     let beside = recorder.beside().map(Path::to_path_buf);
     let written = recorder.finish(Ending { outcome, figures }).map_err(|error: LogError| Error::from(error));

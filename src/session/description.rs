@@ -23,15 +23,6 @@ pub struct Origin {
     pub driven: Option<String>,
 }
 
-impl Origin {
-    /// The command line of this process.
-    pub fn of_process() -> Self {
-        let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
-        let arguments = words.get(1..).unwrap_or_default().to_vec();
-        Origin { command_line: words.join(" "), arguments, driven: None }
-    }
-}
-
 /// What the log says about how the run was made.
 pub fn description(
     model: &Model,

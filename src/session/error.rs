@@ -105,6 +105,9 @@ pub enum Error {
         /// All links, or the first.
         known: String,
     },
+    /// A tree some of whose motions move no mass.
+    #[error("the mass matrix is singular here: some motion of the joints moves no mass")]
+    SingularMass,
     /// What can only be said before the first step.
     #[error("{0}: the run has begun; say it before the first step")]
     Begun(&'static str),

@@ -73,7 +73,15 @@ impl Loaded {
         refuse_repeated("position", positions)?;
         refuse_repeated("velocity", velocities)?;
         let wanted = self.wanted(positions, velocities, base_velocity)?;
-        let mut state = self.model.initial_state(&wanted.positions, &wanted.velocities, None)?;
+        let state = self.model.initial_state(&wanted.positions, &wanted.velocities, None)?;
+        self.settled(state, &wanted)
+    }
+
+    /// A state, moved within limits and onto all loops and mimic relations, and what was changed for that, compared with what was wanted.
+    ///
+    /// # Errors
+    /// As of [`Loaded::assembled`].
+    pub(crate) fn settled(&self, mut state: State, wanted: &Start) -> Result<Assembled, Error> {
         let file = self.model.path();
         let in_file = |error: Error| error.in_file(file);
         self.model.check_representable(&state).map_err(|error| in_file(error.into()))?;
@@ -98,7 +106,7 @@ impl Loaded {
                 "the start was moved onto the loops: positions by up to {:.1e} rad or m, velocities by up to {:.1e} rad/s or m/s{}",
                 correction.position,
                 correction.velocity,
-                self.moved(&wanted, &state)
+                self.moved(wanted, &state)
             )
         });
         let warning = |message| Warning { file: file.to_path_buf(), line: None, element: None, message };

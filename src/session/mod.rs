@@ -9,16 +9,37 @@
 
 mod account;
 mod asked;
+mod control;
+mod coordinates;
 mod description;
+mod dynamics;
+mod engine;
 mod error;
 mod loaded;
+mod model;
 mod place;
+mod recording;
+mod rollout;
+mod simulation;
+mod words;
 mod world;
 
-pub use account::{Account, Begun, Ended};
+#[doc(hidden)]
+pub use account::{Account, Begun, Closed, Ended, Told};
+#[doc(hidden)]
 pub use asked::{Asked, Settled};
+pub use control::Moment;
+pub use coordinates::{Coordinates, JointPlace};
+#[doc(hidden)]
 pub use description::{DRIVEN, Origin, TOLD};
 pub use error::{ControllerFailure, Error};
+#[doc(hidden)]
 pub use loaded::{Assembled, Loaded};
+pub use model::{Loader, Model};
+#[doc(hidden)]
 pub use place::{check_log, check_place, folder_of};
+pub use recording::{Recording, SharedRecording};
+pub use rollout::{Rollout, Trajectories};
+pub use simulation::{JointValue, Simulation};
+#[doc(hidden)]
 pub use world::{World, is_scene};

@@ -27,6 +27,8 @@ pub struct World {
     pub floor: Option<f64>,
     /// Which collision shapes may touch.
     pub contact: Option<Touching>,
+    /// Numbers that are set, by their key paths ([`crate::scene::Scene::parameters`]).
+    pub set: Vec<(String, f64)>,
     /// Names of ROS packages and their folders.
     pub packages: Vec<(String, PathBuf)>,
 }
@@ -42,15 +44,39 @@ impl World {
     /// # Errors
     /// What is wrong with the file, naming file, line, and link, joint or key.
     pub fn load(&self, input: &Path) -> Result<Loaded, Error> {
-        if let Some((name, folder)) = self.packages.iter().find(|(_, folder)| !folder.is_dir()) {
-            return Err(Error::Package { name: name.clone(), folder: folder.clone() });
-        }
-        let packages = PackagePath::from_environment(self.packages.clone());
+        let packages = self.packages()?;
         if is_scene(input) {
             self.place_scene(read_scene(input, &packages)?)
         } else {
             self.place_robot(read_urdf(input, &packages)?)
         }
+    }
+
+    /// Reads a scene, or a robot as the only one of a scene, whose numbers have key paths; those of the file, whatever is set.
+    ///
+    /// # Errors
+    /// What is wrong with the file, naming file, line, and link, joint or key.
+    pub fn scene(&self, input: &Path) -> Result<Scene, Error> {
+        let packages = self.packages()?;
+        Ok(if is_scene(input) { read_scene(input, &packages)? } else { Scene::of_robot(read_urdf(input, &packages)?) })
+    }
+
+    fn packages(&self) -> Result<PackagePath, Error> {
+        match self.packages.iter().find(|(_, folder)| !folder.is_dir()) {
+            Some((name, folder)) => Err(Error::Package { name: name.clone(), folder: folder.clone() }),
+            None => Ok(PackagePath::from_environment(self.packages.clone())),
+        }
+    }
+
+    /// Sets the numbers.
+    fn set_numbers(&self, scene: &mut Scene) -> Result<(), Error> {
+        if self.set.is_empty() {
+            return Ok(());
+        }
+        let all = scene.parameters();
+        let numbers = self.set.iter().map(|(key, number)| Ok((scene.parameter_among(&all, key)?.clone(), *number)));
+        let numbers: Vec<_> = numbers.collect::<Result<_, Error>>()?;
+        Ok(scene.set(&numbers)?)
     }
 
     /// Reduces a robot that was read.
@@ -59,6 +85,12 @@ impl World {
     /// What cannot be simulated.
     pub fn place_robot(&self, robot: Robot) -> Result<Loaded, Error> {
         self.check()?;
+        if !self.set.is_empty() {
+            let mut loaded = self.place_scene(Scene::of_robot(robot))?;
+            // Its file is the URDF, of which no scene was read.
+            loaded.model.scene = None;
+            return Ok(loaded);
+        }
         let defaults = ModelOptions::default();
         let options = ModelOptions {
             base: self.base.unwrap_or(defaults.base),
@@ -78,6 +110,7 @@ impl World {
     /// What cannot be simulated, and options that are for one robot where there are several.
     pub fn place_scene(&self, mut scene: Scene) -> Result<Loaded, Error> {
         self.check()?;
+        self.set_numbers(&mut scene)?;
         if let Some(gravity) = self.gravity {
             scene.gravity = Some(Vector3::from(gravity));
         }

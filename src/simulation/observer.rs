@@ -50,7 +50,7 @@ pub struct Counts {
 pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Sees a run as it goes along.
-pub trait Observer {
+pub trait Observer: Send {
     /// A sample of the motion, in order of time, the first at the start and the last at the end of the run.
     ///
     /// # Errors

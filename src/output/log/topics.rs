@@ -29,6 +29,14 @@ pub struct Topics {
 }
 
 impl Topics {
+    /// The same but for this topic, which is named with its slash.
+    #[must_use]
+    pub(crate) fn without(&self, topic: &str) -> Self {
+        let all = || NAMES.iter().map(|name| name.to_string()).collect();
+        let chosen: Vec<String> = self.chosen.clone().unwrap_or_else(all);
+        Topics { chosen: Some(chosen.into_iter().filter(|name| name != topic.trim_start_matches('/')).collect()) }
+    }
+
     /// Whether the log has this topic, which is named with its slash and without that of a robot.
     pub(crate) fn has(&self, topic: &str) -> bool {
         let name = topic.trim_start_matches('/');

@@ -1,0 +1,33 @@
+"""catena: rigid multibody dynamics without drift.
+
+>>> import catena
+>>> model = catena.load("arm.urdf")                      # or a scene file
+>>> sim = catena.Sim(model, tolerance=1e-6)              # or stages=5, step=0.01
+>>> sim.q["joint1"] = 0.5                                # q, v: numpy arrays, by name or index
+>>> result = sim.run(2.0, rate=60)                       # result.t, .q, .v, .energy, .poses["link1"]
+>>> result.save("run.mcap"); result.report("run.html")
+
+Lengths in m, angles in rad, times in s, masses in kg; quaternions w, x, y, z from body to world.
+"""
+
+from ._catena import __version__
+from ._errors import CatenaError, InputError, RunError
+from ._model import Model, load
+from ._named import NamedArray
+from ._result import Result
+from ._rollout import Rollouts, rollout
+from ._sim import Sim
+
+__all__ = [
+    "CatenaError",
+    "InputError",
+    "Model",
+    "NamedArray",
+    "Result",
+    "Rollouts",
+    "RunError",
+    "Sim",
+    "__version__",
+    "load",
+    "rollout",
+]

@@ -1,0 +1,55 @@
+"""Arrays whose last axis has names."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ._errors import InputError
+
+
+class NamedArray(np.ndarray):
+    """A numpy array whose entries along the last axis also go by the names of joints.
+
+    ``q["elbow"]`` is the number of a joint of one coordinate, or a view of those of a joint of several; of an array of samples, a view of the
+    joint's columns. Everything else is as with any numpy array.
+    """
+
+    _places: dict[str, tuple[int, int]] | None
+
+    def __new__(cls, numbers, places):
+        array = np.asarray(numbers, dtype=float).view(cls)
+        array._places = {name: (first, last) for name, first, last in places}
+        return array
+
+    def __array_finalize__(self, other):
+        # Parts and results of arithmetic have other axes.
+        self._places = None
+
+    def _place(self, name):
+        if self._places is None:
+            raise InputError(f"this array has no names; ask the whole array for {name!r}")
+        if name not in self._places:
+            raise InputError(f"there is no joint {name!r}; the joints that move are {', '.join(map(repr, self._places))}")
+        first, last = self._places[name]
+        return (..., first) if last == first + 1 else (..., slice(first, last))
+
+    def __getitem__(self, key):
+        if isinstance(key, str):
+            part = np.asarray(self)[self._place(key)]
+            return part if part.ndim else float(part)
+        return super().__getitem__(key)
+
+    def __setitem__(self, key, value):
+        if isinstance(key, str):
+            place = self._place(key)
+            wanted = np.asarray(self)[place].shape
+            given = np.shape(value)
+            if given != wanted and given != ():
+                raise InputError(f"joint {key!r} has {wanted or 'one number'}, not {given}")
+            np.asarray(self)[place] = value
+            return
+        super().__setitem__(key, value)
+
+    def keys(self):
+        """The names."""
+        return list(self._places or ())

@@ -1,0 +1,164 @@
+"""What runs leave: arrays, tables, files, plots."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+
+import numpy as np
+
+from ._errors import InputError
+from ._named import NamedArray
+
+
+class _ByName(Mapping):
+    """Arrays that are worked out when somebody asks for them."""
+
+    def __init__(self, names, work_out):
+        self._names, self._work_out, self._known = names, work_out, {}
+
+    def __getitem__(self, name):
+        if name not in self._known:
+            self._known[name] = self._work_out(name)
+        return self._known[name]
+
+    def __iter__(self):
+        return iter(self._names)
+
+    def __len__(self):
+        return len(self._names)
+
+    def __contains__(self, name):
+        return name in self._names
+
+
+class Result:
+    """A run that has ended: samples at a fixed rate, and the report.
+
+    Attributes
+    ----------
+    t : times of the samples (samples,) [s]
+    q, v : positions and velocities (samples, n), by index or name of a joint: ``result.q["elbow"]``
+    energy : total energy (samples,) [J], of the sampled q and v, which are interpolated inside of steps; ``energies`` has its parts. How well the
+        scheme conserves it is ``summary["energy"]["max_relative_error"]``.
+    poses : by link, x, y, z, w, x, y, z of its frame in the world (samples, 7)
+    reactions : by joint, force and torque of the parent on the child, in the world (samples, 6) [N, N m]
+    summary : the report as a dict, as ``catena simulate --json`` prints it
+    """
+
+    def __init__(self, model, inner):
+        self.model = model
+        self._inner = inner
+        self.t = inner.times
+        q, v = inner.coordinates()
+        self.q = NamedArray(q, model._inner.q_places())
+        self.v = NamedArray(v, model._inner.v_places())
+        parts = inner.energies()
+        self.energies = dict(zip(("kinetic", "potential", "spring", "load"), parts.T))
+        self.energy = parts.sum(axis=1)
+        self.poses = _ByName(model.link_names, inner.poses)
+        self.reactions = _ByName(model.joint_names, inner.reactions)
+        self.summary = json.loads(inner.report)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is worth knowing about the run."""
+        return self.summary["warnings"]
+
+    @property
+    def events(self) -> list[dict]:
+        """The first thousand events: time, kind, joint or pair, impulse."""
+        return self.summary["events"]["list"]
+
+    def _columns(self):
+        columns = {"t": self.t}
+        for name, array, symbol in [(name, self.q, "q") for name in self.q.keys()] + [(name, self.v, "v") for name in self.v.keys()]:
+            part = array[name]
+            if part.ndim == 1:
+                columns[f"{symbol}.{name}"] = part
+            else:
+                columns |= {f"{symbol}.{name}.{index}": column for index, column in enumerate(part.T)}
+        return columns | {"energy": self.energy}
+
+    def to_pandas(self):
+        """A table indexed by time with a column for each coordinate, ``q.JOINT`` and ``v.JOINT``, and the energy."""
+        pandas = _import("pandas", "to_pandas")
+        return pandas.DataFrame(self._columns()).set_index("t")
+
+    def save(self, path):
+        """Writes the run to a file of this ending: ``.mcap`` (a log, for viewers and ``catena inspect``), ``.npz``, ``.parquet`` or ``.csv``.
+
+        A file that is there is replaced when all of the new one is written.
+        """
+        path = os.fspath(path)
+        ending = os.path.splitext(path)[1].lower()
+        if ending == ".mcap":
+            self._inner.save_log(path)
+        elif ending == ".npz":
+            _whole(path, lambda file: np.savez_compressed(file, **self._columns()))
+        elif ending == ".parquet":
+            table = self.to_pandas()
+            _import("pyarrow", "save as .parquet")
+            _whole(path, lambda file: table.to_parquet(file))
+        elif ending == ".csv":
+            columns = self._columns()
+            rows = np.column_stack(list(columns.values()))
+            _whole(path, lambda file: np.savetxt(file, rows, "%.17g", ",", header=",".join(columns), comments=""))
+        else:
+            raise InputError(f"cannot write {path}: its ending is none of .mcap, .npz, .parquet, .csv")
+
+    def report(self, path, *, mesh_limit=200_000):
+        """Writes a page that shows the run in 3-D with its curves and its report, in one HTML file that any browser opens."""
+        self._inner.save_page(os.fspath(path), mesh_limit)
+
+    def plot(self, joints=None, axes=None):
+        """Draws positions and velocities over time with matplotlib; returns the axes."""
+        pyplot = _import("matplotlib.pyplot", "plot")
+        names = list(self.q.keys()) if joints is None else [joints] if isinstance(joints, str) else list(joints)
+        if axes is None:
+            _, axes = pyplot.subplots(2, 1, sharex=True, layout="constrained")
+        for axis, array, label in zip(axes, (self.q, self.v), ("q [rad, m]", "v [rad/s, m/s]")):
+            for name in names:
+                part = array[name]
+                axis.plot(self.t, part, label=name)
+            axis.set_ylabel(label)
+        axes[-1].set_xlabel("t [s]")
+        axes[0].legend()
+        return axes
+
+    def __str__(self):
+        return self._inner.text
+
+    def __repr__(self):
+        end = f"{self.t[-1]} s" if len(self.t) else "nothing"
+        return f"<catena.Result of {self.model.name!r}: {len(self.t)} samples to {end}>"
+
+
+def _import(module, what):
+    import importlib
+
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        package = module.split(".")[0]
+        raise InputError(f"{what} needs {package}: pip install {package}") from None
+
+
+def _whole(path, write):
+    """Writes a file that is not there before all of it is."""
+    folder = os.path.dirname(os.path.abspath(path))
+    if not os.path.isdir(folder):
+        raise InputError(f"cannot write {path}: there is no folder {folder}")
+    handle, beside = tempfile.mkstemp(prefix=".catena-", suffix=os.path.splitext(path)[1], dir=folder)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            write(file)
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(beside, 0o666 & ~mask)
+        os.replace(beside, path)
+    except BaseException:
+        os.unlink(beside)
+        raise

@@ -1,0 +1,30 @@
+//! The Python module `catena._catena`: models, runs, what runs leave, and the command line.
+//!
+//! Everything is worked out by `catena::session`, on which the command line builds, too. What is pleasant in Python (names of joints as keys,
+//! tables, plots) is in `catena/*.py`.
+
+mod model;
+mod recorded;
+mod refusal;
+mod rollout;
+mod run;
+mod signals;
+
+use pyo3::prelude::*;
+use std::ffi::OsString;
+
+/// The command line: the words from the name of the program on; returns the exit code.
+#[pyfunction]
+fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
+    py.detach(|| catena::cli::main_of(words))
+}
+
+#[pymodule]
+fn _catena(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<model::Model>()?;
+    module.add_class::<run::Run>()?;
+    module.add_class::<recorded::Recorded>()?;
+    module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(rollout::rollout, module)?)
+}

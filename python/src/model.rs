@@ -1,0 +1,182 @@
+//! `catena.Model`: a robot or scene, and its equations of motion.
+
+use crate::refusal::{input, refuse};
+use catena::model::Left;
+use catena::scene::Touching;
+use catena::session::{JointPlace, Loader};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
+use pyo3::prelude::*;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// A robot or scene, ready to be simulated.
+#[pyclass(frozen, module = "catena._catena")]
+pub struct Model {
+    pub inner: catena::session::Model,
+}
+
+type Vector<'py> = Bound<'py, PyArray1<f64>>;
+type Matrix<'py> = Bound<'py, PyArray2<f64>>;
+type Given<'py> = PyReadonlyArray1<'py, f64>;
+
+/// Numbers of an array, whatever its strides.
+pub fn numbers(given: &Given<'_>) -> Vec<f64> {
+    given.as_array().iter().copied().collect()
+}
+
+fn matrix<'py>(py: Python<'py>, matrix: &catena::nalgebra::DMatrix<f64>) -> PyResult<Matrix<'py>> {
+    let rows: Vec<Vec<f64>> = matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
+    Ok(PyArray2::from_vec2(py, &rows)?)
+}
+
+#[pymethods]
+impl Model {
+    #[new]
+    #[pyo3(signature = (path, floating, base_pose, gravity, floor, contact, without, packages, params))]
+    #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
+    fn new(
+        py: Python<'_>,
+        path: PathBuf,
+        floating: bool,
+        base_pose: Option<[f64; 6]>,
+        gravity: Option<[f64; 3]>,
+        floor: Option<f64>,
+        contact: Option<String>,
+        without: Vec<String>,
+        packages: BTreeMap<String, PathBuf>,
+        params: BTreeMap<String, f64>,
+    ) -> PyResult<Self> {
+        let mut loader = Loader::default();
+        if floating {
+            loader = loader.floating();
+        }
+        if let Some(pose) = base_pose {
+            loader = loader.base_pose(pose);
+        }
+        if let Some(gravity) = gravity {
+            loader = loader.gravity(gravity);
+        }
+        if let Some(height) = floor {
+            loader = loader.floor(height);
+        }
+        if let Some(touching) = contact {
+            loader = loader.contact(touching.parse::<Touching>().map_err(|error| input(py, error))?);
+        }
+        for left in without {
+            loader = loader.without(left.parse::<Left>().map_err(|error| input(py, error))?);
+        }
+        for (name, folder) in packages {
+            loader = loader.package(&name, folder);
+        }
+        for (key, number) in params {
+            loader = loader.set(&key, number);
+        }
+        let inner = py.detach(|| loader.load(path)).map_err(|error| refuse(py, error))?;
+        Ok(Model { inner })
+    }
+
+    #[getter]
+    fn path(&self) -> PathBuf {
+        self.inner.path().to_path_buf()
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.inner.description().mechanism.name
+    }
+
+    #[getter]
+    fn joint_names(&self) -> Vec<&str> {
+        self.inner.joint_names()
+    }
+
+    #[getter]
+    fn link_names(&self) -> Vec<&str> {
+        self.inner.link_names()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.inner.warnings()
+    }
+
+    /// First and last entry of each joint in q.
+    fn q_places(&self) -> Vec<(&str, usize, usize)> {
+        self.places(|joint| &joint.q)
+    }
+
+    /// First and last entry of each joint in v.
+    fn v_places(&self) -> Vec<(&str, usize, usize)> {
+        self.places(|joint| &joint.v)
+    }
+
+    fn start<'py>(&self, py: Python<'py>) -> PyResult<(Vector<'py>, Vector<'py>)> {
+        let (q, v) = self.inner.start().map_err(|error| refuse(py, error))?;
+        Ok((q.to_pyarray(py), v.to_pyarray(py)))
+    }
+
+    fn params(&self, py: Python<'_>) -> PyResult<Vec<(String, Option<f64>)>> {
+        self.inner.params().map_err(|error| refuse(py, error))
+    }
+
+    fn with_params(&self, py: Python<'_>, params: BTreeMap<String, f64>) -> PyResult<Self> {
+        let inner = py.detach(|| self.inner.with_params(params)).map_err(|error| refuse(py, error))?;
+        Ok(Model { inner })
+    }
+
+    fn mass_matrix<'py>(&self, py: Python<'py>, q: Given<'py>) -> PyResult<Matrix<'py>> {
+        matrix(py, &self.inner.mass_matrix(&numbers(&q)).map_err(|error| refuse(py, error))?)
+    }
+
+    fn jacobian<'py>(&self, py: Python<'py>, link: &str, q: Given<'py>) -> PyResult<Matrix<'py>> {
+        matrix(py, &self.inner.jacobian(link, &numbers(&q)).map_err(|error| refuse(py, error))?)
+    }
+
+    fn inverse_dynamics<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given<'py>,
+        v: Given<'py>,
+        a: Given<'py>,
+    ) -> PyResult<Vector<'py>> {
+        let efforts = self.inner.inverse_dynamics(&numbers(&q), &numbers(&v), &numbers(&a));
+        Ok(efforts.map_err(|error| refuse(py, error))?.as_slice().to_pyarray(py))
+    }
+
+    fn forward_dynamics<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given<'py>,
+        v: Given<'py>,
+        efforts: Given<'py>,
+    ) -> PyResult<Vector<'py>> {
+        let accelerations = self.inner.forward_dynamics(&numbers(&q), &numbers(&v), &numbers(&efforts));
+        Ok(accelerations.map_err(|error| refuse(py, error))?.as_slice().to_pyarray(py))
+    }
+
+    fn gravity_efforts<'py>(&self, py: Python<'py>, q: Given<'py>) -> PyResult<Vector<'py>> {
+        let efforts = self.inner.gravity_efforts(&numbers(&q)).map_err(|error| refuse(py, error))?;
+        Ok(efforts.as_slice().to_pyarray(py))
+    }
+
+    /// x, y, z, w, x, y, z of a link frame.
+    fn pose<'py>(&self, py: Python<'py>, link: &str, q: Given<'py>) -> PyResult<Vector<'py>> {
+        let pose = self.inner.pose(link, &numbers(&q)).map_err(|error| refuse(py, error))?;
+        Ok(seven(&pose).to_pyarray(py))
+    }
+}
+
+impl Model {
+    fn places(&self, range: impl Fn(&JointPlace) -> &Range<usize>) -> Vec<(&str, usize, usize)> {
+        let joints = self.inner.coordinates().joints().iter();
+        joints.map(|joint| (joint.name.as_str(), range(joint).start, range(joint).end)).collect()
+    }
+}
+
+/// A pose as x, y, z, w, x, y, z.
+pub fn seven(pose: &catena::prelude::Pose) -> [f64; 7] {
+    let at = pose.translation.vector;
+    let [w, x, y, z] = catena::mechanism::description::joint::wxyz_from_rotation(pose.rotation.matrix());
+    [at.x, at.y, at.z, w, x, y, z]
+}

@@ -1,0 +1,180 @@
+//! `catena._catena.Recorded`: what a run leaves, as arrays and files.
+
+use crate::model::seven;
+use crate::refusal::{input, refuse};
+use catena::instant::reactions::Reactions;
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::motion::energy::energy_with_forces;
+use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use catena::output::log::LogOptions;
+use catena::output::report::Report;
+use catena::session::{Model, Recording, Told};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// How many pages this process has written.
+static PAGES: AtomicUsize = AtomicUsize::new(0);
+
+/// A run that has ended.
+#[pyclass(frozen, module = "catena._catena")]
+pub struct Recorded {
+    report: Report,
+    told: Told,
+    model: Model,
+    recording: Recording,
+}
+
+type Rows<'py> = Bound<'py, PyArray2<f64>>;
+
+fn rows<'py>(py: Python<'py>, numbers: Vec<f64>, count: usize) -> PyResult<Rows<'py>> {
+    let width = numbers.len().checked_div(count).unwrap_or(0);
+    PyArray1::from_vec(py, numbers).reshape([count, width])
+}
+
+#[pymethods]
+impl Recorded {
+    #[getter]
+    fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.recording.times.to_pyarray(py)
+    }
+
+    /// q and v of all samples.
+    fn coordinates<'py>(&self, py: Python<'py>) -> PyResult<(Rows<'py>, Rows<'py>)> {
+        let places = self.model.coordinates();
+        let count = self.recording.times.len();
+        let (wide, narrow) = (places.q_count(), places.v_count());
+        let (mut q, mut v) = (vec![0.0; count * wide], vec![0.0; count * narrow]);
+        for sample in 0..count {
+            let (position, velocity) = self.recording.sample(sample);
+            let (q, v) = (&mut q[sample * wide..][..wide], &mut v[sample * narrow..][..narrow]);
+            places.write(self.model.description(), position, velocity, q, v);
+        }
+        Ok((rows(py, q, count)?, rows(py, v, count)?))
+    }
+
+    /// Kinetic, potential, spring and load energy of all samples (J).
+    fn energies<'py>(&self, py: Python<'py>) -> PyResult<Rows<'py>> {
+        let mechanism = self.mechanism();
+        let of = |state: State| {
+            let energy = energy_with_forces(mechanism, &state.position, &body_states(mechanism, &state));
+            [energy.kinetic, energy.potential, energy.spring, energy.load]
+        };
+        rows(py, self.states().flat_map(of).collect(), self.recording.times.len())
+    }
+
+    /// x, y, z, w, x, y, z of a link frame in all samples.
+    fn poses<'py>(&self, py: Python<'py>, link: &str) -> PyResult<Rows<'py>> {
+        let description = self.model.description();
+        let Some(index) = description.link(link) else {
+            let error = self.model.pose(link, &[]).err();
+            return Err(error.map_or_else(|| input(py, link), |error| refuse(py, error)));
+        };
+        let of = |state: State| {
+            let (at, turn) = description.link_pose(&body_states(&description.mechanism, &state), index);
+            let turn = catena::nalgebra::Rotation3::from_matrix_unchecked(turn);
+            seven(&catena::prelude::Pose::from_parts(at.into(), turn))
+        };
+        rows(py, self.states().flat_map(of).collect(), self.recording.times.len())
+    }
+
+    /// Force and torque of the parent on the child at a joint, in the world, in all samples [N, N m].
+    fn reactions<'py>(&self, py: Python<'py>, joint: &str) -> PyResult<Rows<'py>> {
+        if let Some(by) = self.told.driven() {
+            let why = format!("reactions do not follow from states of a run whose efforts a program decides: {by}");
+            return Err(input(py, why));
+        }
+        let description = self.model.description();
+        let record = description.joint(joint).and_then(|joint| description.joints[joint].body);
+        let Some(body) = record else {
+            let known = self.model.joint_names().join(", ");
+            return Err(input(py, format!("there is no joint {joint:?} that moves; there are {known}")));
+        };
+        let mechanism = self.mechanism();
+        let mut carried = Reactions::new(mechanism);
+        let mut all = Vec::with_capacity(6 * self.recording.times.len());
+        for state in self.states() {
+            let motors = mechanism.nonsmooth.motors.iter();
+            let effort = |at: catena::mechanism::description::closure::Coordinate| {
+                (state.position[at.position], state.velocity[at.freedom])
+            };
+            let efforts: Vec<f64> = motors
+                .map(|motor| {
+                    let (position, velocity) = effort(motor.coordinate);
+                    motor.effort(state.time, position, velocity)
+                })
+                .collect();
+            carried.drive(&efforts);
+            let (reactions, _) = carried.at(&state.position, &state.velocity);
+            all.extend(reactions[body].force.iter().chain(reactions[body].torque.iter()));
+        }
+        rows(py, all, self.recording.times.len())
+    }
+
+    /// Time, kind, joint or pair, impulse of the first thousand events, as the report lists them.
+    #[getter]
+    fn report(&self, py: Python<'_>) -> PyResult<String> {
+        serde_json::to_string(&self.report).map_err(|error| input(py, error))
+    }
+
+    /// The report for people.
+    #[getter]
+    fn text(&self) -> String {
+        self.report.to_string()
+    }
+
+    fn save_log(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| self.write(&path)).map_err(|error| refuse(py, error))
+    }
+
+    /// Writes the page of the run, from a log beside it that is removed again.
+    fn save_page(&self, py: Python<'_>, path: PathBuf, mesh_limit: usize) -> PyResult<()> {
+        let written = py.detach(|| {
+            catena::session::check_place(&path)?;
+            // A log has a folder of its own, because meshes may lie beside it.
+            let number = PAGES.fetch_add(1, Ordering::Relaxed);
+            let folder = std::env::temp_dir().join(format!("catena-page-{}-{number}", std::process::id()));
+            let made = std::fs::create_dir_all(&folder).map_err(anyhow::Error::from);
+            let log = folder.join("run.mcap");
+            let text = made.and_then(|()| self.write(&log).map_err(anyhow::Error::from));
+            let text = text.and_then(|()| catena::cli::page_of_log(&log, mesh_limit));
+            // It has been of use.
+            let _ = std::fs::remove_dir_all(&folder);
+            Ok::<_, catena::session::Error>(text.and_then(|text| Ok(catena::drawing::files::write_text(&path, &text)?)))
+        });
+        match written {
+            Err(error) => Err(refuse(py, error)),
+            Ok(Err(error)) => Err(input(py, format!("{error:#}"))),
+            Ok(Ok(())) => Ok(()),
+        }
+    }
+}
+
+impl Recorded {
+    pub fn new(report: Report, told: Told, model: Model, recording: Recording) -> Self {
+        Recorded { report, told, model, recording }
+    }
+
+    fn mechanism(&self) -> &Mechanism {
+        &self.model.description().mechanism
+    }
+
+    fn states(&self) -> impl Iterator<Item = State> {
+        (0..self.recording.times.len()).map(|sample| {
+            let (position, velocity) = self.recording.sample(sample);
+            let compensation = vec![0.0; position.len()];
+            State {
+                time: self.recording.times[sample],
+                position: position.to_vec(),
+                velocity: velocity.to_vec(),
+                compensation,
+            }
+        })
+    }
+
+    fn write(&self, path: &std::path::Path) -> Result<(), catena::session::Error> {
+        self.told.write(path, self.model.description(), &self.recording, &LogOptions::default())
+    }
+}

@@ -1,0 +1,39 @@
+//! Errors of the library as exceptions of Python: the messages of the command line, `InputError` for what was given, `RunError` for what happened.
+
+use catena::session::Error;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+/// An exception of the class of this name in `catena._errors`.
+fn named(py: Python<'_>, class: &str, message: String) -> PyErr {
+    let made =
+        py.import("catena._errors").and_then(|errors| errors.getattr(class)).and_then(|class| class.call1((&message,)));
+    match made {
+        Ok(exception) => PyErr::from_value(exception),
+        Err(_) => PyRuntimeError::new_err(message),
+    }
+}
+
+/// What was given is wrong.
+pub fn input(py: Python<'_>, message: impl ToString) -> PyErr {
+    named(py, "InputError", message.to_string())
+}
+
+/// The exception of an error; one that a controller raised is its cause.
+pub fn refuse(py: Python<'_>, error: Error) -> PyErr {
+    let class = if error.is_input() { "InputError" } else { "RunError" };
+    let exception = named(py, class, error.to_string());
+    if let Some(cause) = raised(&error).and_then(|failure| failure.downcast_ref::<PyErr>()) {
+        exception.set_cause(py, Some(cause.clone_ref(py)));
+    }
+    exception
+}
+
+/// What a controller failed with.
+fn raised(error: &Error) -> Option<&catena::session::ControllerFailure> {
+    match error {
+        Error::Controller { failure, .. } => Some(failure),
+        Error::Beside { problem, .. } => raised(problem),
+        _ => None,
+    }
+}

@@ -1,0 +1,180 @@
+//! `catena._catena.Run`: a run that goes on step by step, or to its end at once.
+
+use crate::model::{Model, numbers, seven};
+use crate::recorded::Recorded;
+use crate::refusal::{input, refuse};
+use crate::signals::Watcher;
+use catena::session::{ControllerFailure, Error, Moment, SharedRecording, Simulation};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, ToPyArray};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard};
+
+/// A run.
+#[pyclass(frozen, module = "catena._catena")]
+pub struct Run {
+    inner: Mutex<Option<Simulation>>,
+    recording: SharedRecording,
+    interrupt: Arc<AtomicBool>,
+}
+
+type Vector<'py> = Bound<'py, PyArray1<f64>>;
+type Given<'py> = PyReadonlyArray1<'py, f64>;
+
+#[pymethods]
+impl Run {
+    #[new]
+    #[pyo3(signature = (model, q, v, begin, duration, tolerance, stages, step, rate, keep, log, record))]
+    #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
+    fn new(
+        py: Python<'_>,
+        model: &Model,
+        q: Given<'_>,
+        v: Given<'_>,
+        begin: f64,
+        duration: Option<f64>,
+        tolerance: Option<f64>,
+        stages: Option<usize>,
+        step: Option<f64>,
+        rate: Option<f64>,
+        keep: Vec<String>,
+        log: Option<PathBuf>,
+        record: bool,
+    ) -> PyResult<Self> {
+        let mut simulation = Simulation::new(&model.inner).begin_at(begin);
+        match (tolerance, stages, step) {
+            (None, None, None) => {}
+            (Some(tolerance), None, None) => simulation = simulation.tolerance(tolerance),
+            (None, Some(stages), Some(step)) => simulation = simulation.fixed(stages, step),
+            _ => return Err(input(py, "give a tolerance, or stages and step")),
+        }
+        if let Some(duration) = duration {
+            simulation = simulation.duration(duration);
+        }
+        if let Some(rate) = rate {
+            simulation = simulation.rate(rate);
+        }
+        for rule in keep {
+            simulation = simulation.keep(rule.parse().map_err(|error| input(py, error))?);
+        }
+        if let Some(log) = log {
+            simulation = simulation.log(log);
+        }
+        let recording = SharedRecording::default();
+        if record {
+            simulation = simulation.observe(recording.clone());
+        }
+        let interrupt = simulation.interrupt();
+        simulation = simulation.observe(Watcher::new(interrupt.clone()));
+        let (q, v) = (numbers(&q), numbers(&v));
+        let simulation = py.detach(|| simulation.start_from(&q, &v)).map_err(|error| refuse(py, error))?;
+        Ok(Run { inner: Mutex::new(Some(simulation)), recording, interrupt })
+    }
+
+    /// Time (s).
+    #[getter]
+    fn time(&self, py: Python<'_>) -> PyResult<f64> {
+        self.with(py, |simulation| Ok(simulation.time()))
+    }
+
+    /// When it ends (s).
+    #[getter]
+    fn end(&self, py: Python<'_>) -> PyResult<f64> {
+        self.with(py, |simulation| Ok(simulation.end()))
+    }
+
+    fn coordinates<'py>(&self, py: Python<'py>) -> PyResult<(Vector<'py>, Vector<'py>)> {
+        let (q, v) = self.with(py, |simulation| simulation.coordinates())?;
+        Ok((q.to_pyarray(py), v.to_pyarray(py)))
+    }
+
+    fn pose<'py>(&self, py: Python<'py>, link: &str) -> PyResult<Vector<'py>> {
+        let pose = self.with(py, |simulation| simulation.pose(link))?;
+        Ok(seven(&pose).to_pyarray(py))
+    }
+
+    /// Kinetic, potential, spring and load energy (J).
+    fn energy(&self, py: Python<'_>) -> PyResult<[f64; 4]> {
+        let energy = self.with(py, |simulation| simulation.energy())?;
+        Ok([energy.kinetic, energy.potential, energy.spring, energy.load])
+    }
+
+    fn set_efforts(&self, py: Python<'_>, efforts: Given<'_>) -> PyResult<()> {
+        let efforts = numbers(&efforts);
+        self.with(py, |simulation| simulation.set_efforts(&efforts))
+    }
+
+    /// `controller(t, q, v)` is asked now and every period (s), and returns efforts, or `None` for none.
+    fn set_controller(&self, py: Python<'_>, period: f64, controller: Py<PyAny>) -> PyResult<()> {
+        let law = move |now: &Moment, efforts: &mut [f64]| -> Result<(), ControllerFailure> {
+            Python::attach(|py| Ok(ask(py, &controller, now, efforts)?))
+        };
+        self.with(py, |simulation| simulation.set_fallible_controller(period, law))
+    }
+
+    fn step_to(&self, py: Python<'_>, time: f64) -> PyResult<()> {
+        self.detached(py, |simulation| simulation.step_to(time))
+    }
+
+    fn run(&self, py: Python<'_>) -> PyResult<()> {
+        self.detached(py, Simulation::run)
+    }
+
+    /// Ends it, and what it leaves.
+    fn finish(&self, py: Python<'_>) -> PyResult<Recorded> {
+        let simulation = self.lock(py)?.take();
+        let Some(simulation) = simulation else { return Err(input(py, "the run is over; begin another one")) };
+        let finished = py.detach(|| simulation.finish_told());
+        let (report, told, model) = finished.map_err(|error| refuse(py, error))?;
+        Ok(Recorded::new(report, told, model, self.recording.take()))
+    }
+}
+
+/// Asks a controller of Python.
+fn ask(py: Python<'_>, controller: &Py<PyAny>, now: &Moment, efforts: &mut [f64]) -> PyResult<()> {
+    let answer = controller.bind(py).call1((now.time, now.q.to_pyarray(py), now.v.to_pyarray(py)))?;
+    if answer.is_none() {
+        return Ok(());
+    }
+    let given = match answer.cast::<PyArray1<f64>>() {
+        Ok(array) => array.readonly().as_array().to_vec(),
+        Err(_) => answer.extract::<Vec<f64>>()?,
+    };
+    if given.len() != efforts.len() {
+        let message = format!("it returned {} efforts for {} degrees of freedom", given.len(), efforts.len());
+        return Err(input(py, message));
+    }
+    efforts.copy_from_slice(&given);
+    Ok(())
+}
+
+impl Run {
+    /// The simulation; a controller that asks for it while it is asked gets an error, not a deadlock.
+    fn lock(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Option<Simulation>>> {
+        self.inner.try_lock().map_err(|_| {
+            input(py, "the run is being made: nothing can be asked of it from its controller or another thread")
+        })
+    }
+
+    fn with<R>(&self, py: Python<'_>, work: impl FnOnce(&mut Simulation) -> Result<R, Error>) -> PyResult<R> {
+        match &mut *self.lock(py)? {
+            Some(simulation) => work(simulation).map_err(|error| refuse(py, error)),
+            None => Err(input(py, "the run is over; begin another one")),
+        }
+    }
+
+    /// Work without the lock of Python.
+    fn detached(&self, py: Python<'_>, work: impl FnOnce(&mut Simulation) -> Result<(), Error> + Send) -> PyResult<()> {
+        let mut held = self.lock(py)?;
+        let Some(simulation) = &mut *held else { return Err(input(py, "the run is over; begin another one")) };
+        match py.detach(|| work(simulation)) {
+            Ok(()) => Ok(()),
+            Err(error) if error.is_interruption() && self.interrupt.load(Ordering::Relaxed) => {
+                Err(PyKeyboardInterrupt::new_err(error.to_string()))
+            }
+            Err(error) => Err(refuse(py, error)),
+        }
+    }
+}

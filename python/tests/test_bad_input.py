@@ -1,0 +1,95 @@
+"""Every wrong input is an exception that names it."""
+
+import os
+
+import catena
+import numpy as np
+import pytest
+
+
+def test_unknown_names(arm):
+    sim = catena.Sim(arm)
+    for use in (lambda: sim.q["elbow"], lambda: sim.q.__setitem__("elbow", 1.0)):
+        with pytest.raises(catena.InputError, match="there is no joint 'elbow'; the joints that move are 'joint1'"):
+            use()
+    result = sim.run(0.1)
+    with pytest.raises(catena.InputError, match='there is no link "hand"'):
+        sim.pose("hand")
+    with pytest.raises(catena.InputError, match='there is no link "hand"'):
+        result.poses["hand"]
+    with pytest.raises(catena.InputError, match='there is no joint "elbow"'):
+        result.reactions["elbow"]
+
+
+def test_wrong_lengths_and_numbers(arm):
+    sim = catena.Sim(arm)
+    with pytest.raises(catena.InputError, match="q: 3 numbers where 7 are wanted"):
+        sim.q = [0, 0, 0]
+    with pytest.raises(catena.InputError, match="has one number"):
+        sim.q["joint1"] = [1, 2]
+    with pytest.raises(catena.InputError, match="q: 6 numbers where 7 are wanted"):
+        arm.mass_matrix(np.zeros(6))
+    with pytest.raises(catena.InputError, match="efforts: could not convert"):
+        sim.set_efforts("push")
+    sim.set_efforts(np.zeros(3))
+    with pytest.raises(catena.InputError, match="3 efforts for 7 degrees of freedom"):
+        sim.run(0.1)
+    sim.set_efforts(None)
+    sim.q["joint3"] = float("nan")
+    with pytest.raises(catena.InputError, match='q: the number for "joint3" is NaN'):
+        sim.run(0.1)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"tolerance": -1.0}, "tolerance is -1: must be greater than zero"),
+        ({"tolerance": float("nan")}, "tolerance is NaN"),
+        ({"stages": 1, "step": 0.1}, "stages"),
+        ({"keep": "nothing"}, "there is no rule"),
+    ],
+)
+def test_wrong_options_of_runs(arm, options, message):
+    with pytest.raises(catena.InputError, match=message):
+        catena.Sim(arm, **options).run(0.1)
+
+
+def test_wrong_options_together(arm):
+    with pytest.raises(catena.InputError, match="a tolerance, or stages and step"):
+        catena.Sim(arm, tolerance=1e-6, step=0.1)
+    with pytest.raises(catena.InputError, match="duration is 0"):
+        catena.Sim(arm).run(0.0)
+    with pytest.raises(catena.InputError, match="rate is 0"):
+        catena.Sim(arm).run(0.1, rate=0)
+    with pytest.raises(catena.InputError, match="control_rate"):
+        catena.Sim(arm).run(0.1, controller=print)
+    with pytest.raises(catena.InputError, match="cannot step to"):
+        catena.Sim(arm).step(-0.1)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"base": "flying"}, "give 'fixed' or 'floating'"),
+        ({"gravity": (0, 0)}, "gravity: 3 numbers are wanted"),
+        ({"gravity": (0, 0, float("inf"))}, "gravity is inf"),
+        ({"without": "weight"}, 'nothing called "weight" can be left out'),
+        ({"contact": "some"}, '"some" is none of none, environment, all'),
+        ({"packages": {"arm": "/nowhere"}}, 'there is no folder "/nowhere"'),
+        ({"params": {"joint1.mass": 1.0}}, "joint1.mass"),
+        ({"params": {"flange.mass": "much"}}, "params: could not convert"),
+    ],
+)
+def test_wrong_options_of_models(robots, options, message):
+    with pytest.raises(catena.InputError, match=message):
+        catena.load(robots / "arm7.urdf", **options)
+
+
+def test_a_folder_that_is_not_there_and_a_full_disk(arm, tmp_path):
+    result = catena.Sim(arm).run(0.1)
+    for name in ("run.mcap", "run.npz", "run.html"):
+        with pytest.raises(catena.CatenaError, match="there is no folder|cannot create"):
+            (result.report if name.endswith("html") else result.save)(tmp_path / "missing" / name)
+    if os.path.exists("/dev/full"):
+        with pytest.raises(catena.RunError, match="/dev/full"):
+            catena.Sim(arm).run(5.0, rate=1000, log="/dev/full")

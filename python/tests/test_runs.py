@@ -1,0 +1,148 @@
+"""Runs are those of the command line, and their files say so."""
+
+import json
+import subprocess
+import sys
+
+import catena
+import numpy as np
+import pytest
+
+
+def command(*words, cwd):
+    return subprocess.run([sys.executable, "-m", "catena", *map(str, words)], cwd=cwd, capture_output=True, text=True)
+
+
+def test_the_readme_s_five_lines_work(double_pendulum, tmp_path):
+    sim = catena.Sim(double_pendulum, tolerance=1e-6)
+    sim.q["shoulder"] = 0.5
+    result = sim.run(2.0, rate=60)
+    assert result.t.shape == (121,) and result.q.shape == (121, 2) and result.v.shape == (121, 2)
+    assert result.q["shoulder"][0] == 0.5 and result.q["shoulder"].shape == (121,)
+    assert result.poses["lower_arm"].shape == (121, 7) and result.reactions["elbow"].shape == (121, 6)
+    # Conserved where steps end; samples inside of steps are interpolated, to some 1e-5 of velocities at this tolerance.
+    assert result.summary["energy"]["max_relative_error"] < 1e-6
+    assert np.ptp(result.energy) < 1e-4 * abs(result.energy[0])
+    assert result.summary["duration"] == 2.0 and sim.time == 2.0
+    assert np.array_equal(sim.q, result.q[-1]) and sim.q["elbow"] == result.q["elbow"][-1]
+
+
+@pytest.mark.parametrize("name", ["double_pendulum.urdf", "four_bar_2.toml", "bouncing_pendulum.toml", "quadruped_dropped.toml"])
+def test_report_and_log_are_those_of_the_command_line(robots, name, tmp_path):
+    result = catena.Sim(catena.load(robots / name), tolerance=1e-6).run(0.25, rate=60)
+    done = command("simulate", robots / name, "--duration", 0.25, "--tolerance", 1e-6, "--json", "-o", "log.mcap", cwd=tmp_path)
+    theirs, ours = json.loads(done.stdout), dict(result.summary)
+    for report in (theirs, ours):
+        for clocked in ("wall_seconds", "cpu_seconds", "solve_cpu_seconds", "log"):
+            report.pop(clocked, None)
+        for island in report.get("islands", []):
+            island.pop("solve_cpu_seconds", None)
+    assert ours == theirs
+    result.save(tmp_path / "ours.mcap")
+    replayed = command("replay", "ours.mcap", cwd=tmp_path)
+    assert replayed.returncode == 0, replayed.stderr
+    compared = command("inspect", "ours.mcap", "--compare", "log.mcap", cwd=tmp_path)
+    assert compared.returncode in (0, 2), compared.stderr
+
+
+def test_a_run_goes_on_where_the_last_one_ended(double_pendulum):
+    whole, parts = (catena.Sim(double_pendulum, tolerance=1e-9) for _ in range(2))
+    for sim in (whole, parts):
+        sim.q[:] = [0.4, -0.2]
+    end = whole.run(1.0).q[-1]
+    parts.run(0.5)
+    again = parts.run(0.5)
+    assert again.t[0] == 0.5 and again.t[-1] == 1.0
+    # Both are within the tolerance, in metres of arms of about one.
+    assert np.allclose(again.q[-1], end, rtol=0, atol=1e-8)
+
+
+def test_steps_and_changes_between_them(double_pendulum):
+    sim = catena.Sim(double_pendulum, tolerance=1e-9)
+    sim.q["elbow"] = 0.3
+    reference = catena.Sim(double_pendulum, tolerance=1e-9)
+    reference.q["elbow"] = 0.3
+    for _ in range(4):
+        sim.step(0.25)
+    assert sim.time == 1.0
+    assert np.allclose(sim.q, reference.run(1.0).q[-1], rtol=0, atol=1e-8)
+    before = sim.energy()["total"]
+    sim.v["shoulder"] += 1.0
+    sim.step(0.1)
+    # A push is felt: the motion starts again from what was written.
+    assert sim.energy()["total"] > before + 0.1
+    sim.reset()
+    assert sim.time == 0.0 and sim.q["elbow"] == 0.0
+
+
+def test_results_become_tables_and_files(double_pendulum, tmp_path):
+    sim = catena.Sim(double_pendulum)
+    sim.q["shoulder"] = 1.0
+    result = sim.run(0.5, rate=20)
+    result.save(tmp_path / "run.npz")
+    kept = np.load(tmp_path / "run.npz")
+    assert np.array_equal(kept["q.shoulder"], result.q["shoulder"]) and np.array_equal(kept["t"], result.t)
+    result.save(tmp_path / "run.csv")
+    table = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True)
+    assert np.array_equal(table["energy"], result.energy)
+    result.report(tmp_path / "run.html")
+    assert "</html>" in (tmp_path / "run.html").read_text()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.csv", "run.html", "run.npz"]
+    with pytest.raises(catena.InputError, match="none of .mcap"):
+        result.save(tmp_path / "run.xlsx")
+
+
+def test_pandas_and_parquet(double_pendulum, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    result = catena.Sim(double_pendulum).run(0.5, rate=20)
+    table = result.to_pandas()
+    assert list(table.columns) == ["q.shoulder", "q.elbow", "v.shoulder", "v.elbow", "energy"] and table.index.name == "t"
+    pytest.importorskip("pyarrow")
+    result.save(tmp_path / "run.parquet")
+    assert pandas.read_parquet(tmp_path / "run.parquet").equals(table)
+
+
+def test_floating_bases_have_quaternions(robots):
+    model = catena.load(robots / "tumbling_body.urdf", base="floating", gravity=(0, 0, 0))
+    sim = catena.Sim(model)
+    assert sim.q.shape == (7,) and sim.v.shape == (6,)
+    base = model.joint_names[0]
+    sim.q[base] = [1, 2, 3, 0.5, 0.5, 0.5, 0.5]
+    sim.v[base] = [0, 0, 0, 0.1, 0.2, 0.3]
+    result = sim.run(1.0, rate=10)
+    assert result.q[base].shape == (11, 7)
+    assert np.allclose(np.linalg.norm(result.q[base][:, 3:], axis=1), 1, rtol=0, atol=1e-14)
+
+
+def test_numbers_are_varied_without_files(arm):
+    q = np.full(7, 0.3)
+    heavier = arm.with_params({"flange.mass": 2 * arm.params["link.flange.mass"]})
+    assert heavier.params["link.flange.mass"] == arm.params["link.flange.mass"]
+    assert heavier.mass_matrix(q)[0, 0] > arm.mass_matrix(q)[0, 0]
+    moon = arm.with_params({"gravity.z": -9.81 / 6})
+    assert np.allclose(moon.gravity_efforts(q), arm.gravity_efforts(q) / 6, rtol=1e-13, atol=0)
+    with pytest.raises(catena.InputError, match="link.flange.mass"):
+        arm.with_params({"flange.mas": 1.0})
+
+
+def test_the_equations_of_motion_fit_together(arm):
+    rng = np.random.default_rng(7)
+    q, v, tau = rng.uniform(-1, 1, (3, 7))
+    a = arm.forward_dynamics(q, v, tau)
+    assert np.allclose(arm.inverse_dynamics(q, v, a), tau, rtol=0, atol=1e-10)
+    still = np.zeros(7)
+    assert np.allclose(arm.inverse_dynamics(q, still, still), arm.gravity_efforts(q), rtol=0, atol=1e-10)
+    step = 1e-6
+    moved = (arm.pose("flange", q + step * v)[:3] - arm.pose("flange", q - step * v)[:3]) / (2 * step)
+    # Central differences leave some step² and rounding/step.
+    assert np.allclose(arm.jacobian("flange", q)[:3] @ v, moved, rtol=0, atol=1e-8)
+
+
+def test_the_command_line_is_the_same(robots, tmp_path):
+    version = command("--version", cwd=tmp_path)
+    assert version.stdout.strip() == f"catena {catena.__version__}"
+    wrong = command("simulate", "nowhere.urdf", cwd=tmp_path)
+    assert wrong.returncode == 2 and wrong.stderr.startswith("catena: error: nowhere.urdf")
+    with pytest.raises(catena.InputError) as raised:
+        catena.load("nowhere.urdf")
+    assert wrong.stderr == f"catena: error: {raised.value}\n"

@@ -1,0 +1,89 @@
+//! A run that owns what it is made of: the model, and those who watch.
+
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::event::Event;
+use crate::output::log::Recorder;
+use crate::output::report::SpeedWatch;
+use crate::session::model::Model;
+use crate::simulation::{Finished, Observer, ObserverError, Sample, Simulation, StepEnd};
+use self_cell::{MutBorrow, self_cell};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// What a run needs for as long as it lives.
+pub(crate) struct Held {
+    pub model: Model,
+    pub kept: Vec<Rule>,
+    pub interrupt: Arc<AtomicBool>,
+    pub watch: MutBorrow<Watch>,
+}
+
+type Driven<'h> = Option<Simulation<'h>>;
+
+self_cell!(
+    /// A simulation and what it borrows.
+    pub(crate) struct Engine {
+        owner: Held,
+
+        #[not_covariant]
+        dependent: Driven,
+    }
+);
+
+impl Engine {
+    /// Does something with the simulation.
+    pub fn with<R>(&self, look: impl FnOnce(&Simulation) -> R) -> Option<R> {
+        self.with_dependent(|_, driven| driven.as_ref().map(look))
+    }
+
+    /// Does something with the simulation that changes it.
+    pub fn with_mut<R>(&mut self, change: impl FnOnce(&mut Simulation<'_>) -> R) -> Option<R> {
+        self.with_dependent_mut(|_, driven| driven.as_mut().map(change))
+    }
+
+    /// Ends the simulation: what it has left, and who has watched.
+    pub fn finish(mut self) -> Option<(Finished, Held)> {
+        let finished = self.with_dependent_mut(|_, driven| driven.take().map(Simulation::finish))?;
+        Some((finished, self.into_owner()))
+    }
+}
+
+/// Everybody who watches a run.
+#[derive(Default)]
+pub(crate) struct Watch {
+    pub recorder: Option<Recorder>,
+    pub speeds: Option<SpeedWatch>,
+    pub others: Vec<Box<dyn Observer>>,
+}
+
+impl Watch {
+    /// Whether nobody does.
+    pub fn is_empty(&self) -> bool {
+        self.recorder.is_none() && self.speeds.is_none() && self.others.is_empty()
+    }
+
+    fn all(&mut self) -> impl Iterator<Item = &mut dyn Observer> {
+        let recorder = self.recorder.iter_mut().map(|one| one as &mut dyn Observer);
+        let speeds = self.speeds.iter_mut().map(|one| one as &mut dyn Observer);
+        recorder.chain(self.others.iter_mut().map(|one| &mut **one as &mut dyn Observer)).chain(speeds)
+    }
+}
+
+impl Observer for Watch {
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        self.all().try_for_each(|observer| observer.sample(sample))
+    }
+
+    fn step(&mut self, end: &StepEnd) {
+        self.all().for_each(|observer| observer.step(end));
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.all().for_each(|observer| observer.event(event));
+    }
+
+    fn contacts(&mut self, points: &[ContactPoint]) {
+        self.all().for_each(|observer| observer.contacts(points));
+    }
+}

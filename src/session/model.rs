@@ -1,0 +1,247 @@
+//! A model as programs hold it: what was read from a file, to be run many times.
+
+use crate::mechanism::description::joint::Pose;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::model::{Base, Left, LinkState};
+use crate::scene::{Touching, Warning};
+use crate::session::coordinates::Coordinates;
+use crate::session::error::Error;
+use crate::session::loaded::Loaded;
+use crate::session::world::World;
+use nalgebra::{Rotation3, Translation3};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A robot or scene, ready to be simulated. Cheap to clone; nothing about it changes.
+///
+/// ```
+/// use catena::prelude::*;
+///
+/// let model = Model::load("robots/arm7.urdf")?;
+/// assert_eq!(model.joint_names().len(), 7);
+/// let holding = model.gravity_efforts(&model.start()?.0)?;
+/// assert_eq!(holding.len(), 7);
+/// # Ok::<(), catena::session::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Model {
+    shared: Arc<Shared>,
+}
+
+#[derive(Clone, Debug)]
+struct Shared {
+    loaded: Loaded,
+    coordinates: Coordinates,
+    path: PathBuf,
+    world: World,
+}
+
+/// How a file is to be read: where its robot stands, and what is left out. Nothing said is as in the file.
+#[derive(Clone, Debug, Default)]
+pub struct Loader {
+    world: World,
+}
+
+impl Loader {
+    /// The root link of the only robot floats.
+    #[must_use]
+    pub fn floating(mut self) -> Self {
+        self.world.base = Some(Base::Floating);
+        self
+    }
+
+    /// Where that root link is in the world: x, y, z, roll, pitch, yaw [m, rad].
+    #[must_use]
+    pub fn base_pose(mut self, pose: [f64; 6]) -> Self {
+        self.world.base_pose = Some(pose);
+        self
+    }
+
+    /// Acceleration of gravity in the world [m/s²].
+    #[must_use]
+    pub fn gravity(mut self, gravity: [f64; 3]) -> Self {
+        self.world.gravity = Some(gravity);
+        self
+    }
+
+    /// Leaves something out that the files say.
+    #[must_use]
+    pub fn without(mut self, left: Left) -> Self {
+        self.world.without.push(left);
+        self
+    }
+
+    /// A floor under everything at this height (m).
+    #[must_use]
+    pub fn floor(mut self, height: f64) -> Self {
+        self.world.floor = Some(height);
+        self
+    }
+
+    /// Which collision shapes may touch.
+    #[must_use]
+    pub fn contact(mut self, touching: Touching) -> Self {
+        self.world.contact = Some(touching);
+        self
+    }
+
+    /// The folder of a ROS package.
+    #[must_use]
+    pub fn package(mut self, name: &str, folder: impl Into<PathBuf>) -> Self {
+        self.world.packages.push((name.to_string(), folder.into()));
+        self
+    }
+
+    /// Sets a number by its key path ([`Model::with_params`]).
+    #[must_use]
+    pub fn set(mut self, key: &str, number: f64) -> Self {
+        self.world.set.push((key.to_string(), number));
+        self
+    }
+
+    /// Reads a `.urdf`, or a scene `.toml`.
+    ///
+    /// # Errors
+    /// What is wrong with the file, naming file, line, and link, joint or key.
+    pub fn load(self, path: impl AsRef<Path>) -> Result<Model, Error> {
+        let path = path.as_ref();
+        let loaded = self.world.load(path)?;
+        Ok(Model::of_loaded(loaded, path.to_path_buf(), self.world))
+    }
+}
+
+impl Model {
+    /// Reads a `.urdf`, or a scene `.toml`, as it stands: with a fixed base, gravity and contact as the file says.
+    ///
+    /// # Errors
+    /// What is wrong with the file, naming file, line, and link, joint or key.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Loader::default().load(path)
+    }
+
+    /// Reads a file otherwise than it stands.
+    pub fn loader() -> Loader {
+        Loader::default()
+    }
+
+    pub(crate) fn of_loaded(loaded: Loaded, path: PathBuf, world: World) -> Self {
+        let coordinates = Coordinates::of(&loaded.model);
+        Model { shared: Arc::new(Shared { loaded, coordinates, path, world }) }
+    }
+
+    /// The same with other numbers, by their key paths: `link7.mass`, `spring.band.stiffness`, `gravity.z` (`catena model INPUT --parameters`
+    /// lists them). The file is read again.
+    ///
+    /// # Errors
+    /// Keys that do not exist or mean several numbers, and numbers that the file could not say.
+    pub fn with_params<K: Into<String>>(&self, numbers: impl IntoIterator<Item = (K, f64)>) -> Result<Self, Error> {
+        let mut world = self.world().clone();
+        world.set.extend(numbers.into_iter().map(|(key, number)| (key.into(), number)));
+        let loaded = world.load(self.path())?;
+        Ok(Model::of_loaded(loaded, self.path().to_path_buf(), world))
+    }
+
+    /// All numbers that have a key path, and what the files say of them (nothing where neither does).
+    ///
+    /// # Errors
+    /// As of [`Model::load`].
+    pub fn params(&self) -> Result<Vec<(String, Option<f64>)>, Error> {
+        let scene = self.world().scene(self.path())?;
+        Ok(scene.parameters().into_iter().map(|one| (one.key().to_string(), one.said())).collect())
+    }
+
+    /// Names of the joints that move, in the order of q and v.
+    pub fn joint_names(&self) -> Vec<&str> {
+        self.coordinates().joints().iter().map(|joint| joint.name.as_str()).collect()
+    }
+
+    /// Names of all links, in the order of the file.
+    pub fn link_names(&self) -> Vec<&str> {
+        self.description().links.iter().map(|link| link.name.as_str()).collect()
+    }
+
+    /// What was left out, and why, and what else is worth knowing.
+    pub fn warnings(&self) -> Vec<String> {
+        self.description().warnings.iter().map(ToString::to_string).collect()
+    }
+
+    /// Where the coordinates of each joint are in q and v.
+    pub fn coordinates(&self) -> &Coordinates {
+        &self.shared.coordinates
+    }
+
+    /// q and v where the file starts it, on all loops.
+    ///
+    /// # Errors
+    /// Loops that cannot be closed.
+    pub fn start(&self) -> Result<(Vec<f64>, Vec<f64>), Error> {
+        let started = self.loaded().assembled(&[], &[], None)?;
+        Ok(self.flat(&started.state))
+    }
+
+    /// q and v of a state.
+    pub(crate) fn flat(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
+        let (mut q, mut v) = (vec![0.0; self.coordinates().q_count()], vec![0.0; self.coordinates().v_count()]);
+        self.coordinates().write(self.description(), &state.position, &state.velocity, &mut q, &mut v);
+        (q, v)
+    }
+
+    /// Pose of a link frame in the world for q.
+    ///
+    /// # Errors
+    /// An unknown link, a wrong length of q, and numbers that are not finite.
+    pub fn pose(&self, link: &str, q: &[f64]) -> Result<Pose, Error> {
+        self.link_index(link)?;
+        let rest = vec![0.0; self.coordinates().v_count()];
+        Ok(pose_of(&self.link_at(link, &self.coordinates().state(self.description(), q, &rest)?)?))
+    }
+
+    /// Pose and motion of a link in a state.
+    pub(crate) fn link_at(&self, link: &str, state: &State) -> Result<LinkState, Error> {
+        let index = self.link_index(link)?;
+        let bodies = body_states(&self.description().mechanism, state);
+        Ok(self.description().link_state(&bodies, index))
+    }
+
+    pub(crate) fn link_index(&self, link: &str) -> Result<usize, Error> {
+        self.description().link(link).ok_or_else(|| {
+            let known: Vec<String> = self.description().links.iter().map(|link| link.name.clone()).collect();
+            Error::UnknownLink { link: link.to_string(), known: crate::model::listed(&known) }
+        })
+    }
+
+    /// What is simulated, part by part.
+    #[doc(hidden)]
+    pub fn description(&self) -> &crate::model::Model {
+        &self.shared.loaded.model
+    }
+
+    #[doc(hidden)]
+    pub fn loaded(&self) -> &Loaded {
+        &self.shared.loaded
+    }
+
+    /// The same with more warnings, where there are any.
+    pub(crate) fn warned(&self, warnings: Vec<Warning>) -> Self {
+        if warnings.is_empty() {
+            return self.clone();
+        }
+        let mut shared = Shared::clone(&self.shared);
+        shared.loaded.model.warnings.extend(warnings);
+        Model { shared: Arc::new(shared) }
+    }
+
+    /// The file it was read from, as it was given.
+    pub fn path(&self) -> &Path {
+        &self.shared.path
+    }
+
+    pub(crate) fn world(&self) -> &World {
+        &self.shared.world
+    }
+}
+
+pub(crate) fn pose_of(link: &LinkState) -> Pose {
+    Pose::from_parts(Translation3::from(link.position), Rotation3::from_matrix_unchecked(link.rotation))
+}

@@ -1,0 +1,128 @@
+//! The observer that keeps a run in memory, and can show it again to any other: to a log, for instance.
+
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::event::Event;
+use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The samples, events and contacts of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    /// Times of the samples (s).
+    pub times: Vec<f64>,
+    /// Joint positions of the state, sample after sample.
+    pub positions: Vec<f64>,
+    /// Joint velocities of the state, sample after sample.
+    pub velocities: Vec<f64>,
+    /// The ends of steps in which there are samples.
+    pub steps: Vec<StepEnd>,
+    /// Which of them each sample is in.
+    step_of: Vec<usize>,
+    /// Events, and before which sample they were.
+    events: Vec<(usize, Event)>,
+    /// Contacts, and of which sample they are.
+    contacts: Vec<(usize, Vec<ContactPoint>)>,
+}
+
+impl Recording {
+    /// Positions and velocities of a sample.
+    pub fn sample(&self, number: usize) -> (&[f64], &[f64]) {
+        let part = |all: &'_ [f64]| {
+            let width = all.len() / self.times.len();
+            number * width..(number + 1) * width
+        };
+        (&self.positions[part(&self.positions)], &self.velocities[part(&self.velocities)])
+    }
+
+    /// The end of the step that a sample is in.
+    pub fn step_of(&self, number: usize) -> &StepEnd {
+        &self.steps[self.step_of[number]]
+    }
+
+    /// All events.
+    pub fn events(&self) -> impl Iterator<Item = &Event> {
+        self.events.iter().map(|(_, event)| event)
+    }
+
+    /// Shows the run to another observer, as it was.
+    ///
+    /// # Errors
+    /// Whatever the observer fails with.
+    pub fn show_to(&self, observer: &mut dyn Observer) -> Result<(), ObserverError> {
+        let (mut events, mut contacts) = (self.events.iter().peekable(), self.contacts.iter().peekable());
+        for number in 0..=self.times.len() {
+            while let Some((_, event)) = events.next_if(|(before, _)| *before <= number) {
+                observer.event(event);
+            }
+            while let Some((_, points)) = contacts.next_if(|(of, _)| *of <= number) {
+                observer.contacts(points);
+            }
+            if number < self.times.len() {
+                let (position, velocity) = self.sample(number);
+                observer.sample(&Sample {
+                    time: self.times[number],
+                    position,
+                    velocity,
+                    step: self.step_of(number),
+                })?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Observer for Recording {
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        self.times.push(sample.time);
+        self.positions.extend_from_slice(sample.position);
+        self.velocities.extend_from_slice(sample.velocity);
+        if self.steps.last() != Some(sample.step) {
+            self.steps.push(*sample.step);
+        }
+        self.step_of.push(self.steps.len() - 1);
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.events.push((self.times.len(), *event));
+    }
+
+    fn contacts(&mut self, points: &[ContactPoint]) {
+        self.contacts.push((self.times.len(), points.to_vec()));
+    }
+}
+
+/// A recording that is looked at from outside.
+#[derive(Clone, Debug, Default)]
+pub struct SharedRecording(Arc<Mutex<Recording>>);
+
+impl SharedRecording {
+    /// Takes out what was recorded.
+    pub fn take(&self) -> Recording {
+        std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn with<R>(&self, use_it: impl FnOnce(&mut Recording) -> R) -> R {
+        use_it(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl Observer for SharedRecording {
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        self.with(|recording| recording.sample_seen(sample))
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.with(|recording| recording.event(event));
+    }
+
+    fn contacts(&mut self, points: &[ContactPoint]) {
+        self.with(|recording| recording.contacts(points));
+    }
+}
+
+impl Recording {
+    fn sample_seen(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        Observer::sample(self, sample)
+    }
+}

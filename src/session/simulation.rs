@@ -1,0 +1,614 @@
+//! A run of a model, as programs make it: a start, an accuracy, steps, and a report.
+
+use crate::mechanism::description::forces::JointLoad;
+use crate::mechanism::description::joint::Pose;
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::energy::{Energy, energy_with_forces};
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::model::LinkState;
+use crate::output::log::{LogOptions, Severity};
+use crate::output::report::{Report, SpeedWatch};
+use crate::session::account::{Account, Begun, Closed, Ended, Told};
+use crate::session::asked::{Asked, Settled};
+use crate::session::control::{Control, Moment};
+use crate::session::description::Origin;
+use crate::session::engine::{Engine, Held, Watch};
+use crate::session::error::{ControllerFailure, Error};
+use crate::session::loaded::Assembled;
+use crate::session::model::{Model, pose_of};
+use crate::session::place::{check_log, check_place};
+use crate::session::words::words;
+use crate::simulation::{InputError, Observer, RunError, SimulationOptions};
+use self_cell::MutBorrow;
+use std::cell::OnceCell;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Of runs that step by step a program has made.
+const STEPPED: &str = "a program has stepped it";
+
+/// A run of a model. First it is told what to be; with its first step it begins.
+///
+/// ```
+/// use catena::prelude::*;
+///
+/// let model = Model::load("robots/double_pendulum.urdf")?;
+/// let mut simulation = Simulation::new(&model).tolerance(1e-8).duration(2.0).start([("shoulder", 0.5)])?;
+/// simulation.step_to(1.0)?;
+/// let tip = simulation.pose("lower_arm")?.translation;
+/// assert!(tip.z < 0.0, "it hangs");
+/// simulation.step_to(2.0)?;
+/// assert!(simulation.finish()?.energy.max_relative_error < 1e-7);
+/// # Ok::<(), catena::session::Error>(())
+/// ```
+///
+/// What changes between steps goes through the run: [`set_efforts`](Simulation::set_efforts) and
+/// [`set_controller`](Simulation::set_controller). The model it runs cannot be changed.
+pub struct Simulation {
+    model: Model,
+    asked: Asked,
+    positions: Vec<(String, Vec<f64>)>,
+    velocities: Vec<(String, Vec<f64>)>,
+    begin: f64,
+    kept: Vec<Rule>,
+    log: Option<(PathBuf, LogOptions)>,
+    observers: Vec<Box<dyn Observer>>,
+    interrupt: Arc<AtomicBool>,
+    control: Option<Control>,
+    /// Along the velocities of the state.
+    efforts: Option<Vec<f64>>,
+    started: OnceCell<Assembled>,
+    running: Option<Running>,
+    ended: Option<Finish>,
+}
+
+/// A run that has begun and not ended.
+struct Running {
+    engine: Engine,
+    begun: Begun,
+    origin: Origin,
+    end: f64,
+}
+
+/// A run that has ended.
+struct Finish {
+    report: Report,
+    told: Told,
+    model: Model,
+    state: State,
+}
+
+/// A number, or several, for a joint.
+pub trait JointValue {
+    /// The numbers.
+    fn numbers(self) -> Vec<f64>;
+}
+
+impl JointValue for f64 {
+    fn numbers(self) -> Vec<f64> {
+        vec![self]
+    }
+}
+
+impl JointValue for Vec<f64> {
+    fn numbers(self) -> Vec<f64> {
+        self
+    }
+}
+
+impl<const N: usize> JointValue for [f64; N] {
+    fn numbers(self) -> Vec<f64> {
+        self.to_vec()
+    }
+}
+
+impl Simulation {
+    /// A run of a model, as its file says or else with 10 s at a tolerance of 1e-6 m.
+    pub fn new(model: &Model) -> Self {
+        Simulation {
+            model: model.clone(),
+            asked: Asked::default(),
+            positions: Vec::new(),
+            velocities: Vec::new(),
+            begin: 0.0,
+            kept: Vec::new(),
+            log: None,
+            observers: Vec::new(),
+            interrupt: Arc::default(),
+            control: None,
+            efforts: None,
+            started: OnceCell::new(),
+            running: None,
+            ended: None,
+        }
+    }
+
+    /// The wanted accuracy of positions (m): stages and steps are chosen from it.
+    #[must_use]
+    pub fn tolerance(mut self, tolerance: f64) -> Self {
+        (self.asked.tolerance, self.asked.fixed) = (Some(tolerance), None);
+        self
+    }
+
+    /// Steps of this length (s), of the scheme with so many stages.
+    #[must_use]
+    pub fn fixed(mut self, stages: usize, step: f64) -> Self {
+        (self.asked.tolerance, self.asked.fixed) = (None, Some((stages, step)));
+        self
+    }
+
+    /// Simulated time (s).
+    #[must_use]
+    pub fn duration(mut self, duration: f64) -> Self {
+        self.asked.duration = Some(duration);
+        self
+    }
+
+    /// Samples per simulated second, for the log and other observers.
+    #[must_use]
+    pub fn rate(mut self, rate: f64) -> Self {
+        self.asked.rate = Some(rate);
+        self
+    }
+
+    /// Switches off a rule that leaves something out of the computation.
+    #[must_use]
+    pub fn keep(mut self, rule: Rule) -> Self {
+        self.kept.push(rule);
+        self
+    }
+
+    /// Positions of joints at the start, as many numbers as each has coordinates (rad, m); the others are as the file says. Loops are closed from there.
+    ///
+    /// # Errors
+    /// Joints that do not exist or do not move, wrong counts of numbers, numbers that are not finite, loops that do not close.
+    pub fn start<N: Into<String>, V: JointValue>(
+        self,
+        positions: impl IntoIterator<Item = (N, V)>,
+    ) -> Result<Self, Error> {
+        let given = positions.into_iter().map(|(joint, value)| (joint.into(), value.numbers())).collect();
+        let velocities = self.velocities.clone();
+        self.start_at(given, velocities)
+    }
+
+    /// Velocities of joints at the start [rad/s, m/s]; the others are as the file says.
+    ///
+    /// # Errors
+    /// As of [`Simulation::start`].
+    pub fn velocities<N: Into<String>, V: JointValue>(
+        self,
+        velocities: impl IntoIterator<Item = (N, V)>,
+    ) -> Result<Self, Error> {
+        let given = velocities.into_iter().map(|(joint, value)| (joint.into(), value.numbers())).collect();
+        let positions = self.positions.clone();
+        self.start_at(positions, given)
+    }
+
+    /// All of q and v at the start ([`Coordinates`](crate::session::Coordinates)).
+    ///
+    /// # Errors
+    /// As of [`Simulation::start`].
+    pub fn start_from(self, q: &[f64], v: &[f64]) -> Result<Self, Error> {
+        let places = self.model.coordinates();
+        places.check("q", q, places.q_count(), |joint| &joint.q)?;
+        places.check("v", v, places.v_count(), |joint| &joint.v)?;
+        let (positions, velocities) = (places.by_joint(q, |joint| &joint.q), places.by_joint(v, |joint| &joint.v));
+        self.start_at(positions, velocities)
+    }
+
+    fn start_at(
+        mut self,
+        positions: Vec<(String, Vec<f64>)>,
+        velocities: Vec<(String, Vec<f64>)>,
+    ) -> Result<Self, Error> {
+        (self.positions, self.velocities) = (positions, velocities);
+        self.started = OnceCell::new();
+        self.started()?;
+        Ok(self)
+    }
+
+    /// The time at which it starts (s), for runs that go on where another ended.
+    #[must_use]
+    pub fn begin_at(mut self, time: f64) -> Self {
+        self.begin = time;
+        self.started = OnceCell::new();
+        self
+    }
+
+    /// Writes the run to an MCAP file, from its first step on. A log that is there is replaced only when it is sure that it will be one.
+    #[must_use]
+    pub fn log(self, path: impl Into<PathBuf>) -> Self {
+        self.log_with(path, LogOptions::default())
+    }
+
+    /// The same with a choice of topics, meshes and size.
+    #[must_use]
+    pub fn log_with(mut self, path: impl Into<PathBuf>, options: LogOptions) -> Self {
+        self.log = Some((path.into(), options));
+        self
+    }
+
+    /// Somebody watches the run.
+    #[must_use]
+    pub fn observe(mut self, observer: impl Observer + 'static) -> Self {
+        self.observers.push(Box::new(observer));
+        self
+    }
+
+    /// A flag that ends the run after its current step once somebody sets it.
+    pub fn interrupt(&self) -> Arc<AtomicBool> {
+        self.interrupt.clone()
+    }
+
+    /// Efforts on the joints from now on, along v, besides the forces of the model [N m or N]. Those on ball and floating joints turn with the child.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for another number of efforts and for what is not finite; [`Error::Over`] when the run is.
+    pub fn set_efforts(&mut self, efforts: &[f64]) -> Result<(), Error> {
+        let places = self.model.coordinates();
+        let wanted = places.v_count();
+        if efforts.len() != wanted {
+            return Err(InputError::Count { given: efforts.len(), wanted }.into());
+        }
+        if let Some(index) = efforts.iter().position(|effort| !effort.is_finite()) {
+            let joint = places.joints().iter().find(|joint| joint.v.contains(&index));
+            let joint = joint.map_or(String::new(), |joint| joint.name.clone());
+            return Err(InputError::NotFinite { joint, effort: efforts[index] }.into());
+        }
+        if let Some(over) = &self.ended {
+            return Err(Error::Over(over.state.time));
+        }
+        let mut of_state = vec![0.0; wanted];
+        let model = self.model.clone();
+        self.look(|state| {
+            model.coordinates().efforts_of_state(model.description(), &state.position, efforts, &mut of_state)
+        })?;
+        if let Some(running) = &mut self.running {
+            running.engine.with_mut(|simulation| simulation.set_efforts(&of_state)).transpose()?;
+        }
+        self.efforts = Some(of_state);
+        Ok(())
+    }
+
+    /// Somebody decides on efforts from now on: asked now and after every `period` (s), for efforts along v that are held in between; they are zero
+    /// unless they are written. The same state must give the same efforts for a run to be the same twice.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a period that is none.
+    pub fn set_controller(
+        &mut self,
+        period: f64,
+        mut controller: impl FnMut(&Moment, &mut [f64]) + Send + 'static,
+    ) -> Result<(), Error> {
+        self.set_fallible_controller(period, move |moment, efforts| {
+            controller(moment, efforts);
+            Ok(())
+        })
+    }
+
+    /// The same, for controllers that may fail, which ends the run.
+    ///
+    /// # Errors
+    /// As of [`Simulation::set_controller`].
+    pub fn set_fallible_controller(
+        &mut self,
+        period: f64,
+        controller: impl FnMut(&Moment, &mut [f64]) -> Result<(), ControllerFailure> + Send + 'static,
+    ) -> Result<(), Error> {
+        let now = self.time();
+        self.control = Some(Control::new(&self.model, now, period, Box::new(controller))?);
+        Ok(())
+    }
+
+    /// Makes steps until `time` (s), exactly.
+    ///
+    /// # Errors
+    /// A time behind the run or beyond its end; what is wrong with how the run is to be made; a step, an observer, the log or a controller that
+    /// fails. The log is complete up to there, and the run over.
+    pub fn step_to(&mut self, time: f64) -> Result<(), Error> {
+        self.begin(STEPPED)?;
+        let (now, end) = (self.time(), self.end());
+        if !(time >= now && time <= end) {
+            return Err(Error::OutOfRun { wanted: time, time: now, end });
+        }
+        self.proceed(time)
+    }
+
+    /// Makes steps to the end of the run.
+    ///
+    /// # Errors
+    /// As of [`Simulation::step_to`].
+    pub fn run(&mut self) -> Result<(), Error> {
+        self.begin("")?;
+        self.proceed(f64::INFINITY)
+    }
+
+    /// Time (s).
+    pub fn time(&self) -> f64 {
+        match (&self.running, &self.ended) {
+            (Some(running), _) => running.engine.with(|simulation| simulation.state().time).unwrap_or(self.begin),
+            (_, Some(over)) => over.state.time,
+            _ => self.begin,
+        }
+    }
+
+    /// When it ends (s).
+    pub fn end(&self) -> f64 {
+        match &self.running {
+            Some(running) => running.end,
+            None => self.time(),
+        }
+    }
+
+    /// q and v now ([`Coordinates`](crate::session::Coordinates)).
+    ///
+    /// # Errors
+    /// A start that cannot be.
+    pub fn coordinates(&self) -> Result<(Vec<f64>, Vec<f64>), Error> {
+        self.look(|state| self.model.flat(state))
+    }
+
+    /// Position of a joint now: as many numbers as a report gives (rad, m).
+    ///
+    /// # Errors
+    /// An unknown joint, and a start that cannot be.
+    pub fn position(&self, joint: &str) -> Result<Vec<f64>, Error> {
+        let place = self.place(joint)?;
+        Ok(self.coordinates()?.0[place].to_vec())
+    }
+
+    /// Velocity of a joint now [rad/s, m/s].
+    ///
+    /// # Errors
+    /// An unknown joint, and a start that cannot be.
+    pub fn velocity(&self, joint: &str) -> Result<Vec<f64>, Error> {
+        self.place(joint)?;
+        let place = self.model.coordinates().joint(joint).map_or(0..0, |place| place.v.clone());
+        Ok(self.coordinates()?.1[place].to_vec())
+    }
+
+    /// Pose of a link frame in the world now.
+    ///
+    /// # Errors
+    /// An unknown link, and a start that cannot be.
+    pub fn pose(&self, link: &str) -> Result<Pose, Error> {
+        self.link(link).map(|link| pose_of(&link))
+    }
+
+    /// Pose and motion of a link in the world now.
+    ///
+    /// # Errors
+    /// An unknown link, and a start that cannot be.
+    pub fn link(&self, link: &str) -> Result<LinkState, Error> {
+        self.look(|state| self.model.link_at(link, state))?
+    }
+
+    /// The energy now (J).
+    ///
+    /// # Errors
+    /// A start that cannot be.
+    pub fn energy(&self) -> Result<Energy, Error> {
+        let mechanism = &self.model.description().mechanism;
+        self.look(|state| energy_with_forces(mechanism, &state.position, &body_states(mechanism, state)))
+    }
+
+    /// Ends the run where it is, completes its log, and says what became of it.
+    ///
+    /// # Errors
+    /// A run that cannot begin, and a log that cannot be completed.
+    pub fn finish(mut self) -> Result<Report, Error> {
+        self.end_here()?;
+        self.ended.take().map(|over| over.report).ok_or(Error::Over(self.begin))
+    }
+
+    /// The same, with what a log of the run would say, and the model with all warnings.
+    #[doc(hidden)]
+    pub fn finish_told(mut self) -> Result<(Report, Told, Model), Error> {
+        self.end_here()?;
+        let over = self.ended.take().ok_or(Error::Over(self.begin))?;
+        Ok((over.report, over.told, over.model))
+    }
+
+    fn end_here(&mut self) -> Result<(), Error> {
+        if self.ended.is_none() {
+            self.begin(STEPPED)?;
+            self.close(Ok(()))?;
+        }
+        Ok(())
+    }
+
+    /// What was made of the start.
+    fn started(&self) -> Result<&Assembled, Error> {
+        if let Some(started) = self.started.get() {
+            return Ok(started);
+        }
+        let mut started = self.model.loaded().assembled(&self.positions, &self.velocities, None)?;
+        started.state.time = self.begin;
+        Ok(self.started.get_or_init(|| started))
+    }
+
+    /// Looks at the state of now.
+    fn look<R>(&self, look: impl FnOnce(&State) -> R) -> Result<R, Error> {
+        match (&self.running, &self.ended) {
+            (Some(running), _) => {
+                let seen = running.engine.with(|simulation| look(simulation.state()));
+                seen.ok_or(Error::Over(self.begin))
+            }
+            (_, Some(over)) => Ok(look(&over.state)),
+            _ => Ok(look(&self.started()?.state)),
+        }
+    }
+
+    fn place(&self, joint: &str) -> Result<std::ops::Range<usize>, Error> {
+        match self.model.coordinates().joint(joint) {
+            Some(place) => Ok(place.q.clone()),
+            None => {
+                let known: Vec<String> = self.model.joint_names().into_iter().map(str::to_string).collect();
+                Err(crate::model::ModelError::UnknownJoint { joint: joint.to_string(), known }.into())
+            }
+        }
+    }
+
+    /// Begins the run if it has not, `driven` by what its log cannot tell unless that is empty.
+    fn begin(&mut self, driven: &str) -> Result<(), Error> {
+        if let Some(over) = &self.ended {
+            return Err(Error::Over(over.state.time));
+        }
+        if self.running.is_some() {
+            return Ok(());
+        }
+        let settled = self.asked.settle(&self.model.loaded().simulation)?;
+        let Settled { duration, choice, rate } = settled;
+        let Assembled { state, counted, warnings } = self.started()?.clone();
+        let model = self.model.warned(warnings);
+        let description = model.description();
+        if let Some((path, options)) = &self.log {
+            check_place(path)?;
+            check_log(path, description, self.begin + duration, options)?;
+        }
+        let driven = match (&self.control, &self.efforts) {
+            (Some(_), _) => "a controller of a program has driven it",
+            (_, Some(_)) => "efforts of a program have driven it",
+            _ if self.begin != 0.0 => "it went on where another run had ended",
+            _ => driven,
+        };
+        let origin = self.origin(driven);
+        let end = state.time + duration;
+        let mut begun = None;
+        let others = std::mem::take(&mut self.observers);
+        let watch = Watch { recorder: None, speeds: SpeedWatch::new(description), others };
+        // What joints carry follows from a state and the model alone, not from the efforts of a program.
+        let driven = self.control.is_some() || self.efforts.is_some() || origin.driven.as_deref() == Some(STEPPED);
+        let log = self.log.clone().map(|(path, options)| match driven {
+            true => (path, LogOptions { topics: options.topics.without("/reactions"), ..options }),
+            false => (path, options),
+        });
+        let efforts = &self.efforts;
+        let interrupt = &self.interrupt;
+        let held = Held {
+            model: model.clone(),
+            kept: self.kept.clone(),
+            interrupt: interrupt.clone(),
+            watch: MutBorrow::new(watch),
+        };
+        let engine = Engine::try_new(held, |held| {
+            let description = held.model.description();
+            let options = SimulationOptions {
+                duration,
+                steps: choice,
+                switched_off: &held.kept,
+                interrupt: Some(&held.interrupt),
+            };
+            let account = Account::open(description, &state, settled);
+            let mut simulation =
+                crate::simulation::Simulation::from_counted(&description.mechanism, state, counted.clone(), options)?;
+            let known = account.begun(description, counted.as_deref(), &simulation);
+            if let Some(efforts) = efforts {
+                simulation.set_efforts(efforts)?;
+            }
+            let watch = held.watch.borrow_mut();
+            if let Some((path, options)) = &log {
+                let mut recorder = known.log(path, description, &origin, options, interrupt)?;
+                if driven {
+                    recorder.say(Severity::Info, "without /reactions: a program drives this run");
+                }
+                watch.recorder = Some(recorder);
+            }
+            begun = Some(known);
+            if !watch.is_empty() {
+                simulation.sample_at(rate);
+                simulation.observe(watch);
+            }
+            Ok::<_, Error>(Some(simulation))
+        })?;
+        let begun = begun.ok_or(Error::Over(self.begin))?;
+        self.running = Some(Running { engine, begun, origin, end });
+        Ok(())
+    }
+
+    /// How this run can be made again.
+    fn origin(&self, driven: &str) -> Origin {
+        let Simulation { model, asked, kept, positions, velocities, .. } = self;
+        let mut arguments = words(model.path(), model.world(), asked, kept, positions, velocities);
+        match &self.log {
+            Some((path, _)) => arguments.push(format!("--output={}", path.display())),
+            None => arguments.push("--no-log".to_string()),
+        }
+        let command_line = format!("catena {}", arguments.join(" "));
+        Origin { command_line, arguments, driven: (!driven.is_empty()).then(|| driven.to_string()) }
+    }
+
+    /// Makes steps until `until` (s) or the end of the run, under the controller; what fails ends the run.
+    fn proceed(&mut self, until: f64) -> Result<(), Error> {
+        match self.steps(until) {
+            Ok(()) => Ok(()),
+            Err(error) => self.close(Err(error)),
+        }
+    }
+
+    fn steps(&mut self, until: f64) -> Result<(), Error> {
+        let Simulation { model, running, control, begin, .. } = self;
+        let running = running.as_mut().ok_or(Error::Over(*begin))?;
+        let until = until.min(running.end);
+        running
+            .engine
+            .with_mut(|simulation| {
+                let Some(control) = control else { return simulation.step_to(until).map_err(Error::from) };
+                while simulation.state().time < until {
+                    if control.is_due(simulation.state().time) {
+                        control.ask(model, simulation.state())?;
+                        simulation.set_efforts(control.of_state())?;
+                    }
+                    simulation.step_to(control.next().min(until))?;
+                }
+                Ok(())
+            })
+            .unwrap_or(Ok(()))
+    }
+
+    /// Ends the run, and completes its log.
+    fn close(&mut self, ended: Result<(), Error>) -> Result<(), Error> {
+        let Some(Running { engine, begun, origin, .. }) = self.running.take() else { return ended };
+        let Some((finished, held)) = engine.finish() else { return ended };
+        let Held { model, watch, .. } = held;
+        let Watch { recorder, speeds, .. } = watch.into_inner();
+        let state = finished.state.clone();
+        let of_state = match (&self.control, &self.efforts) {
+            (Some(control), _) => Some(control.of_state()),
+            (None, Some(of_state)) => Some(&of_state[..]),
+            _ => None,
+        };
+        let loaded = under_efforts(&model, of_state);
+        let output = self.log.as_ref().map(|(path, _)| path.as_path());
+        let ended = Ended { finished, ended, checked: None, speeds: speeds.as_ref(), recorder, output };
+        let input = model.path().display().to_string();
+        let Closed { report, ended, told } = begun.close(&loaded, input, &origin, ended);
+        self.ended = Some(Finish { report, told, model, state });
+        ended
+    }
+}
+
+/// The model with efforts as loads, so that what its joints carry is worked out under them.
+fn under_efforts<'m>(model: &'m Model, efforts: Option<&[f64]>) -> std::borrow::Cow<'m, crate::model::Model> {
+    let description = model.description();
+    let acting = || efforts.into_iter().flatten().enumerate().filter(|(_, effort)| **effort != 0.0);
+    if acting().next().is_none() {
+        return std::borrow::Cow::Borrowed(description);
+    }
+    let mut loaded = description.clone();
+    loaded.mechanism.forces.joint_loads.extend(acting().map(|(freedom, &effort)| JointLoad { freedom, effort }));
+    std::borrow::Cow::Owned(loaded)
+}
+
+impl Drop for Simulation {
+    /// A run that nobody finished has a log that is complete up to there, and says that it was interrupted.
+    fn drop(&mut self) {
+        if self.running.is_some() {
+            let time = self.time();
+            // Nobody is left to be told.
+            let _ = self.close(Err(Error::Run(RunError::Interrupted { time })));
+        }
+    }
+}

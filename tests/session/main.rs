@@ -1,0 +1,20 @@
+//! Runs as programs make them: the same bits as the command line, controllers and efforts, the equations of motion, and every wrong input.
+
+mod bad_input;
+mod control;
+mod dynamics;
+mod runs;
+
+use std::path::{Path, PathBuf};
+
+/// An example robot or scene.
+fn robot(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(name)
+}
+
+/// A folder of its own for a test.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("catena-session-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder for the test");
+    folder
+}
