@@ -4,6 +4,7 @@
 //! open it again without waiting.
 
 use anyhow::anyhow;
+use catena::session::is_special;
 use std::fs::{File, OpenOptions};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,11 +13,6 @@ use std::time::Duration;
 
 /// How often it is asked whether the run is interrupted.
 const INTERVAL: Duration = Duration::from_millis(50);
-
-/// Whether what is at a path is a pipe or device, which keeps what was written.
-pub fn is_special(path: &Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file())
-}
 
 /// Opens what is at a path and no file; `None` where there is a file or nothing, or where it cannot be opened, which the log will say.
 ///

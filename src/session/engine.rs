@@ -3,6 +3,7 @@
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
+use crate::mechanism::motion::integrator::MethodDescription;
 use crate::output::log::Recorder;
 use crate::output::report::SpeedWatch;
 use crate::session::model::Model;
@@ -71,6 +72,10 @@ impl Watch {
 }
 
 impl Observer for Watch {
+    fn begin_again(&mut self, method: &MethodDescription) -> Result<(), ObserverError> {
+        self.all().try_for_each(|observer| observer.begin_again(method))
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
         self.all().try_for_each(|observer| observer.sample(sample))
     }

@@ -37,7 +37,7 @@ pub use error::{ControllerFailure, Error};
 pub use loaded::{Assembled, Loaded};
 pub use model::{Loader, Model};
 #[doc(hidden)]
-pub use place::{check_log, check_place, folder_of};
+pub use place::{check_log, check_place, folder_of, is_special};
 pub use recording::{Recording, SharedRecording};
 pub use rollout::{Rollout, Trajectories};
 pub use simulation::{JointValue, Simulation};

@@ -9,6 +9,11 @@ fn refuse(path: &Path, reason: String) -> Error {
     Error::Output { path: path.to_path_buf(), reason }
 }
 
+/// Whether what is at a path is a pipe or device, which keeps what was written.
+pub fn is_special(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file())
+}
+
 /// The folder that a path is in.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))

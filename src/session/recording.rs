@@ -2,6 +2,7 @@
 
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
+use crate::mechanism::motion::integrator::MethodDescription;
 use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -72,6 +73,11 @@ impl Recording {
 }
 
 impl Observer for Recording {
+    fn begin_again(&mut self, _: &MethodDescription) -> Result<(), ObserverError> {
+        *self = Recording::default();
+        Ok(())
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
         self.times.push(sample.time);
         self.positions.extend_from_slice(sample.position);
@@ -108,6 +114,10 @@ impl SharedRecording {
 }
 
 impl Observer for SharedRecording {
+    fn begin_again(&mut self, method: &MethodDescription) -> Result<(), ObserverError> {
+        self.with(|recording| recording.begin_again(method))
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
         self.with(|recording| recording.sample_seen(sample))
     }

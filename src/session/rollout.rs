@@ -2,6 +2,7 @@
 //!
 //! Each run is one that [`Simulation`](crate::session::Simulation) makes from the same start, and has the same bits, whatever the number of threads.
 
+use crate::mechanism::motion::integrator::MethodDescription;
 use crate::model::Start;
 use crate::session::asked::{Asked, Settled};
 use crate::session::error::Error;
@@ -124,7 +125,7 @@ impl Model {
         let started = self.loaded().settled(start, &Start::default())?;
         let Settled { duration, choice, .. } = settled;
         let options = SimulationOptions { duration, steps: choice, switched_off: &[], interrupt };
-        let mut simulation = Simulation::from_counted(&description.mechanism, started.state, started.counted, options)?;
+        let mut simulation = Simulation::at_once(&description.mechanism, started.state, started.counted, options)?;
         if let Some(rate) = rate {
             simulation.sample_at(rate);
         }
@@ -150,6 +151,11 @@ struct Rows<'r> {
 }
 
 impl Observer for Rows<'_> {
+    fn begin_again(&mut self, _: &MethodDescription) -> Result<(), ObserverError> {
+        self.filled = 0;
+        Ok(())
+    }
+
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
         let Rows { model, q, v, widths: (width_q, width_v), filled } = self;
         let rows = (q.get_mut(*filled * *width_q..), v.get_mut(*filled * *width_v..));

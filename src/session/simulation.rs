@@ -17,7 +17,7 @@ use crate::session::engine::{Engine, Held, Watch};
 use crate::session::error::{ControllerFailure, Error};
 use crate::session::loaded::Assembled;
 use crate::session::model::{Model, pose_of};
-use crate::session::place::{check_log, check_place};
+use crate::session::place::{check_log, check_place, is_special};
 use crate::session::words::words;
 use crate::simulation::{InputError, Observer, RunError, SimulationOptions};
 use self_cell::MutBorrow;
@@ -485,6 +485,8 @@ impl Simulation {
             true => (path, LogOptions { topics: options.topics.without("/reactions"), ..options }),
             false => (path, options),
         });
+        // What a program has seen of a run, or a pipe taken, cannot begin again.
+        let at_once = origin.driven.is_none() && !log.as_ref().is_some_and(|(path, _)| is_special(path));
         let efforts = &self.efforts;
         let interrupt = &self.interrupt;
         let held = Held {
@@ -502,8 +504,12 @@ impl Simulation {
                 interrupt: Some(&held.interrupt),
             };
             let account = Account::open(description, &state, settled);
-            let mut simulation =
-                crate::simulation::Simulation::from_counted(&description.mechanism, state, counted.clone(), options)?;
+            let (mechanism, counted_here) = (&description.mechanism, counted.clone());
+            let mut simulation = if at_once {
+                crate::simulation::Simulation::at_once(mechanism, state, counted_here, options)?
+            } else {
+                crate::simulation::Simulation::from_counted(mechanism, state, counted_here, options)?
+            };
             let known = account.begun(description, counted.as_deref(), &simulation);
             if let Some(efforts) = efforts {
                 simulation.set_efforts(efforts)?;
