@@ -10,6 +10,7 @@ use catena::mechanism::structure::special_bodies::{
 };
 use catena::model::{Model, ReductionRule};
 use catena::simulation::partition::Plan;
+use catena::stepping::other_tree::other_tree;
 use serde_json::{Value, json};
 
 /// What a rule does here.
@@ -40,6 +41,7 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
             Rule::Islands if plan.islands.len() > 1 => plan.islands.len(),
             Rule::Islands => 0,
             Rule::Sleep => plan.sleeping(),
+            Rule::Tree => joints_cut(plan, kept).len(),
             Rule::Planar => plan.planar().map(|island| island.mechanism.bodies.len()).sum(),
             Rule::Translation => bodies_in_space(sliding_bodies),
             Rule::Points => bodies_in_space(point_bodies),
@@ -56,6 +58,10 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
                 let bodies = sleeping.map(|(island, _)| island.mechanism.bodies.len()).sum();
                 format!("{}, {}", counted(bodies, "body", "bodies"), rule.saving())
             }
+            Rule::Tree => {
+                let cut = counted(count, "other joint is cut", "other joints are cut");
+                format!("{cut} than the file's loops, {}", rule.saving())
+            }
             Rule::Planar | Rule::Translation | Rule::Points | Rule::Spheres | Rule::Pivots | Rule::Tumblers => {
                 format!("{}, {}", counted(count, "body", "bodies"), rule.saving())
             }
@@ -63,6 +69,22 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
         Applied { name: rule.name(), condition: rule.condition(), count, saved, switch: Some(rule) }
     };
     ReductionRule::ALL.into_iter().map(reduction).chain(Rule::ALL.into_iter().map(optional)).collect()
+}
+
+/// The joints that a run cuts in place of loops of the file, with those loops, island by island.
+fn joints_cut(plan: &Plan, kept: &[Rule]) -> Vec<(String, String)> {
+    let of_island = |island: &Island| {
+        let mechanism = &island.mechanism;
+        let tree = if mechanism.nonsmooth.is_empty() { other_tree(mechanism, kept) } else { None };
+        let names = tree.map(|(tree, _)| {
+            let joints = tree.cut_joints().map(|body| mechanism.bodies[body].joint.name.clone());
+            let loops = tree.hung_loops().map(|closing| mechanism.loops[closing].name.clone());
+            joints.zip(loops).collect()
+        });
+        names.unwrap_or_default()
+    };
+    let awake = plan.islands.iter().filter(|(_, asleep)| !asleep);
+    awake.flat_map(|(island, _)| -> Vec<(String, String)> { of_island(island) }).collect()
 }
 
 /// The rules and islands as entries of the JSON report.
@@ -83,7 +105,9 @@ pub fn as_json(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, 
             "asleep": asleep,
         })
     });
-    vec![("rules", rules.collect()), ("islands", islands.collect())]
+    let (cut, hung): (Vec<String>, Vec<String>) = joints_cut(plan, kept).into_iter().unzip();
+    let tree = json!({ "cut_joints": cut, "joined_loops": hung });
+    vec![("rules", rules.collect()), ("islands", islands.collect()), ("spanning_tree", tree)]
 }
 
 /// The rules, and the islands if there are several, as tables for people.
