@@ -30,6 +30,9 @@ pub struct OtherTree {
     pub mechanism: Mechanism,
     /// Its bodies by their numbers in the file's tree.
     of_file: Vec<usize>,
+    /// Where the joints of its bodies are here, and its loop joints.
+    joints: Vec<Found>,
+    closing: Vec<Found>,
     /// Coordinates that both have: positions and velocities, here and in the file's tree.
     same: Vec<[(Range<usize>, Range<usize>); 2]>,
     /// The bodies here whose joints have other coordinates.
@@ -41,6 +44,20 @@ pub struct OtherTree {
     /// Room for the bodies of one tree, and of the other.
     bodies: Vec<BodyState>,
     sorted: Vec<BodyState>,
+}
+
+/// Where a joint of the file is on the other tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// This body hangs on it; backwards if that is the body of its first end.
+    Carries {
+        /// By its number on the other tree.
+        body: usize,
+        /// Whether the joint turns round.
+        backwards: bool,
+    },
+    /// It is this loop joint, with the same ends.
+    Closes(usize),
 }
 
 /// Half a turn about x.
@@ -129,6 +146,20 @@ impl OtherTree {
         mechanism.mimics.clone_from(&file.mimics);
         mechanism.forces = file.forces.clone();
 
+        let mut joints = vec![Found::Closes(0); file.bodies.len()];
+        let mut closing = vec![Found::Closes(0); file.loops.len()];
+        for (body, &Hang { by, backwards, .. }) in tree.hangs.iter().enumerate() {
+            let carries = Found::Carries { body: of_file[body], backwards };
+            match by {
+                Edge::Tree(of) => joints[of] = carries,
+                Edge::Loop(index) => closing[index] = carries,
+            }
+        }
+        let kept = (0..file.loops.len()).filter(|index| !hung.contains(index));
+        kept.enumerate().for_each(|(number, index)| closing[index] = Found::Closes(number));
+        let first = file.loops.len() - hung.len();
+        cut.iter().enumerate().for_each(|(number, &body)| joints[body] = Found::Closes(first + number));
+
         // The joints that both have, whose coordinates are the same.
         let mut place = vec![None; file.bodies.len()];
         let mut fresh = Vec::new();
@@ -161,12 +192,38 @@ impl OtherTree {
         Renumbering { body: &body, position: &position, freedom: &freedom }.apply(&mut renumbered);
         let computed = (0..file.bodies.len()).filter(|&of| place[of].is_none()).collect();
         let room = vec![WORLD; file.bodies.len()];
-        Ok(OtherTree { mechanism: renumbered, of_file, same, fresh, computed, ways, bodies: room.clone(), sorted: room })
+        Ok(OtherTree {
+            mechanism: renumbered,
+            of_file,
+            joints,
+            closing,
+            same,
+            fresh,
+            computed,
+            ways,
+            bodies: room.clone(),
+            sorted: room,
+        })
     }
 
     /// Whether the axes of loop joints point in a state as they did in the one it was made for.
     pub fn fits(&self, file: &Mechanism, tree: &SpanningTree, plane: Option<&Plane>, state: &State) -> bool {
         ways(file, tree, plane, state) == self.ways
+    }
+
+    /// The number here of a body of the file's tree.
+    pub fn number(&self, body: usize) -> usize {
+        self.of_file[body]
+    }
+
+    /// Where the joint of a body of the file's tree is.
+    pub fn joint(&self, body: usize) -> Found {
+        self.joints[body]
+    }
+
+    /// Where a loop joint of the file is.
+    pub fn closing(&self, index: usize) -> Found {
+        self.closing[index]
     }
 
     /// The bodies of the file's tree whose joints have no coordinates here, or others.
