@@ -60,7 +60,7 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
             }
             Rule::Tree => {
                 let cut = counted(count, "other joint is cut", "other joints are cut");
-                format!("{cut} than the file's loops, {}", rule.saving())
+                format!("{cut}, {}", rule.saving())
             }
             Rule::Planar | Rule::Translation | Rule::Points | Rule::Spheres | Rule::Pivots | Rule::Tumblers => {
                 format!("{}, {}", counted(count, "body", "bodies"), rule.saving())
@@ -110,8 +110,8 @@ pub fn as_json(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, 
     vec![("rules", rules.collect()), ("islands", islands.collect()), ("spanning_tree", tree)]
 }
 
-/// The rules, and the islands if there are several, as tables for people.
-pub fn tables(model: &Model, plan: &Plan, kept: &[Rule]) -> [Table; 2] {
+/// The rules, the islands if there are several, and the joints that are cut in place of loops, as tables for people.
+pub fn tables(model: &Model, plan: &Plan, kept: &[Rule]) -> [Table; 3] {
     let mut islands = Table::new("Islands", &["island", "bodies", "hangs on the world by", "state"]);
     if plan.islands.len() > 1 {
         for (number, (island, asleep)) in plan.islands.iter().enumerate() {
@@ -133,7 +133,9 @@ pub fn tables(model: &Model, plan: &Plan, kept: &[Rule]) -> [Table; 2] {
             rule.switch.map_or_else(String::new, |rule| format!("--keep {}", rule.name())),
         ]);
     }
-    [islands, rules]
+    let mut cut = Table::new("Joints that are cut in place of loops", &["joint that is cut", "loop that is not"]);
+    joints_cut(plan, kept).into_iter().for_each(|(joint, closing)| cut.row(vec![joint, closing]));
+    [islands, rules, cut]
 }
 
 fn counted_true(of_bodies: &[bool]) -> usize {

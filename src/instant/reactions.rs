@@ -1,7 +1,7 @@
 //! What joints and loops carry at an instant ([`crate::instant::reactions_on_tree`]), on the spanning tree on which that is least work.
 //!
-//! Where equations are redundant what a joint of a loop carries is not unique. It depends on which equations are multipliers then, that is on which joints
-//! are cut, as it does on nature's choice.
+//! Where equations are redundant what a joint of a loop carries is not unique. It then depends on which equations have multipliers, that is on which
+//! joints are cut, as it does on nature's choice.
 
 use crate::instant::reactions_elsewhere::ReactionsElsewhere;
 pub use crate::instant::reactions_on_tree::LoopReaction;

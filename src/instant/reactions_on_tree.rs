@@ -133,7 +133,8 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
             self.ode.drive(Inputs::constant(efforts));
         }
         self.accelerate(position, velocity, bodies);
-        let ReactionsOnTree { mechanism, accelerations, applied, reactions, loops, closing, exerted, motors, .. } = self;
+        let ReactionsOnTree { mechanism, accelerations, applied, reactions, loops, closing, exerted, motors, .. } =
+            self;
         let mechanism = (*mechanism).borrow();
         body_wrenches(mechanism, bodies, applied);
         if let Some(exerted) = exerted {

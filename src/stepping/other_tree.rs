@@ -151,7 +151,7 @@ impl Integrator for OnOtherTree {
         let outcome = lobatto.step(&other.mechanism, Inputs::NONE, own, until)?;
         other.give(mechanism, own, state);
         let inside = &mut self.inside;
-        self.turns.follow(state, &mut |time, position, velocity| inside.dense(mechanism, time, position, velocity));
+        self.turns.follow(state, |time, position, velocity| inside.dense(mechanism, time, position, velocity));
         if let Some(left) = &mut self.left {
             left.copy_from(state);
         }
@@ -220,7 +220,7 @@ impl Turns {
     }
 
     /// Adds whole turns to the angles at the end of a step, of whose inside `dense` writes positions and velocities.
-    fn follow(&mut self, end: &mut State, dense: &mut dyn FnMut(f64, &mut [f64], &mut [f64])) {
+    fn follow(&mut self, end: &mut State, mut dense: impl FnMut(f64, &mut [f64], &mut [f64])) {
         let begin = self.times[0];
         let rates = self.joints.iter().map(|&(_, freedom)| end.velocity[freedom]).chain(self.rates.iter().copied());
         let fastest = rates.fold(0.0, |most: f64, rate| most.max(rate.abs()));

@@ -24,6 +24,7 @@ mod ranks;
 mod refinement;
 mod reversible;
 mod snapshots;
+mod spanning_tree;
 mod special_bodies;
 mod stability;
 mod stages;

@@ -1,15 +1,17 @@
 //! Which joints a run cuts: the spanning tree with the least work in the elimination.
 //!
-//! A closure is eliminated where its two branches meet ([`crate::plan::elimination`]), so that its equations sit in the fronts of all bodies on its circuit.
-//! With `m_b` the equations of the closures that pass over body b, `W` components of a twist (none where the world is next) and `f_b` freedoms,
+//! A closure is eliminated where its two branches meet ([`crate::plan::elimination`]), so that its equations sit in the fronts of all bodies on its
+//! circuit. With `m_b` the equations of the closures that pass over body b, `W` components of a twist (none where the world is next), `f_b` freedoms
+//! and B for the geometry of a body,
 //!
 //! ```text
 //!     work = Σ_b B + Σ_b f_b (W + m_b + 1)² + Σ_closures rows (W + max m)²
 //! ```
 //!
-//! To find the least is hard (it is a minimum-congestion spanning tree: M. Ostrovskii, Discrete Math. 285 (2004) 219); three trees are tried: the file's,
-//! the one with the shortest branches, good where many joints are on the world, and one in which each body hangs on the latest before it, good for ladders
-//! that hang by one end. The best of them is improved by exchanges: one closure comes in, one joint of its circuit goes out, while that is less work.
+//! To find the least is hard (a minimum-congestion spanning tree: M. Ostrovskii, Discrete Math. 285 (2004) 219). Three trees are tried: the file's,
+//! the one with the shortest branches, good where many joints are on the world, and one in which each body hangs on the latest before it, good for
+//! ladders that hang by one end. The best of them is improved by exchanges: one closure comes in, one joint of its circuit goes out, while that is
+//! less work.
 
 use catena_mechanism::structure::spanning_tree::{Edge, Graph, Hang, Link, SpanningTree};
 use std::cmp::Reverse;
@@ -37,15 +39,6 @@ pub fn spanning_tree(graph: &Graph) -> Option<SpanningTree> {
         .min_by(|a, b| a.work(graph).total_cmp(&b.work(graph)))?;
     best.improve(graph);
     (best.work(graph) <= WORTHWHILE * file.work(graph)).then(|| best.tree(graph))
-}
-
-/// The work of the elimination on the file's tree, and on the one that a run takes.
-pub fn work(graph: &Graph, tree: &SpanningTree) -> f64 {
-    let mut used = vec![false; graph.links.len()];
-    for (index, link) in graph.links.iter().enumerate() {
-        used[index] = link.edge.is_some_and(|edge| tree.hangs.iter().any(|hang| hang.by == edge));
-    }
-    Rooted::new(graph, used).work(graph)
 }
 
 /// The links at every body, and at the world, which comes last.
@@ -154,13 +147,8 @@ impl Rooted {
                 }
             }
         }
-        let mut tree = Rooted {
-            used,
-            above,
-            depth,
-            crossing: vec![Vec::new(); graph.bodies],
-            rows: vec![0; graph.bodies],
-        };
+        let mut tree =
+            Rooted { used, above, depth, crossing: vec![Vec::new(); graph.bodies], rows: vec![0; graph.bodies] };
         for link in (0..graph.links.len()).filter(|&link| !tree.used[link]) {
             for body in tree.circuit(graph, link) {
                 tree.crossing[body].push(link);
@@ -219,7 +207,8 @@ impl Rooted {
                 let circuit = self.circuit(graph, link);
                 let mut best = (-1e-9 * self.work_on(graph, &circuit), None);
                 for &out in circuit.iter().filter(|&&body| !graph.links[self.above[body].1].fixed) {
-                    compared += circuit.iter().map(|&body| self.crossing[body].len() + self.crossing[out].len()).sum::<usize>();
+                    compared +=
+                        circuit.iter().map(|&body| self.crossing[body].len() + self.crossing[out].len()).sum::<usize>();
                     let change = self.exchange(graph, link, out, &circuit);
                     if change < best.0 {
                         best = (change, Some(out));
@@ -317,8 +306,10 @@ fn arranged(children: &[usize], between: &[Vec<(usize, usize)>]) -> Vec<usize> {
         return children.to_vec();
     }
     let total = |child: usize| between[child].iter().map(|&(_, rows)| rows as i64).sum::<i64>();
-    let mut gain: std::collections::BTreeMap<usize, i64> = children.iter().map(|&child| (child, -total(child))).collect();
-    let mut waiting: BinaryHeap<(i64, Reverse<usize>)> = gain.iter().map(|(&child, &own)| (own, Reverse(child))).collect();
+    let mut gain: std::collections::BTreeMap<usize, i64> =
+        children.iter().map(|&child| (child, -total(child))).collect();
+    let mut waiting: BinaryHeap<(i64, Reverse<usize>)> =
+        gain.iter().map(|(&child, &own)| (own, Reverse(child))).collect();
     let mut order = Vec::with_capacity(children.len());
     while let Some((seen, Reverse(child))) = waiting.pop() {
         if gain.get(&child) != Some(&seen) {

@@ -79,14 +79,17 @@ fn ways(mechanism: &Mechanism, tree: &SpanningTree, plane: Option<&Plane>, state
             body.map_or(&WORLD, |body| &bodies[body]).rotation * frame.rotation.matrix()
         };
         let turn = axes(joint.a.body, &on_a).tr_mul(&axes(joint.b.body, &on_b));
-        let [about_x, about_y, about_z] = [(1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)].map(|(x, y, z)| Vector3::new(x, y, z));
+        let [about_x, about_y, about_z] =
+            [(1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)].map(|(x, y, z)| Vector3::new(x, y, z));
         match kind {
             JointKind::Revolute | JointKind::Planar if turn.m33 < 0.0 => about_x,
             JointKind::Prismatic => {
                 let diagonal = turn.diagonal();
                 let all = [same, about_x, about_y, about_z];
                 // The first of those that fit best.
-                all.into_iter().reduce(|best, way| if way.dot(&diagonal) > best.dot(&diagonal) { way } else { best }).unwrap_or(same)
+                all.into_iter()
+                    .reduce(|best, way| if way.dot(&diagonal) > best.dot(&diagonal) { way } else { best })
+                    .unwrap_or(same)
             }
             _ => same,
         }
@@ -118,8 +121,8 @@ impl OtherTree {
                 }
                 Edge::Loop(index) => {
                     let joint = &file.loops[index];
-                    let (kind, [on_a, mut on_b]) = hanging(joint, plane, &zero)
-                        .unwrap_or((JointKind::Floating, [joint.a.frame, joint.b.frame]));
+                    let (kind, [on_a, mut on_b]) =
+                        hanging(joint, plane, &zero).unwrap_or((JointKind::Floating, [joint.a.frame, joint.b.frame]));
                     let half = Rotation3::from_matrix_unchecked(Matrix3::from_diagonal(&ways[body]));
                     on_b.rotation *= half;
                     (&joint.name, kind, [on_a, on_b])

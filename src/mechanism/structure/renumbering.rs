@@ -15,7 +15,8 @@ pub struct Renumbering<'r> {
 }
 
 impl Renumbering<'_> {
-    /// Gives everything its new numbers but the bodies, which have theirs, and the colliders. A coordinate is that of the body whose joint has it now.
+    /// Gives everything its new numbers but the bodies, which have theirs, and the colliders. A coordinate is that of the body whose joint
+    /// has it now.
     pub fn apply(&self, mechanism: &mut Mechanism) {
         let Mechanism { bodies, loops, touches, mimics, forces, limits, nonsmooth, .. } = mechanism;
         let loop_ends = loops.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b]);

@@ -126,7 +126,8 @@ impl Graph {
                 fixed: false,
             });
         }
-        let only_closes = |ends: [Option<usize>; 2], rows: usize| Link { edge: None, ends, freedoms: 0, rows, fixed: false };
+        let only_closes =
+            |ends: [Option<usize>; 2], rows: usize| Link { edge: None, ends, freedoms: 0, rows, fixed: false };
         let contacts = mechanism.touches.iter();
         links.extend(contacts.map(|joint| only_closes([joint.a.body, joint.b.body], joint.touch.rows())));
         let mimics = mechanism.mimics.iter();
