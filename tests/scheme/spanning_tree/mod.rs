@@ -122,7 +122,7 @@ fn a_mechanism_moves_the_same_on_random_spanning_trees_and_comes_back_in_the_coo
                 let off = apart((mechanism, &expected), (&other.mechanism, &own));
                 // Thirty steps solved to rounding; roundings grow no faster than a hundredfold in 0.3 s.
                 assert!(off < 1e-10, "case {number}: bodies are {off:e} m apart on {tree:?}");
-                let mut back = start.clone();
+                let mut back: State = (*start).clone();
                 other.give(mechanism, &own, &mut back);
                 let numbers = back.position.iter().zip(&expected.position);
                 let numbers = numbers.chain(back.velocity.iter().zip(&expected.velocity));
