@@ -9,7 +9,8 @@
 //! the places of its bodies up to whole turns, which are counted from its rates: over so short a time that no turn is missed, with dense
 //! output inside the step where it is long.
 //!
-//! Efforts from outside act along coordinates of the file's tree: whoever drives a joint gets that tree from then on.
+//! Efforts from outside act along coordinates of the file's tree: whoever drives a joint gets that tree from then on. So does a mechanism with joints that
+//! its loops lock: the solve holds them by what is implied on the file's tree, which was found to lose digits on another.
 
 use crate::integrator::{Lobatto, MethodError};
 use crate::recipe::Recipe;
@@ -23,6 +24,7 @@ use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepEr
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::other_tree::OtherTree;
 use catena_mechanism::structure::plane::Plane;
+use catena_mechanism::structure::ranks::counting::Ranks;
 use catena_mechanism::structure::spanning_tree::{Graph, SpanningTree};
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_4, TAU};
@@ -49,7 +51,7 @@ pub struct OnOtherTree {
     gravity: Vector3<f64>,
     forces: Forces,
     turns: Turns,
-    /// Steps on the file's tree, once somebody drives its joints or other forces act.
+    /// Steps on the file's tree, where joints are locked, or once somebody drives them or other forces act.
     on_file: Option<Lobatto>,
 }
 
@@ -126,6 +128,10 @@ impl OnOtherTree {
             self.inside = Inside::new(other, lobatto);
         }
         self.inside.other.take(mechanism, state, &mut self.inside.state);
+        let ranks = Ranks::at(&self.inside.other.mechanism, &self.inside.state);
+        if ranks.locked.contains(&true) || ranks.still.contains(&true) {
+            self.on_file = Some(self.make(mechanism));
+        }
         self.left = Some(state.clone());
     }
 }
@@ -142,10 +148,12 @@ impl Integrator for OnOtherTree {
         if self.on_file.is_none() && !(known && inputs.is_none()) {
             self.on_file = Some(self.make(mechanism));
         }
+        if self.on_file.is_none() {
+            self.meet(mechanism, state);
+        }
         if let Some(on_file) = &mut self.on_file {
             return on_file.step(mechanism, inputs, state, until);
         }
-        self.meet(mechanism, state);
         self.turns.begin(state);
         let Inside { other, lobatto, state: own, .. } = &mut self.inside;
         let outcome = lobatto.step(&other.mechanism, Inputs::NONE, own, until)?;
