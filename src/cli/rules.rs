@@ -4,13 +4,14 @@ use crate::cli::table::Table;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::counted;
+use catena::mechanism::motion::state::State;
 use catena::mechanism::structure::islands::Island;
 use catena::mechanism::structure::special_bodies::{
     pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies, tumbling_bodies,
 };
 use catena::model::{Model, ReductionRule};
 use catena::simulation::partition::Plan;
-use catena::stepping::other_tree::other_tree;
+use catena::stepping::other_tree::other_tree_at;
 use serde_json::{Value, json};
 
 /// What a rule does here.
@@ -26,7 +27,7 @@ struct Applied {
 }
 
 /// Every rule, in the order in which they are tried.
-fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
+fn applied(model: &Model, cut: usize, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
     let reduction = |rule: ReductionRule| {
         let count = model.reductions.iter().filter(|reduction| reduction.rule == rule).count();
         let links = counted(count, "link is no body", "links are no bodies");
@@ -41,7 +42,7 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
             Rule::Islands if plan.islands.len() > 1 => plan.islands.len(),
             Rule::Islands => 0,
             Rule::Sleep => plan.sleeping(),
-            Rule::Tree => joints_cut(plan, kept).len(),
+            Rule::Tree => cut,
             Rule::Planar => plan.planar().map(|island| island.mechanism.bodies.len()).sum(),
             Rule::Translation => bodies_in_space(sliding_bodies),
             Rule::Points => bodies_in_space(point_bodies),
@@ -72,11 +73,12 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
 }
 
 /// The joints that a run cuts in place of loops of the file, with those loops, island by island.
-fn joints_cut(plan: &Plan, kept: &[Rule]) -> Vec<(String, String)> {
+fn joints_cut(start: &State, plan: &Plan, kept: &[Rule]) -> Vec<(String, String)> {
     let of_island = |island: &Island| {
         let mechanism = &island.mechanism;
-        let tree = if mechanism.nonsmooth.is_empty() { other_tree(mechanism, kept) } else { None };
-        let names = tree.map(|(tree, _)| {
+        let smooth = mechanism.nonsmooth.is_empty();
+        let tree = if smooth { other_tree_at(mechanism, &island.state(start), kept) } else { None };
+        let names = tree.map(|tree| {
             let joints = tree.cut_joints().map(|body| mechanism.bodies[body].joint.name.clone());
             let loops = tree.hung_loops().map(|closing| mechanism.loops[closing].name.clone());
             joints.zip(loops).collect()
@@ -88,8 +90,9 @@ fn joints_cut(plan: &Plan, kept: &[Rule]) -> Vec<(String, String)> {
 }
 
 /// The rules and islands as entries of the JSON report.
-pub fn as_json(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, Value)> {
-    let rules = applied(model, plan, kept).into_iter().map(|rule| {
+pub fn as_json(model: &Model, start: &State, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, Value)> {
+    let cut = joints_cut(start, plan, kept);
+    let rules = applied(model, cut.len(), plan, kept).into_iter().map(|rule| {
         json!({
             "name": rule.name,
             "condition": rule.condition,
@@ -105,13 +108,13 @@ pub fn as_json(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, 
             "asleep": asleep,
         })
     });
-    let (cut, hung): (Vec<String>, Vec<String>) = joints_cut(plan, kept).into_iter().unzip();
+    let (cut, hung): (Vec<String>, Vec<String>) = cut.into_iter().unzip();
     let tree = json!({ "cut_joints": cut, "joined_loops": hung });
     vec![("rules", rules.collect()), ("islands", islands.collect()), ("spanning_tree", tree)]
 }
 
 /// The rules, the islands if there are several, and the joints that are cut in place of loops, as tables for people.
-pub fn tables(model: &Model, plan: &Plan, kept: &[Rule]) -> [Table; 3] {
+pub fn tables(model: &Model, start: &State, plan: &Plan, kept: &[Rule]) -> [Table; 3] {
     let mut islands = Table::new("Islands", &["island", "bodies", "hangs on the world by", "state"]);
     if plan.islands.len() > 1 {
         for (number, (island, asleep)) in plan.islands.iter().enumerate() {
@@ -125,7 +128,8 @@ pub fn tables(model: &Model, plan: &Plan, kept: &[Rule]) -> [Table; 3] {
     }
     let mut rules =
         Table::new("Rules that make the model smaller", &["rule", "applies where", "here", "switched off by"]);
-    for rule in applied(model, plan, kept) {
+    let joints = joints_cut(start, plan, kept);
+    for rule in applied(model, joints.len(), plan, kept) {
         rules.row(vec![
             rule.name.to_string(),
             rule.condition.to_string(),
@@ -134,7 +138,7 @@ pub fn tables(model: &Model, plan: &Plan, kept: &[Rule]) -> [Table; 3] {
         ]);
     }
     let mut cut = Table::new("Joints that are cut in place of loops", &["joint that is cut", "loop that is not"]);
-    joints_cut(plan, kept).into_iter().for_each(|(joint, closing)| cut.row(vec![joint, closing]));
+    joints.into_iter().for_each(|(joint, closing)| cut.row(vec![joint, closing]));
     [islands, rules, cut]
 }
 

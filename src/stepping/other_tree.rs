@@ -39,6 +39,21 @@ pub fn other_tree(mechanism: &Mechanism, kept: &[Rule]) -> Option<(SpanningTree,
     Some((tree, plane))
 }
 
+/// The same for steps that begin in a state: none, too, where loops lock joints.
+pub fn other_tree_at(mechanism: &Mechanism, state: &State, kept: &[Rule]) -> Option<SpanningTree> {
+    let (tree, plane) = other_tree(mechanism, kept)?;
+    let mut other = OtherTree::new(mechanism, &tree, plane.as_ref(), state).ok()?;
+    let mut own = State::zero(&other.mechanism);
+    other.take(mechanism, state, &mut own);
+    (!is_locked(&other.mechanism, &own)).then_some(tree)
+}
+
+/// Whether closures forbid a joint to move.
+fn is_locked(mechanism: &Mechanism, state: &State) -> bool {
+    let ranks = Ranks::at(mechanism, state);
+    ranks.locked.contains(&true) || ranks.still.contains(&true)
+}
+
 /// [`Lobatto`] on another spanning tree.
 pub struct OnOtherTree {
     recipe: Recipe,
@@ -128,8 +143,7 @@ impl OnOtherTree {
             self.inside = Inside::new(other, lobatto);
         }
         self.inside.other.take(mechanism, state, &mut self.inside.state);
-        let ranks = Ranks::at(&self.inside.other.mechanism, &self.inside.state);
-        if ranks.locked.contains(&true) || ranks.still.contains(&true) {
+        if is_locked(&self.inside.other.mechanism, &self.inside.state) {
             self.on_file = Some(self.make(mechanism));
         }
         self.left = Some(state.clone());
