@@ -3,6 +3,7 @@
 
     python3 robots/make_mechanisms.py four_bar --count 40     robots/four_bar_40.toml, robots/parts/four_bar_40.urdf
     python3 robots/make_mechanisms.py four_bar --count 40 --tree path --into /tmp      the same row on another spanning tree
+    python3 robots/make_mechanisms.py scissors --count 40 --tree rails --into /tmp
     python3 robots/make_mechanisms.py ring --count 100
     python3 robots/make_mechanisms.py strandbeest
     python3 robots/make_mechanisms.py stewart
@@ -147,6 +148,63 @@ urdf = "parts/{name}.urdf"
 """ + "\n".join(velocities) + "\n" + loops + """
 [simulation]
 duration = 10.0
+tolerance = 1e-6
+""")
+
+
+def scissors(count, tree):
+    """`count` cells of crossed rods that hang by one corner: all hinges but one between neighbouring cells close loops, on a spanning tree.
+
+    comb     every cell carries the next one by its left hinge, and its two rods are joined in the middle
+    rails    two branches of rods, joined in the middle of the first cell alone
+    snake    one branch, down one rail and up the other
+    """
+    name = f"scissors_{count}_{tree}"
+    robot = Robot(name, f"  The tree of {name}.toml, written by make_mechanisms.py.\n  Inertia: thin uniform rods, m l^2/12 across.")
+    across, down = math.cos(0.4), math.sin(0.4)
+    ends, hinges = {"base": None}, [("top", "base", "falling0", (0, 0))]
+    for i in range(count):
+        ends[f"falling{i}"] = ((0, -i * down), (across, -(i + 1) * down))
+        ends[f"rising{i}"] = ((across, -i * down), (0, -(i + 1) * down))
+        if i > 0:
+            hinges.append((f"left{i}", f"rising{i - 1}", f"falling{i}", (0, -i * down)))
+            hinges.append((f"right{i}", f"falling{i - 1}", f"rising{i}", (across, -i * down)))
+        hinges.append((f"middle{i}", f"falling{i}", f"rising{i}", (across / 2, -(i + 0.5) * down)))
+    joined = {"comb": ("middle", "left"), "rails": ("left", "right", "middle0"), "snake": ("left", "right", f"middle{count - 1}")}[tree]
+    in_tree = [hinge for hinge in hinges if hinge[0] == "top" or hinge[0].startswith(joined)]
+    origin, waiting = {"base": (0, 0)}, ["base"]
+    while waiting:
+        parent = waiting.pop()
+        for hinge, a, b, place in in_tree:
+            child = {a: b, b: a}.get(parent)
+            if child is None or child in origin:
+                continue
+            origin[child] = place
+            local = [(x - place[0], z - place[1]) for x, z in ends[child]]
+            robot.rods(child, [(local[0], local[1], 1.0)], "orange" if child.startswith("f") else "blue", 0.04)
+            robot.hinge(hinge, parent, child, (place[0] - origin[parent][0], place[1] - origin[parent][1]), "0 -1 0")
+            waiting.append(child)
+    robot.write()
+    at = lambda link, place: (place[0] - origin[link][0], 0, place[1] - origin[link][1])
+    closed = [hinge for hinge in hinges if hinge not in in_tree]
+    loops = "".join(loop(hinge, "revolute", a, at(a, place), b, at(b, place), "[0, 1, 0]") for hinge, a, b, place in closed)
+    (FOLDER / f"{name}.toml").write_text(f"""# A ladder of {count} cells of crossed rods (1 m, 1 kg) that hangs by one corner, swings and folds.
+#
+# Run:  catena simulate robots/{name}.toml
+# Look: the same motion, in the same time, whichever hinges are loops.
+# Made by make_mechanisms.py scissors --count {count} --tree {tree}.
+[scene]
+name = "{name}"
+
+[[robot]]
+name = "rods"
+urdf = "parts/{name}.urdf"
+
+[robot.velocities]
+top = 0.5
+{loops}
+[simulation]
+duration = 2.0
 tolerance = 1e-6
 """)
 
@@ -314,9 +372,9 @@ tolerance = 1e-6
 
 def main():
     parser = argparse.ArgumentParser(description="Writes closed mechanisms: a scene in this folder, its URDF in parts/.")
-    parser.add_argument("mechanism", choices=["four_bar", "ring", "strandbeest", "stewart"])
-    parser.add_argument("--count", type=int, help="number of four-bars (default 1) or of links (default 100)")
-    parser.add_argument("--tree", choices=["row", "path", "snake"], default="row", help="how four-bars are written")
+    parser.add_argument("mechanism", choices=["four_bar", "scissors", "ring", "strandbeest", "stewart"])
+    parser.add_argument("--count", type=int, help="number of four-bars (default 1), of cells (default 10) or of links (default 100)")
+    parser.add_argument("--tree", help="spanning tree: of four-bars row (default), path or snake, of scissors comb (default), rails or snake")
     parser.add_argument("--into", type=pathlib.Path, help="another folder")
     chosen = parser.parse_args()
     if chosen.into:
@@ -325,8 +383,14 @@ def main():
         (FOLDER / "parts").mkdir(parents=True, exist_ok=True)
     if chosen.count is not None and chosen.count < (3 if chosen.mechanism == "ring" else 1):
         parser.error("too few")
+    trees = {"four_bar": ["row", "path", "snake"], "scissors": ["comb", "rails", "snake"]}.get(chosen.mechanism, [None])
+    tree = chosen.tree or trees[0]
+    if tree not in trees:
+        parser.error("no such tree")
     if chosen.mechanism == "four_bar":
-        four_bar(chosen.count or 1, chosen.tree)
+        four_bar(chosen.count or 1, tree)
+    elif chosen.mechanism == "scissors":
+        scissors(chosen.count or 10, tree)
     elif chosen.mechanism == "ring":
         ring(chosen.count or 100)
     elif chosen.mechanism == "strandbeest":
