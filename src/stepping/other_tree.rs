@@ -207,21 +207,21 @@ struct Turns {
 
 /// Between two instants no joint turns by more than this (rad).
 const LITTLE: f64 = FRAC_PI_4;
-/// A step is looked at in no more parts than this: steps in which a joint turns further are refused.
-const PARTS: f64 = 256.0;
+/// A step is looked at in no more parts than this: eight turns of a joint, which no step makes.
+const PARTS: usize = 64;
 
 impl Turns {
     fn new(mechanism: &Mechanism, bodies: &[usize]) -> Self {
         let joints = bodies.iter().map(|&body| &mechanism.bodies[body].joint);
         let turning = joints.filter(|joint| joint.kind.rotation() == FreeRotation::AboutZ);
         let slides = |joint: &Joint| joint.kind.translation_axes().len();
+        let entries = |joint: &Joint| (joint.position_index + slides(joint), joint.velocity_index + slides(joint));
+        let joints: Vec<_> = turning.map(entries).collect();
         Turns {
-            joints: turning
-                .map(|joint| (joint.position_index + slides(joint), joint.velocity_index + slides(joint)))
-                .collect(),
-            times: Vec::new(),
-            angles: Vec::new(),
-            rates: Vec::new(),
+            times: Vec::with_capacity(PARTS),
+            angles: Vec::with_capacity(PARTS * joints.len()),
+            rates: Vec::with_capacity(PARTS * joints.len()),
+            joints,
             position: vec![0.0; mechanism.position_count],
             velocity: vec![0.0; mechanism.velocity_count],
         }
@@ -246,7 +246,7 @@ impl Turns {
         let begin = self.times[0];
         let rates = self.joints.iter().map(|&(_, freedom)| end.velocity[freedom]).chain(self.rates.iter().copied());
         let fastest = rates.fold(0.0, |most: f64, rate| most.max(rate.abs()));
-        let parts = (fastest * (end.time - begin) / LITTLE).ceil().clamp(1.0, PARTS);
+        let parts = (fastest * (end.time - begin) / LITTLE).ceil().clamp(1.0, PARTS as f64);
         let (mut position, mut velocity) = (std::mem::take(&mut self.position), std::mem::take(&mut self.velocity));
         for part in 1..parts as usize {
             let time = begin + (end.time - begin) * (part as f64 / parts);

@@ -6,6 +6,8 @@ mod closed;
 mod common;
 #[path = "../shared/in_plane/mod.rs"]
 mod in_plane;
+#[path = "../shared/linkage/mod.rs"]
+mod linkage;
 #[path = "../shared/models/mod.rs"]
 mod models;
 

@@ -1,7 +1,8 @@
 //! The same mechanism on several spanning trees: the same motion, the same numbers under the same names, the same work.
 
-mod linkage;
+mod kinds;
 
+use crate::linkage::{Linkage, path};
 use crate::{closed, common};
 use catena::instant::reactions::Reactions;
 use catena::lobatto::plan::elimination::Elimination;
@@ -19,7 +20,6 @@ use catena::mechanism::structure::spanning_tree::{Edge, Graph, Hang, SpanningTre
 use catena::simulation::{Observer, ObserverError, Sample, Simulation, SimulationOptions, StepChoice};
 use catena::stepping::integrator::Lobatto;
 use catena::stepping::other_tree::other_tree;
-use linkage::Linkage;
 use nalgebra::{Rotation3, Vector3};
 
 /// Where every body is, by name, and how it moves.
@@ -170,12 +170,6 @@ fn work_grows_like_the_number_of_loops_whichever_way_a_row_or_a_ladder_is_writte
         let [least, most] = [f64::min, f64::max].map(|of| at_eighty.iter().copied().reduce(of).expect("three ways"));
         assert!(most <= 1.5 * least, "{number}: {at_eighty:?}");
     }
-}
-
-/// A row of four-bars as a path: only the first crank is on the ground in the tree, all others are pinned to it by loops.
-fn path(count: usize, speed: f64) -> (Mechanism, State) {
-    let row = Linkage::four_bars(count, speed, true);
-    row.written(&row.first(&["pin0", "elbow", "knee"]))
 }
 
 #[test]

@@ -1,5 +1,8 @@
 //! Planar linkages as lists of rods and hinges, written on any spanning tree one likes.
 
+// Every program of tests uses some of it.
+#![allow(dead_code)]
+
 use catena::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use catena::mechanism::description::mechanism::{Body, Mechanism};
@@ -136,4 +139,10 @@ impl Linkage {
         all.sort_by_key(|hinge| rank(hinge).unwrap_or(names.len()));
         all
     }
+}
+
+/// A row of four-bars as a path: only the first crank is on the ground in the tree, all others are pinned to it by loops.
+pub fn path(count: usize, speed: f64) -> (Mechanism, State) {
+    let row = Linkage::four_bars(count, speed, true);
+    row.written(&row.first(&["pin0", "elbow", "knee"]))
 }
