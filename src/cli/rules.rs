@@ -2,6 +2,7 @@
 
 use crate::cli::table::Table;
 use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::nonsmooth::Nonsmooth;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::counted;
 use catena::mechanism::motion::state::State;
@@ -76,8 +77,9 @@ fn applied(model: &Model, cut: usize, plan: &Plan, kept: &[Rule]) -> Vec<Applied
 fn joints_cut(start: &State, plan: &Plan, kept: &[Rule]) -> Vec<(String, String)> {
     let of_island = |island: &Island| {
         let mechanism = &island.mechanism;
-        let smooth = mechanism.nonsmooth.is_empty();
-        let tree = if smooth { other_tree_at(mechanism, &island.state(start), kept) } else { None };
+        let Nonsmooth { friction, motors, pairs, .. } = &mechanism.nonsmooth;
+        let driven = !(friction.is_empty() && motors.is_empty() && pairs.is_empty());
+        let tree = if !driven { other_tree_at(mechanism, &island.state(start), kept) } else { None };
         let names = tree.map(|tree| {
             let joints = tree.cut_joints().map(|body| mechanism.bodies[body].joint.name.clone());
             let loops = tree.hung_loops().map(|closing| mechanism.loops[closing].name.clone());

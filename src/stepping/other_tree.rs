@@ -12,9 +12,10 @@
 //! Efforts from outside act along coordinates of the file's tree: whoever drives a joint gets that tree from then on. So does a mechanism with joints that
 //! its loops lock: the solve holds them by what is implied on the file's tree, which was found to lose digits on another.
 
-use crate::integrator::{Lobatto, MethodError};
+use crate::integrator::{Lobatto, MethodError, StepPace};
 use crate::recipe::Recipe;
 use catena_lobatto::plan::spanning::spanning_tree;
+use catena_mechanism::description::closure::Coordinate;
 use catena_mechanism::description::forces::Forces;
 use catena_mechanism::description::joint::{FreeRotation, Joint};
 use catena_mechanism::description::mechanism::Mechanism;
@@ -22,7 +23,7 @@ use catena_mechanism::description::rules::Rule;
 use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
-use catena_mechanism::structure::other_tree::OtherTree;
+use catena_mechanism::structure::other_tree::{Found, OtherTree};
 use catena_mechanism::structure::plane::Plane;
 use catena_mechanism::structure::ranks::counting::Ranks;
 use catena_mechanism::structure::spanning_tree::{Graph, SpanningTree};
@@ -31,7 +32,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 
 /// The spanning tree on which steps of a mechanism are made, if it is not the file's; `kept` are rules that leave nothing out.
 pub fn other_tree(mechanism: &Mechanism, kept: &[Rule]) -> Option<(SpanningTree, Option<Plane>)> {
-    if mechanism.loops.is_empty() || kept.contains(&Rule::Tree) {
+    if mechanism.loops.is_empty() || !mechanism.touches.is_empty() || kept.contains(&Rule::Tree) {
         return None;
     }
     let plane = if kept.contains(&Rule::Planar) { None } else { Plane::of(mechanism) };
@@ -60,7 +61,8 @@ pub struct OnOtherTree {
     tree: SpanningTree,
     plane: Option<Plane>,
     inside: Inside,
-    /// Where the last step ended, in the coordinates of the file.
+    /// Where the last step began and ended, in the coordinates of the file.
+    origin: State,
     left: Option<State>,
     /// What acted when it was made.
     gravity: Vector3<f64>,
@@ -109,6 +111,7 @@ impl OnOtherTree {
             recipe: recipe.clone(),
             tree,
             plane,
+            origin: State::zero(mechanism),
             left: None,
             gravity: mechanism.gravity,
             forces: mechanism.forces.clone(),
@@ -121,6 +124,61 @@ impl OnOtherTree {
     /// Whether a step that was to be chosen for its accuracy was shortened for the stability of the scheme.
     pub fn was_held_by_stability(&self) -> bool {
         self.active().was_held_by_stability()
+    }
+
+    /// Makes the last step again from its start with another length (s), as [`Lobatto::again`] does.
+    ///
+    /// # Errors
+    /// [`StepError`] where the equations cannot be solved; the state is then the start of the step.
+    pub fn again(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        length: f64,
+    ) -> Result<StepOutcome, StepError> {
+        if let Some(on_file) = &mut self.on_file {
+            return on_file.again(mechanism, inputs, state, length);
+        }
+        state.copy_from(&self.origin);
+        let Inside { other, lobatto, state: own, .. } = &mut self.inside;
+        self.left = None;
+        let outcome = lobatto.again(&other.mechanism, Inputs::NONE, own, length)?;
+        self.hand_out(mechanism, state);
+        Ok(outcome)
+    }
+
+    /// The weighted mean of the squares of a scalar joint coordinate's rate over the last step [(m/s)² or (rad/s)²]; `rates` is room. Zero of a joint
+    /// that is cut, along which nothing acts.
+    pub fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {
+        let freedom = match (&self.on_file, self.inside.other.joint(coordinate.body)) {
+            (Some(_), _) => coordinate.freedom,
+            (None, Found::Carries { body, .. }) => self.inside.other.mechanism.bodies[body].joint.velocity_index,
+            (None, Found::Closes(_)) => return 0.0,
+        };
+        self.active().mean_square_rate(freedom, rates)
+    }
+
+    /// The pace of the steps, for one who goes on; `origin` is where a grid began (s).
+    pub fn step_pace(&self, origin: f64) -> StepPace {
+        self.active().step_pace(origin)
+    }
+
+    /// Goes on at the pace of another, which made steps of the same motion up to `time` (s).
+    pub fn keep_pace(&mut self, pace: StepPace, time: f64) {
+        self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).keep_pace(pace, time);
+    }
+
+    /// Writes where a step from the origin has ended in the coordinates of the file.
+    fn hand_out(&mut self, mechanism: &Mechanism, state: &mut State) {
+        let OnOtherTree { inside, origin, turns, left, .. } = self;
+        inside.other.give(mechanism, &inside.state, state);
+        turns.begin(origin);
+        turns.follow(state, |time, position, velocity| inside.dense(mechanism, time, position, velocity));
+        match left {
+            Some(left) => left.copy_from(state),
+            None => *left = Some(state.clone()),
+        }
     }
 
     fn active(&self) -> &Lobatto {
@@ -136,6 +194,7 @@ impl OnOtherTree {
         if self.left.as_ref() == Some(state) {
             return;
         }
+        self.left = None;
         if !self.inside.other.fits(mechanism, &self.tree, self.plane.as_ref(), state)
             && let Ok(other) = OtherTree::new(mechanism, &self.tree, self.plane.as_ref(), state)
         {
@@ -168,15 +227,10 @@ impl Integrator for OnOtherTree {
         if let Some(on_file) = &mut self.on_file {
             return on_file.step(mechanism, inputs, state, until);
         }
-        self.turns.begin(state);
+        self.origin.copy_from(state);
         let Inside { other, lobatto, state: own, .. } = &mut self.inside;
         let outcome = lobatto.step(&other.mechanism, Inputs::NONE, own, until)?;
-        other.give(mechanism, own, state);
-        let inside = &mut self.inside;
-        self.turns.follow(state, |time, position, velocity| inside.dense(mechanism, time, position, velocity));
-        if let Some(left) = &mut self.left {
-            left.copy_from(state);
-        }
+        self.hand_out(mechanism, state);
         Ok(outcome)
     }
 

@@ -7,7 +7,7 @@ use crate::{closed, common};
 use catena::instant::reactions::Reactions;
 use catena::lobatto::plan::elimination::Elimination;
 use catena::lobatto::plan::spanning::spanning_tree;
-use catena::mechanism::description::closure::LoopKind;
+use catena::mechanism::description::closure::{Coordinate, JointLimit, LoopKind};
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::description::rules::Rule;
@@ -312,4 +312,36 @@ fn loop_joints_that_no_tree_joint_is_like_stay_loops() {
         joint.kind = LoopKind::Cylindrical;
     }
     assert!(other_tree(&mechanism, &[]).is_none());
+}
+
+#[test]
+fn limits_are_hit_at_the_same_instants_whichever_joints_are_cut() {
+    let (mut mechanism, start) = path(8, 3.0);
+    // A crank that carries no other in the file, and the first: both are met, one of them on a joint that is cut.
+    let tree = other_tree(&mechanism, &[]).expect("another tree").0;
+    let cut = tree.cut_joints().next().expect("a joint that is cut");
+    for body in [0, cut] {
+        let joint = &mechanism.bodies[body].joint;
+        let coordinate = Coordinate { body, position: joint.position_index, freedom: joint.velocity_index };
+        let at = start.position[body];
+        let limit = JointLimit { coordinate, lower: at - 0.4, upper: at + 0.5, restitution: 0.6 };
+        mechanism.nonsmooth.limits.push(limit);
+    }
+    let run = |kept: &[Rule]| {
+        let steps = StepChoice::Fixed { stages: 5, step: 0.01 };
+        let options = SimulationOptions { duration: 0.8, steps, switched_off: kept, interrupt: None };
+        let mut simulation = Simulation::new(&mechanism, start.clone(), options).expect("a run");
+        simulation.run().expect("steps");
+        let finished = simulation.finish();
+        (finished.state, finished.events)
+    };
+    let ((own, happened), (kept, expected)) = (run(&[]), run(&[Rule::Tree]));
+    assert!(!expected.is_empty() && happened.len() == expected.len(), "{happened:?}, not {expected:?}");
+    for (own, expected) in happened.iter().zip(&expected) {
+        assert_eq!((own.kind, own.body), (expected.kind, expected.body));
+        // Located to rounding in steps that agree to rounding; impacts amplify it some hundredfold.
+        assert!((own.time - expected.time).abs() < 1e-10, "{own:?}, not {expected:?}");
+    }
+    let off = own.position.iter().zip(&kept.position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-8, "{off:e}");
 }
