@@ -1,11 +1,11 @@
 //! Which joints a run cuts: the spanning tree with the least work in the elimination.
 //!
 //! A closure is eliminated where its two branches meet ([`crate::plan::elimination`]), so that its equations sit in the fronts of all bodies on its
-//! circuit. With `m_b` the equations of the closures that pass over body b, `W` components of a twist (none where the world is next), `f_b` freedoms
-//! and B for the geometry of a body,
+//! circuit. With `m_b` the equations of the closures that pass over body b, `W` components of a twist (none where the world is next), `f_b` freedoms,
+//! B for the geometry of a body and C for what a solve takes besides,
 //!
 //! ```text
-//!     work = Σ_b B + Σ_b f_b (W + m_b + 1)² + Σ_closures rows (W + max m)²
+//!     work = C + Σ_b B + Σ_b f_b (W + m_b + 1)² + Σ_closures rows (W + max m)²
 //! ```
 //!
 //! To find the least is hard (a minimum-congestion spanning tree: M. Ostrovskii, Discrete Math. 285 (2004) 219). Three trees are tried: the file's,
@@ -17,10 +17,11 @@ use catena_mechanism::structure::spanning_tree::{Edge, Graph, Hang, Link, Spanni
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// B: the geometry of a body, in units of the square of a front.
-const BODY: f64 = 60.0;
+/// B and C, in squares of fronts: rows of four-bars on random trees take the time that these say, within a third.
+const BODY: f64 = 10.0;
+const SOLVE: f64 = 400.0;
 /// Another tree than the file's is taken if it has this part of its work, or less.
-const WORTHWHILE: f64 = 0.75;
+const WORTHWHILE: f64 = 0.8;
 /// The search ends after so many comparisons of entries: some milliseconds.
 const PATIENCE: usize = 1_000_000;
 
@@ -192,7 +193,7 @@ impl Rooted {
             let width = if on_world { 0 } else { graph.width };
             graph.links[link].rows as f64 * ((width + most) as f64).powi(2)
         });
-        of_bodies.sum::<f64>() + of_closures.sum::<f64>()
+        SOLVE + of_bodies.sum::<f64>() + of_closures.sum::<f64>()
     }
 
     /// Exchanges closures for joints of their circuits while that is less work.
