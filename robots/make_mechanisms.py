@@ -2,6 +2,8 @@
 """Writes the closed mechanisms of this folder that are too long or too exact to write by hand: a scene and its URDF.
 
     python3 robots/make_mechanisms.py four_bar --count 40     robots/four_bar_40.toml, robots/parts/four_bar_40.urdf
+    python3 robots/make_mechanisms.py four_bar --count 40 --tree path --into /tmp      the same row on another spanning tree
+    python3 robots/make_mechanisms.py scissors --count 40 --tree rails --into /tmp
     python3 robots/make_mechanisms.py ring --count 100
     python3 robots/make_mechanisms.py strandbeest
     python3 robots/make_mechanisms.py stewart
@@ -96,30 +98,45 @@ def loop(name, kind, link_a, place_a, link_b, place_b, axis=None):
     return f'\n[[loop]]\nname = "{name}"\ntype = "{kind}"\n' + "\n".join(ends) + "\n"
 
 
-def four_bar(count):
-    """A02 of the IFToMM library: `count` parallelograms side by side."""
-    name = f"four_bar_{count}"
+def four_bar(count, tree):
+    """A02 of the IFToMM library: `count` parallelograms side by side, on a spanning tree.
+
+    row      every crank stands on the ground and carries a coupler, whose end is a loop
+    path     couplers hang on each other, cranks on couplers, and each crank but the first is pinned to the ground by a loop
+    snake    crank, coupler, crank, coupler: one branch, pinned to the ground by loops
+    """
+    name = f"four_bar_{count}" + ("" if tree == "row" else f"_{tree}")
     robot = Robot(name, f"  The tree of robots/{name}.toml, written by make_mechanisms.py.\n"
                         "  Inertia: thin uniform rods, m l^2/12 about the hinges; the little along them takes no part in the motion.")
+    ahead, loops, rates = "0 -1 0", "", {"crank0": -1.0}
     for i in range(count + 1):
-        robot.rods(f"crank{i}", [((0, 0), (0, 1), 1.0)], "orange", 0.04)
-        robot.hinge(f"crank{i}", "base", f"crank{i}", (i, 0), "0 -1 0")
+        hangs = i > 0 and tree != "row"
+        # A crank that hangs has its frame at its upper end.
+        robot.rods(f"crank{i}", [((0, 0), (0, -1 if hangs else 1), 1.0)], "orange", 0.04)
+        if hangs:
+            robot.hinge(f"crank{i}", f"coupler{i - 1}", f"crank{i}", (1, 0), ahead)
+            loops += loop(f"closure{i - 1}", "revolute", f"crank{i}", (0, 0, -1), "world", (i, 0, 0), "[0, 1, 0]")
+        else:
+            robot.hinge(f"crank{i}", "base", f"crank{i}", (i, 0), ahead)
+            if i > 0:
+                loops += loop(f"closure{i - 1}", "revolute", f"coupler{i - 1}", (1, 0, 0), f"crank{i}", (0, 0, 1), "[0, 1, 0]")
+        rates[f"crank{i}"] = -1.0
         if i < count:
             robot.rods(f"coupler{i}", [((0, 0), (1, 0), 1.0)], "blue", 0.04)
-            robot.hinge(f"coupler{i}", f"crank{i}", f"coupler{i}", (0, 1), "0 -1 0")
+            on_coupler = tree == "path" and i > 0
+            place = (1, 0) if on_coupler else (0, 0) if hangs else (0, 1)
+            robot.hinge(f"coupler{i}", f"coupler{i - 1}" if on_coupler else f"crank{i}", f"coupler{i}", place, ahead)
+            rates[f"coupler{i}"] = 0.0 if on_coupler else 1.0
     robot.write()
-    velocities = [f"crank{i} = -1.0" for i in range(count + 1)] + [f"coupler{i} = 1.0" for i in range(count)]
-    loops = "".join(
-        loop(f"closure{i}", "revolute", f"coupler{i}", (1, 0, 0), f"crank{i + 1}", (0, 0, 1), "[0, 1, 0]")
-        for i in range(count)
-    )
+    velocities = [f"{joint} = {rate}" for kind in ("crank", "coupler") for joint, rate in rates.items() if joint.startswith(kind)]
+    command = f"four_bar --count {count}" + ("" if tree == "row" else f" --tree {tree}")
     plural = "" if count == 1 else "s"
     (FOLDER / f"{name}.toml").write_text(f"""# N-four-bar mechanism, N = {count}: {count} parallelogram{plural} of {2 * count + 1} uniform rods (1 m, 1 kg) that pass singular positions.
 # Problem A02 of the IFToMM benchmark library: the cranks start upright, their tips at 1 m/s.
 #
 # Run:  catena simulate robots/{name}.toml
 # Look: each time the rods lie in one line the mechanism could leave the parallelogram; inertia alone keeps it on.
-# Made by make_mechanisms.py four_bar --count {count}.
+# Made by make_mechanisms.py {command}.
 [scene]
 name = "{name}"
 
@@ -131,6 +148,63 @@ urdf = "parts/{name}.urdf"
 """ + "\n".join(velocities) + "\n" + loops + """
 [simulation]
 duration = 10.0
+tolerance = 1e-6
+""")
+
+
+def scissors(count, tree):
+    """`count` cells of crossed rods that hang by one corner: all hinges but one between neighbouring cells close loops, on a spanning tree.
+
+    comb     every cell carries the next one by its left hinge, and its two rods are joined in the middle
+    rails    two branches of rods, joined in the middle of the first cell alone
+    snake    one branch, down one rail and up the other
+    """
+    name = f"scissors_{count}_{tree}"
+    robot = Robot(name, f"  The tree of {name}.toml, written by make_mechanisms.py.\n  Inertia: thin uniform rods, m l^2/12 across.")
+    across, down = math.cos(0.4), math.sin(0.4)
+    ends, hinges = {"base": None}, [("top", "base", "falling0", (0, 0))]
+    for i in range(count):
+        ends[f"falling{i}"] = ((0, -i * down), (across, -(i + 1) * down))
+        ends[f"rising{i}"] = ((across, -i * down), (0, -(i + 1) * down))
+        if i > 0:
+            hinges.append((f"left{i}", f"rising{i - 1}", f"falling{i}", (0, -i * down)))
+            hinges.append((f"right{i}", f"falling{i - 1}", f"rising{i}", (across, -i * down)))
+        hinges.append((f"middle{i}", f"falling{i}", f"rising{i}", (across / 2, -(i + 0.5) * down)))
+    joined = {"comb": ("middle", "left"), "rails": ("left", "right", "middle0"), "snake": ("left", "right", f"middle{count - 1}")}[tree]
+    in_tree = [hinge for hinge in hinges if hinge[0] == "top" or hinge[0].startswith(joined)]
+    origin, waiting = {"base": (0, 0)}, ["base"]
+    while waiting:
+        parent = waiting.pop()
+        for hinge, a, b, place in in_tree:
+            child = {a: b, b: a}.get(parent)
+            if child is None or child in origin:
+                continue
+            origin[child] = place
+            local = [(x - place[0], z - place[1]) for x, z in ends[child]]
+            robot.rods(child, [(local[0], local[1], 1.0)], "orange" if child.startswith("f") else "blue", 0.04)
+            robot.hinge(hinge, parent, child, (place[0] - origin[parent][0], place[1] - origin[parent][1]), "0 -1 0")
+            waiting.append(child)
+    robot.write()
+    at = lambda link, place: (place[0] - origin[link][0], 0, place[1] - origin[link][1])
+    closed = [hinge for hinge in hinges if hinge not in in_tree]
+    loops = "".join(loop(hinge, "revolute", a, at(a, place), b, at(b, place), "[0, 1, 0]") for hinge, a, b, place in closed)
+    (FOLDER / f"{name}.toml").write_text(f"""# A ladder of {count} cells of crossed rods (1 m, 1 kg) that hangs by one corner, swings and folds.
+#
+# Run:  catena simulate robots/{name}.toml
+# Look: the same motion, in the same time, whichever hinges are loops.
+# Made by make_mechanisms.py scissors --count {count} --tree {tree}.
+[scene]
+name = "{name}"
+
+[[robot]]
+name = "rods"
+urdf = "parts/{name}.urdf"
+
+[robot.velocities]
+top = 0.5
+{loops}
+[simulation]
+duration = 2.0
 tolerance = 1e-6
 """)
 
@@ -298,13 +372,25 @@ tolerance = 1e-6
 
 def main():
     parser = argparse.ArgumentParser(description="Writes closed mechanisms: a scene in this folder, its URDF in parts/.")
-    parser.add_argument("mechanism", choices=["four_bar", "ring", "strandbeest", "stewart"])
-    parser.add_argument("--count", type=int, help="number of four-bars (default 1) or of links (default 100)")
+    parser.add_argument("mechanism", choices=["four_bar", "scissors", "ring", "strandbeest", "stewart"])
+    parser.add_argument("--count", type=int, help="number of four-bars (default 1), of cells (default 10) or of links (default 100)")
+    parser.add_argument("--tree", help="spanning tree: of four-bars row (default), path or snake, of scissors comb (default), rails or snake")
+    parser.add_argument("--into", type=pathlib.Path, help="another folder")
     chosen = parser.parse_args()
+    if chosen.into:
+        global FOLDER
+        FOLDER = chosen.into
+        (FOLDER / "parts").mkdir(parents=True, exist_ok=True)
     if chosen.count is not None and chosen.count < (3 if chosen.mechanism == "ring" else 1):
         parser.error("too few")
+    trees = {"four_bar": ["row", "path", "snake"], "scissors": ["comb", "rails", "snake"]}.get(chosen.mechanism, [None])
+    tree = chosen.tree or trees[0]
+    if tree not in trees:
+        parser.error("no such tree")
     if chosen.mechanism == "four_bar":
-        four_bar(chosen.count or 1)
+        four_bar(chosen.count or 1, tree)
+    elif chosen.mechanism == "scissors":
+        scissors(chosen.count or 10, tree)
     elif chosen.mechanism == "ring":
         ring(chosen.count or 100)
     elif chosen.mechanism == "strandbeest":

@@ -2,14 +2,17 @@
 
 use crate::cli::table::Table;
 use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::nonsmooth::Nonsmooth;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::counted;
+use catena::mechanism::motion::state::State;
 use catena::mechanism::structure::islands::Island;
 use catena::mechanism::structure::special_bodies::{
     pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies, tumbling_bodies,
 };
 use catena::model::{Model, ReductionRule};
 use catena::simulation::partition::Plan;
+use catena::stepping::other_tree::other_tree_at;
 use serde_json::{Value, json};
 
 /// What a rule does here.
@@ -25,7 +28,7 @@ struct Applied {
 }
 
 /// Every rule, in the order in which they are tried.
-fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
+fn applied(model: &Model, cut: usize, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
     let reduction = |rule: ReductionRule| {
         let count = model.reductions.iter().filter(|reduction| reduction.rule == rule).count();
         let links = counted(count, "link is no body", "links are no bodies");
@@ -40,6 +43,7 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
             Rule::Islands if plan.islands.len() > 1 => plan.islands.len(),
             Rule::Islands => 0,
             Rule::Sleep => plan.sleeping(),
+            Rule::Tree => cut,
             Rule::Planar => plan.planar().map(|island| island.mechanism.bodies.len()).sum(),
             Rule::Translation => bodies_in_space(sliding_bodies),
             Rule::Points => bodies_in_space(point_bodies),
@@ -56,6 +60,10 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
                 let bodies = sleeping.map(|(island, _)| island.mechanism.bodies.len()).sum();
                 format!("{}, {}", counted(bodies, "body", "bodies"), rule.saving())
             }
+            Rule::Tree => {
+                let cut = counted(count, "other joint is cut", "other joints are cut");
+                format!("{cut}, {}", rule.saving())
+            }
             Rule::Planar | Rule::Translation | Rule::Points | Rule::Spheres | Rule::Pivots | Rule::Tumblers => {
                 format!("{}, {}", counted(count, "body", "bodies"), rule.saving())
             }
@@ -65,9 +73,28 @@ fn applied(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<Applied> {
     ReductionRule::ALL.into_iter().map(reduction).chain(Rule::ALL.into_iter().map(optional)).collect()
 }
 
+/// The joints that a run cuts in place of loops of the file, with those loops, island by island.
+fn joints_cut(start: &State, plan: &Plan, kept: &[Rule]) -> Vec<(String, String)> {
+    let of_island = |island: &Island| {
+        let mechanism = &island.mechanism;
+        let Nonsmooth { friction, motors, pairs, .. } = &mechanism.nonsmooth;
+        let driven = !(friction.is_empty() && motors.is_empty() && pairs.is_empty());
+        let tree = if !driven { other_tree_at(mechanism, &island.state(start), kept) } else { None };
+        let names = tree.map(|tree| {
+            let joints = tree.cut_joints().map(|body| mechanism.bodies[body].joint.name.clone());
+            let loops = tree.hung_loops().map(|closing| mechanism.loops[closing].name.clone());
+            joints.zip(loops).collect()
+        });
+        names.unwrap_or_default()
+    };
+    let awake = plan.islands.iter().filter(|(_, asleep)| !asleep);
+    awake.flat_map(|(island, _)| -> Vec<(String, String)> { of_island(island) }).collect()
+}
+
 /// The rules and islands as entries of the JSON report.
-pub fn as_json(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, Value)> {
-    let rules = applied(model, plan, kept).into_iter().map(|rule| {
+pub fn as_json(model: &Model, start: &State, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, Value)> {
+    let cut = joints_cut(start, plan, kept);
+    let rules = applied(model, cut.len(), plan, kept).into_iter().map(|rule| {
         json!({
             "name": rule.name,
             "condition": rule.condition,
@@ -83,11 +110,13 @@ pub fn as_json(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, 
             "asleep": asleep,
         })
     });
-    vec![("rules", rules.collect()), ("islands", islands.collect())]
+    let (cut, hung): (Vec<String>, Vec<String>) = cut.into_iter().unzip();
+    let tree = json!({ "cut_joints": cut, "joined_loops": hung });
+    vec![("rules", rules.collect()), ("islands", islands.collect()), ("spanning_tree", tree)]
 }
 
-/// The rules, and the islands if there are several, as tables for people.
-pub fn tables(model: &Model, plan: &Plan, kept: &[Rule]) -> [Table; 2] {
+/// The rules, the islands if there are several, and the joints that are cut in place of loops, as tables for people.
+pub fn tables(model: &Model, start: &State, plan: &Plan, kept: &[Rule]) -> [Table; 3] {
     let mut islands = Table::new("Islands", &["island", "bodies", "hangs on the world by", "state"]);
     if plan.islands.len() > 1 {
         for (number, (island, asleep)) in plan.islands.iter().enumerate() {
@@ -101,7 +130,8 @@ pub fn tables(model: &Model, plan: &Plan, kept: &[Rule]) -> [Table; 2] {
     }
     let mut rules =
         Table::new("Rules that make the model smaller", &["rule", "applies where", "here", "switched off by"]);
-    for rule in applied(model, plan, kept) {
+    let joints = joints_cut(start, plan, kept);
+    for rule in applied(model, joints.len(), plan, kept) {
         rules.row(vec![
             rule.name.to_string(),
             rule.condition.to_string(),
@@ -109,7 +139,9 @@ pub fn tables(model: &Model, plan: &Plan, kept: &[Rule]) -> [Table; 2] {
             rule.switch.map_or_else(String::new, |rule| format!("--keep {}", rule.name())),
         ]);
     }
-    [islands, rules]
+    let mut cut = Table::new("Joints that are cut in place of loops", &["joint that is cut", "loop that is not"]);
+    joints.into_iter().for_each(|(joint, closing)| cut.row(vec![joint, closing]));
+    [islands, rules, cut]
 }
 
 fn counted_true(of_bodies: &[bool]) -> usize {

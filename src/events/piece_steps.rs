@@ -11,6 +11,7 @@ use crate::mechanism::motion::state::State;
 use crate::reduced::Dop853;
 use crate::stepping::companion::Companion;
 use crate::stepping::integrator::{Lobatto, MethodError, StepPace};
+use crate::stepping::other_tree::OnOtherTree;
 use crate::stepping::recipe::{Recipe, Steps};
 
 /// How the integrators of pieces are made.
@@ -29,7 +30,10 @@ impl PieceRecipe {
     /// [`MethodError`] for stages and steps that cannot be.
     pub fn make(&self, mechanism: &Mechanism) -> Result<Box<dyn PieceSteps>, MethodError> {
         Ok(match self {
-            PieceRecipe::Lobatto(recipe) => Box::new(recipe.lobatto(mechanism)?),
+            PieceRecipe::Lobatto(recipe) => match OnOtherTree::new(mechanism, recipe)? {
+                Some(other) => Box::new(other),
+                None => Box::new(recipe.lobatto(mechanism)?),
+            },
             PieceRecipe::Dop853(tolerance) => Box::new(Dop853::new(mechanism, *tolerance)),
         })
     }
@@ -111,9 +115,7 @@ impl PieceSteps for Lobatto {
     }
 
     fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {
-        rates.resize(self.stages(), 0.0);
-        let weights = self.stage_rates(coordinate.freedom, rates);
-        weights.iter().zip(rates).map(|(weight, rate)| weight * *rate * *rate).sum()
+        Lobatto::mean_square_rate(self, coordinate.freedom, rates)
     }
 
     fn pace(&self, origin: f64) -> StepPace {
@@ -140,6 +142,34 @@ impl PieceSteps for Lobatto {
 
     fn companion(&self) -> Option<&Companion> {
         Lobatto::companion(self)
+    }
+}
+
+impl PieceSteps for OnOtherTree {
+    fn again(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        length: f64,
+    ) -> Result<StepOutcome, StepError> {
+        OnOtherTree::again(self, mechanism, inputs, state, length)
+    }
+
+    fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {
+        OnOtherTree::mean_square_rate(self, coordinate, rates)
+    }
+
+    fn pace(&self, origin: f64) -> StepPace {
+        self.step_pace(origin)
+    }
+
+    fn go_on_at(&mut self, pace: StepPace, time: f64) {
+        self.keep_pace(pace, time);
+    }
+
+    fn was_held_by_stability(&self) -> bool {
+        OnOtherTree::was_held_by_stability(self)
     }
 }
 

@@ -12,6 +12,8 @@ mod exerted;
 pub mod limits;
 pub(crate) mod mass_matrix;
 pub mod reactions;
+mod reactions_elsewhere;
+mod reactions_on_tree;
 pub(crate) mod response;
 pub mod rest;
 #[doc(hidden)]

@@ -10,6 +10,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::stepping::integrator::{Lobatto, MethodError};
+use crate::stepping::other_tree::OnOtherTree;
 use crate::stepping::recipe::{Recipe, Steps};
 use std::sync::Arc;
 
@@ -17,6 +18,8 @@ use std::sync::Arc;
 pub enum RunIntegrator {
     /// Of a smooth motion.
     Smooth(Box<Lobatto>),
+    /// Of a smooth motion on another spanning tree than the file's.
+    OnOtherTree(Box<OnOtherTree>),
     /// Of one with events.
     Eventful(Box<Eventful>),
 }
@@ -34,19 +37,22 @@ impl RunIntegrator {
     /// [`MethodError`] for stages and steps that cannot be.
     pub fn new(mechanism: &Mechanism, steps: Steps, kept: &[Rule]) -> Result<Self, MethodError> {
         let recipe = Recipe { steps, kept: kept.to_vec() };
-        Ok(if mechanism.nonsmooth.is_empty() {
-            RunIntegrator::Smooth(Box::new(recipe.lobatto(mechanism)?))
-        } else {
-            RunIntegrator::Eventful(Box::new(Eventful::new(mechanism, recipe)?))
+        if !mechanism.nonsmooth.is_empty() {
+            return Ok(RunIntegrator::Eventful(Box::new(Eventful::new(mechanism, recipe)?)));
+        }
+        Ok(match OnOtherTree::new(mechanism, &recipe)? {
+            Some(other) => RunIntegrator::OnOtherTree(Box::new(other)),
+            None => RunIntegrator::Smooth(Box::new(recipe.lobatto(mechanism)?)),
         })
     }
 
-    /// The same from a state in which the closures were counted already. Events hold joints, which leaves other mechanisms: they count anew.
+    /// The same from a state in which the closures were counted already. Events hold joints, which leaves other mechanisms: they count anew,
+    /// and so does another spanning tree.
     #[must_use]
     pub fn counted(self, counted: Option<Arc<Counted>>) -> Self {
         match self {
             RunIntegrator::Smooth(lobatto) => RunIntegrator::from(lobatto.counted(counted)),
-            RunIntegrator::Eventful(_) => self,
+            RunIntegrator::Eventful(_) | RunIntegrator::OnOtherTree(_) => self,
         }
     }
 
@@ -54,6 +60,7 @@ impl RunIntegrator {
     pub fn was_held_by_stability(&self) -> bool {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.was_held_by_stability(),
+            RunIntegrator::OnOtherTree(other) => other.was_held_by_stability(),
             RunIntegrator::Eventful(eventful) => eventful.was_held_by_stability(),
         }
     }
@@ -90,6 +97,7 @@ impl RunIntegrator {
     fn inner(&self) -> &dyn Integrator {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.as_ref(),
+            RunIntegrator::OnOtherTree(other) => other.as_ref(),
             RunIntegrator::Eventful(eventful) => eventful.as_ref(),
         }
     }
@@ -97,6 +105,7 @@ impl RunIntegrator {
     fn inner_mut(&mut self) -> &mut dyn Integrator {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.as_mut(),
+            RunIntegrator::OnOtherTree(other) => other.as_mut(),
             RunIntegrator::Eventful(eventful) => eventful.as_mut(),
         }
     }

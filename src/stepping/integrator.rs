@@ -276,6 +276,13 @@ impl Lobatto {
         &self.stepper.tableau.weights
     }
 
+    /// The mean square of the rate of a scalar coordinate over the last step [(m/s)² or (rad/s)²]; `rates` is room.
+    pub fn mean_square_rate(&self, freedom: usize, rates: &mut Vec<f64>) -> f64 {
+        rates.resize(self.stages(), 0.0);
+        let weights = self.stage_rates(freedom, rates);
+        weights.iter().zip(rates).map(|(weight, rate)| weight * *rate * *rate).sum()
+    }
+
     /// Number of stages.
     pub fn stages(&self) -> usize {
         self.stepper.tableau.stages

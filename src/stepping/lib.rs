@@ -6,6 +6,7 @@
 //! | the length of a step | [`fixed`], [`control`] and [`acceptance`], [`reversible`]; how many stages: [`stage_choice`] |
 //! | what is looked at now and then | [`watch`], [`modes`], [`fastest_mode`], [`dynamics`], [`jerks`], [`linearised`] |
 //! | instants inside a step | [`sampling`], `stage_motion` |
+//! | on another spanning tree than the file's | [`other_tree`] |
 //! | efforts that follow the state | `feedback` |
 
 #![deny(unsafe_code)]
@@ -30,6 +31,7 @@ pub mod jerks;
 pub mod linearised;
 #[doc(hidden)]
 pub mod modes;
+pub mod other_tree;
 #[doc(hidden)]
 pub mod pace;
 #[doc(hidden)]

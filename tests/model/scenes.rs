@@ -3,14 +3,17 @@
 use crate::common::{run_until, stem};
 use catena::instant::assembly::assemble;
 use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::description::rules::Rule;
 use catena::mechanism::motion::energy::energy;
 use catena::mechanism::motion::gaps::{loop_gaps, mimic_gap};
 use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::kinematics::body_states;
 use catena::mechanism::motion::state::State;
+use catena::mechanism::structure::islands::islands;
 use catena::model::Model;
 use catena::scene::{PackagePath, Scene, read_scene};
 use catena::stepping::integrator::Lobatto;
+use catena::stepping::other_tree::other_tree;
 use nalgebra::{DMatrix, Vector3};
 use std::path::PathBuf;
 
@@ -301,5 +304,19 @@ fn the_gaps_of_every_closed_scene_are_rounding_over_a_million_steps() {
         println!("{name}: {gap:.1e} m of {size:.1} m");
         // Roundings of the places of bodies far from the origin, over the bodies of a loop.
         assert!(gap < 1e-14 * size * (1.0 + mechanism.bodies.len() as f64).sqrt(), "{name}: {gap:e} of {size}");
+    }
+}
+
+#[test]
+fn every_scene_is_written_on_the_spanning_tree_that_a_run_takes() {
+    for file in scene_files() {
+        let (_, model, _) = load(stem(&file));
+        for kept in [&[][..], &[Rule::Planar]] {
+            for island in islands(&model.mechanism) {
+                let tree = other_tree(&island.mechanism, kept);
+                assert!(tree.is_none(), "{}: its results would change: {tree:?}", file.display());
+            }
+            assert!(other_tree(&model.mechanism, kept).is_none(), "{}", file.display());
+        }
     }
 }

@@ -2,6 +2,8 @@
 
 #[path = "../shared/closed/mod.rs"]
 mod closed;
+#[path = "../shared/linkage/mod.rs"]
+mod linkage;
 #[path = "../shared/models/mod.rs"]
 mod models;
 

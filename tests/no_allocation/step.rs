@@ -1,6 +1,6 @@
 //! A step allocates nothing on the heap.
 
-use crate::{closed, models};
+use crate::{closed, linkage, models};
 use allocation_counter::measure;
 use catena::events::Eventful;
 use catena::mechanism::description::closure::{Coordinate, JointLimit};
@@ -10,6 +10,7 @@ use catena::mechanism::description::target::{Interpolation, Target};
 use catena::mechanism::motion::inputs::Inputs;
 use catena::mechanism::motion::integrator::Integrator;
 use catena::stepping::integrator::Lobatto;
+use catena::stepping::other_tree::OnOtherTree;
 use catena::stepping::recipe::{Recipe, Steps};
 
 #[test]
@@ -48,6 +49,24 @@ fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_l
             assert_eq!(counts, (0, 0), "{}, {:?}: {change:?}", mechanism.name, lobatto.description());
         }
     }
+}
+
+#[test]
+fn a_step_on_another_spanning_tree_than_the_files_allocates_nothing() {
+    // Fast enough that joints turn further in a step than is followed at once.
+    let (mechanism, start) = linkage::path(8, 15.0);
+    let recipe = Recipe { steps: Steps::Fixed { stages: 5, step: 0.01 }, kept: Vec::new() };
+    let mut steps = OnOtherTree::new(&mechanism, &recipe).unwrap().expect("another tree");
+    let mut state = start.clone();
+    steps.advance(&mechanism, &mut state, f64::INFINITY).unwrap();
+    let (mut position, mut velocity) = (state.position.clone(), state.velocity.clone());
+    let change = measure(|| {
+        for _ in 0..50 {
+            steps.advance(&mechanism, &mut state, f64::INFINITY).unwrap();
+            steps.dense(&mechanism, state.time - 0.003, &mut position, &mut velocity);
+        }
+    });
+    assert_eq!((change.count_total, change.count_current), (0, 0), "{change:?}");
 }
 
 #[test]

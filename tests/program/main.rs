@@ -18,6 +18,7 @@ mod python_readback;
 mod redundant;
 mod replay;
 mod rules;
+mod spanning_tree;
 mod special_files;
 mod stress;
 mod urdf_corpus_runs;

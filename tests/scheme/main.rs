@@ -6,6 +6,8 @@ mod closed;
 mod common;
 #[path = "../shared/in_plane/mod.rs"]
 mod in_plane;
+#[path = "../shared/linkage/mod.rs"]
+mod linkage;
 #[path = "../shared/models/mod.rs"]
 mod models;
 
@@ -25,6 +27,7 @@ mod ranks;
 mod refinement;
 mod reversible;
 mod snapshots;
+mod spanning_tree;
 mod special_bodies;
 mod stability;
 mod stages;

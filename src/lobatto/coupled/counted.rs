@@ -2,11 +2,14 @@
 
 use crate::coupled::known::Known;
 use crate::coupled::projection::Projection;
+use crate::plan::spanning::spanning_tree;
 use crate::stages::start::Start;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
+use catena_mechanism::structure::other_tree::OtherTree;
 use catena_mechanism::structure::ranks::counting::Ranks;
 use catena_mechanism::structure::ranks::lending::lent_inertia;
+use catena_mechanism::structure::spanning_tree::Graph;
 use std::sync::OnceLock;
 
 /// How far the neighbours are displaced (rad, and of a slide in lengths of its loops).
@@ -48,7 +51,22 @@ impl Counted {
     /// Two states beside this one, back on the closures; fewer where they could not be put there.
     pub(crate) fn neighbours(&self, mechanism: &Mechanism) -> &[State] {
         let both = || [0.4, 2.6].iter().filter_map(|&phase| self.neighbour(mechanism, phase)).collect();
-        self.neighbours.get_or_init(both)
+        self.neighbours.get_or_init(|| self.neighbours_elsewhere(mechanism).unwrap_or_else(both))
+    }
+
+    /// The same by way of another spanning tree, if that is less work.
+    fn neighbours_elsewhere(&self, mechanism: &Mechanism) -> Option<Vec<State>> {
+        let tree = spanning_tree(&Graph::new(mechanism, None))?;
+        let mut other = OtherTree::new(mechanism, &tree, None, &self.state).ok()?;
+        let mut own = State::zero(&other.mechanism);
+        other.take(mechanism, &self.state, &mut own);
+        let there = Counted::at(&other.mechanism, &own).neighbours(&other.mechanism).to_vec();
+        let here = |neighbour: &State| {
+            let mut state = self.state.clone();
+            other.give(mechanism, neighbour, &mut state);
+            state
+        };
+        Some(there.iter().map(here).collect())
     }
 
     /// The ranks in the neighbours.

@@ -65,3 +65,14 @@ pub struct Elimination {
     /// Largest number of fronts on the stack.
     pub levels: usize,
 }
+
+impl Elimination {
+    /// What a solve takes: the squares of the fronts at every unknown that is eliminated, added up.
+    pub fn work(&self) -> usize {
+        let of = |operation: &Operation| match operation {
+            Operation::Freedom { columns, .. } | Operation::Multiplier { columns, .. } => (columns.len() + 1).pow(2),
+            _ => 0,
+        };
+        self.operations.iter().map(of).sum()
+    }
+}

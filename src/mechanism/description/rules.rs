@@ -12,6 +12,8 @@ pub enum Rule {
     Islands,
     /// An island at rest in equilibrium is not simulated.
     Sleep,
+    /// Steps are made on the spanning tree with the least work, whichever joints the file closes loops with.
+    Tree,
     /// What moves in a plane is simulated with three coordinates a body.
     Planar,
     /// A body that never turns has no rotation.
@@ -33,9 +35,10 @@ pub struct UnknownRule(pub String);
 
 impl Rule {
     /// All of them, in the order in which they are tried.
-    pub const ALL: [Rule; 8] = [
+    pub const ALL: [Rule; 9] = [
         Rule::Islands,
         Rule::Sleep,
+        Rule::Tree,
         Rule::Planar,
         Rule::Translation,
         Rule::Points,
@@ -49,6 +52,7 @@ impl Rule {
         match self {
             Rule::Islands => "islands",
             Rule::Sleep => "sleep",
+            Rule::Tree => "tree",
             Rule::Planar => "planar",
             Rule::Translation => "translation",
             Rule::Points => "points",
@@ -63,6 +67,7 @@ impl Rule {
         match self {
             Rule::Islands => "no joint, loop, mimic relation or spring connects the parts",
             Rule::Sleep => "starts at rest, and nothing accelerates",
+            Rule::Tree => "loops, and cutting them at other joints is less work",
             Rule::Planar => "all hinges about one direction, all slides across it, loops too",
             Rule::Translation => "in space, nothing but slides between body and world",
             Rule::Points => "in space, no inertia about the center of mass",
@@ -77,6 +82,7 @@ impl Rule {
         match self {
             Rule::Islands => "each with its own steps, on several cores, small ones together",
             Rule::Sleep => "not simulated",
+            Rule::Tree => "fewer equations over each body",
             Rule::Planar => "three coordinates each instead of six",
             Rule::Translation => "three equations each instead of six",
             Rule::Points => "no angular momentum",

@@ -9,6 +9,7 @@ pub mod event;
 pub mod gaps;
 pub mod inputs;
 pub mod integrator;
+pub mod joint_coordinates;
 pub mod kinematics;
 pub mod state;
 pub mod touches;

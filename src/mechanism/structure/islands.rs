@@ -7,10 +7,11 @@
 //! Islands are numbered by their first bodies, and keep the order of bodies, closures and forces within them, so that an
 //! island is the mechanism one would have got without the others.
 
-use crate::description::closure::{Attachment, Coordinate};
+use crate::description::closure::Attachment;
 use crate::description::mechanism::{Body, Mechanism};
 use crate::description::nonsmooth::Nonsmooth;
 use crate::motion::state::State;
+use crate::structure::renumbering::Renumbering;
 use std::ops::Range;
 
 /// A part of a mechanism that nothing connects with the rest.
@@ -174,27 +175,9 @@ impl Island {
         friction.retain(|friction| here(friction.coordinate.body));
         motors.retain(|motor| here(motor.coordinate.body));
         speeds.retain(|limit| here(limit.coordinate.body));
-        let coordinates = limits.iter_mut().map(|limit| &mut limit.coordinate);
-        let coordinates = coordinates.chain(friction.iter_mut().map(|friction| &mut friction.coordinate));
-        let coordinates = coordinates.chain(motors.iter_mut().map(|motor| &mut motor.coordinate));
-        for coordinate in coordinates.chain(speeds.iter_mut().map(|limit| &mut limit.coordinate)) {
-            *coordinate = into.coordinate(*coordinate);
-        }
-        let loop_ends = mechanism.loops.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b]);
-        let contact_ends = mechanism.touches.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b]);
-        let spring_ends = forces.point_springs.iter_mut().flat_map(|spring| [&mut spring.a, &mut spring.b]);
-        for end in loop_ends.chain(contact_ends).chain(spring_ends) {
-            end.body = end.body.map(|body| into.body(body));
-        }
-        for mimic in &mut mechanism.mimics {
-            mimic.follower = into.coordinate(mimic.follower);
-            mimic.leader = into.coordinate(mimic.leader);
-        }
-        mechanism.limits.iter_mut().for_each(|limit| limit.coordinate = into.coordinate(limit.coordinate));
-        forces.joint_dampers.iter_mut().for_each(|damper| damper.freedom = into.freedom(damper.freedom));
-        forces.joint_springs.iter_mut().for_each(|spring| spring.coordinate = into.coordinate(spring.coordinate));
-        forces.joint_loads.iter_mut().for_each(|load| load.freedom = into.freedom(load.freedom));
-        forces.wrenches.iter_mut().for_each(|wrench| wrench.body = into.body(wrench.body));
+        let (body, position) = (|body: usize| into.body(body), |position: usize| into.position(position));
+        let freedom = |freedom: usize| into.freedom(freedom);
+        Renumbering { body: &body, position: &position, freedom: &freedom }.apply(&mut mechanism);
         Island { mechanism, pieces }
     }
 
@@ -267,9 +250,5 @@ impl Into<'_> {
 
     fn freedom(&self, freedom: usize) -> usize {
         self.index(freedom, |piece| &piece.velocities)
-    }
-
-    fn coordinate(&self, Coordinate { body, position, freedom }: Coordinate) -> Coordinate {
-        Coordinate { body: self.body(body), position: self.position(position), freedom: self.freedom(freedom) }
     }
 }

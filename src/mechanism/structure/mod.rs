@@ -4,10 +4,14 @@
 #[doc(hidden)]
 pub mod definiteness;
 pub mod islands;
+pub mod other_tree;
 #[doc(hidden)]
 pub mod planar_loops;
 pub mod plane;
 #[doc(hidden)]
 pub mod ranks;
+#[doc(hidden)]
+pub mod renumbering;
+pub mod spanning_tree;
 #[doc(hidden)]
 pub mod special_bodies;

@@ -1,0 +1,136 @@
+//! Reactions by way of another spanning tree than the file's ([`crate::stepping::other_tree`]): worked out there, and told of the joints of the file.
+//!
+//! A joint that closes a loop on one tree and carries a body on the other exerts the same: force F on its second end, and torque T about that end's
+//! point `P_b`. Of a joint that turns round in the tree what comes out is exerted on its first end, about `P_a`:
+//!
+//! ```text
+//!     F_b = −F_a        T_b = −(T_a + (P_a − P_b) × F_a)
+//! ```
+
+use crate::instant::reactions_on_tree::{LoopReaction, ReactionsOnTree};
+use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::closure::Attachment;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::kinematics::{BodyAcceleration, place_bodies};
+use crate::mechanism::motion::state::State;
+use crate::mechanism::structure::other_tree::{Found, OtherTree};
+use crate::mechanism::structure::spanning_tree::SpanningTree;
+use crate::reduced::Reaction;
+use crate::stepping::other_tree::other_tree;
+use nalgebra::Vector3;
+use std::borrow::Borrow;
+
+/// The workspace of one mechanism.
+pub(crate) struct ReactionsElsewhere<M> {
+    mechanism: M,
+    tree: SpanningTree,
+    other: OtherTree,
+    inside: Box<ReactionsOnTree<Mechanism>>,
+    state: State,
+    own: State,
+    bodies: Vec<BodyState>,
+    accelerations: Vec<BodyAcceleration>,
+    reactions: Vec<Reaction>,
+    loops: Vec<LoopReaction>,
+    /// Whether a state has told which way the axes of loop joints point.
+    met: bool,
+}
+
+impl<M: Borrow<Mechanism>> ReactionsElsewhere<M> {
+    /// For a mechanism; gives it back if its own tree is as good, or joints may be held.
+    pub fn new(of: M) -> Result<Self, M> {
+        let mechanism = of.borrow();
+        let smooth = mechanism.nonsmooth.is_empty() && mechanism.touches.is_empty();
+        // In space, because what is carried across a plane is asked for, too.
+        let found = if smooth { other_tree(mechanism, &[Rule::Planar]) } else { None };
+        let other = found.and_then(|(tree, _)| {
+            let other = OtherTree::new(mechanism, &tree, None, &State::zero(mechanism)).ok()?;
+            Some((tree, other))
+        });
+        let Some((tree, other)) = other else { return Err(of) };
+        let count = mechanism.bodies.len();
+        Ok(ReactionsElsewhere {
+            inside: Box::new(ReactionsOnTree::new(other.mechanism.clone())),
+            state: State::zero(mechanism),
+            own: State::zero(&other.mechanism),
+            bodies: vec![WORLD; count],
+            accelerations: vec![BodyAcceleration::default(); count],
+            reactions: vec![Reaction::default(); count],
+            loops: vec![LoopReaction::default(); mechanism.loops.len()],
+            met: false,
+            tree,
+            other,
+            mechanism: of,
+        })
+    }
+
+    /// The mechanism.
+    pub fn mechanism(&self) -> &Mechanism {
+        self.mechanism.borrow()
+    }
+
+    /// Takes a state of the mechanism.
+    fn take(&mut self, position: &[f64], velocity: &[f64]) {
+        let ReactionsElsewhere { mechanism, tree, other, inside, state, own, bodies, met, .. } = self;
+        let mechanism = (*mechanism).borrow();
+        state.position.copy_from_slice(position);
+        state.velocity.copy_from_slice(velocity);
+        if !std::mem::replace(met, true)
+            && !other.fits(mechanism, tree, None, state)
+            && let Ok(fitting) = OtherTree::new(mechanism, tree, None, state)
+        {
+            **inside = ReactionsOnTree::new(fitting.mechanism.clone());
+            *other = fitting;
+        }
+        other.take(mechanism, state, own);
+        place_bodies(&other.mechanism, own, bodies);
+    }
+
+    /// The acceleration of each body at these positions and velocities.
+    pub fn accelerations(&mut self, position: &[f64], velocity: &[f64]) -> &[BodyAcceleration] {
+        self.take(position, velocity);
+        let there = self.inside.accelerations(&self.own.position, &self.own.velocity, &self.bodies);
+        for (body, own) in self.accelerations.iter_mut().enumerate() {
+            *own = there[self.other.number(body)];
+        }
+        &self.accelerations
+    }
+
+    /// What each joint and each loop carries at these positions and velocities, which place the bodies.
+    pub fn of_placed(
+        &mut self,
+        position: &[f64],
+        velocity: &[f64],
+        bodies: &[BodyState],
+    ) -> (&[Reaction], &[LoopReaction]) {
+        self.take(position, velocity);
+        let ReactionsElsewhere { mechanism, other, inside, own, bodies: placed, reactions, loops, .. } = self;
+        let mechanism = (*mechanism).borrow();
+        let (joints, closures) = inside.of_placed(&own.position, &own.velocity, placed);
+        let point = |body: Option<usize>, at: &Vector3<f64>| {
+            let on = body.map_or(&WORLD, |body| &bodies[body]);
+            on.position + on.rotation * at
+        };
+        let exerted = |found: Found, from: Vector3<f64>, to: Vector3<f64>| match found {
+            Found::Carries { body, backwards: false } => (joints[body].force, joints[body].torque),
+            Found::Carries { body, backwards: true } => {
+                let Reaction { force, torque, .. } = joints[body];
+                (-force, -(torque + (from - to).cross(&force)))
+            }
+            Found::Closes(index) => (closures[index].force, closures[index].torque),
+        };
+        for (index, (own, body)) in reactions.iter_mut().zip(&mechanism.bodies).enumerate() {
+            let anchor = point(Some(index), &body.joint.on_child.translation.vector);
+            let from = point(body.parent, &body.joint.on_parent.translation.vector);
+            let (force, torque) = exerted(other.joint(index), from, anchor);
+            *own = Reaction { anchor, force, torque };
+        }
+        let ends = |end: &Attachment| point(end.body, &end.frame.translation.vector);
+        for (index, (own, joint)) in loops.iter_mut().zip(&mechanism.loops).enumerate() {
+            let (force, torque) = exerted(other.closing(index), ends(&joint.a), ends(&joint.b));
+            *own = LoopReaction { force, torque };
+        }
+        (reactions, loops)
+    }
+}
