@@ -81,10 +81,11 @@ impl Eventful {
                 Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => self.fresh_joints[joint],
                 Watched::Margin => self.fresh_joints.contains(&true) || self.fresh_pairs.contains(&true),
                 Watched::Motor(motor, _) | Watched::Excess(motor) => self.fresh_motors[motor],
-                Watched::Approach(pair) | Watched::Slips(pair) => self.fresh_pairs[pair],
-                Watched::Presses(contact) | Watched::Grips(contact) | Watched::Feature(contact) => {
-                    self.fresh_pairs[self.mode.contacts[contact].contact.pair]
-                }
+                Watched::Approach(pair) | Watched::SlipsTogether(pair) => self.fresh_pairs[pair],
+                Watched::Presses(contact)
+                | Watched::Grips(contact)
+                | Watched::Slips(contact)
+                | Watched::Feature(contact) => self.fresh_pairs[self.mode.contacts[contact].contact.pair],
             };
             if fresh { f64::INFINITY } else { TOGETHER * watched.scale(&self.elements, &self.touching, &self.mode) }
         }));
@@ -199,7 +200,7 @@ impl Eventful {
         for _ in 0..=self.watched.len().min(ATTEMPTS) {
             if bracket.at_start {
                 self.pieces[self.current].go_back(since, &self.recipe);
-                return Ok(vec![self.watched[bracket.watched]]);
+                return Ok(self.overlaps_at_start(bracket.watched));
             }
             self.end_at(inputs, since, bracket, outcome)?;
             let end = self.pieces[self.current].small.time;
@@ -227,6 +228,19 @@ impl Eventful {
         Ok((0..self.watched.len()).filter(|&index| meets(index)).map(|index| self.watched[index]).collect())
     }
 
+    /// The function that is negative from the start on, and all pairs that overlap there.
+    fn overlaps_at_start(&mut self, negative: usize) -> Vec<Watched> {
+        place_bodies(&self.whole, &self.origin, &mut self.bodies);
+        let overlaps = |index: usize| match self.watched[index] {
+            Watched::Approach(pair) => {
+                self.touching.distance(pair, &self.bodies) < -TOGETHER * self.touching.pairs[pair].size
+            }
+            _ => false,
+        };
+        let all = (0..self.watched.len()).filter(|&index| index == negative || overlaps(index));
+        all.map(|index| self.watched[index]).collect()
+    }
+
     /// Makes the step again with the length at which a function is zero.
     fn end_at(
         &mut self,
@@ -242,7 +256,7 @@ impl Eventful {
         let mut length = bracket.root - since;
         let mut slope = bracket.slope;
         // A slip has a direction before it stops, and none at the stop: its end is reached from there.
-        let stops = matches!(self.watched[bracket.watched], Watched::Slips(_));
+        let stops = matches!(self.watched[bracket.watched], Watched::Slips(_) | Watched::SlipsTogether(_));
         if stops {
             let before = if bracket.low > since { bracket.low - since } else { 0.5 * length };
             slope = 0.0;

@@ -53,6 +53,7 @@ pub(crate) fn transit(
     let rests: Vec<f64> = memory.joints.iter().map(|joint| SLOWEST.max(REST * joint.fastest)).collect();
     stop_slow_joints(elements, state, &rests, false);
     let mut contacts = Contacts::gather(scene, &before, state, found, memory.fastest);
+    let lifted = contacts.move_apart(scene, state);
     let (meetings, ends) = meetings(scene, state, memory, found, &rests, &contacts);
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&state.velocity)).collect();
     let mut impulses = match collide(scene, state, &meetings) {
@@ -62,7 +63,7 @@ pub(crate) fn transit(
             bring_to_rest(scene, state, &meetings)
         }
     };
-    done.lost = impulses.lost;
+    done.lost = lifted + impulses.lost;
     for _ in 0..CALMING {
         let known = efforts(mode, state);
         let low = too_low(scene, state, &meetings, &known, found.height);
@@ -189,6 +190,7 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
             | Watched::Presses(_)
             | Watched::Grips(_)
             | Watched::Slips(_)
+            | Watched::SlipsTogether(_)
             | Watched::Feature(_) => {}
             Watched::Excess(index) => {
                 mode.motors[index] = MotorMode::Unbounded;
