@@ -14,7 +14,7 @@ use crate::events::decision::{Candidate, Scene, Yielding};
 use crate::events::impact::Meeting;
 use crate::events::memory::Found;
 use crate::events::mode::{Closed, Mode};
-use crate::events::resting::bring_rows_to_rest;
+use crate::events::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::watched::Watched;
 use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::cone::bounded::minimise;
@@ -22,7 +22,6 @@ use crate::instant::cone::impact::impulse_without_collision;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::touching::Contact;
 use crate::mechanism::description::body_state::BodyState;
-use crate::mechanism::motion::energy::energy_with_forces;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
@@ -186,16 +185,9 @@ impl Contacts {
         let apart = vec![(0.0, f64::INFINITY); gaps.len()];
         let mut change = vec![0.0; state.velocity.len()];
         rows.add(&minimise(&rows.square, &gaps, &apart).efforts, &mut change);
-        let energy = |state: &State| energy_with_forces(scene.whole, &state.position, &body_states(scene.whole, state));
-        let before = energy(state).total();
+        let before = energy(scene, state).total();
         state.displace(scene.whole, &change);
-        let after = energy(state);
-        let gained = after.total() - before;
-        if gained > 0.0 && after.kinetic > 0.0 {
-            let factor = (1.0 - gained / after.kinetic).max(0.0).sqrt();
-            state.velocity.iter_mut().for_each(|rate| *rate *= factor);
-        }
-        before - energy(state).total()
+        keep_from_gaining(scene, state, before)
     }
 
     /// Moves the candidates onto each other to the last bit: what is left of their gaps, 1e-12 m, would be a velocity in a short step.

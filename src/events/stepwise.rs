@@ -33,23 +33,58 @@ const STEP: f64 = 1e-4;
 /// A step that gains more than this part of the kinetic energy is scaled.
 const GAIN: f64 = 1e-14;
 
-/// So many steps
-const CROWD: usize = 100;
-/// within such a time are a crowd (s).
-const CROWD_TIME: f64 = 1e-5;
+/// So many steps within such times (s) are a crowd.
+const CROWDS: [(usize, f64); 2] = [(100, 1e-5), (400, 1e-3)];
+/// A crowd is left by one such step; if another follows within so many of them by twice as many as before,
+const SOON: f64 = 10.0;
+/// up to so many.
+const LONGEST: usize = 64;
+
+/// Steps that have become many, and the steps of first order that are to be made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crowding {
+    /// Steps since a time (s), for each kind of crowd.
+    counts: [(usize, f64); 2],
+    /// Steps of first order still to be made, those of the last crowd, and when it ended (s).
+    left: usize,
+    made: usize,
+    ended: f64,
+}
+
+impl Crowding {
+    /// Nothing has happened yet.
+    pub const CALM: Crowding =
+        Crowding { counts: [(0, f64::NEG_INFINITY); 2], left: 0, made: 0, ended: f64::NEG_INFINITY };
+
+    /// Counts a step that begins at a time (s); whether it is to be one of first order.
+    fn count(&mut self, time: f64) -> bool {
+        if self.left == 0 {
+            let mut crowded = false;
+            for ((count, since), (most, within)) in self.counts.iter_mut().zip(CROWDS) {
+                if time - *since > within {
+                    (*count, *since) = (0, time);
+                }
+                *count += 1;
+                crowded |= *count > most;
+            }
+            if !crowded {
+                return false;
+            }
+            let again = time - self.ended <= SOON * self.made as f64 * STEP;
+            self.made = if again { (2 * self.made).min(LONGEST) } else { 1 };
+            self.left = self.made;
+        }
+        self.left -= 1;
+        self.ended = time + STEP;
+        self.counts = Crowding::CALM.counts;
+        true
+    }
+}
 
 impl Eventful {
     /// Whether steps between events have become so many and so short that the run would not get on.
     pub(super) fn is_crowded(&mut self, state: &State) -> bool {
-        if self.touching.pairs.is_empty() || state.time - self.crowd.1 > CROWD_TIME {
-            self.crowd = (0, state.time);
-        }
-        self.crowd.0 += 1;
-        let crowded = self.crowd.0 > CROWD;
-        if crowded {
-            self.crowd = (0, state.time);
-        }
-        crowded
+        !self.touching.pairs.is_empty() && self.crowding.count(state.time)
     }
 
     /// Makes one such step towards `until` from the start of the step that failed.
@@ -98,6 +133,10 @@ impl Eventful {
         let events = self.events.len();
         let impacts = lost + self.pass_anew(inputs, state);
         self.events.truncate(events);
+        // What closed has been moved: that gains nothing either.
+        let impacts = impacts.max(self.bound(&start, state, work));
+        let piece = &mut self.pieces[self.current];
+        piece.small = piece.moving.gather(&self.whole, state);
         self.steps += 1;
         self.stepped += step;
         StepOutcome {
