@@ -24,3 +24,4 @@ mod pendulum;
 mod reactions;
 mod robots;
 mod slides;
+mod throws;
