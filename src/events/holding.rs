@@ -16,7 +16,7 @@ use crate::events::present::Present;
 use crate::instant::response::Response;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::JointKind;
-use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::mechanism::{Body, Mechanism};
 use crate::mechanism::forces::total::{BodyWrench, body_wrenches, joint_efforts};
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, place_bodies};
 use crate::mechanism::motion::state::State;
@@ -199,6 +199,10 @@ impl Tree {
         reactions_under(whole, bodies, motion, applied, reactions);
         joint_efforts(whole, &state.position, &state.velocity, own);
         self.inertial = (0.0, 0.0);
+        let falls = |body: &Body| body.parent.is_none() && body.joint.kind == JointKind::Floating;
+        if !whole.bodies.iter().any(falls) {
+            return;
+        }
         for (body, (placed, (acceleration, turning))) in whole.bodies.iter().zip(bodies.iter().zip(&*motion)) {
             let force = body.mass * (acceleration.norm() + whole.gravity.norm());
             let arm = (placed.position - bodies[0].position).norm();

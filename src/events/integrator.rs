@@ -1,6 +1,7 @@
 //! The integrator of motions that are smooth in pieces: steps of the scheme for what moves in a mode, ended at events.
 
 use crate::events::approach::Speeds;
+use crate::events::crowding::Crowding;
 use crate::events::decision::{Scene, held_bodies};
 use crate::events::detection::Looking;
 use crate::events::drives::Drives;
@@ -12,7 +13,6 @@ use crate::events::piece::{Key, Piece};
 use crate::events::piece_steps::PieceRecipe;
 use crate::events::present::Present;
 use crate::events::reporting::Reporting;
-use crate::events::stepwise::Crowding;
 use crate::events::transition::transit;
 use crate::events::watched::{Watched, unbounded};
 use crate::instant::elements::Elements;

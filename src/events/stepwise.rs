@@ -14,6 +14,7 @@
 //! Source: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics (1988); M. Jean, The non-smooth contact dynamics method,
 //! Computer Methods in Applied Mechanics and Engineering 177 (1999).
 
+use crate::events::crowding::STEP;
 use crate::events::integrator::Eventful;
 use crate::events::mode::Mode;
 use crate::instant::assembly::assemble;
@@ -28,58 +29,8 @@ use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 
-/// h (s).
-const STEP: f64 = 1e-4;
 /// A step that gains more than this part of the kinetic energy is scaled.
 const GAIN: f64 = 1e-14;
-
-/// So many steps within such times (s) are a crowd.
-const CROWDS: [(usize, f64); 2] = [(100, 1e-5), (400, 1e-3)];
-/// A crowd is left by one such step; if another follows within so many of them by twice as many as before,
-const SOON: f64 = 10.0;
-/// up to so many.
-const LONGEST: usize = 64;
-
-/// Steps that have become many, and the steps of first order that are to be made.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Crowding {
-    /// Steps since a time (s), for each kind of crowd.
-    counts: [(usize, f64); 2],
-    /// Steps of first order still to be made, those of the last crowd, and when it ended (s).
-    left: usize,
-    made: usize,
-    ended: f64,
-}
-
-impl Crowding {
-    /// Nothing has happened yet.
-    pub const CALM: Crowding =
-        Crowding { counts: [(0, f64::NEG_INFINITY); 2], left: 0, made: 0, ended: f64::NEG_INFINITY };
-
-    /// Counts a step that begins at a time (s); whether it is to be one of first order.
-    fn count(&mut self, time: f64) -> bool {
-        if self.left == 0 {
-            let mut crowded = false;
-            for ((count, since), (most, within)) in self.counts.iter_mut().zip(CROWDS) {
-                if time - *since > within {
-                    (*count, *since) = (0, time);
-                }
-                *count += 1;
-                crowded |= *count > most;
-            }
-            if !crowded {
-                return false;
-            }
-            let again = time - self.ended <= SOON * self.made as f64 * STEP;
-            self.made = if again { (2 * self.made).min(LONGEST) } else { 1 };
-            self.left = self.made;
-        }
-        self.left -= 1;
-        self.ended = time + STEP;
-        self.counts = Crowding::CALM.counts;
-        true
-    }
-}
 
 impl Eventful {
     /// Whether steps between events have become so many and so short that the run would not get on.
