@@ -11,10 +11,10 @@
 //!
 //! Source: B. Mirtich, Impulse-based Dynamic Simulation, PhD thesis, Berkeley 1996, chapter 2 (conservative advancement).
 
+use crate::events::detection::soon_positive;
+
 /// Halvings of each interval between samples, at most.
 const DEPTH: usize = 20;
-/// Halvings of the first interval in search of an open gap, where the step begins closed.
-const HALVINGS: i32 = 44;
 /// Bodies may be faster between the samples of a step than at them by this factor.
 const FASTER: f64 = 1.25;
 
@@ -77,22 +77,14 @@ pub(crate) fn first_closing(
     }
     let mut next = 1;
     if low.1 <= noise {
-        let mut high = time(1);
-        let mut open = None;
-        for halvings in 0..=HALVINGS {
-            let near = start + (time(1) - start) * 0.5_f64.powi(halvings);
-            let value = gap(near);
-            if value > 0.0 {
-                open = Some((near, value));
-                break;
-            }
-            high = near;
+        let value = gap(time(1));
+        if value <= 0.0 {
+            return Some(match soon_positive(start, time(1), gap) {
+                Some((open, closed)) => Closing::Between(open, closed),
+                None => Closing::AtStart,
+            });
         }
-        let Some(open) = open else { return Some(Closing::AtStart) };
-        if open.0 < high {
-            return Some(Closing::Between(open.0, high));
-        }
-        low = open;
+        low = (time(1), value);
         next = 2;
     }
     for j in next..=samples {

@@ -16,6 +16,7 @@ use crate::instant::cone::least_norm::least_norm;
 use crate::instant::cone::margin_or_clear;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::response::Response;
+use crate::instant::touching::Contact;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -116,7 +117,7 @@ pub(crate) fn closed_forces(
     found
 }
 
-/// When the first contact that slides would stop if its slip went on falling as it does in this state (s); infinite if none falls.
+/// When the first contact that slides, or all of a pair together, would stop if slips went on falling as they do in this state (s); infinite if none falls.
 pub(crate) fn time_to_stop(at: &Present, response: &mut Response, state: &State, efforts: &[f64], unique: bool) -> f64 {
     let bodies = body_states(at.whole, state);
     let blocks = blocks(at, &bodies);
@@ -124,18 +125,23 @@ pub(crate) fn time_to_stop(at: &Present, response: &mut Response, state: &State,
     let offset = offsets(at, response, state, efforts, &blocks, &bodies);
     let forces = Chosen::new(&blocks).solve(&rows.square, &offset, unique);
     let rates = &rows.square * DVector::from_vec(forces) + DVector::from_vec(offset);
-    let (mut row, mut first) = (0, f64::INFINITY);
+    // Where forces are not unique those of one pair stop together.
+    let mut stops: Vec<(usize, f64, f64)> = Vec::new();
+    let mut row = 0;
     for block in &blocks {
         if let (Of::Contact(index), Law::Sliding { direction: [x, y], .. }) = (block.of, block.law) {
-            let speed = touch_motion(&at.mode.contacts[index].contact.joint, &bodies).slip.norm();
+            let Contact { pair, joint, .. } = &at.mode.contacts[index].contact;
+            let speed = touch_motion(joint, &bodies).slip.norm();
             let falls = -(x * rates[row + 1] + y * rates[row + 2]);
-            if falls > 0.0 {
-                first = first.min(speed / falls);
+            match stops.iter_mut().find(|(of, ..)| !unique && of == pair) {
+                Some((_, all, fall)) => (*all, *fall) = (*all + speed, *fall + falls),
+                None => stops.push((*pair, speed, falls)),
             }
         }
         row += block.rows.len();
     }
-    first
+    let time = |&(_, speed, falls): &(usize, f64, f64)| if falls > 0.0 { speed / falls } else { f64::INFINITY };
+    stops.iter().map(time).fold(f64::INFINITY, f64::min)
 }
 
 /// b: what the rows of the blocks are accelerated by without what is held.

@@ -14,7 +14,7 @@ use crate::events::decision::{Candidate, Scene, Yielding};
 use crate::events::impact::Meeting;
 use crate::events::memory::Found;
 use crate::events::mode::{Closed, Mode};
-use crate::events::resting::bring_rows_to_rest;
+use crate::events::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::watched::Watched;
 use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::cone::bounded::minimise;
@@ -31,6 +31,8 @@ use nalgebra::Vector3;
 const TOUCHED: f64 = 1e-11;
 /// The same at the start of a run.
 const TOUCHED_AT_START: f64 = 1e-9;
+/// Overlaps of more than this part of the size of a pair are moved apart.
+const OVERLAP: f64 = 1e-12;
 /// Gaps up to this are closed (m).
 const CLOSED: f64 = 1e-15;
 /// Slower than this part of the fastest that any body has been is rest.
@@ -133,11 +135,15 @@ impl Contacts {
             })
             .map(|joint| joint.coordinate.freedom)
             .collect();
-        // The contacts of one pair stop together, but for what they know of each other's forces where those are not unique.
-        let mut together = vec![0.0_f64; scene.touching.pairs.len()];
-        for contact in &self.all {
-            let slip = touch_motion(&contact.joint, &bodies).slip.norm();
-            together[contact.pair] = together[contact.pair].max(slip);
+        // The contacts of one pair that stop together do so but for what they know of each other's forces where those are not unique.
+        let mut together = vec![(0.0_f64, TOGETHER); scene.touching.pairs.len()];
+        for (contact, known) in self.all.iter().zip(&self.known) {
+            let (slip, most) = &mut together[contact.pair];
+            *slip = slip.max(touch_motion(&contact.joint, &bodies).slip.norm());
+            let stops = known.is_some_and(|known| yielding.stops.contains(&known));
+            if stops || yielding.stops_together.contains(&contact.pair) {
+                *most = STOPPED;
+            }
         }
         let mut rows = Vec::new();
         for (index, contact) in self.all.iter().enumerate() {
@@ -146,12 +152,13 @@ impl Contacts {
             if touch.rate > self.rest {
                 continue;
             }
-            let stopped = if yielding.stops.contains(&contact.pair) { STOPPED } else { TOGETHER };
-            let sticks = touch.slip.norm() <= self.rest || together[contact.pair] <= stopped * self.rest;
+            let is = |list: &[usize]| self.known[index].is_some_and(|known| list.contains(&known));
+            let (slip, (largest, most)) = (touch.slip.norm(), together[contact.pair]);
+            let own = if is(&yielding.stops) { STOPPED } else { 1.0 };
+            let sticks = slip <= own * self.rest || largest <= most * self.rest;
             let slip = if sticks { Vector3::zeros() } else { touch.slip };
             let own = rows_of_contact(scene.whole, &bodies, &contact.joint, rubs && sticks);
             rows.extend(own);
-            let is = |list: &[usize]| self.known[index].is_some_and(|known| list.contains(&known));
             let (slides, opens) = (is(&yielding.slides), is(&yielding.opens));
             self.candidates.push(Candidate { contact: contact.clone(), slip, slides, opens });
         }
@@ -160,6 +167,27 @@ impl Contacts {
         self.close_gaps(scene, state, &bodies, &still);
         still.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
         lost
+    }
+
+    /// Moves apart what overlaps, by the least motion in the metric of the mass matrix; returns the energy that this takes (J). An event that was found
+    /// late leaves such overlaps. What they would gain in height is taken from the velocities.
+    pub fn move_apart(&self, scene: &mut Scene, state: &mut State) -> f64 {
+        let bodies = body_states(scene.whole, state);
+        let gap = |contact: &Contact| touch_motion(&contact.joint, &bodies).gap;
+        let gaps: Vec<f64> = self.all.iter().map(gap).collect();
+        let deep = |(gap, contact): (&f64, &Contact)| *gap < -OVERLAP * scene.touching.pairs[contact.pair].size;
+        if !gaps.iter().zip(&self.all).any(deep) {
+            return 0.0;
+        }
+        let normal = |contact: &Contact| rows_of_contact(scene.whole, &bodies, &contact.joint, false);
+        let rows: Vec<Vec<f64>> = self.all.iter().flat_map(normal).collect();
+        let rows = Rows::new(scene.response, state, rows);
+        let apart = vec![(0.0, f64::INFINITY); gaps.len()];
+        let mut change = vec![0.0; state.velocity.len()];
+        rows.add(&minimise(&rows.square, &gaps, &apart).efforts, &mut change);
+        let before = energy(scene, state).total();
+        state.displace(scene.whole, &change);
+        keep_from_gaining(scene, state, before)
     }
 
     /// Moves the candidates onto each other to the last bit: what is left of their gaps, 1e-12 m, would be a velocity in a short step.

@@ -58,8 +58,10 @@ pub(crate) struct Yielding {
     /// Closed contacts that press no more, and those that stick no more, by their numbers in the mode.
     pub opens: Vec<usize>,
     pub slides: Vec<usize>,
-    /// Pairs whose slip stops.
+    /// Closed contacts whose slip stops, by their numbers in the mode.
     pub stops: Vec<usize>,
+    /// Pairs whose slips stop together.
+    pub stops_together: Vec<usize>,
 }
 
 impl Yielding {
@@ -74,7 +76,8 @@ impl Yielding {
                 Watched::Margin => yielding.all = true,
                 Watched::Presses(contact) => yielding.opens.push(contact),
                 Watched::Grips(contact) => yielding.slides.push(contact),
-                Watched::Slips(pair) => yielding.stops.push(pair),
+                Watched::Slips(contact) => yielding.stops.push(contact),
+                Watched::SlipsTogether(pair) => yielding.stops_together.push(pair),
                 _ => {}
             }
         }

@@ -7,6 +7,8 @@
 //!
 //! The root of the dense output is of lower order than the ends of steps: it begins the location, and never replaces it.
 
+use std::ops::Range;
+
 /// Samples of a step besides its start.
 pub(super) const SAMPLES: usize = 6;
 /// Halvings of the first interval in search of a positive value.
@@ -46,11 +48,10 @@ pub(crate) struct Looking {
 pub(crate) struct Room {
     /// Sample after sample.
     values: Vec<f64>,
-    one: Vec<f64>,
 }
 
-/// The first sign change of any function over `start … end` (s): `sample(time, values)` evaluates all of them. Values down to `−noise` of a
-/// function count as zero at the start.
+/// The first sign change of any function over `start … end` (s): `sample(time, which, values)` evaluates those that are asked for. Values down to
+/// `−noise` of a function count as zero at the start.
 ///
 /// Allocates only where there are more functions than ever before.
 pub(crate) fn first_sign_change(
@@ -59,21 +60,21 @@ pub(crate) fn first_sign_change(
     start: f64,
     end: f64,
     noise: &[f64],
-    mut sample: impl FnMut(f64, &mut [f64]),
+    mut sample: impl FnMut(f64, Range<usize>, &mut [f64]),
 ) -> Option<Bracket> {
     let length = end - start;
     let time = |j: usize| if j == SAMPLES { end } else { start + length * j as f64 / SAMPLES as f64 };
-    let Room { values, one } = room;
+    let values = &mut room.values;
     values.resize(count * (SAMPLES + 1), 0.0);
-    one.resize(count, 0.0);
     for (j, values) in values.chunks_mut(count).enumerate() {
-        sample(time(j), values);
+        sample(time(j), 0..count, values);
     }
     let mut earliest: Option<Bracket> = None;
     for watched in 0..count {
         let mut value = |at: f64| {
-            sample(at, one);
-            one[watched]
+            let mut one = [0.0];
+            sample(at, watched..watched + 1, &mut one);
+            one[0]
         };
         let of: [f64; SAMPLES + 1] = std::array::from_fn(|j| values[j * count + watched]);
         let Some((low, high, at_start)) = bracket(&of, &time, noise[watched], &mut value) else { continue };
@@ -82,6 +83,10 @@ pub(crate) fn first_sign_change(
             continue;
         }
         let found = close_in(watched, low, high, at_start, length, &mut value);
+        // Nothing is earlier.
+        if at_start {
+            return Some(found);
+        }
         if earliest.is_none_or(|known| found.root < known.root) {
             earliest = Some(found);
         }
@@ -101,15 +106,10 @@ fn bracket(
             if j > 1 || of[0] > noise {
                 return Some((time(j - 1), time(j), false));
             }
-            let mut high = time(1);
-            for halvings in 1..=HALVINGS {
-                let near = time(0) + (time(1) - time(0)) * 0.5_f64.powi(halvings);
-                if value(near) > 0.0 {
-                    return Some((near, high, false));
-                }
-                high = near;
-            }
-            return Some((time(0), time(0), true));
+            return Some(match soon_positive(time(0), time(1), value) {
+                Some((near, high)) => (near, high, false),
+                None => (time(0), time(0), true),
+            });
         }
         let Some(&next) = of.get(j + 1) else { continue };
         let before = of[j - 1];
@@ -125,6 +125,15 @@ fn bracket(
         }
     }
     None
+}
+
+/// Where a function that is negative at the end of an interval is positive soon after its start: the longest halved interval at whose end it is, and
+/// the one before. What is positive there is so from the start on, so that every fourth is asked first.
+pub(super) fn soon_positive(start: f64, end: f64, value: &mut impl FnMut(f64) -> f64) -> Option<(f64, f64)> {
+    let at = |halvings: i32| start + (end - start) * 0.5_f64.powi(halvings);
+    let found = (1..=HALVINGS / 4).map(|four| 4 * four).find(|&halvings| value(at(halvings)) > 0.0)?;
+    let first = (found - 3..found).find(|&halvings| value(at(halvings)) > 0.0).unwrap_or(found);
+    Some((at(first), if first == 1 { end } else { at(first - 1) }))
 }
 
 /// A point between two where the function is negative, if its minimum is: golden section.
@@ -210,7 +219,7 @@ mod tests {
     use super::*;
 
     fn first(function: impl Fn(f64) -> f64) -> Option<Bracket> {
-        first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], |time, values| values[0] = function(time))
+        first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], |time, _, values| values[0] = function(time))
     }
 
     #[test]

@@ -16,7 +16,7 @@ use crate::events::present::Present;
 use crate::instant::response::Response;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::JointKind;
-use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::mechanism::{Body, Mechanism};
 use crate::mechanism::forces::total::{BodyWrench, body_wrenches, joint_efforts};
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, place_bodies};
 use crate::mechanism::motion::state::State;
@@ -66,6 +66,9 @@ struct Tree {
     applied: Vec<BodyWrench>,
     reactions: Vec<Reaction>,
     own: Vec<f64>,
+    /// The sum of m (|a| + |g|) over the bodies (N), and of their moments about the first body (N m): what falls freely carries nothing, but by the
+    /// difference of these.
+    inertial: (f64, f64),
 }
 
 impl Holding {
@@ -97,6 +100,7 @@ impl Holding {
                 applied: vec![BodyWrench::default(); count],
                 reactions: vec![Reaction::default(); count],
                 own: vec![0.0; whole.velocity_count],
+                inertial: (0.0, 0.0),
             }))
         };
         let nothing = vec![0.0; elements.joints.len()];
@@ -194,6 +198,17 @@ impl Tree {
         body_wrenches(whole, bodies, applied);
         reactions_under(whole, bodies, motion, applied, reactions);
         joint_efforts(whole, &state.position, &state.velocity, own);
+        self.inertial = (0.0, 0.0);
+        let falls = |body: &Body| body.parent.is_none() && body.joint.kind == JointKind::Floating;
+        if !whole.bodies.iter().any(falls) {
+            return;
+        }
+        for (body, (placed, (acceleration, turning))) in whole.bodies.iter().zip(bodies.iter().zip(&*motion)) {
+            let force = body.mass * (acceleration.norm() + whole.gravity.norm());
+            let arm = (placed.position - bodies[0].position).norm();
+            self.inertial.0 += force;
+            self.inertial.1 += force * arm + body.inertia.amax() * turning.norm();
+        }
     }
 
     /// What the joint of a body has to carry along its axis besides its own springs and loads, and the size of all that it carries.
@@ -202,7 +217,12 @@ impl Tree {
         let axis = self.bodies[body].rotation * joint.on_child.rotation.matrix().column(2);
         let Reaction { force, torque, .. } = &self.reactions[body];
         let carried = if joint.kind == JointKind::Prismatic { axis.dot(force) } else { axis.dot(torque) };
-        let size = if joint.kind == JointKind::Prismatic { force.norm() } else { torque.norm() };
+        let (forces, moments) = self.inertial;
+        let size = if joint.kind == JointKind::Prismatic {
+            force.norm() + forces
+        } else {
+            torque.norm() + moments + forces * (self.reactions[body].anchor - self.bodies[0].position).norm()
+        };
         (carried - self.own[joint.velocity_index], size + self.own[joint.velocity_index].abs())
     }
 }

@@ -1,6 +1,7 @@
 //! The integrator of motions that are smooth in pieces: steps of the scheme for what moves in a mode, ended at events.
 
 use crate::events::approach::Speeds;
+use crate::events::crowding::Crowding;
 use crate::events::decision::{Scene, held_bodies};
 use crate::events::detection::Looking;
 use crate::events::drives::Drives;
@@ -74,8 +75,9 @@ pub struct Eventful {
     pub(super) flips: (usize, f64),
     /// How often in a row an event at the start of a step has changed nothing.
     pub(super) unfounded: i32,
-    /// Whether the next step does not look for events.
+    /// Whether the next step does not look at these functions.
     pub(super) looks_away: bool,
+    pub(super) ignored: Vec<Watched>,
     pub(super) steps: usize,
     pub(super) stepped: f64,
     pub(super) lost_at_start: f64,
@@ -87,8 +89,8 @@ pub struct Eventful {
     pub(super) asleep: bool,
     /// Steps in a row in which nothing has moved.
     pub(super) quiet: usize,
-    /// Steps since a time (s), where events crowd.
-    pub(super) crowd: (usize, f64),
+    /// Where events crowd.
+    pub(super) crowding: Crowding,
     /// The end of the last step, if it was one of first order.
     pub(super) stepped_over: Option<State>,
     /// The mode of the last step, where there are pairs that may touch.
@@ -160,12 +162,13 @@ impl Eventful {
             flips: (0, f64::MIN),
             unfounded: 0,
             looks_away: false,
+            ignored: Vec::new(),
             steps: 0,
             stepped: 0.0,
             lost_at_start: 0.0,
             idle,
             unsolved: 0,
-            crowd: (0, f64::NEG_INFINITY),
+            crowding: Crowding::CALM,
             stepped_over: None,
             asleep: false,
             quiet: 0,

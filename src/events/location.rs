@@ -17,6 +17,7 @@ use crate::instant::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
+use crate::mechanism::motion::touches::touch_motion;
 
 /// Attempts at the length of a step that ends at an event.
 const ATTEMPTS: usize = 12;
@@ -27,6 +28,8 @@ const TOGETHER: f64 = 1e-11;
 const RESOLUTION: f64 = 2e-3;
 /// A slip of this part of the largest speed has stopped: less is noise of the solution of the stages.
 const STOPPED: f64 = 1e-10;
+/// A slip that keeps this part of its speed has turned.
+const TURNED: f64 = 0.1;
 /// Slips below this part of it say nothing of how fast they fall.
 const STEEP: f64 = 1e-7;
 
@@ -51,7 +54,8 @@ impl Eventful {
             _ => true,
         };
         which.clear();
-        which.extend(self.watched.iter().enumerate().filter(|(_, watched)| near(watched)).map(|(index, _)| index));
+        let looked_at = |watched: &Watched| !self.ignored.contains(watched) && near(watched);
+        which.extend(self.watched.iter().enumerate().filter(|(_, watched)| looked_at(watched)).map(|(index, _)| index));
     }
 
     /// Where a function changes its sign first in the last step; `but` is one that is known.
@@ -59,6 +63,9 @@ impl Eventful {
         let mut looking = std::mem::take(&mut self.looking);
         let found = self.look(inputs, since, but, &mut looking);
         self.looking = looking;
+        if found.is_some_and(|found| found.at_start) {
+            return found;
+        }
         let contact = self.look_for_contacts(inputs, since, but);
         match (found, contact) {
             (Some(found), Some(contact)) => Some(if contact.root < found.root { contact } else { found }),
@@ -81,16 +88,17 @@ impl Eventful {
                 Watched::Gap(joint, _) | Watched::Slide(joint) | Watched::Bears(joint, _) => self.fresh_joints[joint],
                 Watched::Margin => self.fresh_joints.contains(&true) || self.fresh_pairs.contains(&true),
                 Watched::Motor(motor, _) | Watched::Excess(motor) => self.fresh_motors[motor],
-                Watched::Approach(pair) | Watched::Slips(pair) => self.fresh_pairs[pair],
-                Watched::Presses(contact) | Watched::Grips(contact) | Watched::Feature(contact) => {
-                    self.fresh_pairs[self.mode.contacts[contact].contact.pair]
-                }
+                Watched::Approach(pair) | Watched::SlipsTogether(pair) => self.fresh_pairs[pair],
+                Watched::Presses(contact)
+                | Watched::Grips(contact)
+                | Watched::Slips(contact)
+                | Watched::Feature(contact) => self.fresh_pairs[self.mode.contacts[contact].contact.pair],
             };
             if fresh { f64::INFINITY } else { TOGETHER * watched.scale(&self.elements, &self.touching, &self.mode) }
         }));
         let end = self.pieces[self.current].small.time;
-        let found = first_sign_change(room, which.len(), since, end, noise, |time, values| {
-            self.evaluate(inputs, since, time, which, values);
+        let found = first_sign_change(room, which.len(), since, end, noise, |time, of, values| {
+            self.evaluate(inputs, since, time, &which[of], values);
         });
         found.map(|found| Bracket { watched: which[found.watched], ..found })
     }
@@ -98,7 +106,7 @@ impl Eventful {
     /// The first gap of a pair that closes in the last step.
     fn look_for_contacts(&mut self, inputs: Inputs, since: f64, but: Option<usize>) -> Option<Bracket> {
         let open = self.watched.iter().enumerate().filter_map(|(index, watched)| match watched {
-            Watched::Approach(pair) if Some(index) != but => Some((index, *pair)),
+            Watched::Approach(pair) if Some(index) != but && !self.ignored.contains(watched) => Some((index, *pair)),
             _ => None,
         });
         let open: Vec<(usize, usize)> = open.collect();
@@ -199,7 +207,7 @@ impl Eventful {
         for _ in 0..=self.watched.len().min(ATTEMPTS) {
             if bracket.at_start {
                 self.pieces[self.current].go_back(since, &self.recipe);
-                return Ok(vec![self.watched[bracket.watched]]);
+                return Ok(self.overlaps_at_start(bracket.watched));
             }
             self.end_at(inputs, since, bracket, outcome)?;
             let end = self.pieces[self.current].small.time;
@@ -224,7 +232,47 @@ impl Eventful {
             };
             index == bracket.watched || values[index].abs() <= allowed
         };
-        Ok((0..self.watched.len()).filter(|&index| meets(index)).map(|index| self.watched[index]).collect())
+        let all = (0..self.watched.len()).filter(|&index| meets(index)).map(|index| self.watched[index]);
+        let mut all: Vec<Watched> = all.collect();
+        all.retain(|watched| !self.turns(since, *watched));
+        Ok(all)
+    }
+
+    /// Whether a slip that has no part along its old direction any more has only turned: it is about as fast as it was before in the step.
+    fn turns(&mut self, since: f64, watched: Watched) -> bool {
+        let contacts: Vec<usize> = match watched {
+            Watched::Slips(contact) => vec![contact],
+            Watched::SlipsTogether(pair) => {
+                let own = |contact: &usize| self.mode.contacts[*contact].contact.pair == pair;
+                (0..self.mode.contacts.len()).filter(own).collect()
+            }
+            _ => return false,
+        };
+        let end = self.pieces[self.current].small.time;
+        if end <= since {
+            return false;
+        }
+        let mut speed = |part: f64| {
+            self.place(since + part * (end - since));
+            let of =
+                |contact: &usize| touch_motion(&self.mode.contacts[*contact].contact.joint, &self.bodies).slip.norm();
+            contacts.iter().map(of).fold(0.0, f64::max)
+        };
+        let before = [0.0, 0.25, 0.5, 0.75].map(&mut speed).into_iter().fold(0.0, f64::max);
+        speed(1.0) > TURNED * before
+    }
+
+    /// The function that is negative from the start on, and all pairs that overlap there.
+    fn overlaps_at_start(&mut self, negative: usize) -> Vec<Watched> {
+        place_bodies(&self.whole, &self.origin, &mut self.bodies);
+        let overlaps = |index: usize| match self.watched[index] {
+            Watched::Approach(pair) => {
+                self.touching.distance(pair, &self.bodies) < -TOGETHER * self.touching.pairs[pair].size
+            }
+            _ => false,
+        };
+        let all = (0..self.watched.len()).filter(|&index| index == negative || overlaps(index));
+        all.map(|index| self.watched[index]).collect()
     }
 
     /// Makes the step again with the length at which a function is zero.
@@ -242,7 +290,7 @@ impl Eventful {
         let mut length = bracket.root - since;
         let mut slope = bracket.slope;
         // A slip has a direction before it stops, and none at the stop: its end is reached from there.
-        let stops = matches!(self.watched[bracket.watched], Watched::Slips(_));
+        let stops = matches!(self.watched[bracket.watched], Watched::Slips(_) | Watched::SlipsTogether(_));
         if stops {
             let before = if bracket.low > since { bracket.low - since } else { 0.5 * length };
             slope = 0.0;

@@ -24,12 +24,13 @@
 //! | what an event does, what it remembers, what it notes | `transition`, `contacts`, `impact`, `resting`, `decision`, `memory`, `noted` |
 //! | efforts that hold joints, forces of closed contacts | `holding`, `closed_forces` |
 //! | the integrator: its modes, what moves in each, its steps, and what makes them | `integrator`, `present`, `piece`, `steps`, `piece_steps` |
-//! | rest, what is done where no step can be solved, and what is reported of contacts | `quiet`, `stepwise`, `contact_points`, `reporting` |
+//! | rest, what is done where events crowd or no step can be solved, and what is reported of contacts | `quiet`, `crowding`, `stepwise`, `contact_points`, `reporting` |
 
 mod approach;
 mod closed_forces;
 mod contact_points;
 mod contacts;
+mod crowding;
 mod decision;
 mod detection;
 mod drives;

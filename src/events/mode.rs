@@ -118,6 +118,14 @@ impl Mode {
 }
 
 impl Mode {
+    /// Whether another differs in the directions of slips at most.
+    pub fn is_like(&self, other: &Mode) -> bool {
+        let of = |closed: &Closed| (closed.contact.pair, closed.contact.features, closed.slides.is_some());
+        self.joints == other.joints
+            && self.motors == other.motors
+            && self.contacts.iter().map(of).eq(other.contacts.iter().map(of))
+    }
+
     /// The closed contacts as closures, where the bodies are now.
     pub fn closures(&self, touching: &Touching, bodies: &[BodyState]) -> Closures {
         let mut closures = Closures::default();

@@ -126,14 +126,17 @@ pub(super) fn note_pairs(scene: &Scene, time: f64, [before, after]: [&Mode; 2], 
         };
         done.pairs[pair] |= features(before) != features(after);
         let (was, is) = (of(before, pair), of(after, pair));
+        let stops = |trigger: &Watched| match *trigger {
+            Watched::Slips(contact) => before.contacts[contact].contact.pair == pair,
+            Watched::SlipsTogether(of) => of == pair,
+            _ => false,
+        };
         let kind = match (was, is) {
             (PairMode::Open, PairMode::Slides | PairMode::Sticks) => Some(EventKind::Rest),
             (PairMode::Slides | PairMode::Sticks, PairMode::Open) => Some(EventKind::Release),
             (PairMode::Slides, PairMode::Sticks) => Some(EventKind::Stick),
             (PairMode::Sticks, PairMode::Slides) => Some(EventKind::Slip),
-            (PairMode::Slides, PairMode::Slides) if met.stopped.contains(&Watched::Slips(pair)) => {
-                Some(EventKind::Reversal)
-            }
+            (PairMode::Slides, PairMode::Slides) if met.stopped.iter().any(stops) => Some(EventKind::Reversal),
             _ => None,
         };
         if let Some(kind) = kind {

@@ -11,6 +11,7 @@ use crate::events::integrator::Eventful;
 use crate::events::mode::{JointMode, MotorMode};
 use crate::events::piece::Piece;
 use crate::events::quiet::QUIET;
+use crate::events::watched::Watched;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
@@ -20,14 +21,16 @@ use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepEr
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 
-/// Events at one instant before a step is made without looking for any.
+/// Events at one instant before a step is made without looking at what they were.
 const FLIPS: usize = 20;
 /// So often a step is made shorter,
 const SHORTENED: usize = 8;
 /// each time by this factor, before an element is believed to change its state at once.
 const SHORTER: f64 = 1.0 / 16.0;
-/// That step is no longer than this (s).
+/// Such a step is no longer than this (s).
 const BLIND: f64 = 1e-9;
+/// And not longer than this, in any case, where it does not look at a pair or a limit (s): what overlaps then is moved apart.
+const BLIND_TO_BOUNDS: f64 = 1e-7;
 /// It is longer by this factor each time that what was found changes nothing,
 const LONGER: f64 = 16.0;
 /// so often at most.
@@ -39,7 +42,10 @@ impl Eventful {
         let since = state.time;
         let blind = self.flips.0 > FLIPS || self.looks_away;
         let shortest = BLIND.max(self.shortest(since));
-        let until = if blind { until.min(since + shortest * LONGER.powi(self.unfounded)) } else { until };
+        let until = if blind { until.min(since + self.blind_for(shortest)) } else { until };
+        if !blind {
+            self.ignored.clear();
+        }
         self.origin.copy_from(state);
         self.last = self.current;
         inputs.write_constant(&mut self.efforts);
@@ -53,7 +59,7 @@ impl Eventful {
         piece.begin(&self.whole, &self.efforts, since);
         let mut outcome = self.step_towards(since, until)?;
         let mut triggers = Vec::new();
-        let mut bracket = if blind { None } else { self.detect(inputs, since, None) };
+        let mut bracket = self.detect(inputs, since, None);
         // A function that is negative from the start on may be so on the dense output of a long step alone.
         for _ in 0..SHORTENED {
             let piece = &mut self.pieces[self.current];
@@ -99,13 +105,19 @@ impl Eventful {
                 (count, time) if state.time - time <= ONE_INSTANT * time.abs().max(1.0) => (count + 1, time),
                 _ => (0, state.time),
             };
+            self.note_what_happens(&triggers, at_start);
+            if triggers.is_empty() && blind {
+                triggers = self.overlooked();
+            }
             let mode = self.mode.clone();
             outcome.exchange.impacts += self.pass(inputs, state, &triggers);
             // What changes nothing is a trick of the dense output: the next step does not look, and is longer each time that this happens.
-            self.looks_away = at_start && mode == self.mode;
-            self.unfounded = if self.looks_away { (self.unfounded + 1).min(MOST_UNFOUNDED) } else { self.unfounded };
+            self.looks_away = at_start && mode.is_like(&self.mode);
+            if self.looks_away || self.flips.0 > FLIPS {
+                self.unfounded = (self.unfounded + 1).min(MOST_UNFOUNDED);
+            }
         }
-        if !(blind || self.looks_away) {
+        if !(blind || at_start) {
             self.unfounded = 0;
         }
         let quiet = triggers.is_empty() && !changed && self.is_quiet(state);
@@ -118,6 +130,38 @@ impl Eventful {
         self.steps += 1;
         self.stepped += outcome.step;
         Ok(outcome)
+    }
+
+    /// How long a step may be that does not look at everything (s).
+    fn blind_for(&self, shortest: f64) -> f64 {
+        let length = shortest * LONGER.powi(self.unfounded);
+        let bound = |watched: &Watched| matches!(watched, Watched::Approach(_) | Watched::Gap(..));
+        if !self.touching.pairs.is_empty() && self.ignored.iter().any(bound) {
+            length.min(shortest.max(BLIND_TO_BOUNDS))
+        } else {
+            length
+        }
+    }
+
+    /// Notes what happens at an instant: what happens there again and again, or changes nothing, is not looked at in the next step.
+    fn note_what_happens(&mut self, triggers: &[Watched], at_start: bool) {
+        if !at_start {
+            self.ignored.clear();
+        }
+        for trigger in triggers {
+            if !self.ignored.contains(trigger) {
+                self.ignored.push(*trigger);
+            }
+        }
+    }
+
+    /// The pairs that overlap at the end of a step that did not look at them.
+    fn overlooked(&self) -> Vec<Watched> {
+        let overlaps = |watched: &&Watched| match **watched {
+            Watched::Approach(pair) => self.touching.distance(pair, &self.bodies) < 0.0,
+            _ => false,
+        };
+        self.ignored.iter().filter(overlaps).copied().collect()
     }
 
     /// Other efforts from outside: what joints at rest do is decided anew.

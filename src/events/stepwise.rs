@@ -14,6 +14,7 @@
 //! Source: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics (1988); M. Jean, The non-smooth contact dynamics method,
 //! Computer Methods in Applied Mechanics and Engineering 177 (1999).
 
+use crate::events::crowding::STEP;
 use crate::events::integrator::Eventful;
 use crate::events::mode::Mode;
 use crate::instant::assembly::assemble;
@@ -28,28 +29,13 @@ use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 
-/// h (s).
-const STEP: f64 = 1e-4;
 /// A step that gains more than this part of the kinetic energy is scaled.
 const GAIN: f64 = 1e-14;
-
-/// So many steps
-const CROWD: usize = 100;
-/// within such a time are a crowd (s).
-const CROWD_TIME: f64 = 1e-5;
 
 impl Eventful {
     /// Whether steps between events have become so many and so short that the run would not get on.
     pub(super) fn is_crowded(&mut self, state: &State) -> bool {
-        if self.touching.pairs.is_empty() || state.time - self.crowd.1 > CROWD_TIME {
-            self.crowd = (0, state.time);
-        }
-        self.crowd.0 += 1;
-        let crowded = self.crowd.0 > CROWD;
-        if crowded {
-            self.crowd = (0, state.time);
-        }
-        crowded
+        !self.touching.pairs.is_empty() && self.crowding.count(state.time)
     }
 
     /// Makes one such step towards `until` from the start of the step that failed.
@@ -98,6 +84,10 @@ impl Eventful {
         let events = self.events.len();
         let impacts = lost + self.pass_anew(inputs, state);
         self.events.truncate(events);
+        // What closed has been moved: that gains nothing either.
+        let impacts = impacts.max(self.bound(&start, state, work));
+        let piece = &mut self.pieces[self.current];
+        piece.small = piece.moving.gather(&self.whole, state);
         self.steps += 1;
         self.stepped += step;
         StepOutcome {

@@ -16,7 +16,7 @@ use crate::events::impact::{Impulses, Meeting, collide};
 use crate::events::memory::{Done, Found, Memory};
 use crate::events::mode::{JointMode, Mode, MotorMode};
 use crate::events::noted::{Met, note_impacts, note_joints, note_pairs};
-use crate::events::resting::bring_rows_to_rest;
+use crate::events::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::watched::Watched;
 use crate::instant::blocks::{Block, Of, row_of_freedom};
 use crate::instant::cone::problem::Law;
@@ -28,6 +28,8 @@ use crate::mechanism::motion::state::State;
 const REST: f64 = 1e-12;
 /// So are smaller ones than this [rad/s or m/s].
 const SLOWEST: f64 = 1e-14;
+/// A joint that is beyond a limit by more than this is not there by rounding (rad or m).
+const BEYOND: f64 = 1e-12;
 /// Rounds in which limits that kick each other open are brought to rest.
 const CALMING: usize = 8;
 
@@ -49,10 +51,16 @@ pub(crate) fn transit(
     };
     let before = mode.clone();
     let yielding = Yielding::of(found.triggers);
+    // Where contacts press, steps that do not look at a limit may go beyond it.
+    let beyond =
+        !scene.touching.pairs.is_empty() && found.triggers.iter().any(|trigger| is_beyond(elements, state, trigger));
+    let before_it = if beyond { energy(scene, state).total() } else { 0.0 };
     settle(elements, mode, state, found.triggers, &mut done);
+    let settled = if beyond { keep_from_gaining(scene, state, before_it) } else { 0.0 };
     let rests: Vec<f64> = memory.joints.iter().map(|joint| SLOWEST.max(REST * joint.fastest)).collect();
     stop_slow_joints(elements, state, &rests, false);
     let mut contacts = Contacts::gather(scene, &before, state, found, memory.fastest);
+    let lifted = contacts.move_apart(scene, state);
     let (meetings, ends) = meetings(scene, state, memory, found, &rests, &contacts);
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&state.velocity)).collect();
     let mut impulses = match collide(scene, state, &meetings) {
@@ -62,7 +70,7 @@ pub(crate) fn transit(
             bring_to_rest(scene, state, &meetings)
         }
     };
-    done.lost = impulses.lost;
+    done.lost = settled + lifted + impulses.lost;
     for _ in 0..CALMING {
         let known = efforts(mode, state);
         let low = too_low(scene, state, &meetings, &known, found.height);
@@ -108,6 +116,13 @@ pub(crate) fn transit(
     note_joints(elements, state.time, [&before, mode], &met, &mut done);
     note_pairs(scene, state.time, [&before, mode], &met, &mut done);
     done
+}
+
+/// Whether a joint is beyond a limit by more than roundings.
+fn is_beyond(elements: &Elements, state: &State, trigger: &Watched) -> bool {
+    let Watched::Gap(index, side) = *trigger else { return false };
+    let joint = &elements.joints[index];
+    joint.gap(side, joint.position(state)) < -BEYOND
 }
 
 /// Puts rates that are next to nothing to zero, and those of joints whose bounds leave no room if `locked`.
@@ -189,6 +204,7 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
             | Watched::Presses(_)
             | Watched::Grips(_)
             | Watched::Slips(_)
+            | Watched::SlipsTogether(_)
             | Watched::Feature(_) => {}
             Watched::Excess(index) => {
                 mode.motors[index] = MotorMode::Unbounded;

@@ -11,13 +11,14 @@
 //! | distance of a pair; where it is closed, least gap of its other features | φ | impact |
 //! | pressure of a closed contact | `λ_N` | it parts |
 //! | what a contact that sticks can still bear | `μ λ_N − |λ_T|` | it slides |
-//! | slips of the contacts of a pair along their directions where the step starts | mean of `u_T · t₀` | friction decides anew |
+//! | slip of a contact along its direction where the step starts | `u_T · t₀` | friction decides anew |
+//! | slips of the contacts of a pair, where their forces are not unique | mean of `u_T · t₀` | the same |
 //! | how far inside its features a contact is | distance to the nearest side (m) | other features touch |
 
 use crate::events::holding::Holding;
 use crate::events::mode::{JointMode, Mode, MotorMode};
 use crate::instant::elements::Elements;
-use crate::instant::touching::{Pair, Touching};
+use crate::instant::touching::{Contact, Pair, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
@@ -45,8 +46,10 @@ pub(crate) enum Watched {
     Presses(usize),
     /// What a contact that sticks can bear.
     Grips(usize),
-    /// The slip of the contacts of a pair that slide.
+    /// The slip of a closed contact that slides.
     Slips(usize),
+    /// The slips of the contacts of a pair that slide.
+    SlipsTogether(usize),
     /// How far inside its features a closed contact is.
     Feature(usize),
 }
@@ -89,16 +92,19 @@ impl Watched {
             let own = [
                 (unique, Watched::Presses(index)),
                 (unique && rubs && closed.slides.is_none(), Watched::Grips(index)),
+                (unique && rubs && closed.slides.is_some(), Watched::Slips(index)),
                 (apart(closed.contact.pair), Watched::Feature(index)),
             ];
             all.extend(own.into_iter().filter(|(is, _)| *is).map(|(_, watched)| watched));
         }
-        // What is rigid stops everywhere at once.
+        // Where one of several stops alone depends on forces that are not known.
         let slides = |pair: &usize| {
             let own = mode.contacts.iter().filter(|closed| closed.contact.pair == *pair);
             touching.pairs[*pair].friction > 0.0 && own.into_iter().any(|closed| closed.slides.is_some())
         };
-        all.extend((0..touching.pairs.len()).filter(slides).map(Watched::Slips));
+        if !unique {
+            all.extend((0..touching.pairs.len()).filter(slides).map(Watched::SlipsTogether));
+        }
         for (index, (joint, state)) in elements.joints.iter().zip(&mode.joints).enumerate() {
             match state {
                 JointMode::Free { sliding } => {
@@ -168,15 +174,14 @@ impl Watched {
                 MotorMode::Unbounded | MotorMode::Given(_) => f64::INFINITY,
             },
             Watched::Approach(pair) => {
-                let closed = || mode.contacts.iter().map(|closed| &closed.contact).filter(|known| known.pair == pair);
-                if closed().next().is_none() {
+                let closed = mode.contacts.iter().map(|closed| &closed.contact).filter(|known| known.pair == pair);
+                let closed: Vec<&Contact> = closed.collect();
+                if closed.is_empty() {
                     return touching.distance(pair, bodies);
                 }
                 let Pair { size, reach, .. } = touching.pairs[pair];
                 let within = if reach.contains(&f64::INFINITY) { size } else { NEARBY * size };
-                let others = touching.near(pair, bodies, within).into_iter();
-                let others = others.filter(|(near, _)| !closed().any(|known| known.features == near.features));
-                others.fold(within, |least, (_, gap)| least.min(gap)) + COPLANAR * size
+                touching.beside(&closed, within, bodies) + COPLANAR * size
             }
             Watched::Presses(index) => holding.of_contact(index)[0] + holding.rounding_of_contacts(),
             Watched::Grips(index) => {
@@ -184,7 +189,8 @@ impl Watched {
                 let friction = touching.pairs[mode.contacts[index].contact.pair].friction;
                 friction * pressure - along.hypot(across) + holding.rounding_of_contacts()
             }
-            Watched::Slips(pair) => {
+            Watched::Slips(index) => touch_motion(&mode.contacts[index].contact.joint, bodies).slip.dot(&slips[index]),
+            Watched::SlipsTogether(pair) => {
                 let own = mode.contacts.iter().zip(slips).filter(|(closed, _)| closed.contact.pair == pair);
                 let own = own.filter(|(closed, _)| closed.slides.is_some());
                 let along = own.map(|(closed, along)| touch_motion(&closed.contact.joint, bodies).slip.dot(along));
@@ -208,7 +214,7 @@ impl Watched {
             Watched::Motor(index, _) | Watched::Excess(index) => elements.motors[index].max_effort.max(1e-3),
             Watched::Approach(pair) => touching.pairs[pair].size,
             Watched::Feature(contact) => size(contact),
-            Watched::Presses(_) | Watched::Grips(_) | Watched::Slips(_) => 1.0,
+            Watched::Presses(_) | Watched::Grips(_) | Watched::Slips(_) | Watched::SlipsTogether(_) => 1.0,
         }
     }
 
@@ -219,7 +225,7 @@ impl Watched {
 
     /// Whether it is a function of where the bodies are.
     pub fn needs_bodies(self) -> bool {
-        matches!(self, Watched::Approach(_) | Watched::Slips(_) | Watched::Feature(_))
+        matches!(self, Watched::Approach(_) | Watched::Slips(_) | Watched::SlipsTogether(_) | Watched::Feature(_))
     }
 }
 

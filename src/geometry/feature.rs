@@ -103,18 +103,22 @@ pub fn features(core: &Core) -> impl Iterator<Item = FeatureId> {
     polytope.chain(cylinder).chain((ends > 0).then_some(FeatureId::Side))
 }
 
-/// The features that can touch a plane with this normal into it: four points of a rim instead of the rim if all of the rim lies within a
-/// depth (m) of its lowest point.
+/// The end of a cylinder is flat on a plane if its rim rises by less than this part of its radius.
+const FLAT: f64 = 1e-9;
+
+/// The features that can touch a plane with this normal into it. Of a rim all of which lies within a depth (m) of its lowest point these are four
+/// points, too, which tell when it comes down flat; and they stand for it once it is flat.
 pub fn contact_features(core: &Core, normal: &Vector3<f64>, depth: f64) -> impl Iterator<Item = FeatureId> {
-    let flat = match core {
+    let (low, flat) = match core {
         Core::Cylinder(cylinder) => {
-            (2.0 * cylinder.radius * cylinder.axis.cross(normal).norm() < depth).then(|| cylinder.axis.dot(normal))
+            let rises = 2.0 * cylinder.radius * cylinder.axis.cross(normal).norm();
+            let end = u32::from(cylinder.axis.dot(normal) >= 0.0);
+            ((rises < depth).then_some(end), rises < depth.min(FLAT * cylinder.radius))
         }
-        Core::Polytope(_) => None,
+        Core::Polytope(_) => (None, false),
     };
-    let end = flat.map(|along| u32::from(along >= 0.0));
-    let points = end.into_iter().flat_map(|end| (4 * end..4 * end + 4).map(FeatureId::RimPoint));
-    let rim = move |feature: &FeatureId| !(end.is_some() && matches!(feature, FeatureId::Rim(_)));
+    let points = low.into_iter().flat_map(|end| (4 * end..4 * end + 4).map(FeatureId::RimPoint));
+    let rim = move |feature: &FeatureId| !(flat && matches!(feature, FeatureId::Rim(_)));
     features(core).filter(rim).chain(points)
 }
 

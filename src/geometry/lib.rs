@@ -11,6 +11,7 @@
 //! | `meet` | normal and points of two features: closed forms |
 //! | `both`, `best`, `nearest` | the distance of two convex shapes with its certificate |
 //! | `manifold` | all places where they touch |
+//! | `beyond` | how far the rest is where they touch |
 //! | `place`, `pair` | answers |
 //! | `decompose` | convex pieces of a surface |
 //!
@@ -19,6 +20,7 @@
 #![deny(unsafe_code)]
 
 mod best;
+mod beyond;
 mod both;
 mod convex;
 mod decompose;

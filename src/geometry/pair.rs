@@ -2,6 +2,7 @@
 //!
 //! All is computed in the frame of the body of one of them and handed out in the world; a place has its frames in the body frames.
 
+use crate::beyond::{height_of_moved, is_flat};
 use crate::both::{Both, Candidate};
 use crate::convex::{Convex, Core, kind};
 use crate::error::GeometryError;
@@ -11,7 +12,7 @@ use crate::manifold::manifold;
 use crate::meet::{Guess, meet};
 use crate::mesh::Mesh;
 use crate::nearest::nearest;
-use crate::place::{Bearer, TouchPlace, place};
+use crate::place::{Bearer, PlaceId, TouchPlace, place};
 use catena_mechanism::description::contact::{Collider, Shape};
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Matrix3, Vector3};
@@ -164,6 +165,34 @@ impl PairGeometry {
         };
         let second = &self.second.core;
         of_first.min(inside(second, names[1], &own(&points[1]))).min(off(second, names[1], &own(&points[0])))
+    }
+
+    /// How far what is not part of `closed` features is from the tangent plane of one of these places, which has this normal, from collider a to
+    /// collider b, and this point (m), in the world: the shapes overlap nowhere else while it is not negative. `None` unless both are convex.
+    pub fn beyond(
+        &self,
+        place: &PlaceId,
+        closed: &[PlaceId],
+        [normal, point]: [&Vector3<f64>; 2],
+        a: &Pose,
+        b: &Pose,
+    ) -> Option<f64> {
+        let First::Convex(convex) = &self.first else { return None };
+        let side = |first: bool, place: &PlaceId| if first != self.exchanged { place.a } else { place.b };
+        let (first, (rotation, translation)) = self.relative(a, b);
+        let normal = first.rotation.inverse() * normal * if self.exchanged { -1.0 } else { 1.0 };
+        let point = first.inverse_transform_point(&(*point).into()).coords;
+        let of = |first: bool| closed.iter().map(|place| side(first, place)).collect::<Vec<_>>();
+        let mut least = f64::INFINITY;
+        if !is_flat(side(true, place)) {
+            let plane = [&-normal, &(point - normal * convex.radius)];
+            least = least.min(height_of_moved(convex, &of(true), plane, &Matrix3::identity(), &Vector3::zeros()));
+        }
+        if !is_flat(side(false, place)) {
+            let plane = [&normal, &(point + normal * self.second.radius)];
+            least = least.min(height_of_moved(&self.second, &of(false), plane, &rotation, &translation));
+        }
+        Some(least)
     }
 
     /// Pose of the first body, and rotation and translation of the second in it.

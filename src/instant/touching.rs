@@ -9,6 +9,7 @@ use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::contact::{Grip, Touch, TouchJoint};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::touches::{TouchMotion, touch_motion};
 use nalgebra::{Rotation3, Translation3};
 
 /// The pairs of a mechanism.
@@ -90,6 +91,29 @@ impl Touching {
             (Contact { pair, features: place.identity, joint, place }, gap)
         };
         places.into_iter().map(contact).collect()
+    }
+
+    /// How far from overlapping the rest of a pair is that is closed at these contacts (m), as far as `within`.
+    pub fn beside(&self, closed: &[&Contact], within: f64, bodies: &[BodyState]) -> f64 {
+        let Some(first) = closed.first() else { return within };
+        let pair = first.pair;
+        let Pair { geometry, bodies: [a, b], .. } = &self.pairs[pair];
+        let (a, b) = (pose(*a, bodies), pose(*b, bodies));
+        let features: Vec<PlaceId> = closed.iter().map(|contact| contact.features).collect();
+        let mut least = within;
+        for contact in closed {
+            let TouchMotion { normal, point, .. } = touch_motion(&contact.joint, bodies);
+            let normal = if contact.is_swapped() { -normal } else { normal };
+            match geometry.beyond(&contact.features, &features, [&normal, &point], &a, &b) {
+                Some(height) => least = least.min(height),
+                None => {
+                    let others = self.near(pair, bodies, within).into_iter();
+                    let others = others.filter(|(near, _)| !features.contains(&near.features));
+                    return others.fold(within, |least, (_, gap)| least.min(gap));
+                }
+            }
+        }
+        least
     }
 
     /// How far inside its features a contact is; negative where others are nearer.

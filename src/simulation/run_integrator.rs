@@ -72,6 +72,8 @@ impl RunIntegrator {
             _ if mechanism.has_closures() => return false,
             RunIntegrator::Smooth(lobatto) => lobatto.accompany(mechanism),
             RunIntegrator::Eventful(eventful) => eventful.accompany(),
+            // Only loops are made on another tree.
+            RunIntegrator::OnOtherTree(_) => return false,
         }
         true
     }
@@ -81,6 +83,7 @@ impl RunIntegrator {
         match self {
             RunIntegrator::Smooth(lobatto) => lobatto.leave_companion(),
             RunIntegrator::Eventful(eventful) => eventful.leave_companion(),
+            RunIntegrator::OnOtherTree(_) => {}
         }
     }
 
@@ -91,6 +94,7 @@ impl RunIntegrator {
                 lobatto.companion().inspect(|companion| state.copy_from(companion.state())).is_some()
             }
             RunIntegrator::Eventful(eventful) => eventful.place_companion(state),
+            RunIntegrator::OnOtherTree(_) => false,
         }
     }
 

@@ -23,4 +23,6 @@ mod orders;
 mod pendulum;
 mod reactions;
 mod robots;
+mod robots_on_floor;
 mod slides;
+mod throws;

@@ -1,0 +1,93 @@
+//! Real robots on a floor, held by position motors in all their joints: from a metre above it, until after they have landed.
+
+use crate::common::{scratch, shared};
+use catena::model::Model;
+use catena::scene::{PackagePath, UrdfJointKind, read_scene, read_urdf};
+use catena::simulation::{Simulation, SimulationOptions, StepChoice};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Those that land, step and come to rest in seconds of CPU time.
+const QUICK: [&str; 5] = ["minitaur", "r2d2", "mini_cheetah", "simple_humanoid", "anymal_b"];
+/// And those that take up to half a minute, of which most is the crowd of contacts when many shapes lie on each other.
+const SLOW: [&str; 5] = ["hyq", "laikago", "panda", "baxter", "talos_reduced"];
+
+/// A scene: the robot a metre above a floor, with a motor on every joint that can turn or slide. Its gains hold its weight at a lever of a few
+/// centimetres.
+fn scene_text(urdf: &Path) -> String {
+    let robot = read_urdf(urdf, &PackagePath::default()).expect("a robot");
+    let mass: f64 = robot.links.iter().filter_map(|link| link.inertial.as_ref()).map(|inertial| inertial.mass).sum();
+    let stiffness = (5.0 * mass).max(20.0);
+    let mut targets = Vec::new();
+    for joint in robot.joints.iter().filter(|joint| joint.mimic.is_none()) {
+        let within = match (joint.kind, joint.limit) {
+            (UrdfJointKind::Continuous, _) | (UrdfJointKind::Revolute | UrdfJointKind::Prismatic, None) => 0.0,
+            (UrdfJointKind::Revolute | UrdfJointKind::Prismatic, Some(limit)) => {
+                let (lower, upper) = (limit.lower.unwrap_or(0.0), limit.upper.unwrap_or(0.0));
+                if upper <= lower {
+                    continue;
+                }
+                let margin = 0.05 * (upper - lower);
+                0.0_f64.max(lower + margin).min(upper - margin)
+            }
+            _ => continue,
+        };
+        targets.push((&joint.name, within));
+    }
+    let mut text =
+        format!("[[robot]]\nname = \"r\"\nurdf = {urdf:?}\nbase = \"floating\"\npose = {{ position = [0, 0, 1] }}\n");
+    let positions: Vec<String> = targets.iter().map(|(name, target)| format!("{name:?} = {target:?}")).collect();
+    writeln!(text, "positions = {{ {} }}", positions.join(", ")).expect("text");
+    text += "[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\", normal = [0, 0, 1] }\n";
+    text += "[contact]\npairs = \"environment\"\nfriction = 0.6\n";
+    for (name, target) in targets {
+        let damping = stiffness / 20.0;
+        writeln!(text, "[[motor]]\njoint = {name:?}\nkind = \"position\"\ntarget = {target:?}\nkp = {stiffness:?}\nkd = {damping:?}")
+            .expect("text");
+    }
+    text
+}
+
+fn lands(names: &[&str]) {
+    let Some(corpus) = shared("urdf-corpus/loads") else {
+        println!("skipped: there is no ../shared/urdf-corpus");
+        return;
+    };
+    for name in names {
+        let file = scratch(name).join("scene.toml");
+        std::fs::write(&file, scene_text(&corpus.join(format!("{name}.urdf")))).expect("a file");
+        let scene = read_scene(&file, &PackagePath::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let (model, start) = Model::from_scene(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
+        let options =
+            SimulationOptions { duration: 1.0, steps: StepChoice::Tolerance(1e-6), switched_off: &[], interrupt: None };
+        let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
+        simulation.run().unwrap_or_else(|error| panic!("{name}: {error}"));
+        let finished = simulation.finish();
+        let (summary, unsolved) = (&finished.summary, finished.method.unsolved_contacts);
+        println!(
+            "{name}: {} steps, {} events, {unsolved} steps of first order, balance {:.1e}, {:?}, {:.2} s",
+            summary.steps,
+            summary.events.total(),
+            summary.max_relative_energy_error,
+            summary.contact,
+            summary.solve_cpu_seconds
+        );
+        // The balance is to the tolerance.
+        assert!(summary.max_relative_energy_error < 1e-6, "{name}: {summary:?}");
+        assert!(summary.contact.penetration <= 1e-12, "{name}: {:?}", summary.contact);
+        // Of forces up to a thousand newtons.
+        assert!(summary.contact.cone_violation <= 1e-9, "{name}: {:?}", summary.contact);
+    }
+}
+
+#[test]
+fn real_robots_that_motors_hold_land_on_a_floor() {
+    lands(&QUICK);
+}
+
+#[test]
+#[ignore = "some minutes: cargo test --release --test events heavier -- --ignored --nocapture"]
+fn heavier_robots_that_motors_hold_land_on_a_floor() {
+    lands(&SLOW);
+}
