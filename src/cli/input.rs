@@ -252,6 +252,15 @@ impl WorldArgs {
         }
     }
 
+    /// Reads a scene, or a robot as the only one of a scene, whose numbers have key paths.
+    ///
+    /// # Errors
+    /// As [`WorldArgs::load`].
+    pub fn scene(&self, input: &Path) -> anyhow::Result<Scene> {
+        let packages = PackagePath::from_environment(self.package.clone());
+        Ok(if is_scene(input) { read_scene(input, &packages)? } else { Scene::of_robot(read_urdf(input, &packages)?) })
+    }
+
     /// Reduces a robot that was read.
     ///
     /// # Errors

@@ -12,7 +12,7 @@ use catena::mechanism::motion::state::State;
 use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names};
 use catena::output::page::{MESH_LIMIT, PageOptions, PageTable, model_page};
 use catena::output::report::ModelReport;
-use catena::scene::Warning;
+use catena::scene::{Scene, Warning};
 use catena::simulation::partition::Plan;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -28,6 +28,10 @@ pub struct ModelArgs {
     #[arg(long)]
     pub json: bool,
 
+    /// List all numbers that a sweep can vary, by key path, with what the files say
+    #[arg(long, conflicts_with_all = ["json", "output"])]
+    pub parameters: bool,
+
     /// Write a page that shows the robot in 3-D, with a slider for each joint; any browser opens it
     #[arg(short, long, value_name = "FILE.html", value_parser = crate::cli::output_file())]
     pub output: Option<PathBuf>,
@@ -42,6 +46,9 @@ pub struct ModelArgs {
 /// # Errors
 /// [`Failure`]: 2 for bad input, 1 if standard output cannot be written.
 pub fn run(args: &ModelArgs) -> Result<(), Failure> {
+    if args.parameters {
+        return print(parameters(&args.input.world.scene(&args.input.input).map_err(Failure::input)?));
+    }
     let mut loaded = args.input.load().map_err(Failure::input)?;
     let state = match loaded.initial_state(&[], &[], None) {
         Ok(state) => state,
@@ -69,6 +76,16 @@ pub fn run(args: &ModelArgs) -> Result<(), Failure> {
         }
         (false, None) => print(as_text(&described)),
     }
+}
+
+/// The key paths of all numbers of a scene, with what the files say.
+fn parameters(scene: &Scene) -> String {
+    let mut lines = String::new();
+    for parameter in scene.parameters() {
+        let said = parameter.said().map_or_else(|| "-".to_string(), |number| number.to_string());
+        let _ = writeln!(lines, "{}  {said}", parameter.key());
+    }
+    lines
 }
 
 /// What is said of a model.

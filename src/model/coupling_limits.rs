@@ -39,7 +39,7 @@ impl Builder<'_> {
                 }
                 None => {
                     empty.extend(empty_range(joint).map(|message| of.stand().warning(message)));
-                    joint.limit.filter(|_| joint.kind != UrdfJointKind::Continuous).and_then(|limit| limit.range())
+                    joint.own_limits()
                 }
             };
             let restitution = said.and_then(|said| said.restitution);

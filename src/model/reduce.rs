@@ -20,7 +20,7 @@ use crate::model::model_error::ModelError;
 use crate::model::rigid_groups::{Carrier, Group, GroupJoint, Groups, LinkTree, Moving, drop_massless_leaves};
 use crate::model::robot_model::{JointRecord, LinkFrame, Model, PlacedRobot, Reduction, ReductionRule};
 use crate::model::tied_joints::{tied_inertia, tied_joints};
-use crate::scene::{Element, Robot, UrdfJointKind, WORLD_LINK, Warning};
+use crate::scene::{Element, Robot, STANDARD_GRAVITY, UrdfJointKind, WORLD_LINK, Warning};
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
@@ -50,7 +50,7 @@ pub struct ModelOptions {
 
 impl Default for ModelOptions {
     fn default() -> Self {
-        ModelOptions { base: Base::Fixed, base_pose: Pose::identity(), gravity: Vector3::new(0.0, 0.0, -9.81) }
+        ModelOptions { base: Base::Fixed, base_pose: Pose::identity(), gravity: STANDARD_GRAVITY }
     }
 }
 

@@ -78,6 +78,8 @@ impl CouplingReader<'_> {
                 name,
                 shape,
                 pose: placed(&pose) * turn,
+                rpy: pose.rpy.map(|angle| angle.0),
+                turn,
                 friction: friction.map(|friction| friction.0),
                 restitution: restitution.map(|restitution| restitution.0),
                 mesh,

@@ -5,7 +5,7 @@
 use crate::mechanism::description::contact::Shape;
 use crate::scene::coupling::LinkReference;
 use crate::scene::robot::Pose;
-use nalgebra::Translation3;
+use nalgebra::{Rotation3, Translation3};
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -19,6 +19,10 @@ pub struct Obstacle {
     pub shape: Shape,
     /// The frame of the shape in the world.
     pub pose: Pose,
+    /// Roll, pitch and yaw as they were given (rad), to which the turn of the shape's normal comes.
+    pub rpy: [f64; 3],
+    /// The rotation that takes z to the normal of a half space; none for all other shapes.
+    pub turn: Rotation3<f64>,
     /// μ with everything, if given.
     pub friction: Option<f64>,
     /// e with everything, if given.
@@ -160,7 +164,9 @@ impl Obstacle {
         Obstacle {
             name: Obstacle::FLOOR.to_string(),
             shape: Shape::HalfSpace,
-            pose: Pose::from_parts(Translation3::new(0.0, 0.0, height), nalgebra::Rotation3::identity()),
+            pose: Pose::from_parts(Translation3::new(0.0, 0.0, height), Rotation3::identity()),
+            rpy: [0.0; 3],
+            turn: Rotation3::identity(),
             friction: None,
             restitution: None,
             mesh: None,

@@ -3,6 +3,7 @@
 use crate::scene::clean::error_at;
 use crate::scene::element::CleanElement;
 use crate::scene::error::{Element, Problem, SceneError, Warning};
+use crate::scene::inertia::impossible_inertia;
 use crate::scene::mesh_files::MeshFiles;
 use crate::scene::numbers::{normalised, unit};
 use crate::scene::robot::{
@@ -192,29 +193,15 @@ impl Converter<'_> {
         Ok(Inertial { origin: self.origin(&inertial.origin, element, owner)?, mass, inertia, line: element.line })
     }
 
-    /// Warns of an inertia that no rigid body has: one principal moment exceeding the sum of the others.
+    /// Warns of an inertia that no rigid body has, and of one without mass.
     fn check_inertia(&mut self, mass: f64, inertia: &Matrix3<f64>, element: &CleanElement, owner: &Element) {
-        let mut moments: Vec<f64> = inertia.symmetric_eigenvalues().iter().copied().collect();
-        moments.sort_by(f64::total_cmp);
-        // What the computation of the moments leaves of one that is zero may be negative.
-        for moment in 0..2 {
-            if moments[moment] < 0.0 && moments[moment] > -1e-12 * moments[2] {
-                moments[moment] = 0.0;
+        let line = element.child("inertia").map_or(element.line, |inertia| inertia.line);
+        match impossible_inertia(self.file, line, owner, mass, inertia) {
+            Some(warning) => self.impossible_inertias.push(warning),
+            None if mass == 0.0 && inertia.symmetric_eigenvalues().max() != 0.0 => {
+                self.warn(element.line, owner, "has inertia but no mass".to_string());
             }
-        }
-        let excess = moments[2] - moments[0] - moments[1];
-        // Inertias are written with a few digits: less than one part in 10⁴ is their rounding.
-        // A radius of gyration below a nanometre is the dust of a computation, not a statement.
-        if excess > 1e-4 * moments[2] && moments[2] > mass * 1e-18 {
-            let line = element.child("inertia").map_or(element.line, |inertia| inertia.line);
-            let message = format!(
-                "no body has the principal moments of inertia {:.4e}, {:.4e}, {:.4e} kg m²: the largest exceeds the sum of \
-                 the others (they are used all the same)",
-                moments[0], moments[1], moments[2]
-            );
-            self.impossible_inertias.push(self.warning(line, owner, message));
-        } else if mass == 0.0 && moments[2] != 0.0 {
-            self.warn(element.line, owner, "has inertia but no mass".to_string());
+            None => {}
         }
     }
 

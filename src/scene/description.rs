@@ -7,6 +7,10 @@ use crate::scene::joint_settings::{SceneJoint, SceneMotor, TableFile};
 use crate::scene::robot::{Pose, Robot};
 use nalgebra::Vector3;
 use std::path::PathBuf;
+
+/// Acceleration of gravity in the world where nothing else is said [m/s²].
+pub const STANDARD_GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
+
 /// A scene, validated: every number is finite and every name refers to something.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -40,6 +44,39 @@ pub struct Scene {
     pub warnings: Vec<Warning>,
 }
 
+impl Scene {
+    /// A robot alone, fixed in the world where its URDF puts it. The text of the scene is what a scene file beside the URDF would say.
+    pub fn of_robot(robot: Robot) -> Self {
+        let file = robot.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        Scene {
+            name: robot.name.clone(),
+            path: robot.path.clone(),
+            source: format!("[[robot]]\nurdf = {file:?}\n"),
+            gravity: None,
+            loops: Vec::new(),
+            springs: Vec::new(),
+            loads: Vec::new(),
+            motors: Vec::new(),
+            joints: Vec::new(),
+            contact: ContactSettings::default(),
+            tables: Vec::new(),
+            simulation: SimulationSettings::default(),
+            warnings: Vec::new(),
+            robots: vec![SceneRobot {
+                name: robot.name.clone(),
+                robot,
+                floating: false,
+                pose: Pose::identity(),
+                rpy: [0.0; 3],
+                velocity: None,
+                positions: Vec::new(),
+                velocities: Vec::new(),
+                line: 1,
+            }],
+        }
+    }
+}
+
 /// A robot of a scene, and how it starts.
 #[derive(Clone, Debug)]
 pub struct SceneRobot {
@@ -51,6 +88,8 @@ pub struct SceneRobot {
     pub floating: bool,
     /// The frame of the root link in the world.
     pub pose: Pose,
+    /// Roll, pitch and yaw of the pose, as they were given (rad).
+    pub rpy: [f64; 3],
     /// Velocity of the origin of a floating root link's frame in the world (linear, angular), and its line.
     pub velocity: Option<([f64; 6], usize)>,
     /// Initial joint positions, as users give them.

@@ -207,6 +207,15 @@ pub enum Problem {
     /// Keys that exclude each other, or of which one is missing.
     #[error("{0}")]
     Keys(&'static str),
+    /// A key path that is none of a number of the scene.
+    #[error("no number of the scene is called {key:?}{}", proposal(near))]
+    UnknownParameter { key: String, near: Vec<String> },
+    /// A short key path that means several numbers.
+    #[error("{key:?} may mean {}; write it whole", quoted(keys))]
+    AmbiguousParameter { key: String, keys: Vec<String> },
+    /// A number that its place cannot have.
+    #[error("{key} = {number}: {reason}")]
+    ParameterValue { key: String, number: f64, reason: String },
     /// What urdf-rs says about a file in which this program saw nothing wrong.
     #[error("urdf-rs refuses it: {0}")]
     Parser(String),
@@ -215,6 +224,14 @@ pub enum Problem {
 /// How links and joints are called where there are several robots.
 fn hint(robots: usize) -> &'static str {
     if robots > 1 { "; with several robots it must be written robot/name" } else { "" }
+}
+
+/// What may have been meant.
+fn proposal(near: &[String]) -> String {
+    match near {
+        [] => "; `catena model INPUT --parameters` lists all".to_string(),
+        near => format!("; the nearest are {} (`catena model INPUT --parameters` lists all)", quoted(near)),
+    }
 }
 
 /// `"a", "b", "c"`.

@@ -127,17 +127,7 @@ impl<'de> Deserialize<'de> for LimitKey {
                 let &[lower, upper] = numbers.as_slice() else {
                     return Err(A::Error::custom(format!("{} numbers; give [lower, upper]", numbers.len())));
                 };
-                if lower.is_nan() || upper.is_nan() {
-                    return Err(A::Error::custom("a limit must not be NaN; write -inf or inf where there is none"));
-                }
-                if lower > upper {
-                    let message = format!("the lower limit {lower} is above the upper limit {upper}; swap them");
-                    return Err(A::Error::custom(message));
-                }
-                if lower == f64::INFINITY || upper == f64::NEG_INFINITY {
-                    return Err(A::Error::custom(format!("no position is between {lower} and {upper}")));
-                }
-                Ok(LimitKey(LimitChoice::Range(lower, upper)))
+                LimitChoice::between(lower, upper).map(LimitKey).map_err(A::Error::custom)
             }
         }
         deserializer.deserialize_any(RangeOrNone)

@@ -62,3 +62,22 @@ pub struct TableFile {
     /// Its text.
     pub text: String,
 }
+
+impl LimitChoice {
+    /// Limits between which there is a position.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub(crate) fn between(lower: f64, upper: f64) -> Result<Self, String> {
+        if lower.is_nan() || upper.is_nan() {
+            return Err("a limit must not be NaN; write -inf or inf where there is none".to_string());
+        }
+        if lower > upper {
+            return Err(format!("the lower limit {lower} is above the upper limit {upper}; swap them"));
+        }
+        if lower == f64::INFINITY || upper == f64::NEG_INFINITY {
+            return Err(format!("no position is between {lower} and {upper}"));
+        }
+        Ok(LimitChoice::Range(lower, upper))
+    }
+}

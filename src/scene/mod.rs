@@ -21,12 +21,14 @@ mod coupling_reader;
 mod description;
 mod element;
 pub mod error;
+mod inertia;
 mod joint_reader;
 mod joint_schema;
 pub mod joint_settings;
 mod mesh_files;
 mod numbers;
 pub mod package_path;
+pub mod parameters;
 pub mod robot;
 mod scene_file;
 mod scene_files;
@@ -47,11 +49,12 @@ pub use contact_settings::{
 pub use coupling::{
     JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
 };
-pub use description::{JointValues, Scene, SceneRobot, SimulationSettings};
+pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, SimulationSettings};
 pub(crate) use error::quoted;
 pub use error::{Element, Problem, SceneError, Warning};
 pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile};
 pub use package_path::PackagePath;
+pub use parameters::Parameter;
 pub use robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, UrdfJoint, UrdfJointKind,
     UrdfLoop,

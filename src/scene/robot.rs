@@ -194,6 +194,13 @@ pub struct UrdfJoint {
     pub line: usize,
 }
 
+impl UrdfJoint {
+    /// The limits [rad or m] between which the URDF keeps a joint of one freedom, if it says so; those of a continuous joint are not read.
+    pub fn own_limits(&self) -> Option<(f64, f64)> {
+        self.limit.filter(|_| self.kind != UrdfJointKind::Continuous).and_then(|limit| limit.range())
+    }
+}
+
 /// A `<loop_joint>`: a joint between two links of the tree. Standard URDF has none; this is how RigidBodyDynamics.jl,
 /// Dojo and Isaac Sim write them.
 #[derive(Clone, Debug)]

@@ -139,6 +139,7 @@ fn robot(text: &TomlText, table: Spanned<RobotTable>, files: &mut dyn SceneFiles
         robot,
         floating,
         pose: Pose::from_parts(translation, Rotation3::from_euler_angles(roll, pitch, yaw)),
+        rpy: [roll, pitch, yaw],
         velocity,
         positions: joint_values(text, table.positions),
         velocities: joint_values(text, table.velocities),

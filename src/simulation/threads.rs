@@ -1,5 +1,6 @@
 //! Independent work on several threads.
 
+use std::cell::Cell;
 use std::num::NonZero;
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::available_parallelism;
@@ -9,6 +10,19 @@ const WORTH_THREADS: f64 = 1e-3;
 
 /// How many there are; asking takes as long as a short run.
 static PROCESSORS: OnceLock<usize> = OnceLock::new();
+
+thread_local! {
+    /// Whether this thread is one of many that are all busy.
+    static ALONE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Does the work on this thread alone: runs in it start no threads, because there is one such piece of work for each processor. Results do not depend on it.
+pub fn on_one_thread<T>(work: impl FnOnce() -> T) -> T {
+    let before = ALONE.replace(true);
+    let done = work();
+    ALONE.set(before);
+    done
+}
 
 /// On how many threads islands are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +36,7 @@ pub enum Threads {
 impl Threads {
     pub(crate) fn at_most(self) -> usize {
         match self {
+            Threads::WherePaid if ALONE.get() => 1,
             Threads::WherePaid => *PROCESSORS.get_or_init(|| available_parallelism().map_or(1, NonZero::get)),
             Threads::Exactly(count) => count,
         }
@@ -29,7 +44,7 @@ impl Threads {
 
     /// For work that is expected to take so many seconds on one of them.
     pub(crate) fn for_work_of(self, seconds: f64) -> usize {
-        if self == Threads::WherePaid && seconds < WORTH_THREADS { 1 } else { self.at_most() }
+        if self == Threads::WherePaid && (seconds < WORTH_THREADS || ALONE.get()) { 1 } else { self.at_most() }
     }
 }
 

@@ -11,6 +11,7 @@ mod islands;
 mod lean;
 mod mesh_formats;
 mod model_reduction;
+mod parameters;
 mod robots;
 mod scene_file;
 mod scenes;

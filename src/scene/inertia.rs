@@ -1,0 +1,35 @@
+//! Inertias that no rigid body has.
+
+use crate::scene::error::{Element, Warning};
+use nalgebra::Matrix3;
+use std::path::Path;
+
+/// A warning of an inertia (kg m²) of which one principal moment exceeds the sum of the others, beside a mass (kg).
+pub(crate) fn impossible_inertia(
+    file: &Path,
+    line: usize,
+    link: &Element,
+    mass: f64,
+    inertia: &Matrix3<f64>,
+) -> Option<Warning> {
+    let mut moments: Vec<f64> = inertia.symmetric_eigenvalues().iter().copied().collect();
+    moments.sort_by(f64::total_cmp);
+    // What the computation of the moments leaves of one that is zero may be negative.
+    for moment in 0..2 {
+        if moments[moment] < 0.0 && moments[moment] > -1e-12 * moments[2] {
+            moments[moment] = 0.0;
+        }
+    }
+    let excess = moments[2] - moments[0] - moments[1];
+    // Inertias are written with a few digits: less than one part in 10⁴ is their rounding.
+    // A radius of gyration below a nanometre is the dust of a computation, not a statement.
+    if excess <= 1e-4 * moments[2] || moments[2] <= mass * 1e-18 {
+        return None;
+    }
+    let message = format!(
+        "no body has the principal moments of inertia {:.4e}, {:.4e}, {:.4e} kg m²: the largest exceeds the sum of \
+         the others (they are used all the same)",
+        moments[0], moments[1], moments[2]
+    );
+    Some(Warning { file: file.to_path_buf(), line: Some(line), element: Some(link.clone()), message })
+}

@@ -1,0 +1,242 @@
+//! The key paths of all numbers of a scene.
+
+use crate::mechanism::description::contact::Shape;
+use crate::mechanism::description::nonsmooth::MotorLaw;
+use crate::scene::coupling::{JointReference, LoadKind, SpringPlace};
+use crate::scene::description::{Scene, SceneRobot};
+use crate::scene::parameters::place::{MotorNumber, Place, SpringNumber};
+use crate::scene::parameters::{Parameter, Range};
+use crate::scene::robot::{LoopType, UrdfJointKind};
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+const ANGLES: [&str; 3] = ["roll", "pitch", "yaw"];
+const MOMENTS: [(&str, usize, usize); 6] =
+    [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)];
+
+/// All parameters of a scene, without what the files say.
+pub(super) fn all(scene: &Scene) -> Vec<Parameter> {
+    let mut keys = Keys { several: scene.robots.len() > 1, all: Vec::new() };
+    keys.vector("scene", "gravity", Range::Finite, Place::Gravity);
+    for (index, robot) in scene.robots.iter().enumerate() {
+        keys.start(index, robot);
+        keys.links(index, robot);
+        keys.joints(index, robot);
+    }
+    keys.drives(scene);
+    keys.couplings(scene);
+    keys.loads(scene);
+    keys.contact(scene);
+    keys.put("simulation", "duration", Range::Positive, Place::Duration);
+    if scene.simulation.fixed.is_some() {
+        keys.put("simulation", "step", Range::Positive, Place::Step);
+    } else {
+        keys.put("simulation", "tolerance", Range::Positive, Place::Tolerance);
+    }
+    keys.put("simulation", "rate", Range::Positive, Place::Rate);
+    keys.all
+}
+
+struct Keys {
+    /// Whether there are several robots, so that names begin with theirs.
+    several: bool,
+    all: Vec<Parameter>,
+}
+
+impl Keys {
+    /// A number of the key path `head.rest`, of which `rest` is enough where it is the only one.
+    fn put(&mut self, head: &str, rest: &str, range: Range, place: Place) {
+        self.all.push(Parameter { key: format!("{head}.{rest}"), short: rest.to_string(), place, range, said: None });
+    }
+
+    fn vector(&mut self, head: &str, rest: &str, range: Range, place: impl Fn(usize) -> Place) {
+        for (index, axis) in AXES.iter().enumerate() {
+            self.put(head, &format!("{rest}.{axis}"), range, place(index));
+        }
+    }
+
+    fn angles(&mut self, head: &str, rest: &str, place: impl Fn(usize) -> Place) {
+        for (index, angle) in ANGLES.iter().enumerate() {
+            self.put(head, &format!("{rest}.{angle}"), Range::Finite, place(index));
+        }
+    }
+
+    /// The name of a link or joint as scene files write it.
+    fn name(&self, robot: &SceneRobot, name: &str) -> String {
+        if self.several { format!("{}/{name}", robot.name) } else { name.to_string() }
+    }
+
+    /// Where a robot starts.
+    fn start(&mut self, robot: usize, of: &SceneRobot) {
+        let head = format!("robot.{}", of.name);
+        self.vector(&head, "pose.position", Range::Finite, |axis| Place::BasePosition { robot, axis });
+        self.angles(&head, "pose.rpy", |angle| Place::BaseTurn { robot, angle });
+        if of.floating {
+            self.vector(&head, "velocity.linear", Range::Finite, |number| Place::BaseVelocity { robot, number });
+            self.vector(&head, "velocity.angular", Range::Finite, |axis| Place::BaseVelocity {
+                robot,
+                number: 3 + axis,
+            });
+        }
+        for one in &of.robot.joints {
+            let joint = || one.name.clone();
+            let (positions, velocities) = coordinates(one.kind);
+            for (number, name) in positions.iter().enumerate() {
+                let place = Place::Position { robot, joint: joint(), number, count: positions.len() };
+                self.put(&head, &with("positions", &one.name, name), Range::Finite, place);
+            }
+            for (number, name) in velocities.iter().enumerate() {
+                let place = Place::Velocity { robot, joint: joint(), number, count: velocities.len() };
+                self.put(&head, &with("velocities", &one.name, name), Range::Finite, place);
+            }
+        }
+    }
+
+    fn links(&mut self, robot: usize, of: &SceneRobot) {
+        for (link, one) in of.robot.links.iter().enumerate() {
+            let name = self.name(of, &one.name);
+            self.put("link", &format!("{name}.mass"), Range::NotNegative, Place::Mass { robot, link });
+            let place = |axis| Place::CenterOfMass { robot, link, axis };
+            self.vector("link", &format!("{name}.center_of_mass"), Range::Finite, place);
+            for (moment, row, column) in MOMENTS {
+                let place = Place::Inertia { robot, link, row, column };
+                self.put("link", &format!("{name}.inertia.{moment}"), Range::Finite, place);
+            }
+        }
+    }
+
+    fn joints(&mut self, robot: usize, of: &SceneRobot) {
+        for (joint, one) in of.robot.joints.iter().enumerate() {
+            let name = self.name(of, &one.name);
+            self.vector("joint", &format!("{name}.origin"), Range::Finite, |axis| Place::Origin { robot, joint, axis });
+            if coordinates(one.kind).0.len() != 1 {
+                continue;
+            }
+            let reference = || JointReference { robot, joint: one.name.clone() };
+            self.put("joint", &format!("{name}.limit.lower"), Range::Limit, Place::LowerLimit(reference()));
+            self.put("joint", &format!("{name}.limit.upper"), Range::Limit, Place::UpperLimit(reference()));
+            self.put("joint", &format!("{name}.restitution"), Range::Fraction, Place::Restitution(reference()));
+            self.put("joint", &format!("{name}.friction"), Range::NotNegative, Place::Friction(reference()));
+            self.put("joint", &format!("{name}.damping"), Range::NotNegative, Place::Damping(reference()));
+        }
+    }
+
+    fn drives(&mut self, scene: &Scene) {
+        for (motor, one) in scene.motors.iter().enumerate() {
+            let mut put = |name: &str, range, what| {
+                self.put("motor", &format!("{}.{name}", one.on), range, Place::Motor { motor, what })
+            };
+            if matches!(one.law, MotorLaw::Position { .. }) {
+                put("kp", Range::NotNegative, MotorNumber::Kp);
+            }
+            if matches!(one.law, MotorLaw::Position { .. } | MotorLaw::Velocity { .. }) {
+                put("kd", Range::NotNegative, MotorNumber::Kd);
+            }
+            if one.target.is_constant() {
+                put("target", Range::Finite, MotorNumber::Target);
+            }
+            put("max_effort", Range::Bound, MotorNumber::MaxEffort);
+            put("period", Range::NotNegative, MotorNumber::Period);
+        }
+    }
+
+    fn couplings(&mut self, scene: &Scene) {
+        for (spring, one) in scene.springs.iter().enumerate() {
+            let mut put = |name: &str, range, what| {
+                self.put("spring", &format!("{}.{name}", one.name), range, Place::Spring { spring, what })
+            };
+            put("stiffness", Range::NotNegative, SpringNumber::Stiffness);
+            put("damping", Range::NotNegative, SpringNumber::Damping);
+            if let SpringPlace::Joint { .. } = one.place {
+                put("rest", Range::Finite, SpringNumber::Rest);
+                continue;
+            }
+            put("rest_length", Range::NotNegative, SpringNumber::Rest);
+            for (end, b) in [("a", false), ("b", true)] {
+                let rest = format!("{}.{end}.position", one.name);
+                self.vector("spring", &rest, Range::Finite, |axis| Place::SpringEnd { spring, b, axis });
+            }
+        }
+        for (of, one) in scene.loops.iter().enumerate() {
+            if one.kind == LoopType::Distance {
+                self.put("loop", &format!("{}.length", one.name), Range::Positive, Place::LoopLength(of));
+            }
+            for (end, b) in [("a", false), ("b", true)] {
+                let rest = format!("{}.{end}.position", one.name);
+                self.vector("loop", &rest, Range::Finite, |axis| Place::LoopEnd { of, b, axis });
+            }
+        }
+    }
+
+    fn loads(&mut self, scene: &Scene) {
+        for (load, one) in scene.loads.iter().enumerate() {
+            let alone = scene.loads.iter().filter(|other| other.on == one.on).count() == 1;
+            let name = if alone { one.on.clone() } else { (load + 1).to_string() };
+            match one.kind {
+                LoadKind::Joint { .. } => {
+                    self.put("load", &format!("{name}.effort"), Range::Finite, Place::LoadEffort(load));
+                }
+                LoadKind::Link { .. } => {
+                    self.vector("load", &format!("{name}.force"), Range::Finite, |axis| Place::LoadForce {
+                        load,
+                        axis,
+                    });
+                    self.vector("load", &format!("{name}.torque"), Range::Finite, |axis| Place::LoadTorque {
+                        load,
+                        axis,
+                    });
+                    self.vector("load", &format!("{name}.position"), Range::Finite, |axis| Place::LoadPosition {
+                        load,
+                        axis,
+                    });
+                }
+            }
+        }
+    }
+
+    fn contact(&mut self, scene: &Scene) {
+        for (obstacle, one) in scene.contact.obstacles.iter().enumerate() {
+            let called = |what: &str| format!("{}.{what}", one.name);
+            self.put("obstacle", &called("friction"), Range::NotNegative, Place::ObstacleFriction(obstacle));
+            self.put("obstacle", &called("restitution"), Range::Fraction, Place::ObstacleRestitution(obstacle));
+            let place = |axis| Place::ObstaclePosition { obstacle, axis };
+            self.vector("obstacle", &called("pose.position"), Range::Finite, place);
+            self.angles("obstacle", &called("pose.rpy"), |angle| Place::ObstacleTurn { obstacle, angle });
+            let (radius, length) = (Place::ObstacleRadius(obstacle), Place::ObstacleLength(obstacle));
+            match &one.shape {
+                Shape::Sphere { .. } => self.put("obstacle", &called("shape.radius"), Range::Positive, radius),
+                Shape::Capsule { .. } | Shape::Cylinder { .. } => {
+                    self.put("obstacle", &called("shape.radius"), Range::Positive, radius);
+                    self.put("obstacle", &called("shape.length"), Range::Positive, length);
+                }
+                Shape::Box { .. } => {
+                    let place = |axis| Place::ObstacleSize { obstacle, axis };
+                    self.vector("obstacle", &called("shape.size"), Range::Positive, place);
+                }
+                _ => {}
+            }
+        }
+        self.put("contact", "friction", Range::NotNegative, Place::ContactFriction);
+        self.put("contact", "restitution", Range::Fraction, Place::ContactRestitution);
+        for rule in 0..scene.contact.rules.len() {
+            let called = |what: &str| format!("pair.{}.{what}", rule + 1);
+            self.put("contact", &called("friction"), Range::NotNegative, Place::PairFriction(rule));
+            self.put("contact", &called("restitution"), Range::Fraction, Place::PairRestitution(rule));
+        }
+    }
+}
+
+/// `positions.JOINT`, and of joints of several freedoms `positions.JOINT.NUMBER`.
+fn with(what: &str, joint: &str, number: &str) -> String {
+    if number.is_empty() { format!("{what}.{joint}") } else { format!("{what}.{joint}.{number}") }
+}
+
+/// The names of a joint's positions and velocities as users give them; empty for the only one.
+fn coordinates(kind: UrdfJointKind) -> (&'static [&'static str], &'static [&'static str]) {
+    match kind {
+        UrdfJointKind::Revolute | UrdfJointKind::Continuous | UrdfJointKind::Prismatic => (&[""], &[""]),
+        UrdfJointKind::Fixed => (&[], &[]),
+        UrdfJointKind::Planar => (&["x", "y", "angle"], &["x", "y", "angle"]),
+        UrdfJointKind::Spherical => (&ANGLES, &["wx", "wy", "wz"]),
+        UrdfJointKind::Floating => (&["x", "y", "z", "roll", "pitch", "yaw"], &["vx", "vy", "vz", "wx", "wy", "wz"]),
+    }
+}

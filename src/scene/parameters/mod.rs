@@ -1,0 +1,218 @@
+//! Every number of a scene by its key path, to be read or set without a file: what sweeps vary, and programs.
+//!
+//! | key path                                                              | number                                                      |
+//! |-----------------------------------------------------------------------|-------------------------------------------------------------|
+//! | `scene.gravity.x` (`y`, `z`)                                          | acceleration of gravity [m/s²]                              |
+//! | `robot.NAME.pose.position.x`, `robot.NAME.pose.rpy.roll` (`pitch`, `yaw`) | frame of the root link in the world [m, rad]            |
+//! | `robot.NAME.velocity.linear.x`, `robot.NAME.velocity.angular.x`       | of a floating base [m/s, rad/s]                             |
+//! | `robot.NAME.positions.JOINT`, `robot.NAME.velocities.JOINT`           | start of a joint of one freedom [rad, m, or a second of it] |
+//! | `robot.NAME.positions.JOINT.x`                                        | one number of a joint of several                            |
+//! | `link.NAME.mass`                                                      | kg                                                          |
+//! | `link.NAME.center_of_mass.x`                                          | in the link frame (m)                                       |
+//! | `link.NAME.inertia.ixx` (`ixy`, `ixz`, `iyy`, `iyz`, `izz`)           | about the centre of mass, in the inertial frame [kg m²]     |
+//! | `joint.NAME.origin.x`                                                 | of the joint frame in its parent link (m)                   |
+//! | `joint.NAME.limit.lower` (`upper`), `.restitution`, `.friction`, `.damping` | as `[[joint]]` of a scene file                        |
+//! | `motor.JOINT.kp`, `.kd`, `.target`, `.max_effort`, `.period`          | as `[[motor]]`; a target that is one number                 |
+//! | `spring.NAME.stiffness`, `.damping`, `.rest_length`, `.rest`, `.a.position.x` | as `[[spring]]`                                     |
+//! | `loop.NAME.length`, `.a.position.x`                                   | as `[[loop]]`                                               |
+//! | `load.JOINT.effort`, `load.LINK.force.x`, `.torque.x`, `.position.x`  | as `[[load]]`; several on one are numbered: `load.2.effort` |
+//! | `obstacle.NAME.friction`, `.restitution`, `.pose.position.x`, `.pose.rpy.roll`, `.shape.radius`, `.shape.length`, `.shape.size.x` | as `[[obstacle]]` |
+//! | `contact.friction`, `contact.restitution`, `contact.pair.1.friction`  | as `[contact]` and its pairs, from 1                        |
+//! | `simulation.duration`, `.tolerance`, `.step`, `.rate`                 | as `[simulation]`                                           |
+//!
+//! The first word may be left out, of robots the first two, where one number remains: `link7.mass`, `positions.joint1`, `gravity.z`. Where a scene
+//! has several robots, links and joints are called `robot/name`. Numbers without a key path: directions of axes and normals, turns of frames in a URDF,
+//! shapes of links, mimic relations, tables of targets, scales of meshes, and the number of stages.
+
+mod keys;
+mod place;
+
+use crate::scene::description::Scene;
+use crate::scene::error::{Element, Problem, SceneError};
+use crate::scene::inertia::impossible_inertia;
+use crate::scene::joint_settings::LimitChoice;
+use crate::scene::scene_numbers::{Bound, Finite, Fraction, NotNegative, Positive};
+use place::Place;
+
+/// A number of a scene: where it is, what it may be, and what the files say it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    key: String,
+    short: String,
+    place: Place,
+    range: Range,
+    said: Option<f64>,
+}
+
+/// What a number may be, as its table in the scene file has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Range {
+    Finite,
+    NotNegative,
+    Positive,
+    /// Not negative, perhaps infinite.
+    Bound,
+    /// From 0 to 1.
+    Fraction,
+    /// A limit of a joint, perhaps infinite; both are checked together when all numbers are set.
+    Limit,
+}
+
+impl Range {
+    /// Why the number is none of these, by the rules of the file.
+    fn refuse(self, number: f64) -> Option<String> {
+        match self {
+            Range::Finite => Finite::try_from(number).err(),
+            Range::NotNegative => NotNegative::try_from(number).err(),
+            Range::Positive => Positive::try_from(number).err(),
+            Range::Bound => Bound::try_from(number).err(),
+            Range::Fraction => Fraction::try_from(number).err(),
+            Range::Limit => number.is_nan().then(|| "a limit must not be NaN".to_string()),
+        }
+    }
+}
+
+impl Parameter {
+    /// The whole key path.
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
+    /// The number in the scene that was asked, in SI units; `None` where neither the scene file nor the URDF says one.
+    pub fn said(&self) -> Option<f64> {
+        self.said
+    }
+
+    /// Whether it only says how a run starts: the model is the same whatever it is.
+    pub fn is_start(&self) -> bool {
+        matches!(self.place, Place::Position { .. } | Place::Velocity { .. })
+    }
+
+    /// Whether a key path means this number.
+    fn is_called(&self, key: &str) -> bool {
+        self.key == key || self.short == key
+    }
+
+    /// How much a key path looks like this one, from 0 to 1.
+    fn likeness(&self, key: &str) -> f64 {
+        let like = |own: &str| strsim::normalized_damerau_levenshtein(own, key);
+        like(&self.key).max(like(&self.short))
+    }
+}
+
+/// Key paths as unlike as this are not proposed for one that does not exist.
+const UNLIKE: f64 = 0.5;
+
+/// Most key paths that are proposed for one that does not exist.
+const PROPOSED: usize = 3;
+
+impl Scene {
+    /// All numbers that have a key path, in the order of the table above.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let mut scratch = self.clone();
+        let mut all = keys::all(self);
+        for parameter in &mut all {
+            parameter.said = parameter.place.slot(&mut scratch).and_then(|slot| slot.read());
+        }
+        all
+    }
+
+    /// The number of a key path. To look up many, ask for [`Scene::parameters`] once and use [`Scene::parameter_among`].
+    ///
+    /// # Errors
+    /// [`Problem::UnknownParameter`] with the nearest key paths, [`Problem::AmbiguousParameter`] for a short one that means several numbers.
+    pub fn parameter(&self, key: &str) -> Result<Parameter, SceneError> {
+        self.parameter_among(&self.parameters(), key).cloned()
+    }
+
+    /// The same among all of them.
+    ///
+    /// # Errors
+    /// As [`Scene::parameter`].
+    pub fn parameter_among<'p>(&self, all: &'p [Parameter], key: &str) -> Result<&'p Parameter, SceneError> {
+        let exact: Vec<&Parameter> = all.iter().filter(|parameter| parameter.key == key).collect();
+        let called = || all.iter().filter(|parameter| parameter.is_called(key)).collect();
+        let problem = match if exact.is_empty() { called() } else { exact }[..] {
+            [one] => return Ok(one),
+            [] => Problem::UnknownParameter { key: key.to_string(), near: near(all, key) },
+            ref several => {
+                let keys = several.iter().map(|parameter| parameter.key.clone()).collect();
+                Problem::AmbiguousParameter { key: key.to_string(), keys }
+            }
+        };
+        Err(SceneError { file: self.path.clone(), line: None, element: None, problem: Box::new(problem) })
+    }
+
+    /// Sets numbers, each checked as if its file said it; those that belong together (both limits of a joint, a mass and its inertia) are looked at
+    /// when all are set. The texts of the files stay as they are. After an error the scene is of no use.
+    ///
+    /// # Errors
+    /// [`Problem::ParameterValue`] with the key path, and the file and line of the table that the number belongs to where there is one.
+    pub fn set(&mut self, numbers: &[(Parameter, f64)]) -> Result<(), SceneError> {
+        for (parameter, number) in numbers {
+            self.set_one(parameter, *number)?;
+        }
+        for (parameter, number) in numbers {
+            self.check_together(parameter, *number)?;
+        }
+        Ok(())
+    }
+
+    fn set_one(&mut self, parameter: &Parameter, number: f64) -> Result<(), SceneError> {
+        if let Some(reason) = parameter.range.refuse(number) {
+            return Err(self.refusal(parameter, number, reason));
+        }
+        match parameter.place.slot(self) {
+            Some(mut slot) => slot.write(number),
+            None => return Err(self.refusal(parameter, number, "this scene has no such number".to_string())),
+        }
+        Ok(())
+    }
+
+    /// What numbers say together.
+    fn check_together(&mut self, parameter: &Parameter, number: f64) -> Result<(), SceneError> {
+        parameter.place.settle(self);
+        match &parameter.place {
+            Place::LowerLimit(of) | Place::UpperLimit(of) => {
+                let said = self.joints.iter().find(|joint| joint.joint == *of).and_then(|joint| joint.limit);
+                if let Some(LimitChoice::Range(lower, upper)) = said
+                    && let Err(reason) = LimitChoice::between(lower, upper)
+                {
+                    return Err(self.refusal(parameter, number, reason));
+                }
+            }
+            Place::Mass { robot, link } | Place::Inertia { robot, link, .. } => {
+                let robot = &mut self.robots[*robot].robot;
+                let link = &robot.links[*link];
+                let warning = link.inertial.as_ref().and_then(|inertial| {
+                    impossible_inertia(
+                        &robot.path,
+                        inertial.line,
+                        &Element::Link(link.name.clone()),
+                        inertial.mass,
+                        &inertial.inertia,
+                    )
+                });
+                robot.warnings.extend(warning.filter(|warning| !robot.warnings.contains(warning)));
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn refusal(&self, parameter: &Parameter, number: f64, reason: String) -> SceneError {
+        let (file, line, element) = parameter.place.stand(self);
+        let problem = Problem::ParameterValue { key: parameter.key.clone(), number, reason };
+        SceneError { file, line, element, problem: Box::new(problem) }
+    }
+}
+
+/// The key paths that look most like one that does not exist.
+fn near(all: &[Parameter], key: &str) -> Vec<String> {
+    let mut like: Vec<(f64, &Parameter)> = all.iter().map(|parameter| (parameter.likeness(key), parameter)).collect();
+    like.retain(|(likeness, _)| *likeness > UNLIKE);
+    // Equal ones in the order of the scene.
+    like.sort_by(|(one, _), (other, _)| other.total_cmp(one));
+    like.truncate(PROPOSED);
+    like.into_iter().map(|(_, parameter)| parameter.key.clone()).collect()
+}

@@ -1,0 +1,456 @@
+//! Where a number of a scene is: one name for each kind of place, and how to reach the number there.
+
+use crate::mechanism::description::contact::Shape;
+use crate::mechanism::description::nonsmooth::MotorLaw;
+use crate::mechanism::description::target::Target;
+use crate::scene::coupling::{JointReference, LoadKind, Point, SpringPlace};
+use crate::scene::description::{JointValues, STANDARD_GRAVITY, Scene};
+use crate::scene::error::Element;
+use crate::scene::joint_settings::{LimitChoice, SceneJoint};
+use crate::scene::robot::{Inertial, Pose, UrdfJoint};
+use nalgebra::{Matrix3, Rotation3};
+use std::path::PathBuf;
+
+/// A place of a number. Robots, links and all tables are counted from 0.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Place {
+    Gravity(usize),
+    BasePosition {
+        robot: usize,
+        axis: usize,
+    },
+    BaseTurn {
+        robot: usize,
+        angle: usize,
+    },
+    BaseVelocity {
+        robot: usize,
+        number: usize,
+    },
+    /// One of `count` numbers of a joint.
+    Position {
+        robot: usize,
+        joint: String,
+        number: usize,
+        count: usize,
+    },
+    Velocity {
+        robot: usize,
+        joint: String,
+        number: usize,
+        count: usize,
+    },
+    Mass {
+        robot: usize,
+        link: usize,
+    },
+    CenterOfMass {
+        robot: usize,
+        link: usize,
+        axis: usize,
+    },
+    Inertia {
+        robot: usize,
+        link: usize,
+        row: usize,
+        column: usize,
+    },
+    Origin {
+        robot: usize,
+        joint: usize,
+        axis: usize,
+    },
+    LowerLimit(JointReference),
+    UpperLimit(JointReference),
+    Restitution(JointReference),
+    Friction(JointReference),
+    Damping(JointReference),
+    Motor {
+        motor: usize,
+        what: MotorNumber,
+    },
+    Spring {
+        spring: usize,
+        what: SpringNumber,
+    },
+    SpringEnd {
+        spring: usize,
+        b: bool,
+        axis: usize,
+    },
+    LoopLength(usize),
+    LoopEnd {
+        of: usize,
+        b: bool,
+        axis: usize,
+    },
+    LoadEffort(usize),
+    LoadForce {
+        load: usize,
+        axis: usize,
+    },
+    LoadTorque {
+        load: usize,
+        axis: usize,
+    },
+    LoadPosition {
+        load: usize,
+        axis: usize,
+    },
+    ObstacleFriction(usize),
+    ObstacleRestitution(usize),
+    ObstaclePosition {
+        obstacle: usize,
+        axis: usize,
+    },
+    ObstacleTurn {
+        obstacle: usize,
+        angle: usize,
+    },
+    ObstacleRadius(usize),
+    ObstacleLength(usize),
+    ObstacleSize {
+        obstacle: usize,
+        axis: usize,
+    },
+    ContactFriction,
+    ContactRestitution,
+    PairFriction(usize),
+    PairRestitution(usize),
+    Duration,
+    Tolerance,
+    Step,
+    Rate,
+}
+
+/// The numbers of a motor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum MotorNumber {
+    Kp,
+    Kd,
+    Target,
+    MaxEffort,
+    Period,
+}
+
+/// The numbers of a spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum SpringNumber {
+    Stiffness,
+    Damping,
+    Rest,
+}
+
+/// A number that can be read and replaced.
+pub(super) enum Slot<'s> {
+    Number(&'s mut f64),
+    Optional(&'s mut Option<f64>),
+    /// Half of the number is what is kept.
+    Half(&'s mut f64),
+    /// Both sides of the diagonal.
+    Symmetric {
+        matrix: &'s mut Matrix3<f64>,
+        row: usize,
+        column: usize,
+    },
+    Target(&'s mut Target),
+}
+
+impl Slot<'_> {
+    pub fn read(&self) -> Option<f64> {
+        match self {
+            Slot::Number(number) => Some(**number),
+            Slot::Optional(number) => **number,
+            Slot::Half(half) => Some(2.0 * **half),
+            Slot::Symmetric { matrix, row, column } => Some(matrix[(*row, *column)]),
+            Slot::Target(target) => target.is_constant().then(|| target.value(0.0)),
+        }
+    }
+
+    pub fn write(&mut self, wanted: f64) {
+        match self {
+            Slot::Number(number) => **number = wanted,
+            Slot::Optional(number) => **number = Some(wanted),
+            Slot::Half(half) => **half = 0.5 * wanted,
+            Slot::Symmetric { matrix, row, column } => {
+                matrix[(*row, *column)] = wanted;
+                matrix[(*column, *row)] = wanted;
+            }
+            Slot::Target(target) => **target = Target::constant(wanted),
+        }
+    }
+}
+
+impl Place {
+    /// The number at this place of a scene; what the files leave out is put there as it is without them. `None` in a scene without the place.
+    pub fn slot<'s>(&self, scene: &'s mut Scene) -> Option<Slot<'s>> {
+        use Slot::{Half, Number, Optional};
+        Some(match self {
+            Place::Gravity(axis) => Number(scene.gravity.get_or_insert(STANDARD_GRAVITY).get_mut(*axis)?),
+            Place::BasePosition { robot, axis } => {
+                Number(scene.robots.get_mut(*robot)?.pose.translation.vector.get_mut(*axis)?)
+            }
+            Place::BaseTurn { robot, angle } => Number(scene.robots.get_mut(*robot)?.rpy.get_mut(*angle)?),
+            Place::BaseVelocity { robot, number } => {
+                let robot = scene.robots.get_mut(*robot)?;
+                Number(robot.velocity.get_or_insert(([0.0; 6], robot.line)).0.get_mut(*number)?)
+            }
+            Place::Position { robot, joint, number, count } => {
+                let robot = scene.robots.get_mut(*robot)?;
+                Number(values(&mut robot.positions, joint, *count, robot.line)?.get_mut(*number)?)
+            }
+            Place::Velocity { robot, joint, number, count } => {
+                let robot = scene.robots.get_mut(*robot)?;
+                Number(values(&mut robot.velocities, joint, *count, robot.line)?.get_mut(*number)?)
+            }
+            Place::Mass { robot, link } => Number(&mut inertial(scene, *robot, *link)?.mass),
+            Place::CenterOfMass { robot, link, axis } => {
+                Number(inertial(scene, *robot, *link)?.origin.translation.vector.get_mut(*axis)?)
+            }
+            Place::Inertia { robot, link, row, column } => {
+                let matrix = &mut inertial(scene, *robot, *link)?.inertia;
+                Slot::Symmetric { matrix, row: *row, column: *column }
+            }
+            Place::Origin { robot, joint, axis } => {
+                let joint = scene.robots.get_mut(*robot)?.robot.joints.get_mut(*joint)?;
+                Number(joint.origin.translation.vector.get_mut(*axis)?)
+            }
+            Place::LowerLimit(of) => Number(limits(scene, of)?.0),
+            Place::UpperLimit(of) => Number(limits(scene, of)?.1),
+            Place::Restitution(of) => Optional(&mut settings(scene, of)?.0.restitution),
+            Place::Friction(of) => {
+                let (said, urdf) = settings(scene, of)?;
+                said.friction = said.friction.or(urdf.dynamics.map(|dynamics| dynamics.friction));
+                Optional(&mut said.friction)
+            }
+            Place::Damping(of) => {
+                let (said, urdf) = settings(scene, of)?;
+                said.damping = said.damping.or(urdf.dynamics.map(|dynamics| dynamics.damping));
+                Optional(&mut said.damping)
+            }
+            Place::Motor { motor, what } => {
+                let motor = scene.motors.get_mut(*motor)?;
+                match (what, &mut motor.law) {
+                    (MotorNumber::Kp, MotorLaw::Position { kp, .. }) => Number(kp),
+                    (MotorNumber::Kd, MotorLaw::Position { kd, .. } | MotorLaw::Velocity { kd }) => Number(kd),
+                    (MotorNumber::Target, _) => Slot::Target(&mut motor.target),
+                    (MotorNumber::MaxEffort, _) => Optional(&mut motor.max_effort),
+                    (MotorNumber::Period, _) => Number(&mut motor.period),
+                    _ => return None,
+                }
+            }
+            Place::Spring { spring, what } => {
+                let spring = scene.springs.get_mut(*spring)?;
+                match (what, &mut spring.place) {
+                    (SpringNumber::Stiffness, _) => Number(&mut spring.stiffness),
+                    (SpringNumber::Damping, _) => Number(&mut spring.damping),
+                    (SpringNumber::Rest, SpringPlace::Points { rest_length, .. }) => Number(rest_length),
+                    (SpringNumber::Rest, SpringPlace::Joint { rest, .. }) => Number(rest),
+                }
+            }
+            Place::SpringEnd { spring, b, axis } => match &mut scene.springs.get_mut(*spring)?.place {
+                SpringPlace::Points { a, b: end, .. } => at(if *b { end } else { a }, *axis)?,
+                SpringPlace::Joint { .. } => return None,
+            },
+            Place::LoopLength(of) => Optional(&mut scene.loops.get_mut(*of)?.length),
+            Place::LoopEnd { of, b, axis } => {
+                let closing = scene.loops.get_mut(*of)?;
+                at(&mut if *b { &mut closing.b } else { &mut closing.a }.point, *axis)?
+            }
+            Place::LoadEffort(load) => match &mut scene.loads.get_mut(*load)?.kind {
+                LoadKind::Joint { effort, .. } => Number(effort),
+                LoadKind::Link { .. } => return None,
+            },
+            Place::LoadForce { load, axis } => match &mut scene.loads.get_mut(*load)?.kind {
+                LoadKind::Link { force, .. } => Number(force.get_mut(*axis)?),
+                LoadKind::Joint { .. } => return None,
+            },
+            Place::LoadTorque { load, axis } => match &mut scene.loads.get_mut(*load)?.kind {
+                LoadKind::Link { torque, .. } => Number(torque.get_mut(*axis)?),
+                LoadKind::Joint { .. } => return None,
+            },
+            Place::LoadPosition { load, axis } => match &mut scene.loads.get_mut(*load)?.kind {
+                LoadKind::Link { point, .. } => at(point, *axis)?,
+                LoadKind::Joint { .. } => return None,
+            },
+            Place::ObstacleFriction(of) => Optional(&mut scene.contact.obstacles.get_mut(*of)?.friction),
+            Place::ObstacleRestitution(of) => Optional(&mut scene.contact.obstacles.get_mut(*of)?.restitution),
+            Place::ObstaclePosition { obstacle, axis } => {
+                Number(scene.contact.obstacles.get_mut(*obstacle)?.pose.translation.vector.get_mut(*axis)?)
+            }
+            Place::ObstacleTurn { obstacle, angle } => {
+                Number(scene.contact.obstacles.get_mut(*obstacle)?.rpy.get_mut(*angle)?)
+            }
+            Place::ObstacleRadius(of) => match &mut scene.contact.obstacles.get_mut(*of)?.shape {
+                Shape::Sphere { radius } | Shape::Capsule { radius, .. } | Shape::Cylinder { radius, .. } => {
+                    Number(radius)
+                }
+                _ => return None,
+            },
+            Place::ObstacleLength(of) => match &mut scene.contact.obstacles.get_mut(*of)?.shape {
+                Shape::Capsule { half, .. } | Shape::Cylinder { half, .. } => Half(half),
+                _ => return None,
+            },
+            Place::ObstacleSize { obstacle, axis } => match &mut scene.contact.obstacles.get_mut(*obstacle)?.shape {
+                Shape::Box { half } => Half(half.get_mut(*axis)?),
+                _ => return None,
+            },
+            Place::ContactFriction => Number(&mut scene.contact.friction),
+            Place::ContactRestitution => Number(&mut scene.contact.restitution),
+            Place::PairFriction(rule) => Optional(&mut scene.contact.rules.get_mut(*rule)?.friction),
+            Place::PairRestitution(rule) => Optional(&mut scene.contact.rules.get_mut(*rule)?.restitution),
+            Place::Duration => Optional(&mut scene.simulation.duration),
+            Place::Tolerance => Optional(&mut scene.simulation.tolerance),
+            Place::Step => Number(&mut scene.simulation.fixed.as_mut()?.1),
+            Place::Rate => Optional(&mut scene.simulation.rate),
+        })
+    }
+
+    /// What follows from the numbers, once all are set: rotations from their angles.
+    pub fn settle(&self, scene: &mut Scene) {
+        let turn = |[roll, pitch, yaw]: [f64; 3]| Rotation3::from_euler_angles(roll, pitch, yaw);
+        match self {
+            Place::BaseTurn { robot, .. } => {
+                let robot = &mut scene.robots[*robot];
+                robot.pose.rotation = turn(robot.rpy);
+            }
+            Place::ObstacleTurn { obstacle, .. } => {
+                let obstacle = &mut scene.contact.obstacles[*obstacle];
+                obstacle.pose.rotation = turn(obstacle.rpy) * obstacle.turn;
+            }
+            _ => {}
+        }
+    }
+
+    /// The file, line and element that a message about the number is about.
+    pub fn stand(&self, scene: &Scene) -> (PathBuf, Option<usize>, Option<Element>) {
+        let here = |line: usize, element: Element| (scene.path.clone(), Some(line), Some(element));
+        match self {
+            Place::Mass { robot, link }
+            | Place::CenterOfMass { robot, link, .. }
+            | Place::Inertia { robot, link, .. } => {
+                let robot = &scene.robots[*robot].robot;
+                let link = &robot.links[*link];
+                let line = link.inertial.as_ref().map_or(link.line, |inertial| inertial.line);
+                (robot.path.clone(), Some(line), Some(Element::Link(link.name.clone())))
+            }
+            Place::Origin { robot, joint, .. } => {
+                of_joint(scene, *robot, &scene.robots[*robot].robot.joints[*joint].name)
+            }
+            Place::Position { robot, joint, .. } | Place::Velocity { robot, joint, .. } => {
+                of_joint(scene, *robot, joint)
+            }
+            Place::LowerLimit(of)
+            | Place::UpperLimit(of)
+            | Place::Restitution(of)
+            | Place::Friction(of)
+            | Place::Damping(of) => of_joint(scene, of.robot, &of.joint),
+            Place::BasePosition { robot, .. } | Place::BaseTurn { robot, .. } | Place::BaseVelocity { robot, .. } => {
+                let robot = &scene.robots[*robot];
+                here(robot.line, Element::Robot(robot.name.clone()))
+            }
+            Place::Motor { motor, .. } => {
+                here(scene.motors[*motor].line, Element::Motor(scene.motors[*motor].on.clone()))
+            }
+            Place::Spring { spring, .. } | Place::SpringEnd { spring, .. } => {
+                here(scene.springs[*spring].line, Element::Spring(scene.springs[*spring].name.clone()))
+            }
+            Place::LoopLength(of) | Place::LoopEnd { of, .. } => {
+                here(scene.loops[*of].line, Element::Loop(scene.loops[*of].name.clone()))
+            }
+            Place::LoadEffort(load)
+            | Place::LoadForce { load, .. }
+            | Place::LoadTorque { load, .. }
+            | Place::LoadPosition { load, .. } => {
+                here(scene.loads[*load].line, Element::Load(scene.loads[*load].on.clone()))
+            }
+            Place::ObstacleFriction(obstacle)
+            | Place::ObstacleRestitution(obstacle)
+            | Place::ObstacleRadius(obstacle)
+            | Place::ObstacleLength(obstacle)
+            | Place::ObstaclePosition { obstacle, .. }
+            | Place::ObstacleTurn { obstacle, .. }
+            | Place::ObstacleSize { obstacle, .. } => {
+                let obstacle = &scene.contact.obstacles[*obstacle];
+                (scene.path.clone(), obstacle.line, Some(Element::Obstacle(obstacle.name.clone())))
+            }
+            Place::PairFriction(rule) | Place::PairRestitution(rule) => {
+                (scene.path.clone(), Some(scene.contact.rules[*rule].line), None)
+            }
+            Place::Gravity(_)
+            | Place::ContactFriction
+            | Place::ContactRestitution
+            | Place::Duration
+            | Place::Tolerance
+            | Place::Step
+            | Place::Rate => (scene.path.clone(), None, None),
+        }
+    }
+}
+
+fn of_joint(scene: &Scene, robot: usize, joint: &str) -> (PathBuf, Option<usize>, Option<Element>) {
+    let robot = &scene.robots[robot].robot;
+    let line = robot.joints.iter().find(|one| one.name == joint).map(|one| one.line);
+    (robot.path.clone(), line, Some(Element::Joint(joint.to_string())))
+}
+
+fn at(point: &mut Point, axis: usize) -> Option<Slot<'_>> {
+    point.position.get_mut(axis).map(Slot::Number)
+}
+
+/// The numbers of a joint that are given last, which count; zeros where none are.
+fn values<'v>(given: &'v mut Vec<JointValues>, joint: &str, count: usize, line: usize) -> Option<&'v mut Vec<f64>> {
+    let index = given.iter().rposition(|one| one.joint == joint).unwrap_or_else(|| {
+        given.push(JointValues { joint: joint.to_string(), values: vec![0.0; count], line });
+        given.len() - 1
+    });
+    given.get_mut(index).map(|one| &mut one.values)
+}
+
+/// Mass and inertia of a link; of one without, zeros at the origin of its frame.
+fn inertial(scene: &mut Scene, robot: usize, link: usize) -> Option<&mut Inertial> {
+    let link = scene.robots.get_mut(robot)?.robot.links.get_mut(link)?;
+    let line = link.line;
+    Some(link.inertial.get_or_insert_with(|| Inertial {
+        origin: Pose::identity(),
+        mass: 0.0,
+        inertia: Matrix3::zeros(),
+        line,
+    }))
+}
+
+/// The `[[joint]]` of a joint, made if there is none, and the joint of the URDF.
+fn settings<'s>(scene: &'s mut Scene, of: &JointReference) -> Option<(&'s mut SceneJoint, &'s UrdfJoint)> {
+    let robot = scene.robots.get(of.robot)?;
+    let urdf = robot.robot.joints.iter().find(|joint| joint.name == of.joint)?;
+    let index = scene.joints.iter().position(|said| said.joint == *of).unwrap_or_else(|| {
+        let (joint, name, line) = (of.clone(), of.joint.clone(), robot.line);
+        scene.joints.push(SceneJoint {
+            joint,
+            name,
+            limit: None,
+            restitution: None,
+            friction: None,
+            damping: None,
+            line,
+        });
+        scene.joints.len() - 1
+    });
+    Some((scene.joints.get_mut(index)?, urdf))
+}
+
+/// The limits of a joint; infinite where there are none.
+fn limits<'s>(scene: &'s mut Scene, of: &JointReference) -> Option<(&'s mut f64, &'s mut f64)> {
+    let (said, urdf) = settings(scene, of)?;
+    let limit = said.limit.get_or_insert_with(|| {
+        let (lower, upper) = urdf.own_limits().unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        LimitChoice::Range(lower, upper)
+    });
+    if *limit == LimitChoice::Unlimited {
+        *limit = LimitChoice::Range(f64::NEG_INFINITY, f64::INFINITY);
+    }
+    match limit {
+        LimitChoice::Range(lower, upper) => Some((lower, upper)),
+        LimitChoice::Unlimited => None,
+    }
+}

@@ -1,0 +1,252 @@
+//! Numbers set by their key paths give what the files would give with these numbers in them.
+
+use crate::common::command;
+use catena::model::{Model, ModelOptions};
+use catena::scene::{FilesOnDisk, PackagePath, Scene, read_urdf, scene_from_text};
+use std::path::Path;
+
+/// A robot and a scene in which every number that has a key path is written `<key=number>`.
+const ROBOT: &str = r#"<robot name="arm">
+  <link name="base"/>
+  <link name="upper"><inertial><origin xyz="<link.upper.center_of_mass.x=0.1> 0 -0.5"/><mass value="<link.upper.mass=1.5>"/>
+    <inertia ixx="<link.upper.inertia.ixx=0.2>" iyy="0.2" izz="0.15" ixy="<link.upper.inertia.ixy=0.01>" ixz="0" iyz="0"/></inertial></link>
+  <link name="lower"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="bob"><inertial><origin xyz="0 0 -0.2"/><mass value="1"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/></joint>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0 0 <joint.elbow.origin.z=-1>"/>
+    <axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="9" velocity="0"/><dynamics friction="0.1" damping="0.3"/></joint>
+  <joint name="ball" type="spherical"><parent link="lower"/><child link="bob"/><origin xyz="0 0 -1"/></joint>
+</robot>"#;
+
+const SCENE: &str = r#"
+[scene]
+gravity = [0, <scene.gravity.y=0.5>, -9.81]
+[[robot]]
+urdf = "arm.urdf"
+pose = { position = [0, <robot.arm.pose.position.y=0.25>, 2], rpy = [0.1, <robot.arm.pose.rpy.pitch=1.5707963267948966>, 0.2] }
+positions = { shoulder = <robot.arm.positions.shoulder=0.5>, ball = [0.1, 0.2, <robot.arm.positions.ball.yaw=0.3>] }
+velocities = { elbow = <robot.arm.velocities.elbow=1.5>, ball = [0.1, <robot.arm.velocities.ball.wy=0.2>, 0] }
+[[robot]]
+name = "free"
+urdf = "box.urdf"
+base = "floating"
+pose = { position = [5, 0, 3] }
+velocity = { linear = [0, 0, <robot.free.velocity.linear.z=1>], angular = [<robot.free.velocity.angular.x=2>, 0, 0] }
+[[spring]]
+name = "band"
+a = { link = "arm/lower", position = [0, <spring.band.a.position.y=0.25>, 0] }
+b = { link = "world", position = [<spring.band.b.position.x=4>, 0, 0] }
+stiffness = <spring.band.stiffness=30>
+damping = <spring.band.damping=0.5>
+rest_length = <spring.band.rest_length=1.5>
+[[spring]]
+joint = "arm/shoulder"
+stiffness = 2
+rest = <spring.spring2.rest=0.1>
+[[load]]
+joint = "arm/elbow"
+effort = <load.arm/elbow.effort=0.5>
+[[load]]
+link = "free/box"
+position = [0, 0, <load.2.position.z=0.1>]
+force = [<load.2.force.x=1>, 0, 0]
+torque = [0, <load.2.torque.y=1>, 0]
+[[load]]
+link = "free/box"
+force = [<load.3.force.x=2>, 0, 0]
+[[motor]]
+joint = "arm/shoulder"
+kind = "position"
+target = <motor.arm/shoulder.target=0.75>
+kp = <motor.arm/shoulder.kp=10>
+kd = <motor.arm/shoulder.kd=1>
+max_effort = <motor.arm/shoulder.max_effort=20>
+period = <motor.arm/shoulder.period=0.01>
+[[joint]]
+name = "arm/elbow"
+limit = [<joint.arm/elbow.limit.lower=-1.5>, <joint.arm/elbow.limit.upper=1.5>]
+restitution = <joint.arm/elbow.restitution=0.5>
+friction = <joint.arm/elbow.friction=0.25>
+damping = <joint.arm/elbow.damping=0.125>
+[[obstacle]]
+name = "slope"
+shape = { type = "half_space", normal = [0, 1, 1] }
+pose = { position = [0, 0, <obstacle.slope.pose.position.z=-9>], rpy = [0.1, 0, <obstacle.slope.pose.rpy.yaw=0.2>] }
+friction = <obstacle.slope.friction=0.5>
+restitution = <obstacle.slope.restitution=0.5>
+[[obstacle]]
+name = "post"
+shape = { type = "cylinder", radius = <obstacle.post.shape.radius=0.5>, length = <obstacle.post.shape.length=2> }
+pose = { position = [9, 0, 0] }
+[[obstacle]]
+name = "crate"
+shape = { type = "box", size = [1, <obstacle.crate.shape.size.y=2>, 1] }
+pose = { position = [0, 9, 0] }
+[contact]
+friction = <contact.friction=0.4>
+restitution = <contact.restitution=0.1>
+[[contact.pair]]
+a = "free/box"
+b = "crate"
+friction = <contact.pair.1.friction=0.7>
+restitution = <contact.pair.1.restitution=0.25>
+[simulation]
+duration = <simulation.duration=2>
+tolerance = <simulation.tolerance=1e-5>
+rate = <simulation.rate=50>
+"#;
+
+const BOX: &str = r#"<robot name="box"><link name="box"><inertial><origin xyz="0 0.1 0"/><mass value="<link.free/box.mass=2>"/>
+  <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+  <collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>"#;
+
+/// The text with all numbers, but for one key the other one; and all keys with their numbers.
+fn filled(template: &str, other: Option<(&str, f64)>) -> (String, Vec<(String, f64)>) {
+    let (mut text, mut keys) = (String::new(), Vec::new());
+    let mut rest = template;
+    // A key holds no white space; tags of the URDF hold no number after `=`.
+    while let Some(start) = rest.find('<') {
+        let (before, tail) = rest.split_at(start);
+        text += before;
+        let inside = tail.find('>').map(|end| &tail[1..end]);
+        let token = inside
+            .and_then(|inside| inside.split_once('='))
+            .and_then(|(key, number)| Some((key, number.parse::<f64>().ok()?)));
+        match token {
+            Some((key, number)) => {
+                let number = other.filter(|(of, _)| *of == key).map_or(number, |(_, number)| number);
+                text += &number.to_string();
+                keys.push((key.to_string(), number));
+                rest = &tail[tail.find('>').unwrap() + 1..];
+            }
+            None => {
+                text.push('<');
+                rest = &tail[1..];
+            }
+        }
+    }
+    (text + rest, keys)
+}
+
+/// The scene of these files, in which one number is another.
+fn scene(folder: &Path, other: Option<(&str, f64)>) -> Scene {
+    std::fs::write(
+        folder.join("arm.urdf"),
+        filled(&ROBOT.replace("link.", "link.arm/").replace("joint.", "joint.arm/"), other).0,
+    )
+    .unwrap();
+    std::fs::write(folder.join("box.urdf"), filled(BOX, other).0).unwrap();
+    let text = filled(SCENE, other).0;
+    scene_from_text(&text, &folder.join("scene.toml"), &mut FilesOnDisk(&PackagePath::default()))
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Everything that a run is made from.
+fn meaning(scene: &Scene) -> String {
+    let (model, start) = Model::from_scene(scene).unwrap_or_else(|error| panic!("{error}"));
+    let state = model.initial_state(&start.positions, &start.velocities, None).unwrap();
+    format!("{:?}\n{:?}\n{:?}", model.mechanism, state, scene.simulation)
+}
+
+#[test]
+fn a_number_set_by_its_key_path_is_that_of_a_file_that_says_it() {
+    let folder = command::folder("parameters_set");
+    let templates = [ROBOT.replace("link.", "link.arm/").replace("joint.", "joint.arm/"), BOX.into(), SCENE.into()];
+    let keys: Vec<(String, f64)> = templates.iter().flat_map(|template| filled(template, None).1).collect();
+    assert_eq!(keys.len(), 50, "all of them were found");
+    let base = scene(&folder, None);
+    let all = base.parameters();
+    for (key, said) in keys {
+        let parameter = base.parameter_among(&all, &key).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(parameter.said(), Some(said), "{key}");
+        let other = 0.9 * said;
+        let mut set = base.clone();
+        set.set(&[(parameter.clone(), other)]).unwrap_or_else(|error| panic!("{error}"));
+        let edited = scene(&folder, Some((&key, other)));
+        // What it means differs, and to the last bit as in the edited files.
+        assert!(meaning(&set) != meaning(&base), "{key} changes nothing");
+        assert!(meaning(&set) == meaning(&edited), "{key}\n{}\n{}", meaning(&set), meaning(&edited));
+    }
+}
+
+#[test]
+fn an_unknown_key_path_is_named_with_the_nearest_and_a_short_one_must_mean_one_number() {
+    let folder = command::folder("parameters_unknown");
+    let scene = scene(&folder, None);
+    let refused =
+        |key: &str| scene.parameter(key).unwrap_err().to_string().replace(&format!("{}/", folder.display()), "");
+    let nearest = refused("link.arm/uper.mass");
+    assert!(nearest.starts_with(r#"scene.toml: no number of the scene is called "link.arm/uper.mass"; the nearest are "link.arm/upper.mass""#), "{nearest}");
+    let strange = refused("§");
+    assert!(strange.contains("`catena model INPUT --parameters` lists all"), "{strange}");
+    assert_eq!(scene.parameter("gravity.z").unwrap().key(), "scene.gravity.z");
+    assert_eq!(scene.parameter("positions.shoulder").unwrap().key(), "robot.arm.positions.shoulder");
+    assert_eq!(scene.parameter("arm/upper.mass").unwrap().key(), "link.arm/upper.mass");
+    let both = refused("pose.position.x");
+    assert!(
+        both.ends_with(
+            r#""pose.position.x" may mean "robot.arm.pose.position.x", "robot.free.pose.position.x"; write it whole"#
+        ),
+        "{both}"
+    );
+}
+
+#[test]
+fn a_number_that_cannot_be_is_refused_with_file_line_and_reason() {
+    let folder = command::folder("parameters_refused");
+    let scene = scene(&folder, None);
+    let refused = |numbers: &[(&str, f64)]| {
+        let numbers: Vec<_> = numbers.iter().map(|&(key, number)| (scene.parameter(key).unwrap(), number)).collect();
+        scene.clone().set(&numbers).unwrap_err().to_string().replace(&format!("{}/", folder.display()), "")
+    };
+    assert_eq!(
+        refused(&[("link.arm/upper.mass", -1.0)]),
+        "arm.urdf:3: link \"upper\": link.arm/upper.mass = -1: -1 must not be negative"
+    );
+    assert_eq!(
+        refused(&[("spring.band.stiffness", f64::NAN)]),
+        "scene.toml:15: spring \"band\": spring.band.stiffness = NaN: NaN is not finite"
+    );
+    assert!(refused(&[("joint.arm/elbow.restitution", 1.5)]).ends_with("1.5 must be from 0 to 1"));
+    assert!(refused(&[("simulation.duration", 0.0)]).ends_with("0 must be greater than zero"));
+    assert!(
+        refused(&[("joint.arm/elbow.limit.lower", 1.75)])
+            .ends_with("the lower limit 1.75 is above the upper limit 1.5; swap them")
+    );
+    // Both together are in order.
+    let (lower, upper) = ("joint.arm/elbow.limit.lower", "joint.arm/elbow.limit.upper");
+    let numbers = [(scene.parameter(lower).unwrap(), 1.75), (scene.parameter(upper).unwrap(), 2.0)];
+    assert!(scene.clone().set(&numbers).is_ok());
+}
+
+#[test]
+fn a_link_without_mass_can_be_given_one_and_an_impossible_inertia_is_said() {
+    let folder = command::folder("parameters_mass");
+    let mut scene = Scene::of_robot(read_urdf(&folder.join("pendulum.urdf"), &PackagePath::default()).unwrap());
+    let mass =
+        |scene: &Scene| Model::from_scene(scene).unwrap().0.mechanism.bodies.iter().map(|body| body.mass).sum::<f64>();
+    assert_eq!(mass(&scene), 1.0);
+    let (tip, moment) = (scene.parameter("tip.mass").unwrap(), scene.parameter("rod.inertia.ixx").unwrap());
+    assert_eq!(tip.said(), Some(0.0));
+    scene.set(&[(tip, 0.5), (moment, 3.0)]).unwrap();
+    assert_eq!(mass(&scene), 1.5);
+    let (model, _) = Model::from_scene(&scene).unwrap();
+    let warnings: Vec<String> = model.warnings.iter().map(ToString::to_string).collect();
+    assert!(
+        warnings.iter().any(|warning| warning.contains("link \"rod\": no body has the principal moments")),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn a_robot_alone_is_the_same_as_a_scene_of_it() {
+    for robot in ["pendulum.urdf", "arm7.urdf", "humanoid.urdf", "planar_slider.urdf", "quadruped.urdf"] {
+        let read = || read_urdf(&Path::new("robots").join(robot), &PackagePath::default()).unwrap();
+        let alone = Model::new(read(), &ModelOptions::default()).unwrap();
+        let (of_scene, _) = Model::from_scene(&Scene::of_robot(read())).unwrap();
+        assert_eq!(format!("{:?}", alone.mechanism), format!("{:?}", of_scene.mechanism), "{robot}");
+    }
+}
