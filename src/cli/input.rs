@@ -340,7 +340,7 @@ fn pose([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Pose {
 }
 
 /// `NAME=DIR`. Whether there is such a folder is asked where it is needed: a log can be read without.
-fn package(text: &str) -> Result<(String, PathBuf), String> {
+pub fn package(text: &str) -> Result<(String, PathBuf), String> {
     match text.split_once('=') {
         Some((name, folder)) if !name.is_empty() && !folder.is_empty() => Ok((name.to_string(), folder.into())),
         _ => Err("give NAME=DIR, the name of the package and its folder".to_string()),

@@ -32,6 +32,7 @@ mod run_log;
 mod simulate;
 mod special_output;
 mod stress;
+mod sweep;
 mod table;
 
 use crate::cli::contact_args::with_heights;
@@ -84,6 +85,8 @@ enum Verb {
     Chart(Box<chart::ChartArgs>),
     /// Draw stability maps: which step sizes work as a problem gets harder
     Stress(stress::StressArgs),
+    /// Make many runs in which numbers of a scene vary, on all cores and machines: a row of a table for each
+    Sweep(Box<sweep::SweepArgs>),
 }
 
 /// Why a verb did not do what it was asked for.
@@ -125,6 +128,7 @@ pub fn main() -> ExitCode {
         Verb::Replay(arguments) => replay::run(&arguments),
         Verb::Chart(arguments) => chart::run(&arguments),
         Verb::Stress(arguments) => stress::run(&arguments),
+        Verb::Sweep(arguments) => sweep::run(&arguments),
     };
     match ended {
         Ok(()) => ExitCode::SUCCESS,
