@@ -124,7 +124,7 @@ fn one_number(text: &str) -> Result<(String, f64), String> {
 }
 
 /// `NAME=DIR`. Whether there is such a folder is asked where it is needed: a log can be read without.
-fn package(text: &str) -> Result<(String, PathBuf), String> {
+pub fn package(text: &str) -> Result<(String, PathBuf), String> {
     match text.split_once('=') {
         Some((name, folder)) if !name.is_empty() && !folder.is_empty() => Ok((name.to_string(), folder.into())),
         _ => Err("give NAME=DIR, the name of the package and its folder".to_string()),

@@ -31,6 +31,7 @@ mod rules;
 mod simulate;
 mod special_output;
 mod stress;
+mod sweep;
 mod table;
 
 pub use crate::cli::report::page_of_log;
@@ -86,6 +87,8 @@ enum Verb {
     Chart(Box<chart::ChartArgs>),
     /// Draw stability maps: which step sizes work as a problem gets harder
     Stress(stress::StressArgs),
+    /// Make many runs in which numbers of a scene vary, on all cores and machines: a row of a table for each
+    Sweep(Box<sweep::SweepArgs>),
 }
 
 /// Why a verb did not do what it was asked for.
@@ -155,6 +158,7 @@ pub fn main_of(words: Vec<OsString>) -> u8 {
         Verb::Replay(arguments) => replay::run(&arguments),
         Verb::Chart(arguments) => chart::run(&arguments),
         Verb::Stress(arguments) => stress::run(&arguments),
+        Verb::Sweep(arguments) => sweep::run(&arguments),
     };
     match ended {
         Ok(()) => 0,

@@ -133,7 +133,7 @@ impl Model {
     }
 
     /// The start that a scene gives, every entry of it tried.
-    fn start(&self, scene: &Scene) -> Result<Start, ModelError> {
+    pub(crate) fn start(&self, scene: &Scene) -> Result<Start, ModelError> {
         let mut start = Start::default();
         for (index, robot) in scene.robots.iter().enumerate() {
             let several = scene.robots.len() > 1;

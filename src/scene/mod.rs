@@ -59,7 +59,11 @@ pub use robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, UrdfJoint, UrdfJointKind,
     UrdfLoop,
 };
+pub(crate) use scene_file::simulation;
 pub use scene_file::{read_scene, scene_from_text};
 pub use scene_files::{FilesOnDisk, SceneFiles};
+pub(crate) use scene_schema::SimulationTable;
 pub use schema::WORLD_LINK;
+pub(crate) use text::read_text;
+pub(crate) use toml_text::TomlText;
 pub use urdf::{read_urdf, robot_from_text, robot_without_meshes};

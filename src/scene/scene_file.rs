@@ -159,7 +159,8 @@ fn joint_values(text: &TomlText, table: BTreeMap<Spanned<String>, JointNumbers>)
     values.collect()
 }
 
-fn simulation(text: &TomlText, table: &Spanned<SimulationTable>) -> Result<SimulationSettings, SceneError> {
+/// What a table `[simulation]` says.
+pub(crate) fn simulation(text: &TomlText, table: &Spanned<SimulationTable>) -> Result<SimulationSettings, SceneError> {
     let SimulationTable { duration, tolerance, stages, step, rate } = table.get_ref();
     let refuse = |span, message| Err(text.error(&span, None, Problem::Keys(message)));
     let fixed = match (stages, step, tolerance) {

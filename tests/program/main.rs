@@ -21,4 +21,5 @@ mod rules;
 mod spanning_tree;
 mod special_files;
 mod stress;
+mod sweep;
 mod urdf_corpus_runs;

@@ -235,7 +235,7 @@ fn coordinates(kind: UrdfJointKind) -> (&'static [&'static str], &'static [&'sta
     match kind {
         UrdfJointKind::Revolute | UrdfJointKind::Continuous | UrdfJointKind::Prismatic => (&[""], &[""]),
         UrdfJointKind::Fixed => (&[], &[]),
-        UrdfJointKind::Planar => (&["x", "y", "angle"], &["x", "y", "angle"]),
+        UrdfJointKind::Planar => (&["x", "y", "angle"], &["vx", "vy", "rate"]),
         UrdfJointKind::Spherical => (&ANGLES, &["wx", "wy", "wz"]),
         UrdfJointKind::Floating => (&["x", "y", "z", "roll", "pitch", "yaw"], &["vx", "vy", "vz", "wx", "wy", "wz"]),
     }

@@ -83,6 +83,14 @@ impl Parameter {
         self.said
     }
 
+    /// Whether it may be this number, whatever the others are.
+    ///
+    /// # Errors
+    /// Why it may not.
+    pub fn check(&self, number: f64) -> Result<(), String> {
+        self.range.refuse(number).map_or(Ok(()), Err)
+    }
+
     /// Whether it only says how a run starts: the model is the same whatever it is.
     pub fn is_start(&self) -> bool {
         matches!(self.place, Place::Position { .. } | Place::Velocity { .. })

@@ -1,0 +1,61 @@
+//! The CSV file of a list of runs: key paths in the first line, numbers in all others, one line a run.
+
+use crate::scene::{Problem, SceneError};
+use std::path::Path;
+
+/// A list of runs.
+pub(super) struct List {
+    /// The key paths.
+    pub keys: Vec<String>,
+    /// The numbers, line after line.
+    pub numbers: Vec<f64>,
+}
+
+impl List {
+    /// The line of a row, counted from 1.
+    pub fn line(row: usize) -> usize {
+        row + 2
+    }
+}
+
+/// Reads a list.
+///
+/// # Errors
+/// [`SceneError`] with the line, for what is not as many finite numbers as there are key paths.
+pub(super) fn read_list(text: &str, file: &Path) -> Result<List, SceneError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end();
+    let refuse = |line: usize, reason: String| SceneError {
+        file: file.to_path_buf(),
+        line: Some(line),
+        element: None,
+        problem: Box::new(Problem::Table(reason)),
+    };
+    let mut lines = text.lines();
+    let header = lines.next().unwrap_or_default();
+    let keys: Vec<String> = header.split(',').map(|key| key.trim().trim_matches('"').to_string()).collect();
+    if let Some(number) = keys.iter().find(|key| key.is_empty() || key.parse::<f64>().is_ok()) {
+        return Err(refuse(
+            1,
+            format!("{number:?} is no key path; the first line names what the numbers below are, such as link1.mass"),
+        ));
+    }
+    let mut numbers = Vec::new();
+    for (row, text) in lines.enumerate() {
+        let line = List::line(row);
+        let before = numbers.len();
+        for cell in text.split(',').map(str::trim) {
+            match cell.parse::<f64>() {
+                Ok(number) if !number.is_nan() => numbers.push(number),
+                _ => return Err(refuse(line, format!("{cell:?} is not a number"))),
+            }
+        }
+        let count = numbers.len() - before;
+        if count != keys.len() {
+            return Err(refuse(line, format!("{count} numbers for {} key paths", keys.len())));
+        }
+    }
+    if numbers.is_empty() {
+        return Err(refuse(2, "there are no numbers below the key paths".to_string()));
+    }
+    Ok(List { keys, numbers })
+}

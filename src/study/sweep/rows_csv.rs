@@ -1,0 +1,54 @@
+//! Rows as CSV (RFC 4180, lines end with `\n`): names in the first line; numbers with as many digits as tell them from all others; lists as JSON, in which
+//! a number that is none is `null`; nothing where nothing is known.
+
+use crate::study::sweep::rows::{Cell, Heading, Row};
+use std::io::{self, Write};
+
+/// Writes the names.
+pub(super) fn heading(headings: &[Heading], out: &mut impl Write) -> io::Result<()> {
+    for (index, heading) in headings.iter().enumerate() {
+        if index > 0 {
+            out.write_all(b",")?;
+        }
+        text(&heading.name, out)?;
+    }
+    out.write_all(b"\n")
+}
+
+/// Writes a row.
+pub(super) fn row(row: &Row, out: &mut impl Write) -> io::Result<()> {
+    for (index, cell) in row.cells.iter().enumerate() {
+        if index > 0 {
+            out.write_all(b",")?;
+        }
+        match cell {
+            Cell::Nothing => {}
+            Cell::Count(count) => write!(out, "{count}")?,
+            Cell::Number(number) if number.is_finite() => serde_json::to_writer(&mut *out, number)?,
+            Cell::Number(number) => write!(
+                out,
+                "{}",
+                if number.is_nan() {
+                    "nan"
+                } else if *number > 0.0 {
+                    "inf"
+                } else {
+                    "-inf"
+                }
+            )?,
+            Cell::Text(said) => text(said, out)?,
+            Cell::Numbers(numbers) => text(&serde_json::to_string(numbers)?, out)?,
+            Cell::Texts(texts) => text(&serde_json::to_string(texts)?, out)?,
+        }
+    }
+    out.write_all(b"\n")
+}
+
+/// Words, in quotes if they need them.
+fn text(said: &str, out: &mut impl Write) -> io::Result<()> {
+    if said.contains([',', '"', '\n', '\r']) {
+        write!(out, "\"{}\"", said.replace('"', "\"\""))
+    } else {
+        out.write_all(said.as_bytes())
+    }
+}
