@@ -105,7 +105,8 @@ pub(crate) enum Undecided {
     Unsolved,
 }
 
-/// Decides the joints whose rate is zero and the contacts that touch; `efforts` are those from outside and of motors.
+/// Decides the joints whose rate is zero and the contacts that touch; `efforts` are those from outside and of motors. Whether the law was solved to its
+/// accuracy; if not the best that was found is taken.
 pub(crate) fn decide(
     scene: &mut Scene,
     mode: &mut Mode,
@@ -113,7 +114,7 @@ pub(crate) fn decide(
     efforts: &[f64],
     yielding: &Yielding,
     candidates: &[Candidate],
-) -> Result<(), Undecided> {
+) -> Result<bool, Undecided> {
     let Scene { whole, elements, touching, response } = scene;
     let (whole, elements, touching) = (*whole, *elements, *touching);
     let mut blocks: Vec<Block> = Vec::new();
@@ -149,7 +150,7 @@ pub(crate) fn decide(
         blocks.push(Block { of: Of::Contact(index), law, rows });
     }
     if blocks.is_empty() {
-        return Ok(());
+        return Ok(true);
     }
     let mut free = vec![0.0; state.velocity.len()];
     response.accelerations(state, &efforts, &mut free);
@@ -174,9 +175,9 @@ pub(crate) fn decide(
         row += block.rows.len();
     }
     let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
-    let found = match solve(&Problem { mobility: &rows.square, free: &offset, laws: &laws }, None) {
-        Ok(found) => found,
-        Err(Unsolved::Stopped { best }) => *best,
+    let (found, exact) = match solve(&Problem { mobility: &rows.square, free: &offset, laws: &laws }, None) {
+        Ok(found) => (found, true),
+        Err(Unsolved::Stopped { best }) => (*best, false),
         Err(Unsolved::Inconsistent { block, .. }) => {
             return Err(match blocks[block].of {
                 Of::Contact(index) => Undecided::Inconsistent(index),
@@ -220,7 +221,7 @@ pub(crate) fn decide(
             }
         }
     }
-    Ok(())
+    Ok(exact)
 }
 
 /// The direction of a slip in the tangents of a contact; none where it does not slip.

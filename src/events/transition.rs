@@ -95,7 +95,10 @@ pub(crate) fn transit(
         done.lost += contacts.come_to_rest(scene, state, &yielding);
         let known = efforts(mode, state);
         match decide(scene, mode, state, &known, &yielding, &contacts.candidates) {
-            Ok(()) => break,
+            Ok(exact) => {
+                done.unsolved += usize::from(!exact);
+                break;
+            }
             Err(Undecided::Inconsistent(candidate)) => match contacts.seize(scene, state, candidate) {
                 Some(lost) => done.lost += lost,
                 None => {
