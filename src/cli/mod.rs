@@ -33,7 +33,7 @@ mod special_output;
 mod stress;
 mod table;
 
-pub use crate::cli::report::page_of_log;
+pub use report::page_of_log;
 
 use crate::cli::contact_args::with_heights;
 use anyhow::Context;
