@@ -42,6 +42,13 @@
 //! [`prelude`] has the names that most programs need; [`session::Model`] also the mass matrix, Jacobians, inverse dynamics, and many runs at once
 //! ([`session::Model::rollout`]).
 //!
+//! | feature | what it adds | by default |
+//! |---|---|---|
+//! | `cli` | the command line (`catena`), with clap, indicatif, signal-hook | yes |
+//! | `plot` | figures as SVG and PNG, charts and stability maps, with plotters | yes |
+//!
+//! A library user without them (`default-features = false`) has models, runs, logs, reports and pages.
+//!
 //! Data goes one way through the floors, and nothing imports anything to its right:
 //!
 //! ```text
@@ -71,6 +78,7 @@
 // The command line names the library as other programs do.
 extern crate self as catena;
 
+#[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
 #[doc(hidden)]

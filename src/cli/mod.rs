@@ -34,7 +34,7 @@ mod stress;
 mod sweep;
 mod table;
 
-pub use crate::cli::report::page_of_log;
+pub use report::page_of_log;
 
 use crate::cli::contact_args::with_heights;
 use anyhow::Context;

@@ -4,13 +4,18 @@
 //!     Figure → axis, legend → render → canvas (SVG, PNG)
 //! ```
 
+#[cfg(feature = "plot")]
 pub mod axis;
+#[cfg(feature = "plot")]
 pub mod canvas;
 pub mod comma_separated;
 pub mod error;
 pub mod files;
+#[cfg(feature = "plot")]
 pub mod legend;
 pub mod picture;
+#[cfg(feature = "plot")]
 pub mod render;
+#[cfg(feature = "plot")]
 pub mod strokes;
 pub mod style;

@@ -13,6 +13,7 @@ use crate::simulation::InputError;
 
 /// A mechanism at one instant.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Moment {
     /// Time (s).
     pub time: f64,

@@ -30,6 +30,7 @@ pub struct Rollout<'r> {
 
 /// What the runs have done.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Trajectories {
     /// How many runs there are.
     pub runs: usize,
