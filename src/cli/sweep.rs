@@ -3,6 +3,7 @@
 //! Everything that can be wrong with the sweep file is found before the folder is made. Rows are on the disk before they are counted; Ctrl-C, a kill or a
 //! full disk end with what has been made up to then, and the same command goes on from there.
 
+use crate::cli::numbers::finite;
 use crate::cli::{Failure, print, print_json, warn};
 use anyhow::anyhow;
 use catena::mechanism::ground::words::rounded;
@@ -12,7 +13,7 @@ use catena::study::sweep::{Done, Folder, Format, Shard, SweepError, Work, merge,
 use clap::{Args, value_parser};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -48,6 +49,10 @@ pub struct SweepArgs {
     /// Print what was done as one JSON object
     #[arg(long, help_heading = "Rows")]
     json: bool,
+
+    /// Say on standard error every S seconds how many rows are on the disk, for the logs of clusters
+    #[arg(long, value_name = "S", value_parser = not_negative, conflicts_with = "merge", help_heading = "Rows")]
+    progress: Option<f64>,
 
     /// Print errors and warnings only
     #[arg(long, help_heading = "Rows")]
@@ -114,7 +119,13 @@ fn sweep(arguments: &SweepArgs, file: &Path, output: &Path) -> Result<(), Failur
     let jobs = arguments.jobs.map_or_else(cores, usize::from);
     let bar = progress_bar(!arguments.quiet && std::io::stderr().is_terminal(), folder.runs());
     let before = folder.done();
+    let mut said: Option<Instant> = None;
     let mut told = |done: &Done| {
+        if arguments.progress.is_some_and(|every| said.is_none_or(|last| last.elapsed().as_secs_f64() >= every)) {
+            said = Some(Instant::now());
+            // If standard error is closed there is nobody left to tell.
+            let _ = writeln!(std::io::stderr(), "catena: {} of {} runs are done", done.done, done.runs);
+        }
         if done.done > before {
             bar.set_position(done.done);
         } else {
@@ -202,6 +213,14 @@ fn merge_all(arguments: &SweepArgs, output: &Path) -> Result<(), Failure> {
         return print_json(&json!({ "rows": rows, "files": files, "folder": output.display().to_string() }));
     }
     if arguments.quiet { Ok(()) } else { print(format_args!("{rows} rows in {files} files in {}\n", output.display())) }
+}
+
+/// Seconds.
+fn not_negative(text: &str) -> Result<f64, String> {
+    match finite(text)? {
+        number if number >= 0.0 => Ok(number),
+        _ => Err("must not be negative".to_string()),
+    }
 }
 
 /// A bar of runs.

@@ -20,4 +20,5 @@ mod replay;
 mod rules;
 mod special_files;
 mod stress;
+mod sweep;
 mod urdf_corpus_runs;
