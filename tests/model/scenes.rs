@@ -43,7 +43,11 @@ const MOBILITY: [(&str, usize); 22] = [
 fn scene_files() -> Vec<PathBuf> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("robots");
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
+    // A sweep is no scene.
+    files.retain(|file| {
+        file.extension().is_some_and(|extension| extension == "toml")
+            && !file.to_string_lossy().ends_with("_sweep.toml")
+    });
     files.sort();
     files
 }

@@ -41,6 +41,8 @@ pub(super) struct Runner<'s> {
     model: Option<Model>,
     parameters: Vec<Parameter>,
     numbers: Vec<f64>,
+    /// Columns of the table.
+    columns: usize,
 }
 
 /// Why a run has no end.
@@ -90,13 +92,13 @@ impl<'s> Runner<'s> {
         let parameters: Vec<Parameter> =
             sweep.variation.columns.iter().map(|column| column.parameter.clone()).collect();
         let model = if parameters.iter().all(Parameter::is_start) { Some(Model::from_scene(&scene)?.0) } else { None };
-        Ok(Runner { sweep, scene, model, parameters, numbers: Vec::new() })
+        Ok(Runner { sweep, scene, model, parameters, numbers: Vec::new(), columns: headings(sweep).len() })
     }
 
     /// The row of an index; `None` if the run was interrupted.
     pub fn row(&mut self, index: u64, interrupt: &AtomicBool) -> Option<Row> {
         self.sweep.variation.numbers(index, &mut self.numbers);
-        let mut cells = Vec::with_capacity(self.numbers.len() + 32);
+        let mut cells = Vec::with_capacity(self.columns);
         cells.push(Cell::Count(index));
         cells.extend(self.numbers.iter().map(|&number| Cell::Number(number)));
         let before = cells.len();
@@ -117,7 +119,7 @@ impl<'s> Runner<'s> {
                 // One line, whatever the names of a scene hold.
                 let reason = failed.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
                 cells.extend([Cell::Text("failed".to_string()), Cell::Text(reason), time]);
-                cells.resize(before + FIGURES.len() + self.sweep.kept.headings().len(), Cell::Nothing);
+                cells.resize(self.columns, Cell::Nothing);
                 Some(Row { index, failed: true, cells })
             }
         }

@@ -2,6 +2,8 @@
 
 mod errors;
 mod folders;
+#[cfg(unix)]
+mod machines;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod rows;

@@ -6,11 +6,11 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use std::fs::File;
 
-/// A sweep with every kind of column; a quarter of its masses is negative.
+/// A sweep with every kind of column; a third of the masses is negative.
 fn kinds() -> String {
-    let masses = MIXED.replace("from = 0.5", "from = -0.5").replace("\"rod.mass\"", "\"tip.mass\"");
     format!(
-        "{masses}[keep]\nend = [\"positions\", \"energy\"]\ncurves = [\"positions\"]\nrate = 10\nevents = \"list\"\n"
+        "{MIXED}[[vary]]\nkey = \"tip.mass\"\nnormal = [0.5, 1.0]\n\
+         [keep]\nend = [\"positions\", \"energy\"]\ncurves = [\"positions\"]\nrate = 10\nevents = \"list\"\n"
     )
 }
 
@@ -58,8 +58,7 @@ fn the_cells_of_parquet_are_those_of_csv() {
         }
     }
     assert!(rows.next().is_none());
-    // One of six masses is negative, and there are four samples of each.
-    assert_eq!((failed, numbers > 24 * 5), (4, true));
+    assert!(failed > 2 && numbers > 24 * 3, "{failed} {numbers}");
 }
 
 #[test]

@@ -207,3 +207,19 @@ fn a_dry_run_says_what_the_whole_takes_and_writes_nothing() {
     assert!(said["seconds_per_run"].as_f64().unwrap() > 0.0);
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3, "the robot, the sweep, and what was made on purpose");
 }
+
+#[test]
+fn the_example_beside_the_robots_can_be_made() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/pendulum_sweep.toml");
+    let folder = folder("sweep_example", "");
+    let output = catena(&folder, &["sweep", file, "-o", "out", "--format", "csv"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let rows = table(&folder.join("out"));
+    assert_eq!(rows.len(), 600);
+    for row in &rows {
+        let [least, last, most] =
+            ["min.joint.elbow.velocity", "robot.double_pendulum.velocities.elbow", "max.joint.elbow.velocity"]
+                .map(|of| number(row, of));
+        assert!(row["status"] == "done" && least <= last && last <= most, "the start is one of the samples: {row:?}");
+    }
+}
