@@ -93,7 +93,7 @@ mod tests {
         let path = std::env::temp_dir().join(format!("catena_journal_{}", std::process::id()));
         let (mut journal, none) = Journal::open(&path, &(0..10), 2).unwrap();
         assert!(none.is_empty());
-        [4, 2, 7].map(|index| journal.add(&row(index)));
+        [4, 2, 7].iter().for_each(|&index| journal.add(&row(index)));
         journal.sync().unwrap();
         drop(journal);
         let whole = std::fs::read(&path).unwrap();
