@@ -37,9 +37,10 @@ pub(super) struct Runner<'s> {
     sweep: &'s Sweep,
     /// The scene of the run before: every run sets the same numbers anew.
     scene: Scene,
-    /// The model, if runs differ in their starts alone.
+    /// The model, if it is the same for all runs: they differ in their starts alone.
     model: Option<Model>,
-    parameters: Vec<Parameter>,
+    /// What varies, with the numbers of the run before.
+    varied: Vec<(Parameter, f64)>,
     numbers: Vec<f64>,
     /// Columns of the table.
     columns: usize,
@@ -89,10 +90,13 @@ impl<'s> Runner<'s> {
             robot.robot.warnings.clear();
             robot.robot.links.iter_mut().for_each(|link| link.visuals.clear());
         }
-        let parameters: Vec<Parameter> =
-            sweep.variation.columns.iter().map(|column| column.parameter.clone()).collect();
-        let model = if parameters.iter().all(Parameter::is_start) { Some(Model::from_scene(&scene)?.0) } else { None };
-        Ok(Runner { sweep, scene, model, parameters, numbers: Vec::new(), columns: headings(sweep).len() })
+        let varied: Vec<(Parameter, f64)> =
+            sweep.variation.columns.iter().map(|column| (column.parameter.clone(), f64::NAN)).collect();
+        // What some loops hold is taken from where the scene starts.
+        let loops = scene.loops.len() + scene.robots.iter().map(|robot| robot.robot.loops.len()).sum::<usize>();
+        let starts_alone = loops == 0 && varied.iter().all(|(parameter, _)| parameter.is_start());
+        let model = if starts_alone { Some(Model::from_scene(&scene)?.0) } else { None };
+        Ok(Runner { sweep, scene, model, varied, numbers: Vec::new(), columns: headings(sweep).len() })
     }
 
     /// The row of an index; `None` if the run was interrupted.
@@ -127,10 +131,11 @@ impl<'s> Runner<'s> {
 
     /// Makes the run of the numbers at hand, and adds the cells of what it was.
     fn run(&mut self, interrupt: &AtomicBool, cells: &mut Vec<Cell>) -> Result<(), Failed> {
-        let numbers: Vec<(Parameter, f64)> =
-            self.parameters.iter().cloned().zip(self.numbers.iter().copied()).collect();
+        for ((_, varied), number) in self.varied.iter_mut().zip(&self.numbers) {
+            *varied = *number;
+        }
         self.scene.robots.iter_mut().for_each(|robot| robot.robot.warnings.clear());
-        self.scene.set(&numbers)?;
+        self.scene.set(&self.varied)?;
         let fresh;
         let (model, start) = match &self.model {
             Some(model) => (model, model.start(&self.scene)?),

@@ -108,6 +108,22 @@ fn several_keys_vary_together_and_relative_ones_are_multiples_of_what_the_file_s
 }
 
 #[test]
+fn what_a_loop_holds_is_taken_from_the_start_of_each_run() {
+    // The distance of the tip from a point of the world, which the file does not say: it locks the hinge where it starts.
+    let folder = folder(
+        "sweep_loop",
+        "[sweep]\nscene = \"scene.toml\"\n[[vary]]\nkey = \"positions.hinge\"\nvalues = [0.25, 0.5]\n",
+    );
+    let scene = "[[robot]]\nurdf = \"pendulum.urdf\"\n[[loop]]\ntype = \"distance\"\na = { link = \"tip\" }\nb = { link = \"world\", position = [3, 0, 0] }\n\
+        [simulation]\nduration = 0.3\n";
+    std::fs::write(folder.join("scene.toml"), scene).unwrap();
+    sweep(&folder, &["-o", "out"]);
+    let ends: Vec<f64> = table(&folder.join("out")).iter().map(|row| number(row, END)).collect();
+    // The gap of a loop is rounding, some 1e-16 m.
+    assert!((ends[0] - 0.25).abs() < 1e-14 && (ends[1] - 0.5).abs() < 1e-14, "{ends:?}");
+}
+
+#[test]
 fn a_run_that_fails_is_a_row_with_its_reason() {
     let folder = folder(
         "sweep_failures",
