@@ -324,7 +324,10 @@ pub(super) fn prepare(path: &Path) -> Result<File, SweepError> {
     if path.exists() && !path.is_dir() {
         return Err(SweepError::folder(path, "it is not a folder"));
     }
-    std::fs::create_dir_all(path).map_err(|error| SweepError::folder(path, error.to_string()))?;
+    if !path.exists() {
+        let made = std::fs::create_dir_all(path).and_then(|()| sync_folder(path));
+        made.map_err(|error| SweepError::folder(path, error.to_string()))?;
+    }
     let lock = path.join(LOCK);
     // What is in the folder is nobody's business before it is known to be of a sweep.
     if !lock.exists() && !path.join(MANIFEST).exists() {
