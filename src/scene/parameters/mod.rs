@@ -26,6 +26,8 @@
 
 mod keys;
 mod place;
+mod slot;
+mod stand;
 
 use crate::scene::description::Scene;
 use crate::scene::error::{Element, Problem, SceneError};

@@ -2,14 +2,12 @@
 
 use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::nonsmooth::MotorLaw;
-use crate::mechanism::description::target::Target;
 use crate::scene::coupling::{JointReference, LoadKind, Point, SpringPlace};
 use crate::scene::description::{JointValues, STANDARD_GRAVITY, Scene};
-use crate::scene::error::Element;
 use crate::scene::joint_settings::{LimitChoice, SceneJoint};
+use crate::scene::parameters::slot::Slot;
 use crate::scene::robot::{Inertial, Pose, UrdfJoint};
 use nalgebra::{Matrix3, Rotation3};
-use std::path::PathBuf;
 
 /// A place of a number. Robots, links and all tables are counted from 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -139,46 +137,6 @@ pub(super) enum SpringNumber {
     Stiffness,
     Damping,
     Rest,
-}
-
-/// A number that can be read and replaced.
-pub(super) enum Slot<'s> {
-    Number(&'s mut f64),
-    Optional(&'s mut Option<f64>),
-    /// Half of the number is what is kept.
-    Half(&'s mut f64),
-    /// Both sides of the diagonal.
-    Symmetric {
-        matrix: &'s mut Matrix3<f64>,
-        row: usize,
-        column: usize,
-    },
-    Target(&'s mut Target),
-}
-
-impl Slot<'_> {
-    pub fn read(&self) -> Option<f64> {
-        match self {
-            Slot::Number(number) => Some(**number),
-            Slot::Optional(number) => **number,
-            Slot::Half(half) => Some(2.0 * **half),
-            Slot::Symmetric { matrix, row, column } => Some(matrix[(*row, *column)]),
-            Slot::Target(target) => target.is_constant().then(|| target.value(0.0)),
-        }
-    }
-
-    pub fn write(&mut self, wanted: f64) {
-        match self {
-            Slot::Number(number) => **number = wanted,
-            Slot::Optional(number) => **number = Some(wanted),
-            Slot::Half(half) => **half = 0.5 * wanted,
-            Slot::Symmetric { matrix, row, column } => {
-                matrix[(*row, *column)] = wanted;
-                matrix[(*column, *row)] = wanted;
-            }
-            Slot::Target(target) => **target = Target::constant(wanted),
-        }
-    }
 }
 
 impl Place {
@@ -321,77 +279,6 @@ impl Place {
             _ => {}
         }
     }
-
-    /// The file, line and element that a message about the number is about.
-    pub fn stand(&self, scene: &Scene) -> (PathBuf, Option<usize>, Option<Element>) {
-        let here = |line: usize, element: Element| (scene.path.clone(), Some(line), Some(element));
-        match self {
-            Place::Mass { robot, link }
-            | Place::CenterOfMass { robot, link, .. }
-            | Place::Inertia { robot, link, .. } => {
-                let robot = &scene.robots[*robot].robot;
-                let link = &robot.links[*link];
-                let line = link.inertial.as_ref().map_or(link.line, |inertial| inertial.line);
-                (robot.path.clone(), Some(line), Some(Element::Link(link.name.clone())))
-            }
-            Place::Origin { robot, joint, .. } => {
-                of_joint(scene, *robot, &scene.robots[*robot].robot.joints[*joint].name)
-            }
-            Place::Position { robot, joint, .. } | Place::Velocity { robot, joint, .. } => {
-                of_joint(scene, *robot, joint)
-            }
-            Place::LowerLimit(of)
-            | Place::UpperLimit(of)
-            | Place::Restitution(of)
-            | Place::Friction(of)
-            | Place::Damping(of) => of_joint(scene, of.robot, &of.joint),
-            Place::BasePosition { robot, .. } | Place::BaseTurn { robot, .. } | Place::BaseVelocity { robot, .. } => {
-                let robot = &scene.robots[*robot];
-                here(robot.line, Element::Robot(robot.name.clone()))
-            }
-            Place::Motor { motor, .. } => {
-                here(scene.motors[*motor].line, Element::Motor(scene.motors[*motor].on.clone()))
-            }
-            Place::Spring { spring, .. } | Place::SpringEnd { spring, .. } => {
-                here(scene.springs[*spring].line, Element::Spring(scene.springs[*spring].name.clone()))
-            }
-            Place::LoopLength(of) | Place::LoopEnd { of, .. } => {
-                here(scene.loops[*of].line, Element::Loop(scene.loops[*of].name.clone()))
-            }
-            Place::LoadEffort(load)
-            | Place::LoadForce { load, .. }
-            | Place::LoadTorque { load, .. }
-            | Place::LoadPosition { load, .. } => {
-                here(scene.loads[*load].line, Element::Load(scene.loads[*load].on.clone()))
-            }
-            Place::ObstacleFriction(obstacle)
-            | Place::ObstacleRestitution(obstacle)
-            | Place::ObstacleRadius(obstacle)
-            | Place::ObstacleLength(obstacle)
-            | Place::ObstaclePosition { obstacle, .. }
-            | Place::ObstacleTurn { obstacle, .. }
-            | Place::ObstacleSize { obstacle, .. } => {
-                let obstacle = &scene.contact.obstacles[*obstacle];
-                (scene.path.clone(), obstacle.line, Some(Element::Obstacle(obstacle.name.clone())))
-            }
-            Place::PairFriction(rule) | Place::PairRestitution(rule) => {
-                (scene.path.clone(), Some(scene.contact.rules[*rule].line), None)
-            }
-            Place::Gravity(_)
-            | Place::ContactFriction
-            | Place::ContactRestitution
-            | Place::Duration
-            | Place::Tolerance
-            | Place::Step
-            | Place::Rate => (scene.path.clone(), None, None),
-        }
-    }
-}
-
-fn of_joint(scene: &Scene, robot: usize, joint: &str) -> (PathBuf, Option<usize>, Option<Element>) {
-    let robot = &scene.robots[robot].robot;
-    let line = robot.joints.iter().find(|one| one.name == joint).map(|one| one.line);
-    (robot.path.clone(), line, Some(Element::Joint(joint.to_string())))
 }
 
 fn at(point: &mut Point, axis: usize) -> Option<Slot<'_>> {

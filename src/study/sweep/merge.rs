@@ -1,8 +1,9 @@
 //! The folders of all shards as one, with the files that the whole sweep would have written.
 
 use crate::study::sweep::error::SweepError;
-use crate::study::sweep::folder::{Format, Manifest, prepare};
+use crate::study::sweep::folder::prepare;
 use crate::study::sweep::index_ranges::{Shard, files};
+use crate::study::sweep::manifest::{Format, Manifest};
 use crate::study::sweep::whole_file::whole;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};

@@ -28,6 +28,7 @@ pub mod folder;
 pub mod index_ranges;
 mod journal;
 mod lists;
+pub mod manifest;
 pub mod merge;
 mod one_run;
 mod quantities;
@@ -46,7 +47,8 @@ pub mod work;
 
 pub use definition::{Sweep, read_sweep};
 pub use error::SweepError;
-pub use folder::{Folder, Format};
+pub use folder::Folder;
 pub use index_ranges::Shard;
+pub use manifest::Format;
 pub use merge::merge;
 pub use work::{Done, Work};

@@ -3,8 +3,8 @@
 use crate::simulation::threads::on_one_thread;
 use crate::study::sweep::definition::Sweep;
 use crate::study::sweep::error::SweepError;
-use crate::study::sweep::folder::Format;
 use crate::study::sweep::index_ranges::{Shard, files};
+use crate::study::sweep::manifest::Format;
 use crate::study::sweep::one_run::{Runner, headings};
 use crate::study::sweep::rows::Row;
 use cpu_time::ThreadTime;

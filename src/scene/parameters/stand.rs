@@ -1,0 +1,79 @@
+//! What a message about a number names: the file, the line and the element that the number belongs to.
+
+use crate::scene::description::Scene;
+use crate::scene::error::Element;
+use crate::scene::parameters::place::Place;
+use std::path::PathBuf;
+
+impl Place {
+    /// The file, line and element that a message about the number is about.
+    pub fn stand(&self, scene: &Scene) -> (PathBuf, Option<usize>, Option<Element>) {
+        let here = |line: usize, element: Element| (scene.path.clone(), Some(line), Some(element));
+        match self {
+            Place::Mass { robot, link }
+            | Place::CenterOfMass { robot, link, .. }
+            | Place::Inertia { robot, link, .. } => {
+                let robot = &scene.robots[*robot].robot;
+                let link = &robot.links[*link];
+                let line = link.inertial.as_ref().map_or(link.line, |inertial| inertial.line);
+                (robot.path.clone(), Some(line), Some(Element::Link(link.name.clone())))
+            }
+            Place::Origin { robot, joint, .. } => {
+                of_joint(scene, *robot, &scene.robots[*robot].robot.joints[*joint].name)
+            }
+            Place::Position { robot, joint, .. } | Place::Velocity { robot, joint, .. } => {
+                of_joint(scene, *robot, joint)
+            }
+            Place::LowerLimit(of)
+            | Place::UpperLimit(of)
+            | Place::Restitution(of)
+            | Place::Friction(of)
+            | Place::Damping(of) => of_joint(scene, of.robot, &of.joint),
+            Place::BasePosition { robot, .. } | Place::BaseTurn { robot, .. } | Place::BaseVelocity { robot, .. } => {
+                let robot = &scene.robots[*robot];
+                here(robot.line, Element::Robot(robot.name.clone()))
+            }
+            Place::Motor { motor, .. } => {
+                here(scene.motors[*motor].line, Element::Motor(scene.motors[*motor].on.clone()))
+            }
+            Place::Spring { spring, .. } | Place::SpringEnd { spring, .. } => {
+                here(scene.springs[*spring].line, Element::Spring(scene.springs[*spring].name.clone()))
+            }
+            Place::LoopLength(of) | Place::LoopEnd { of, .. } => {
+                here(scene.loops[*of].line, Element::Loop(scene.loops[*of].name.clone()))
+            }
+            Place::LoadEffort(load)
+            | Place::LoadForce { load, .. }
+            | Place::LoadTorque { load, .. }
+            | Place::LoadPosition { load, .. } => {
+                here(scene.loads[*load].line, Element::Load(scene.loads[*load].on.clone()))
+            }
+            Place::ObstacleFriction(obstacle)
+            | Place::ObstacleRestitution(obstacle)
+            | Place::ObstacleRadius(obstacle)
+            | Place::ObstacleLength(obstacle)
+            | Place::ObstaclePosition { obstacle, .. }
+            | Place::ObstacleTurn { obstacle, .. }
+            | Place::ObstacleSize { obstacle, .. } => {
+                let obstacle = &scene.contact.obstacles[*obstacle];
+                (scene.path.clone(), obstacle.line, Some(Element::Obstacle(obstacle.name.clone())))
+            }
+            Place::PairFriction(rule) | Place::PairRestitution(rule) => {
+                (scene.path.clone(), Some(scene.contact.rules[*rule].line), None)
+            }
+            Place::Gravity(_)
+            | Place::ContactFriction
+            | Place::ContactRestitution
+            | Place::Duration
+            | Place::Tolerance
+            | Place::Step
+            | Place::Rate => (scene.path.clone(), None, None),
+        }
+    }
+}
+
+fn of_joint(scene: &Scene, robot: usize, joint: &str) -> (PathBuf, Option<usize>, Option<Element>) {
+    let robot = &scene.robots[robot].robot;
+    let line = robot.joints.iter().find(|one| one.name == joint).map(|one| one.line);
+    (robot.path.clone(), line, Some(Element::Joint(joint.to_string())))
+}
