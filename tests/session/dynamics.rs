@@ -125,7 +125,14 @@ fn jacobians_give_the_velocities_of_links() {
 
 #[test]
 fn floating_accelerations_are_how_velocities_change() {
-    let model = Model::loader().floating().load(robot("tumbling_body.urdf")).expect("a model");
+    // Its centre of mass is not the origin of its frame, which is thus accelerated by turning alone.
+    let folder = crate::folder("eccentric");
+    let file = folder.join("eccentric.urdf");
+    let text = r#"<robot name="eccentric"><link name="body"><inertial><origin xyz="0.3 0.1 -0.2"/><mass value="2"/>
+        <inertia ixx="0.1" ixy="0.01" ixz="0" iyy="0.2" iyz="0" izz="0.25"/></inertial></link></robot>"#;
+    std::fs::write(&file, text).expect("written");
+    let model = Model::loader().floating().load(&file).expect("a model");
+    std::fs::remove_dir_all(folder).expect("removed");
     let (q, v) = coordinates(&model);
     let a = model.forward_dynamics(&q, &v, &[0.0; 6]).expect("accelerations");
     let step = 1e-5;
