@@ -15,8 +15,9 @@ use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::Threads;
 use crate::simulation::trial_run::CalibrationError;
 use crate::stepping::integrator::MethodError;
-use std::sync::Arc;
+use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// About what a trial run takes for each body and simulated second (s): no less than that, for want of knowing it.
 const TRIAL_SECONDS: f64 = 5e-6;
@@ -64,6 +65,8 @@ pub(crate) struct Wanted<'w> {
     pub counted: Option<Arc<Counted>>,
     /// Whether the run tells its accuracy as it goes along, and may begin again; otherwise trial runs tell it before.
     pub at_once: bool,
+    /// CPU time that trial runs have taken (s).
+    pub spent: Mutex<f64>,
 }
 
 impl Integrators {
@@ -167,7 +170,11 @@ impl Wanted<'_> {
             return Ok((Making::Telling(Box::new(assessed)), Err(UnknownAccuracy::NotYet)));
         }
         let go_on = || !self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
-        match calibrate_counted(mechanism, state, counted.as_ref(), self.duration, tolerance, kept, &mut |_| go_on()) {
+        let clock = ThreadTime::now();
+        let found =
+            calibrate_counted(mechanism, state, counted.as_ref(), self.duration, tolerance, kept, &mut |_| go_on());
+        *self.spent.lock().unwrap_or_else(PoisonError::into_inner) += clock.elapsed().as_secs_f64();
+        match found {
             Ok(found) => Ok((found.run_integrator(mechanism, tolerance, kept)?.counted(counted).into(), Ok(found))),
             Err(interrupted @ CalibrationError::Interrupted) => Err(SimulationError::Interrupted(interrupted)),
             Err(CalibrationError::Method(error)) => Err(SimulationError::Method(error)),

@@ -24,8 +24,8 @@ use crate::simulation::partition::Plan;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::summary::Summary;
 use crate::stepping::integrator::MethodError;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// How a run is to be made.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +70,7 @@ pub struct Simulation<'s> {
     state: State,
     /// Where the run begins, if it may begin again.
     start: Option<State>,
-    /// CPU time of what was begun and is void (s).
+    /// CPU time of trial runs, and of what was begun and is void (s).
     spent: f64,
     efforts: Vec<f64>,
     integrators: Integrators,
@@ -188,14 +188,14 @@ impl<'s> Simulation<'s> {
         let plan = Plan::from_counted(mechanism, &state, switched_off, counted.as_ref());
         let parts = (plan.islands.len(), plan.sleeping());
         let start = (at_once && steps.tolerance().is_some()).then(|| state.clone());
-        let wanted = Wanted { choice: steps, duration, interrupt, counted, at_once };
+        let wanted = Wanted { choice: steps, duration, interrupt, counted, at_once, spent: Mutex::default() };
         let (integrators, calibrations) = Integrators::new(mechanism, &state, plan, &wanted)?;
         Ok(Simulation {
             mechanism,
             end: state.time + duration,
             state,
             start,
-            spent: 0.0,
+            spent: wanted.spent.into_inner().unwrap_or_else(PoisonError::into_inner),
             efforts: Vec::new(),
             integrators,
             choice: steps,

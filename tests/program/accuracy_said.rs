@@ -72,3 +72,54 @@ fn an_accuracy_that_is_not_known_has_its_reason() {
     let people = run(&folder, &["simulate", "pendulum.urdf", "--velocity", "hinge=1e100", "--no-log"]);
     assert!(text(&people.stdout).contains("accuracy    not known: the run ended"), "{}", text(&people.stdout));
 }
+
+/// A chain that falls, fast enough to begin again, with this log.
+fn fall(folder: &Path, log: &str, arguments: &[&str]) -> Value {
+    let chain = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/chain_10.urdf");
+    let chain = chain.to_str().expect("a path in UTF-8");
+    let all = ["simulate", chain, "--velocity", "joint3=2", "--tolerance", "1e-3", "--rate", "20", "--json", "-o", log];
+    let output = run(folder, &[&all[..], arguments].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    json(&output.stdout)
+}
+
+#[test]
+fn the_log_of_a_run_that_begins_again_is_that_of_the_last_beginning_alone_and_replays() {
+    let folder = scratch("again");
+    let report = fall(&folder, "log.mcap", &["--duration", "3"]);
+    let begun = report["accuracy"]["begun"].as_u64().expect("a number");
+    assert!(begun > 1 && report["accuracy"]["pilots"] == 0, "{}", report["accuracy"]);
+    let inspected = json(&run(&folder, &["inspect", "log.mcap", "--json"]).stdout);
+    // 20 samples a second from t = 0 to 3 s, once.
+    assert_eq!((&inspected["samples"], &inspected["duration"]), (&Value::from(61), &Value::from(3.0)), "{inspected}");
+    let lines = text(&run(&folder, &["inspect", "log.mcap"]).stdout).to_string();
+    assert!(lines.contains("complete, the run has finished"), "{lines}");
+    let replayed = run(&folder, &["replay", "log.mcap"]);
+    assert!(text(&replayed.stdout).contains("to the end, bit for bit"), "{}", text(&replayed.stderr));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_whose_log_cannot_begin_again_makes_trial_runs_and_ends_as_accurate() {
+    use crate::common::command::catena;
+    let folder = scratch("pipe");
+    let pipe = folder.join("pipe");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    if !made.is_ok_and(|status| status.success()) {
+        println!("skipped: there is no mkfifo");
+        return;
+    }
+    let reader = std::thread::spawn({
+        let pipe = pipe.clone();
+        move || std::fs::read(pipe).expect("the log")
+    });
+    let chain = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/chain_10.urdf");
+    let all =
+        ["simulate", chain.to_str().expect("UTF-8"), "--tolerance", "1e-3", "--duration", "1", "--json", "-o", "pipe"];
+    let output = catena(&folder, &all).output().expect("catena runs");
+    let report = json(&output.stdout);
+    assert!(report["accuracy"]["pilots"].as_u64().is_some_and(|pilots| pilots >= 2), "{}", report["accuracy"]);
+    std::fs::write(folder.join("log.mcap"), reader.join().expect("a reader")).expect("written");
+    let replayed = run(&folder, &["replay", "log.mcap"]);
+    assert!(text(&replayed.stdout).contains("to the end, bit for bit"), "{}", text(&replayed.stderr));
+}

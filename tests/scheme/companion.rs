@@ -75,7 +75,9 @@ fn the_steps_of_a_run_with_a_companion_have_the_bits_of_those_without() {
                 lobatto.accompany(&model.mechanism);
             }
             let mut state = model.state.clone();
-            (0..STEPS).for_each(|_| drop(lobatto.advance(&model.mechanism, &mut state, f64::INFINITY).unwrap()));
+            for _ in 0..STEPS {
+                lobatto.advance(&model.mechanism, &mut state, f64::INFINITY).unwrap();
+            }
             let (mut position, mut velocity) = (state.position.clone(), state.velocity.clone());
             lobatto.dense(&model.mechanism, state.time - 1e-3, &mut position, &mut velocity);
             (state, position, velocity)
