@@ -557,11 +557,16 @@ impl Simulation {
     fn steps(&mut self, until: f64) -> Result<(), Error> {
         let Simulation { model, running, control, begin, .. } = self;
         let running = running.as_mut().ok_or(Error::Over(*begin))?;
+        // Only what goes to the end in one go can begin again.
+        let to_the_end = until >= running.end;
         let until = until.min(running.end);
         running
             .engine
             .with_mut(|simulation| {
-                let Some(control) = control else { return simulation.step_to(until).map_err(Error::from) };
+                let Some(control) = control else {
+                    let ended = if to_the_end { simulation.run() } else { simulation.step_to(until) };
+                    return ended.map_err(Error::from);
+                };
                 while simulation.state().time < until {
                     if control.is_due(simulation.state().time) {
                         control.ask(model, simulation.state())?;

@@ -113,8 +113,8 @@ impl Method {
         matches!(self, Method::Rk4 | Method::Dop853 | Method::Dop853Regularised)
     }
 
-    /// The integrator at a setting, for a run from `start`; `None` where a method does not know such a setting or mechanism, and for what
-    /// [`Method::telling`] makes.
+    /// The integrator at a setting, for a run from `start`; `None` where a method does not know such a setting or mechanism. Of a
+    /// tolerance it is the steps alone, without what tells their accuracy ([`Method::telling`]).
     pub fn integrator(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
         if !mechanism.nonsmooth.is_empty() {
             return self.with_events(mechanism, start, setting);
@@ -125,6 +125,9 @@ impl Method {
             }
             (Method::Precise(stages), Setting::Step(step)) => {
                 Lobatto::precise(mechanism, stages, step).ok().map(|lobatto| Box::new(lobatto) as Box<dyn Integrator>)
+            }
+            (Method::LobattoTolerance, Setting::Tolerance(tolerance)) => {
+                Some(Box::new(Lobatto::adaptive(mechanism, tolerance)))
             }
             (Method::Euler, Setting::Step(step)) => Some(Box::new(Euler::new(mechanism, step))),
             (Method::Rk4, Setting::Step(step)) => Some(Box::new(Rk4::new(mechanism, step))),
@@ -146,6 +149,7 @@ impl Method {
         let ours = |steps: StepChoice| Some(Box::new(steps.integrator(mechanism, &[]).ok()?) as Box<dyn Integrator>);
         match (self, setting) {
             (Method::Lobatto(stages), Setting::Step(step)) => ours(StepChoice::Fixed { stages, step }),
+            (Method::LobattoTolerance, Setting::Tolerance(tolerance)) => ours(StepChoice::Tolerance(tolerance)),
             (Method::Dop853, Setting::Tolerance(tolerance)) if !mechanism.has_closures() => {
                 Some(Box::new(Eventful::over_dop853(mechanism, tolerance).ok()?))
             }
