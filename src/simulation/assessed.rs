@@ -73,10 +73,25 @@ enum By {
 struct Beside {
     run: RunIntegrator,
     state: State,
+    /// Length of its last step (s).
+    pace: f64,
     events: Vec<Event>,
 }
 
 impl Beside {
+    /// Makes the steps that end before a time (s) as it seems, so that little is left to be made at the next look.
+    fn keep_up(&mut self, mechanism: &Mechanism, time: f64) {
+        while self.state.time + self.pace <= time {
+            match self.run.advance(mechanism, &mut self.state, time) {
+                Ok(outcome) => self.pace = outcome.step,
+                // The next look will see it.
+                Err(_) => return,
+            }
+            self.run.take_events(&mut self.events);
+        }
+    }
+
+    /// Goes to a time (s), where a step ends.
     fn advance(&mut self, mechanism: &Mechanism, until: f64) -> Result<(), StepError> {
         while self.state.time < until {
             self.run.advance(mechanism, &mut self.state, until)?;
@@ -130,7 +145,9 @@ pub struct Assessed {
     /// The largest error so far at each look (s, m).
     trail: Vec<(f64, f64)>,
     parted: bool,
+    /// What has happened, and from when on the run beside this one has met other events, if they have parted (s).
     events: Vec<Event>,
+    differ: Option<f64>,
     /// Whether efforts from outside have acted, which no companion has felt.
     driven: bool,
 }
@@ -164,6 +181,7 @@ impl Assessed {
             trail: Vec::new(),
             parted: false,
             events: Vec::new(),
+            differ: None,
             driven: false,
             terms,
         };
@@ -188,6 +206,7 @@ impl Assessed {
         (self.steps, self.looked, self.parted) = (0, 0, false);
         self.trail.clear();
         self.events.clear();
+        self.differ = None;
         self.accompany(mechanism);
         Ok(())
     }
@@ -207,7 +226,7 @@ impl Assessed {
             ..self.terms
         };
         let run = terms.run(mechanism, stop, self.stages).ok()?;
-        Some(Beside { run, state: state.clone(), events: Vec::new() })
+        Some(Beside { run, state: state.clone(), pace: 0.0, events: Vec::new() })
     }
 
     /// Before the first step.
@@ -271,9 +290,16 @@ impl Assessed {
             self.next = Some((stop, StageChoice::of(mechanism, OPTIMISTIC * stop)));
         } else if error.is_infinite() {
             self.parted = true;
+            self.differ = self.difference();
             self.by = By::Nothing;
             self.run.leave_companion();
         }
+    }
+
+    /// When the run and the one beside it meet other events for the first time (s).
+    fn difference(&self) -> Option<f64> {
+        let By::Beside(beside) = &self.by else { return None };
+        first_difference(&self.events, &beside.events)
     }
 
     /// What the run has shown of its accuracy up to this state, where it ends.
@@ -294,10 +320,7 @@ impl Assessed {
         let held = self.trail.iter().take_while(|&&(_, error)| error <= self.terms.tolerance).last();
         let holds_until = held.map_or(self.terms.start, |&(time, _)| time);
         // Where other events change next to nothing they are none of the user's business.
-        let differ = match &self.by {
-            By::Beside(beside) if holds_until < state.time => first_difference(&self.events, &beside.events),
-            _ => None,
-        };
+        let differ = if holds_until < state.time { self.differ.or_else(|| self.difference()) } else { None };
         Ok(Calibration {
             stop: self.stop,
             stages: self.stages,
@@ -331,6 +354,7 @@ impl Integrator for Assessed {
         if !inputs.is_none() && !self.driven {
             self.driven = true;
             self.by = By::Nothing;
+            self.run.leave_companion();
         }
         let outcome = match self.run.step(mechanism, inputs, state, until) {
             // What fails with a coarse stop may do with a finer one.
@@ -341,6 +365,9 @@ impl Integrator for Assessed {
             outcome => outcome?,
         };
         self.steps += 1;
+        if let By::Beside(beside) = &mut self.by {
+            beside.keep_up(mechanism, state.time);
+        }
         let Terms { start, end, .. } = self.terms;
         let few = || self.stages.count(Isa::detect()) < StageChoice::Filling.count(Isa::detect());
         let early = state.time - start <= EARLY * (end - start);

@@ -81,6 +81,22 @@ fn a_motion_on_which_trial_runs_meet_other_events_says_from_when_it_is_not_deter
     let differ = found.events_differ.expect("another order of events");
     assert!(differ > 1.0 && differ < 60.0 && found.holds_until <= differ);
     assert!(report.warning().is_some_and(|warning| warning.contains("runs that differ by little meet other events")));
+    // The run itself, with a coarser one beside it, says the same.
+    let options =
+        SimulationOptions { duration: 60.0, steps: StepChoice::Tolerance(1e-6), switched_off: &[], interrupt: None };
+    let mut simulation = Simulation::at_once(&mechanism, start.clone(), None, options).expect("a simulation");
+    simulation.run().expect("a run");
+    let finished = simulation.finish();
+    let told = finished.accuracy[0].clone().expect("an accuracy");
+    println!("{told:?}");
+    let apart = told.events_differ.expect("another order of events");
+    // Errors grow tenfold in some seconds: what is told by other steps is as far as that from it.
+    assert!(
+        apart > 1.0 && (apart - differ).abs() < 0.5 * differ && told.holds_until <= apart,
+        "{apart} and {differ} s"
+    );
+    let report = AccuracyReport::of(options.steps, &finished).expect("an accuracy");
+    assert!(report.warning().is_some_and(|warning| warning.contains("runs that differ by little meet other events")));
 }
 
 #[test]
