@@ -14,10 +14,8 @@
 //!
 //! At the finest stop nothing begins again: the run goes on, and tells until when the accuracy holds.
 
-use crate::lobatto::coupled::counted::Counted;
 use crate::lobatto::numbers::lanes::Isa;
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::distance::{distance, probes, size};
 use crate::mechanism::motion::event::{Event, JointStatus};
@@ -25,27 +23,23 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy::{Calibration, UnknownAccuracy};
+use crate::simulation::beside::{Beside, RATIO};
 use crate::simulation::event_order::first_difference;
 use crate::simulation::forecast::{FINEST, Forecast, ROUNDED, Wanted};
 use crate::simulation::run_integrator::RunIntegrator;
+use crate::simulation::terms::Terms;
 use crate::stepping::control::COARSEST_STOP;
 use crate::stepping::integrator::MethodError;
-use crate::stepping::recipe::Steps;
 use crate::stepping::stage_choice::StageChoice;
-use std::sync::Arc;
 
 /// The wanted accuracy over the stop of a run that begins for the first time, of a smooth motion,
 const OPTIMISTIC: f64 = 100.0;
 /// and of one with events, which cost the more the later it begins again.
 const CAREFUL: f64 = 1000.0;
-/// Stop of a companion that runs by itself over that of the run.
-pub(crate) const RATIO: f64 = 30.0;
 /// Errors of runs are that of the companion over [`RATIO`], and larger by up to so much: a companion may be right by luck.
 const LUCK: f64 = 3.0;
 /// Roundings of two motions that round each in its own way.
 const OWN_ROUNDINGS: f64 = 2.0;
-/// What may change the energy, over the stop, at least: with what the run may change it by a coarse companion would take more steps than it.
-const ENERGY: f64 = 300.0;
 /// Motions that are apart by this share of the mechanism's size have parted.
 const PARTED: f64 = 1e-2;
 /// Number of looks at a run that carries its companion, and at one with a run beside it.
@@ -67,58 +61,6 @@ enum By {
     Beside(Box<Beside>),
     /// Nothing any more.
     Nothing,
-}
-
-/// A coarser run, and where it is.
-struct Beside {
-    run: RunIntegrator,
-    state: State,
-    /// Length of its last step (s).
-    pace: f64,
-    events: Vec<Event>,
-}
-
-impl Beside {
-    /// Makes the steps that end before a time (s) as it seems, so that little is left to be made at the next look.
-    fn keep_up(&mut self, mechanism: &Mechanism, time: f64) {
-        while self.state.time + self.pace <= time {
-            match self.run.advance(mechanism, &mut self.state, time) {
-                Ok(outcome) => self.pace = outcome.step,
-                // The next look will see it.
-                Err(_) => return,
-            }
-            self.run.take_events(&mut self.events);
-        }
-    }
-
-    /// Goes to a time (s), where a step ends.
-    fn advance(&mut self, mechanism: &Mechanism, until: f64) -> Result<(), StepError> {
-        while self.state.time < until {
-            self.run.advance(mechanism, &mut self.state, until)?;
-            self.run.take_events(&mut self.events);
-        }
-        Ok(())
-    }
-}
-
-/// What is wanted of a run, and how it may be made.
-pub(crate) struct Terms {
-    /// The accuracy (m).
-    pub tolerance: f64,
-    /// When the run begins and ends (s).
-    pub start: f64,
-    pub end: f64,
-    /// Rules that leave nothing out.
-    pub kept: Vec<Rule>,
-    /// What was counted of the closures at the start.
-    pub counted: Option<Arc<Counted>>,
-}
-
-impl Terms {
-    fn run(&self, mechanism: &Mechanism, stop: f64, stages: StageChoice) -> Result<RunIntegrator, MethodError> {
-        let steps = Steps::Chosen { tolerance: self.tolerance, stop, stages };
-        Ok(RunIntegrator::new(mechanism, steps, &self.kept)?.counted(self.counted.clone()))
-    }
 }
 
 /// The integrator of a run that knows how far it is off.
@@ -217,16 +159,9 @@ impl Assessed {
     }
 
     /// The coarser run beside this one, from a state on.
-    fn beside(&self, mechanism: &Mechanism, state: &State) -> Option<Beside> {
-        let stop = (RATIO * self.stop).min(COARSEST_STOP);
-        let terms = Terms {
-            tolerance: self.terms.tolerance.max(ENERGY * stop),
-            kept: self.terms.kept.clone(),
-            counted: self.terms.counted.clone(),
-            ..self.terms
-        };
-        let run = terms.run(mechanism, stop, self.stages).ok()?;
-        Some(Beside { run, state: state.clone(), pace: 0.0, events: Vec::new() })
+    fn beside(&self, mechanism: &Mechanism, state: &State) -> By {
+        let beside = Beside::new(mechanism, &self.terms, self.stop, self.stages, state);
+        beside.map_or(By::Nothing, |beside| By::Beside(Box::new(beside)))
     }
 
     /// Before the first step.
@@ -235,7 +170,7 @@ impl Assessed {
         self.size = size(mechanism, state);
         self.due = self.terms.start;
         if !matches!(self.by, By::Carried) {
-            self.by = self.beside(mechanism, state).map_or(By::Nothing, |beside| By::Beside(Box::new(beside)));
+            self.by = self.beside(mechanism, state);
         }
     }
 
@@ -251,8 +186,7 @@ impl Assessed {
     fn error(&mut self, mechanism: &Mechanism, state: &State) -> f64 {
         let mut there = state.clone();
         if matches!(self.by, By::Carried) && !self.run.place_companion(&mut there) {
-            let beside = self.origin.as_ref().and_then(|origin| self.beside(mechanism, origin));
-            self.by = beside.map_or(By::Nothing, |beside| By::Beside(Box::new(beside)));
+            self.by = self.origin.as_ref().map_or(By::Nothing, |origin| self.beside(mechanism, origin));
         }
         let share = match &mut self.by {
             By::Nothing => return f64::INFINITY,

@@ -11,12 +11,13 @@
 //! | who decides on efforts | `controller`, `continuous` |
 //! | one mechanism, step by step | `course`, `summary`, `observer` |
 //! | independent parts side by side | `partition`, `islands`, `island`, `merged`, `threads` |
-//! | the accuracy that a tolerance means | `assessed`, `forecast` (the run tells it as it goes along), `accuracy`, `trial_run` (trial runs do before), `event_order` |
+//! | the accuracy that a tolerance means | `assessed`, `beside`, `terms`, `forecast` (the run tells it as it goes along), `accuracy`, `trial_run` (trial runs do before), `event_order` |
 
 #[doc(hidden)]
 pub mod accuracy;
 #[doc(hidden)]
 pub mod assessed;
+mod beside;
 mod continuous;
 mod controller;
 mod course;
@@ -37,6 +38,7 @@ mod run;
 pub mod run_integrator;
 mod step_choice;
 mod summary;
+pub(crate) mod terms;
 #[doc(hidden)]
 pub mod threads;
 mod trial_run;

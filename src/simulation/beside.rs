@@ -1,0 +1,66 @@
+//! A coarser run beside another, in steps of its own: how far they are apart tells the error of the finer one.
+
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::event::Event;
+use crate::mechanism::motion::integrator::{Integrator, StepError};
+use crate::mechanism::motion::state::State;
+use crate::simulation::run_integrator::RunIntegrator;
+use crate::simulation::terms::Terms;
+use crate::stepping::control::COARSEST_STOP;
+use crate::stepping::stage_choice::StageChoice;
+
+/// Stop of this run over that of the run.
+pub(crate) const RATIO: f64 = 30.0;
+/// What may change the energy, over the stop, at least: with what the run may change it by a coarse companion would take more steps than it.
+const ENERGY: f64 = 300.0;
+
+/// A coarser run, and where it is.
+pub(crate) struct Beside {
+    run: RunIntegrator,
+    pub(crate) state: State,
+    /// Length of its last step (s).
+    pace: f64,
+    pub(crate) events: Vec<Event>,
+}
+
+impl Beside {
+    /// For a run under these terms with this stop, from a state on; `None` for steps that cannot be.
+    pub(crate) fn new(
+        mechanism: &Mechanism,
+        terms: &Terms,
+        stop: f64,
+        stages: StageChoice,
+        state: &State,
+    ) -> Option<Self> {
+        let stop = (RATIO * stop).min(COARSEST_STOP);
+        let coarser = Terms {
+            tolerance: terms.tolerance.max(ENERGY * stop),
+            kept: terms.kept.clone(),
+            counted: terms.counted.clone(),
+            ..*terms
+        };
+        let run = coarser.run(mechanism, stop, stages).ok()?;
+        Some(Beside { run, state: state.clone(), pace: 0.0, events: Vec::new() })
+    }
+
+    /// Makes the steps that end before a time (s) as it seems, so that little is left to be made at the next look.
+    pub(crate) fn keep_up(&mut self, mechanism: &Mechanism, time: f64) {
+        while self.state.time < time && self.state.time + self.pace <= time {
+            match self.run.advance(mechanism, &mut self.state, time) {
+                Ok(outcome) => self.pace = outcome.step,
+                // The next look will see it.
+                Err(_) => return,
+            }
+            self.run.take_events(&mut self.events);
+        }
+    }
+
+    /// Goes to a time (s), where a step ends.
+    pub(crate) fn advance(&mut self, mechanism: &Mechanism, until: f64) -> Result<(), StepError> {
+        while self.state.time < until {
+            self.run.advance(mechanism, &mut self.state, until)?;
+            self.run.take_events(&mut self.events);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,39 @@
+//! What is wanted of a run that tells its accuracy itself, and how it may be made.
+
+use crate::lobatto::coupled::counted::Counted;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
+use crate::simulation::run_integrator::RunIntegrator;
+use crate::stepping::integrator::MethodError;
+use crate::stepping::recipe::Steps;
+use crate::stepping::stage_choice::StageChoice;
+use std::sync::Arc;
+
+/// What is wanted of a run, and how it may be made.
+pub(crate) struct Terms {
+    /// The accuracy (m).
+    pub tolerance: f64,
+    /// When the run begins and ends (s).
+    pub start: f64,
+    pub end: f64,
+    /// Rules that leave nothing out.
+    pub kept: Vec<Rule>,
+    /// What was counted of the closures at the start.
+    pub counted: Option<Arc<Counted>>,
+}
+
+impl Terms {
+    /// The integrator with this iteration stop and these stages.
+    ///
+    /// # Errors
+    /// [`MethodError`] for steps that cannot be.
+    pub(crate) fn run(
+        &self,
+        mechanism: &Mechanism,
+        stop: f64,
+        stages: StageChoice,
+    ) -> Result<RunIntegrator, MethodError> {
+        let steps = Steps::Chosen { tolerance: self.tolerance, stop, stages };
+        Ok(RunIntegrator::new(mechanism, steps, &self.kept)?.counted(self.counted.clone()))
+    }
+}
