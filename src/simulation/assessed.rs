@@ -299,9 +299,6 @@ impl Integrator for Assessed {
             outcome => outcome?,
         };
         self.steps += 1;
-        if let By::Beside(beside) = &mut self.by {
-            beside.keep_up(mechanism, state.time);
-        }
         let Terms { start, end, .. } = self.terms;
         let few = || self.stages.count(Isa::detect()) < StageChoice::Filling.count(Isa::detect());
         let early = state.time - start <= EARLY * (end - start);

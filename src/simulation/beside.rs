@@ -18,8 +18,6 @@ const ENERGY: f64 = 300.0;
 pub(crate) struct Beside {
     run: RunIntegrator,
     pub(crate) state: State,
-    /// Length of its last step (s).
-    pace: f64,
     pub(crate) events: Vec<Event>,
 }
 
@@ -40,22 +38,10 @@ impl Beside {
             ..*terms
         };
         let run = coarser.run(mechanism, stop, stages).ok()?;
-        Some(Beside { run, state: state.clone(), pace: 0.0, events: Vec::new() })
+        Some(Beside { run, state: state.clone(), events: Vec::new() })
     }
 
-    /// Makes the steps that end before a time (s) as it seems, so that little is left to be made at the next look.
-    pub(crate) fn keep_up(&mut self, mechanism: &Mechanism, time: f64) {
-        while self.state.time < time && self.state.time + self.pace <= time {
-            match self.run.advance(mechanism, &mut self.state, time) {
-                Ok(outcome) => self.pace = outcome.step,
-                // The next look will see it.
-                Err(_) => return,
-            }
-            self.run.take_events(&mut self.events);
-        }
-    }
-
-    /// Goes to a time (s), where a step ends.
+    /// Goes to a time (s), where a step ends: that its steps are cut there, and those of the finer run are not, is why the two are not the same.
     pub(crate) fn advance(&mut self, mechanism: &Mechanism, until: f64) -> Result<(), StepError> {
         while self.state.time < until {
             self.run.advance(mechanism, &mut self.state, until)?;
