@@ -18,8 +18,6 @@ const TRUNCATED: f64 = 0.5;
 pub struct Companion {
     state: State,
     begun: bool,
-    /// Iterations so far.
-    iterations: usize,
     /// Truncation of the next step to be accepted (rad, m).
     truncation: f64,
 }
@@ -27,7 +25,7 @@ pub struct Companion {
 impl Companion {
     /// None so far: it begins with the next step.
     pub(crate) fn new(mechanism: &Mechanism) -> Self {
-        Companion { state: State::zero(mechanism), begun: false, iterations: 0, truncation: 0.0 }
+        Companion { state: State::zero(mechanism), begun: false, truncation: 0.0 }
     }
 
     /// Where it is.
@@ -38,11 +36,6 @@ impl Companion {
     /// Whether it goes along.
     pub(crate) fn has_begun(&self) -> bool {
         self.begun
-    }
-
-    /// Iterations that it has taken.
-    pub fn iterations(&self) -> usize {
-        self.iterations
     }
 
     /// Takes note of a step that is going to be kept: its E, the largest that would be, and the E that goes with the iteration `stop` (rad, m). The local
@@ -70,7 +63,7 @@ impl Companion {
         let pairs = self.state.position.iter().zip(&state.position);
         let apart = pairs.map(|(own, other)| (own - other).abs()).fold(0.0, f64::max);
         let carrying = Carrying { apart, part: PART, most: MOST, rest: REST, exactly, truncation: self.truncation };
-        self.iterations += kernel.carry_on(mechanism, &mut self.state, &carrying);
+        kernel.carry_on(mechanism, &mut self.state, &carrying);
         self.state.time = time;
     }
 }

@@ -17,7 +17,7 @@ use crate::numbers::reductions::{largest, write_ends};
 use crate::solve::iteration::{Coupling, Equations};
 use crate::stages::attempt::Carrying;
 use crate::step::carried::Carried;
-use crate::step::kernel::Kernel;
+use crate::step::kernel::{Kernel, land};
 use crate::step::workspace::Workspace;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
@@ -36,42 +36,34 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
         self.workspace.set_end(&mut carried.start, mechanism, state);
     }
 
-    /// Moves the carried motion, which is in this state, through the step that was finished and is not accepted yet; returns the iterations.
-    pub(crate) fn carry(&mut self, mechanism: &Mechanism, state: &mut State, carrying: &Carrying) -> usize {
-        let Some(mut carried) = self.carried.take() else { return 0 };
+    /// Moves the carried motion, which is in this state, through the step that was finished and is not accepted yet.
+    pub(crate) fn carry(&mut self, mechanism: &Mechanism, state: &mut State, carrying: &Carrying) {
+        let Some(mut carried) = self.carried.take() else { return };
         let chord = self.chord;
         carried.part_from(&mut self.workspace);
-        let iterations = if carrying.exactly {
-            self.solve_carried_exactly(carrying)
+        if carrying.exactly {
+            self.solve_carried_exactly(carrying);
         } else {
-            self.solve_carried(carrying, &carried.apart)
-        };
+            self.solve_carried(carrying, &carried.apart);
+        }
         carried.learn(&mut self.workspace);
-        let Kernel { workspace, velocity, displaced, tableau, top_legendre, .. } = self;
-        let square = workspace.end_velocities(self.refined, velocity);
-        write_ends(workspace.displacement(), tableau.stages - 1, displaced);
+        let active = self.active();
+        let Kernel { workspace, velocity, displaced, top_legendre, refined, .. } = self;
+        let square = workspace.end_velocities(*refined, velocity);
+        write_ends(workspace.displacement(), active, displaced);
         if carrying.truncation > 0.0 {
             carried.truncate(*top_legendre, carrying.truncation, displaced);
         }
-        state.displace(mechanism, displaced);
-        state.velocity.copy_from_slice(velocity);
-        workspace.set_end(&mut carried.end, mechanism, state);
-        if let Some(square) = square
-            && workspace.refine_velocities(&carried.end, square, velocity)
-        {
-            state.velocity.copy_from_slice(velocity);
-            workspace.set_end(&mut carried.end, mechanism, state);
-        }
+        land(workspace, square, displaced, velocity, mechanism, state, &mut carried.end);
         std::mem::swap(workspace.start_mut(), &mut carried.start);
         std::mem::swap(&mut carried.start, &mut carried.end);
         workspace.advanced().0.copy_from_slice(&carried.solved);
         self.chord = chord;
         self.carried = Some(carried);
-        iterations
     }
 
     /// The simplified iteration.
-    fn solve_carried(&mut self, carrying: &Carrying, apart: &[V]) -> usize {
+    fn solve_carried(&mut self, carrying: &Carrying, apart: &[V]) {
         let guessed = in_lanes!(V, largest(apart));
         self.chord.begin_with(self.workspace.has_factors());
         self.workspace.leave_single();
@@ -80,27 +72,25 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
             let increment = self.iterate(self.refined);
             let left = increment / guessed.max(carrying.apart);
             if left <= carrying.part || (iteration >= carrying.most && left <= carrying.rest) || iteration >= HOPELESS {
-                self.complete();
-                return iteration;
+                return self.complete();
             }
             self.advance();
         }
-        0
     }
 
     /// The exact Newton method, of which one iteration leaves the square of what parts the motions.
-    fn solve_carried_exactly(&mut self, carrying: &Carrying) -> usize {
-        let Kernel { workspace, newton: Some(newton), closing, .. } = self else { return 0 };
+    fn solve_carried_exactly(&mut self, carrying: &Carrying) {
+        let Kernel { workspace, newton: Some(newton), .. } = self else { return };
         workspace.begin_exactly();
         let stages = workspace.stage_unknowns();
-        newton.begin(stages.plan, stages.start, closing.as_ref().map(|closing| closing.known()));
+        // Only trees carry a motion.
+        newton.begin(stages.plan, stages.start, None);
         for iteration in 1.. {
             let increment = self.couple();
             self.add_increments();
             if iteration >= carrying.most || increment <= carrying.part * carrying.apart {
-                return iteration;
+                return;
             }
         }
-        0
     }
 }

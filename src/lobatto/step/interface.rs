@@ -52,10 +52,8 @@ pub trait Step: Send {
     fn close(&mut self, mechanism: &Mechanism, position: &mut [f64], velocity: &mut [f64]);
     /// A second motion is carried beside this one from its next step on, from this state; those of 32 digits carry none.
     fn begin_to_carry(&mut self, _mechanism: &Mechanism, _state: &State) {}
-    /// Moves the carried motion, which is in this state, through the step that was finished and is not accepted yet; returns the iterations.
-    fn carry_on(&mut self, _mechanism: &Mechanism, _state: &mut State, _carrying: &Carrying) -> usize {
-        0
-    }
+    /// Moves the carried motion, which is in this state, through the step that was finished and is not accepted yet.
+    fn carry_on(&mut self, _mechanism: &Mechanism, _state: &mut State, _carrying: &Carrying) {}
     /// Keeps the finished step: its end is the start of the next one.
     fn accept(&mut self);
     /// Of each degree of freedom two weighted sums of its displacements at the stages 2 … s of the last solved step.

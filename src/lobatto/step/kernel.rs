@@ -31,6 +31,7 @@ use crate::step::carried::Carried;
 use crate::step::workspace::Workspace;
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::state::State;
 
 /// [`Step`](crate::step::interface::Step) with the lanes of `V`, over the equations of `W`.
 pub(crate) struct Kernel<V: Lanes, W: Workspace<V>> {
@@ -101,6 +102,28 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
             self.workspace.end_failed();
         }
         attempt
+    }
+}
+
+/// Moves a state by what a solved step has displaced, to the velocities there (2.5.11h), and takes it as the next start. `square` is what
+/// [`Workspace::end_velocities`] returned, which wrote `velocity` and completed the displacements.
+pub(crate) fn land<V: Lanes, W: Workspace<V>>(
+    workspace: &mut W,
+    square: Option<f64>,
+    displaced: &[f64],
+    velocity: &mut [f64],
+    mechanism: &Mechanism,
+    state: &mut State,
+    end: &mut W::Start,
+) {
+    state.displace(mechanism, displaced);
+    state.velocity.copy_from_slice(velocity);
+    workspace.set_end(end, mechanism, state);
+    if let Some(square) = square
+        && workspace.refine_velocities(end, square, velocity)
+    {
+        state.velocity.copy_from_slice(velocity);
+        workspace.set_end(end, mechanism, state);
     }
 }
 

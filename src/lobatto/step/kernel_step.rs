@@ -15,7 +15,7 @@ use crate::solve::iteration::{Equations, Guarded, exact_at_first};
 use crate::solve::kept_factors::Chord;
 use crate::stages::attempt::{Attempt, Carrying, Guess, StopRule};
 use crate::step::interface::Step;
-use crate::step::kernel::Kernel;
+use crate::step::kernel::{Kernel, land};
 use crate::step::workspace::Workspace;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
@@ -104,7 +104,7 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
 
     fn finish(&mut self, mechanism: &Mechanism, state: &mut State) -> Energy {
         let active = self.active();
-        let Kernel { workspace, velocity, displaced, end, closing, newton, friction, .. } = self;
+        let Kernel { workspace, velocity, displaced, end, closing, newton, friction, refined, .. } = self;
         *friction = 0.0;
         if let (Some(newton), Some(closing)) = (newton, &mut *closing)
             && newton.rubbing().is_some()
@@ -115,17 +115,9 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
             *friction = newton.braked();
             closing.lean(newton.rubbing().map_or(&[], Touching::leans));
         }
-        let square = workspace.end_velocities(self.refined, velocity);
+        let square = workspace.end_velocities(*refined, velocity);
         write_ends(workspace.displacement(), active, displaced);
-        state.displace(mechanism, displaced);
-        state.velocity.copy_from_slice(velocity);
-        workspace.set_end(end, mechanism, state);
-        if let Some(square) = square
-            && workspace.refine_velocities(end, square, velocity)
-        {
-            state.velocity.copy_from_slice(velocity);
-            workspace.set_end(end, mechanism, state);
-        }
+        land(workspace, square, displaced, velocity, mechanism, state, end);
         if let Some(closing) = closing {
             *friction += closing.velocities(mechanism, end, &mut state.velocity);
             workspace.set_end(end, mechanism, state);
@@ -160,8 +152,8 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
         self.start_carrying(mechanism, state);
     }
 
-    fn carry_on(&mut self, mechanism: &Mechanism, state: &mut State, carrying: &Carrying) -> usize {
-        self.carry(mechanism, state, carrying)
+    fn carry_on(&mut self, mechanism: &Mechanism, state: &mut State, carrying: &Carrying) {
+        self.carry(mechanism, state, carrying);
     }
 
     fn accept(&mut self) {
