@@ -103,40 +103,45 @@ impl Integrators {
         Ok((Integrators::Islands { islands, idle }, found))
     }
 
-    /// Prepares all of a run that is to begin again.
-    ///
-    /// # Errors
-    /// [`MethodError`] for steps that cannot be.
-    pub fn begin_again(&mut self, mechanism: &Mechanism) -> Result<(), MethodError> {
+    /// Does something with each integrator that tells how far it is off, and where it is.
+    fn each_telling(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &State,
+        mut work: impl FnMut(&Mechanism, &State, &mut Assessed),
+    ) {
         match self {
             Integrators::Whole(integrator) => {
-                integrator.telling().map_or(Ok(()), |assessed| assessed.begin_again(mechanism))
+                integrator.telling().into_iter().for_each(|assessed| work(mechanism, state, assessed));
             }
-            Integrators::Islands { islands, .. } => islands.begin_again(),
+            Integrators::Islands { islands, .. } => islands.each_telling(work),
         }
     }
 
+    /// Prepares all of a run that is to begin again from a state: the same steps but where they were too coarse.
+    ///
+    /// # Errors
+    /// [`MethodError`] for steps that cannot be.
+    pub fn begin_again(&mut self, mechanism: &Mechanism, state: &State) -> Result<(), MethodError> {
+        let mut prepared = Ok(());
+        self.each_telling(mechanism, state, |mechanism, _, assessed| {
+            if prepared.is_ok() {
+                prepared = assessed.begin_again(mechanism);
+            }
+        });
+        prepared
+    }
+
     /// Whatever the errors, the run does not begin again from now on.
-    pub fn settle(&mut self) {
-        match self {
-            Integrators::Whole(integrator) => integrator.telling().into_iter().for_each(Assessed::settle),
-            Integrators::Islands { islands, .. } => islands.each_assessed(|_, _, assessed| assessed.settle()),
-        }
+    pub fn settle(&mut self, mechanism: &Mechanism, state: &State) {
+        self.each_telling(mechanism, state, |_, _, assessed| assessed.settle());
     }
 
     /// What the run itself has told of its accuracy up to a state: one entry for each integrator that was to.
     pub fn told(&mut self, mechanism: &Mechanism, state: &State) -> Calibrations {
-        let told = |mechanism: &Mechanism, state: &State, assessed: &mut Assessed| assessed.accuracy(mechanism, state);
-        match self {
-            Integrators::Whole(integrator) => {
-                integrator.telling().map(|assessed| told(mechanism, state, assessed)).into_iter().collect()
-            }
-            Integrators::Islands { islands, .. } => {
-                let mut all = Vec::new();
-                islands.each_assessed(|mechanism, state, assessed| all.push(told(mechanism, state, assessed)));
-                all
-            }
-        }
+        let mut all = Vec::new();
+        self.each_telling(mechanism, state, |mechanism, state, assessed| all.push(assessed.accuracy(mechanism, state)));
+        all
     }
 
     /// How steps are made, and how they have gone so far.

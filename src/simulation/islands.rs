@@ -30,7 +30,6 @@ use crate::simulation::partition::Plan;
 use crate::simulation::step_choice::StepChoice;
 use crate::simulation::threads::{Threads, spread};
 use crate::simulation::{Observer, RunError, RunOptions, Summary};
-use crate::stepping::integrator::MethodError;
 use std::time::Instant;
 
 /// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
@@ -146,27 +145,13 @@ impl Islands {
         out.sort_by_key(|point| point.pair);
     }
 
-    /// Does something with each island that knows how far it is off, and where it is.
-    pub(crate) fn each_assessed(&mut self, mut work: impl FnMut(&Mechanism, &State, &mut Assessed)) {
+    /// Does something with each island that tells how far it is off, and where it is.
+    pub(crate) fn each_telling(&mut self, mut work: impl FnMut(&Mechanism, &State, &mut Assessed)) {
         for IslandRun { island, state, awake, .. } in &mut self.parts {
             if let Some(assessed) = awake.as_mut().and_then(Making::telling) {
                 work(&island.mechanism, state, assessed);
             }
         }
-    }
-
-    /// Prepares all islands of a run that is to begin again: the same steps but where they were too coarse.
-    ///
-    /// # Errors
-    /// [`MethodError`] for steps that cannot be.
-    pub(crate) fn begin_again(&mut self) -> Result<(), MethodError> {
-        let mut prepared = Ok(());
-        self.each_assessed(|mechanism, _, assessed| {
-            if prepared.is_ok() {
-                prepared = assessed.begin_again(mechanism);
-            }
-        });
-        prepared
     }
 
     /// What each island did.

@@ -263,7 +263,7 @@ impl<'s> Simulation<'s> {
     /// What a program has decided on in the meantime cannot be made again.
     fn settle(&mut self) {
         if self.start.take().is_some() {
-            self.integrators.settle();
+            self.integrators.settle(self.mechanism, &self.state);
         }
     }
 
@@ -273,7 +273,7 @@ impl<'s> Simulation<'s> {
         self.spent = self.summary().solve_cpu_seconds;
         self.state.copy_from(start);
         self.progress = None;
-        self.integrators.begin_again(self.mechanism).map_err(|error| RunError::Observer(error.into()))?;
+        self.integrators.begin_again(self.mechanism, &self.state).map_err(|error| RunError::Observer(error.into()))?;
         let method = self.description();
         self.observers.iter_mut().try_for_each(|observer| observer.begin_again(&method)).map_err(RunError::Observer)
     }
