@@ -48,12 +48,9 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let mut recorder;
     let counted = recorded.loaded.counted.clone();
     // Earlier versions made trial runs, and so do runs whose log is a pipe.
-    let simulation = if recorded.simulation.contains_key(TOLD) {
-        Simulation::at_once(&model.mechanism, state, counted, run)
-    } else {
-        Simulation::from_counted(&model.mechanism, state, counted, run)
-    };
-    let mut simulation = simulation.map_err(Error::from)?;
+    let told = recorded.simulation.contains_key(TOLD);
+    let make = if told { Simulation::at_once } else { Simulation::from_counted };
+    let mut simulation = make(&model.mechanism, state, counted, run).map_err(Error::from)?;
     let stages = simulation.description().stages as f64;
     recorder = Recorder::compare(log, model, stages, &options).map_err(Failure::run)?;
     if simulation.tells_at_once() {

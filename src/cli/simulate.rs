@@ -173,13 +173,11 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let start = arguments.check.then(|| state.clone());
     let account = Account::open(model, &state, settled);
     // A pipe keeps what was written, so that nothing can begin again.
-    let simulation = if output.as_deref().is_some_and(is_special) {
-        let _pilots = (shows && choice.tolerance().is_some()).then(PilotsShown::new);
-        Simulation::from_counted(mechanism, state, counted.clone(), options)
-    } else {
-        Simulation::at_once(mechanism, state, counted.clone(), options)
-    };
-    let mut simulation = simulation.map_err(Error::from)?;
+    let tries = output.as_deref().is_some_and(is_special);
+    let pilots = (tries && shows && choice.tolerance().is_some()).then(PilotsShown::new);
+    let make = if tries { Simulation::from_counted } else { Simulation::at_once };
+    let mut simulation = make(mechanism, state, counted.clone(), options).map_err(Error::from)?;
+    drop(pilots);
     let origin = origin();
     let begun = account.begun(model, counted.as_deref(), &simulation);
     recorder = match &output {

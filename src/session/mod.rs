@@ -20,6 +20,7 @@ mod model;
 mod place;
 mod recording;
 mod rollout;
+mod running;
 mod simulation;
 mod words;
 mod world;

@@ -7,6 +7,7 @@ use crate::model::Start;
 use crate::session::asked::{Asked, Settled};
 use crate::session::error::Error;
 use crate::session::model::Model;
+use crate::simulation::threads::on_one_thread;
 use crate::simulation::{Observer, ObserverError, RunError, Sample, Simulation, SimulationOptions};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -99,9 +100,9 @@ impl Model {
         let threads = if threads == 0 { cores() } else { threads }.min(runs).max(1);
         std::thread::scope(|scope| {
             for _ in 1..threads {
-                scope.spawn(work);
+                scope.spawn(|| on_one_thread(work));
             }
-            work();
+            on_one_thread(work);
         });
         if interrupted() {
             return Err(RunError::Interrupted { time: 0.0 }.into());

@@ -1,26 +1,24 @@
 //! A run of a model, as programs make it: a start, an accuracy, steps, and a report.
 
-use crate::mechanism::description::forces::JointLoad;
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::energy::{Energy, energy_with_forces};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::LinkState;
-use crate::output::log::{LogOptions, Severity};
-use crate::output::report::{Report, SpeedWatch};
-use crate::session::account::{Account, Begun, Closed, Ended, Told};
-use crate::session::asked::{Asked, Settled};
+use crate::output::log::LogOptions;
+use crate::output::report::Report;
+use crate::session::account::Told;
+use crate::session::asked::Asked;
 use crate::session::control::{Control, Moment};
 use crate::session::description::Origin;
-use crate::session::engine::{Engine, Held, Watch};
 use crate::session::error::{ControllerFailure, Error};
 use crate::session::loaded::Assembled;
 use crate::session::model::{Model, pose_of};
-use crate::session::place::{check_log, check_place, is_special};
+use crate::session::place::{check_log, check_place};
+use crate::session::running::{Course, Finish, Running};
 use crate::session::words::words;
-use crate::simulation::{InputError, Observer, RunError, SimulationOptions};
-use self_cell::MutBorrow;
+use crate::simulation::{InputError, Observer, RunError};
 use std::cell::OnceCell;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -62,22 +60,6 @@ pub struct Simulation {
     started: OnceCell<Assembled>,
     running: Option<Running>,
     ended: Option<Finish>,
-}
-
-/// A run that has begun and not ended.
-struct Running {
-    engine: Engine,
-    begun: Begun,
-    origin: Origin,
-    end: f64,
-}
-
-/// A run that has ended.
-struct Finish {
-    report: Report,
-    told: Told,
-    model: Model,
-    state: State,
 }
 
 /// A number, or several, for a joint.
@@ -460,13 +442,11 @@ impl Simulation {
             return Ok(());
         }
         let settled = self.asked.settle(&self.model.loaded().simulation)?;
-        let Settled { duration, choice, rate } = settled;
         let Assembled { state, counted, warnings } = self.started()?.clone();
         let model = self.model.warned(warnings);
-        let description = model.description();
         if let Some((path, options)) = &self.log {
             check_place(path)?;
-            check_log(path, description, self.begin + duration, options)?;
+            check_log(path, model.description(), self.begin + settled.duration, options)?;
         }
         let driven = match (&self.control, &self.efforts) {
             (Some(_), _) => "a controller of a program has driven it",
@@ -475,62 +455,22 @@ impl Simulation {
             _ => driven,
         };
         let origin = self.origin(driven);
-        let end = state.time + duration;
-        let mut begun = None;
+        let log = self.log.clone();
         let others = std::mem::take(&mut self.observers);
-        let watch = Watch { recorder: None, speeds: SpeedWatch::new(description), others };
-        // What joints carry follows from a state and the model alone, not from the efforts of a program.
-        let driven = self.control.is_some() || self.efforts.is_some() || origin.driven.as_deref() == Some(STEPPED);
-        let log = self.log.clone().map(|(path, options)| match driven {
-            true => (path, LogOptions { topics: options.topics.without("/reactions"), ..options }),
-            false => (path, options),
-        });
-        // What a program has seen of a run, or a pipe taken, cannot begin again.
-        let at_once = origin.driven.is_none() && !log.as_ref().is_some_and(|(path, _)| is_special(path));
-        let efforts = &self.efforts;
-        let interrupt = &self.interrupt;
-        let held = Held {
-            model: model.clone(),
+        let course = Course {
+            model,
+            settled,
+            state,
+            counted,
             kept: self.kept.clone(),
-            interrupt: interrupt.clone(),
-            watch: MutBorrow::new(watch),
+            interrupt: self.interrupt.clone(),
+            others,
+            driven: self.control.is_some() || self.efforts.is_some() || origin.driven.as_deref() == Some(STEPPED),
+            efforts: self.efforts.as_deref(),
+            log,
+            origin,
         };
-        let engine = Engine::try_new(held, |held| {
-            let description = held.model.description();
-            let options = SimulationOptions {
-                duration,
-                steps: choice,
-                switched_off: &held.kept,
-                interrupt: Some(&held.interrupt),
-            };
-            let account = Account::open(description, &state, settled);
-            let (mechanism, counted_here) = (&description.mechanism, counted.clone());
-            let mut simulation = if at_once {
-                crate::simulation::Simulation::at_once(mechanism, state, counted_here, options)?
-            } else {
-                crate::simulation::Simulation::from_counted(mechanism, state, counted_here, options)?
-            };
-            let known = account.begun(description, counted.as_deref(), &simulation);
-            if let Some(efforts) = efforts {
-                simulation.set_efforts(efforts)?;
-            }
-            let watch = held.watch.borrow_mut();
-            if let Some((path, options)) = &log {
-                let mut recorder = known.log(path, description, &origin, options, interrupt)?;
-                if driven {
-                    recorder.say(Severity::Info, "without /reactions: a program drives this run");
-                }
-                watch.recorder = Some(recorder);
-            }
-            begun = Some(known);
-            if !watch.is_empty() {
-                simulation.sample_at(rate);
-                simulation.observe(watch);
-            }
-            Ok::<_, Error>(Some(simulation))
-        })?;
-        let begun = begun.ok_or(Error::Over(self.begin))?;
-        self.running = Some(Running { engine, begun, origin, end });
+        self.running = Some(Running::begin(course)?);
         Ok(())
     }
 
@@ -548,69 +488,27 @@ impl Simulation {
 
     /// Makes steps until `until` (s) or the end of the run, under the controller; what fails ends the run.
     fn proceed(&mut self, until: f64) -> Result<(), Error> {
-        match self.steps(until) {
+        let Simulation { model, running, control, begin, .. } = self;
+        let running = running.as_mut().ok_or(Error::Over(*begin))?;
+        match running.proceed(model, control.as_mut(), until) {
             Ok(()) => Ok(()),
             Err(error) => self.close(Err(error)),
         }
     }
 
-    fn steps(&mut self, until: f64) -> Result<(), Error> {
-        let Simulation { model, running, control, begin, .. } = self;
-        let running = running.as_mut().ok_or(Error::Over(*begin))?;
-        // Only what goes to the end in one go can begin again.
-        let to_the_end = until >= running.end;
-        let until = until.min(running.end);
-        running
-            .engine
-            .with_mut(|simulation| {
-                let Some(control) = control else {
-                    let ended = if to_the_end { simulation.run() } else { simulation.step_to(until) };
-                    return ended.map_err(Error::from);
-                };
-                while simulation.state().time < until {
-                    if control.is_due(simulation.state().time) {
-                        control.ask(model, simulation.state())?;
-                        simulation.set_efforts(control.of_state())?;
-                    }
-                    simulation.step_to(control.next().min(until))?;
-                }
-                Ok(())
-            })
-            .unwrap_or(Ok(()))
-    }
-
     /// Ends the run, and completes its log.
     fn close(&mut self, ended: Result<(), Error>) -> Result<(), Error> {
-        let Some(Running { engine, begun, origin, .. }) = self.running.take() else { return ended };
-        let Some((finished, held)) = engine.finish() else { return ended };
-        let Held { model, watch, .. } = held;
-        let Watch { recorder, speeds, .. } = watch.into_inner();
-        let state = finished.state.clone();
+        let Some(running) = self.running.take() else { return ended };
         let of_state = match (&self.control, &self.efforts) {
             (Some(control), _) => Some(control.of_state()),
             (None, Some(of_state)) => Some(&of_state[..]),
             _ => None,
         };
-        let loaded = under_efforts(&model, of_state);
         let output = self.log.as_ref().map(|(path, _)| path.as_path());
-        let ended = Ended { finished, ended, checked: None, speeds: speeds.as_ref(), recorder, output };
-        let input = model.path().display().to_string();
-        let Closed { report, ended, told } = begun.close(&loaded, input, &origin, ended);
-        self.ended = Some(Finish { report, told, model, state });
+        let (finish, ended) = running.close(ended, of_state, output);
+        self.ended = finish;
         ended
     }
-}
-
-/// The model with efforts as loads, so that what its joints carry is worked out under them.
-fn under_efforts<'m>(model: &'m Model, efforts: Option<&[f64]>) -> std::borrow::Cow<'m, crate::model::Model> {
-    let description = model.description();
-    let acting = || efforts.into_iter().flatten().enumerate().filter(|(_, effort)| **effort != 0.0);
-    if acting().next().is_none() {
-        return std::borrow::Cow::Borrowed(description);
-    }
-    let mut loaded = description.clone();
-    loaded.mechanism.forces.joint_loads.extend(acting().map(|(freedom, &effort)| JointLoad { freedom, effort }));
-    std::borrow::Cow::Owned(loaded)
 }
 
 impl Drop for Simulation {

@@ -1,0 +1,174 @@
+//! A run of a program between its first step and its report.
+//!
+//! ```text
+//!     Course ─begin─▶ Running (simulation, log, who watches) ─proceed─▶ steps, under a controller ─close─▶ Finish (report)
+//! ```
+
+use crate::lobatto::coupled::counted::Counted;
+use crate::mechanism::description::forces::JointLoad;
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::state::State;
+use crate::output::log::{LogOptions, Severity};
+use crate::output::report::{Report, SpeedWatch};
+use crate::session::account::{Account, Begun, Closed, Ended, Told};
+use crate::session::asked::Settled;
+use crate::session::control::Control;
+use crate::session::description::Origin;
+use crate::session::engine::{Engine, Held, Watch};
+use crate::session::error::Error;
+use crate::session::model::Model;
+use crate::session::place::is_special;
+use crate::simulation::{Observer, Simulation, SimulationOptions};
+use self_cell::MutBorrow;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// What a run is to be.
+pub(crate) struct Course<'c> {
+    pub model: Model,
+    pub settled: Settled,
+    /// Where it starts, and what was counted of the closures there.
+    pub state: State,
+    pub counted: Option<Arc<Counted>>,
+    /// Rules that leave nothing out.
+    pub kept: Vec<Rule>,
+    pub interrupt: Arc<AtomicBool>,
+    /// Who watches it.
+    pub others: Vec<Box<dyn Observer>>,
+    /// Whether a program drives it.
+    pub driven: bool,
+    /// Along the velocities of the state.
+    pub efforts: Option<&'c [f64]>,
+    pub log: Option<(PathBuf, LogOptions)>,
+    pub origin: Origin,
+}
+
+/// A run that has begun and not ended.
+pub(crate) struct Running {
+    pub engine: Engine,
+    begun: Begun,
+    origin: Origin,
+    /// When it ends (s).
+    pub end: f64,
+}
+
+/// A run that has ended.
+pub(crate) struct Finish {
+    pub report: Report,
+    pub told: Told,
+    pub model: Model,
+    pub state: State,
+}
+
+impl Running {
+    /// Makes the simulation and its log.
+    ///
+    /// # Errors
+    /// Steps that cannot be, efforts that cannot be, a log that cannot be created.
+    pub fn begin(course: Course) -> Result<Self, Error> {
+        let Course { model, settled, state, counted, kept, interrupt, others, driven, efforts, log, origin } = course;
+        let Settled { duration, choice, rate } = settled;
+        let start = state.time;
+        let mut begun = None;
+        let watch = Watch { recorder: None, speeds: SpeedWatch::new(model.description()), others };
+        // What joints carry follows from a state and the model alone, not from the efforts of a program.
+        let log = log.map(|(path, options)| match driven {
+            true => (path, LogOptions { topics: options.topics.without("/reactions"), ..options }),
+            false => (path, options),
+        });
+        // What a program has seen of a run, or a pipe taken, cannot begin again.
+        let at_once = origin.driven.is_none() && !log.as_ref().is_some_and(|(path, _)| is_special(path));
+        let held = Held { model, kept, interrupt: interrupt.clone(), watch: MutBorrow::new(watch) };
+        let engine = Engine::try_new(held, |held| {
+            let description = held.model.description();
+            let options = SimulationOptions {
+                duration,
+                steps: choice,
+                switched_off: &held.kept,
+                interrupt: Some(&held.interrupt),
+            };
+            let account = Account::open(description, &state, settled);
+            let make = if at_once { Simulation::at_once } else { Simulation::from_counted };
+            let mut simulation = make(&description.mechanism, state, counted.clone(), options)?;
+            let known = account.begun(description, counted.as_deref(), &simulation);
+            if let Some(efforts) = efforts {
+                simulation.set_efforts(efforts)?;
+            }
+            let watch = held.watch.borrow_mut();
+            if let Some((path, options)) = &log {
+                let mut recorder = known.log(path, description, &origin, options, &interrupt)?;
+                if driven {
+                    recorder.say(Severity::Info, "without /reactions: a program drives this run");
+                }
+                watch.recorder = Some(recorder);
+            }
+            begun = Some(known);
+            if !watch.is_empty() {
+                simulation.sample_at(rate);
+                simulation.observe(watch);
+            }
+            Ok::<_, Error>(Some(simulation))
+        })?;
+        let begun = begun.ok_or(Error::Over(start))?;
+        Ok(Running { engine, begun, origin, end: start + duration })
+    }
+
+    /// Makes steps until `until` (s) or the end of the run, under a controller if there is one.
+    ///
+    /// # Errors
+    /// A step, an observer, the log or the controller that fails.
+    pub fn proceed(&mut self, model: &Model, control: Option<&mut Control>, until: f64) -> Result<(), Error> {
+        // Only what goes to the end in one go can begin again.
+        let to_the_end = until >= self.end;
+        let until = until.min(self.end);
+        self.engine
+            .with_mut(|simulation| {
+                let Some(control) = control else {
+                    let ended = if to_the_end { simulation.run() } else { simulation.step_to(until) };
+                    return ended.map_err(Error::from);
+                };
+                while simulation.state().time < until {
+                    if control.is_due(simulation.state().time) {
+                        control.ask(model, simulation.state())?;
+                        simulation.set_efforts(control.of_state())?;
+                    }
+                    simulation.step_to(control.next().min(until))?;
+                }
+                Ok(())
+            })
+            .unwrap_or(Ok(()))
+    }
+
+    /// Ends the run as it has `ended`, and completes its log at `output`; joints carry what they do under these efforts.
+    pub fn close(
+        self,
+        ended: Result<(), Error>,
+        efforts: Option<&[f64]>,
+        output: Option<&Path>,
+    ) -> (Option<Finish>, Result<(), Error>) {
+        let Running { engine, begun, origin, .. } = self;
+        let Some((finished, held)) = engine.finish() else { return (None, ended) };
+        let Held { model, watch, .. } = held;
+        let Watch { recorder, speeds, .. } = watch.into_inner();
+        let state = finished.state.clone();
+        let loaded = under_efforts(&model, efforts);
+        let ended = Ended { finished, ended, checked: None, speeds: speeds.as_ref(), recorder, output };
+        let input = model.path().display().to_string();
+        let Closed { report, ended, told } = begun.close(&loaded, input, &origin, ended);
+        (Some(Finish { report, told, model, state }), ended)
+    }
+}
+
+/// The model with efforts as loads, so that what its joints carry is worked out under them.
+fn under_efforts<'m>(model: &'m Model, efforts: Option<&[f64]>) -> Cow<'m, crate::model::Model> {
+    let description = model.description();
+    let acting = || efforts.into_iter().flatten().enumerate().filter(|(_, effort)| **effort != 0.0);
+    if acting().next().is_none() {
+        return Cow::Borrowed(description);
+    }
+    let mut loaded = description.clone();
+    loaded.mechanism.forces.joint_loads.extend(acting().map(|(freedom, &effort)| JointLoad { freedom, effort }));
+    Cow::Owned(loaded)
+}
