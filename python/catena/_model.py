@@ -10,15 +10,20 @@ from . import _catena
 from ._errors import InputError
 
 
-def flat(numbers, what):
-    """Numbers as a flat array."""
+def as_array(numbers, what, axes, wanted):
+    """Numbers as an array of so many axes."""
     try:
         array = np.ascontiguousarray(numbers, dtype=float)
     except (TypeError, ValueError) as error:
         raise InputError(f"{what}: {error}") from None
-    if array.ndim != 1:
-        raise InputError(f"{what}: an array of one axis is wanted, not of shape {array.shape}")
+    if array.ndim != axes:
+        raise InputError(f"{what}: an array {wanted} is wanted, not of shape {array.shape}")
     return array
+
+
+def flat(numbers, what):
+    """Numbers as a flat array."""
+    return as_array(numbers, what, 1, "of one axis")
 
 
 def load(path, *, base="fixed", base_pose=None, gravity=None, floor=None, contact=None, without=(), packages=None, params=None):

@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _catena
 from ._errors import InputError
+from ._model import as_array
 from ._named import NamedArray
 
 
@@ -40,20 +41,10 @@ def rollout(model, q0, v0=None, duration=None, rate=None, threads=0, *, toleranc
     tolerance : wanted accuracy of positions [m]
     stages, step : instead of a tolerance, the stages of the scheme and its fixed step [s]
     """
-    q0 = _rows(q0, "q0")
+    q0 = as_array(q0, "q0", 2, "(runs, n)")
     places = model._inner.v_places()
-    v0 = np.zeros((len(q0), places[-1][2] if places else 0)) if v0 is None else _rows(v0, "v0")
+    v0 = np.zeros((len(q0), places[-1][2] if places else 0)) if v0 is None else as_array(v0, "v0", 2, "(runs, n)")
     if threads < 0:
         raise InputError(f"threads is {threads}: give a number that is not negative")
     t, q, v, failures = _catena.rollout(model._inner, q0, v0, duration, tolerance, stages, step, rate, threads)
     return Rollouts(t, NamedArray(q, model._inner.q_places()), NamedArray(v, places), dict(failures))
-
-
-def _rows(numbers, what):
-    try:
-        array = np.ascontiguousarray(numbers, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{what}: {error}") from None
-    if array.ndim != 2:
-        raise InputError(f"{what}: an array (runs, n) is wanted, not of shape {array.shape}")
-    return array

@@ -2,8 +2,9 @@
 
 use crate::refusal::{input, refuse};
 use catena::model::Left;
+use catena::nalgebra::DVector;
 use catena::scene::Touching;
-use catena::session::{JointPlace, Loader};
+use catena::session::{Error, JointPlace, Loader};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
@@ -28,6 +29,11 @@ pub fn numbers(given: &Given<'_>) -> Vec<f64> {
 fn matrix<'py>(py: Python<'py>, matrix: &catena::nalgebra::DMatrix<f64>) -> PyResult<Matrix<'py>> {
     let rows: Vec<Vec<f64>> = matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
     Ok(PyArray2::from_vec2(py, &rows)?)
+}
+
+/// Numbers along v, or why there are none.
+fn vector<'py>(py: Python<'py>, numbers: Result<DVector<f64>, Error>) -> PyResult<Vector<'py>> {
+    Ok(numbers.map_err(|error| refuse(py, error))?.as_slice().to_pyarray(py))
 }
 
 #[pymethods]
@@ -140,8 +146,7 @@ impl Model {
         v: Given<'py>,
         a: Given<'py>,
     ) -> PyResult<Vector<'py>> {
-        let efforts = self.inner.inverse_dynamics(&numbers(&q), &numbers(&v), &numbers(&a));
-        Ok(efforts.map_err(|error| refuse(py, error))?.as_slice().to_pyarray(py))
+        vector(py, self.inner.inverse_dynamics(&numbers(&q), &numbers(&v), &numbers(&a)))
     }
 
     fn forward_dynamics<'py>(
@@ -151,13 +156,11 @@ impl Model {
         v: Given<'py>,
         efforts: Given<'py>,
     ) -> PyResult<Vector<'py>> {
-        let accelerations = self.inner.forward_dynamics(&numbers(&q), &numbers(&v), &numbers(&efforts));
-        Ok(accelerations.map_err(|error| refuse(py, error))?.as_slice().to_pyarray(py))
+        vector(py, self.inner.forward_dynamics(&numbers(&q), &numbers(&v), &numbers(&efforts)))
     }
 
     fn gravity_efforts<'py>(&self, py: Python<'py>, q: Given<'py>) -> PyResult<Vector<'py>> {
-        let efforts = self.inner.gravity_efforts(&numbers(&q)).map_err(|error| refuse(py, error))?;
-        Ok(efforts.as_slice().to_pyarray(py))
+        vector(py, self.inner.gravity_efforts(&numbers(&q)))
     }
 
     /// x, y, z, w, x, y, z of a link frame.
