@@ -44,19 +44,8 @@ pub enum Setting {
 }
 
 impl Method {
-    /// The methods of smooth motions, ours first, in the order of the legend.
-    pub const ALL: [Method; 8] = [
-        Method::Lobatto(2),
-        Method::Lobatto(3),
-        Method::Lobatto(5),
-        Method::Lobatto(9),
-        Method::LobattoTolerance,
-        Method::Euler,
-        Method::Rk4,
-        Method::Dop853,
-    ];
-    /// The methods of motions with events, in the order of the legend.
-    pub const WITH_EVENTS: [Method; 9] = [
+    /// The methods of motions with events, ours first, in the order of the legend.
+    pub const WITH_EVENTS: &'static [Method] = &[
         Method::Lobatto(2),
         Method::Lobatto(3),
         Method::Lobatto(5),
@@ -67,10 +56,12 @@ impl Method {
         Method::Dop853,
         Method::Dop853Regularised,
     ];
+    /// The methods of smooth motions: all but the last, which regularises events.
+    pub const ALL: &'static [Method] = Method::WITH_EVENTS.split_at(Method::WITH_EVENTS.len() - 1).0;
 
     /// The methods for a mechanism.
     pub fn of(mechanism: &Mechanism) -> &'static [Method] {
-        if mechanism.nonsmooth.is_empty() { &Method::ALL } else { &Method::WITH_EVENTS }
+        if mechanism.nonsmooth.is_empty() { Method::ALL } else { Method::WITH_EVENTS }
     }
 
     /// The name in CSV files.
@@ -88,7 +79,7 @@ impl Method {
 
     /// The method with this name in CSV files.
     pub fn from_id(id: &str) -> Option<Self> {
-        Method::WITH_EVENTS.into_iter().find(|method| method.id() == id)
+        Method::WITH_EVENTS.iter().copied().find(|method| method.id() == id)
     }
 
     /// The name in legends and tables.

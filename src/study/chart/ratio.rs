@@ -134,7 +134,7 @@ fn quotient(rival: Option<Best>, ours: Option<Best>) -> Option<f64> {
 }
 
 fn best(measurements: &[Measurement], level: f64, wanted: fn(Method) -> bool) -> Option<Best> {
-    let candidates = Method::WITH_EVENTS.into_iter().filter(|&method| wanted(method));
+    let candidates = Method::WITH_EVENTS.iter().copied().filter(|&method| wanted(method));
     let reached = candidates.map(|method| Best { method, reach: Front::of(measurements, &method.id()).at(level) });
     // Costs come before floors, and small numbers before large ones.
     let rank = |best: &Best| match best.reach {
