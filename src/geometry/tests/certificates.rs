@@ -58,7 +58,7 @@ fn distances_of_all_pairs_are_certified_at_a_kilometre() {
 
 /// `cargo test --release -p catena-geometry ten_thousand -- --ignored --nocapture` (minutes).
 #[test]
-#[ignore]
+#[ignore = "minutes: cargo test --release -p catena-geometry ten_thousand -- --ignored --nocapture"]
 fn distances_of_all_pairs_are_certified_at_ten_thousand_poses_each() {
     for size in [1e-4, 1.0, 1e3] {
         for one in KINDS {

@@ -17,7 +17,7 @@ const MOST_ERROR: f64 = 10.0;
 pub fn work_precision_picture(chart: &SceneChart, foreign: &[Measurement]) -> Picture {
     let own = |ours: bool| -> Vec<Series> {
         Method::WITH_EVENTS
-            .into_iter()
+            .iter()
             .filter(|method| method.is_ours() == ours)
             .filter_map(|method| series(&chart.measurements, &method.id(), method.label(), 0))
             .collect()
