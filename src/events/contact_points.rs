@@ -18,6 +18,7 @@ impl Eventful {
         let Eventful { whole, elements, touching, pieces, current, reporting, .. } = self;
         let mut efforts = vec![0.0; whole.velocity_count];
         efforts[..self.outside.len()].copy_from_slice(&self.outside);
+        self.felt.add(state.time, &mut efforts);
         mode.add_constant_efforts(elements, &mut efforts);
         mode.add_motor_efforts(elements, self.origin.time, state.time, state, &mut efforts);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };

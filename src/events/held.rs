@@ -96,12 +96,7 @@ impl Held {
     /// Closures and forces of what moves.
     fn take_over(&mut self, whole: &Mechanism, closures: &Closures, into: &Into) {
         let coordinate = |of: Coordinate| self.coordinate(whole, of);
-        let freedom = |freedom: usize| {
-            let of = whole.body_of_freedom(freedom)?;
-            let body = self.heads.binary_search(&of).ok()?;
-            let first = self.mechanism.bodies[body].joint.velocity_index;
-            Some(freedom - whole.bodies[of].joint.velocity_index + first)
-        };
+        let freedom = |freedom: usize| self.freedom(whole, freedom);
         let attachment = |end: &Attachment| match end.body {
             None => *end,
             Some(body) => {
@@ -176,6 +171,13 @@ impl Held {
             position: of.position - from.position_index + to.position_index,
             freedom: of.freedom - from.velocity_index + to.velocity_index,
         })
+    }
+
+    /// The degree of freedom of what moves that is one of the whole; none if it is held.
+    pub fn freedom(&self, whole: &Mechanism, of: usize) -> Option<usize> {
+        let head = whole.body_of_freedom(of)?;
+        let body = self.heads.binary_search(&head).ok()?;
+        Some(of - whole.bodies[head].joint.velocity_index + self.mechanism.bodies[body].joint.velocity_index)
     }
 
     /// Copies entries of position vectors of the whole into those of what moves.

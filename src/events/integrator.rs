@@ -9,6 +9,7 @@ use crate::events::held::Held;
 use crate::events::holding::Holding;
 use crate::events::memory::{Found, Memory};
 use crate::events::mode::{Closures, JointMode, Mode, MotorMode};
+use crate::events::narrowed::Felt;
 use crate::events::piece::{Key, Piece};
 use crate::events::piece_steps::PieceRecipe;
 use crate::events::present::Present;
@@ -70,6 +71,8 @@ pub struct Eventful {
     pub(super) events: Vec<Event>,
     /// The efforts from outside in the last step.
     pub(super) outside: Vec<f64>,
+    /// Efforts in the last step that follow the state.
+    pub(super) felt: Felt,
     /// When the run began (s).
     pub(super) began: f64,
     pub(super) flips: (usize, f64),
@@ -158,6 +161,7 @@ impl Eventful {
             efforts: vec![0.0; mechanism.velocity_count],
             events: Vec::new(),
             outside: Vec::new(),
+            felt: Felt::default(),
             began: 0.0,
             flips: (0, f64::MIN),
             unfounded: 0,
@@ -295,14 +299,7 @@ impl Eventful {
     fn carry_out(&mut self, inputs: Inputs, state: &mut State, found: Found) -> f64 {
         self.asleep = false;
         let Eventful { elements, touching, mode, response, memory, whole, .. } = self;
-        let efforts = |mode: &Mode, state: &State| {
-            let mut efforts = vec![0.0; whole.velocity_count];
-            inputs.write_constant(&mut efforts);
-            let motors = Mode { joints: Vec::new(), motors: mode.motors.clone(), contacts: Vec::new() };
-            motors.add_constant_efforts(elements, &mut efforts);
-            motors.add_motor_efforts(elements, state.time, state.time, state, &mut efforts);
-            efforts
-        };
+        let efforts = |mode: &Mode, state: &State| mode.driving_efforts(elements, inputs, state);
         let mut scene = Scene { whole, elements, touching, response };
         let done = transit(&mut scene, mode, state, memory, &found, efforts);
         self.events.extend(done.events);
@@ -382,6 +379,7 @@ impl Eventful {
             key,
             drives,
             steps,
+            law: None,
             small_start: small.clone(),
             small,
             small_efforts: vec![0.0; freedoms],

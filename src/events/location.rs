@@ -180,9 +180,7 @@ impl Eventful {
         sample.copy_from(origin);
         piece.place(whole, time, sample);
         if which.iter().any(|&index| watched[index].needs_efforts()) {
-            inputs.write_constant(efforts);
-            mode.add_constant_efforts(elements, efforts);
-            mode.add_motor_efforts(elements, since, time, sample, efforts);
+            mode.efforts_at(elements, inputs, since, sample, efforts);
             let present = Present { whole, elements, touching, mode, moving: &piece.moving };
             holding.evaluate(&present, response, sample, efforts);
         }
@@ -304,13 +302,13 @@ impl Eventful {
                 break;
             }
             let piece = &mut self.pieces[self.current];
-            let done = match piece.again(since, length) {
+            let done = match piece.again(&self.whole, inputs, since, length) {
                 Ok(done) => done,
                 // Near the stop of a slip a shorter step may be one that can be solved.
                 Err(StepError::NotConverged { .. }) if stops && attempt + 1 < ATTEMPTS => {
                     piece.go_back(since, &self.recipe);
                     high = high.min(length);
-                    let done = self.step_towards(since, since + 0.5 * (low + length))?;
+                    let done = self.step_towards(inputs, since, since + 0.5 * (low + length))?;
                     length = self.pieces[self.current].small.time - since;
                     done
                 }

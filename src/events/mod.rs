@@ -19,6 +19,7 @@
 //! | limits, friction, motors, pairs of shapes, and the states they can be in | [`crate::instant::elements`], [`crate::instant::touching`], `mode` |
 //! | what is left to move while joints are held and contacts closed | `held` |
 //! | motors within steps; contacts that slide within steps | `drives`, `sliding` |
+//! | efforts from outside that follow the state of the whole, narrowed to what moves | `narrowed` |
 //! | functions whose sign is watched; where one changes; the step that ends there | `watched`, `detection`, `approach`, `location` |
 //! | accelerations and velocities under efforts and impulses, and the laws | [`crate::instant::response`], [`crate::instant::blocks`], [`crate::instant::cone`] |
 //! | what an event does, what it remembers, what it notes | `transition`, `contacts`, `impact`, `resting`, `decision`, `memory`, `noted` |
@@ -41,6 +42,7 @@ mod integrator;
 mod location;
 mod memory;
 mod mode;
+mod narrowed;
 mod noted;
 mod piece;
 mod piece_steps;

@@ -19,6 +19,7 @@ use crate::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
 use crate::mechanism::description::contact::{Feature, Grip, TouchJoint};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::event::Side;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -102,6 +103,22 @@ impl Mode {
                 MotorMode::Given(effort) => efforts[freedom] += effort,
             }
         }
+    }
+
+    /// Writes all efforts in a state, which has its time, but those that hold: from outside, of friction that slides, and of motors.
+    pub fn efforts_at(&self, elements: &Elements, inputs: Inputs, since: f64, state: &State, efforts: &mut [f64]) {
+        inputs.write_constant(efforts);
+        inputs.add_feedback(state, efforts);
+        self.add_constant_efforts(elements, efforts);
+        self.add_motor_efforts(elements, since, state.time, state, efforts);
+    }
+
+    /// The same without friction: what is decided anew begins with these.
+    pub fn driving_efforts(&self, elements: &Elements, inputs: Inputs, state: &State) -> Vec<f64> {
+        let mut efforts = vec![0.0; state.velocity.len()];
+        let motors = Mode { joints: Vec::new(), motors: self.motors.clone(), contacts: Vec::new() };
+        motors.efforts_at(elements, inputs, state.time, state, &mut efforts);
+        efforts
     }
 
     /// The efforts of motors that follow their laws, at a time (s) and state, added to `efforts`; their targets are those of the piece that

@@ -5,9 +5,10 @@
 use crate::events::drives::Drives;
 use crate::events::held::Held;
 use crate::events::mode::Closures;
+use crate::events::narrowed::{Narrowed, Room};
 use crate::events::piece_steps::{PieceRecipe, PieceSteps};
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::inputs::{ChangingEfforts, Inputs};
+use crate::mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 
@@ -18,6 +19,8 @@ pub(super) struct Piece {
     pub(super) drives: Drives,
     /// None if nothing moves.
     pub(super) steps: Option<Box<dyn PieceSteps>>,
+    /// For efforts that follow the state, once there are any.
+    pub(super) law: Option<Box<Room>>,
     pub(super) small: State,
     pub(super) small_start: State,
     pub(super) small_efforts: Vec<f64>,
@@ -37,19 +40,25 @@ pub(super) struct Key {
 }
 
 impl Piece {
-    /// A step of what moves begins at a time (s), under these efforts on the whole.
-    pub(super) fn begin(&mut self, whole: &Mechanism, efforts: &[f64], since: f64) {
-        self.drives.begin(since);
-        self.small.time = since;
+    /// A step of what moves begins in a state of the whole, under these efforts on it and those that follow its state.
+    pub(super) fn begin(&mut self, whole: &Mechanism, inputs: Inputs, efforts: &[f64], start: &State) {
+        self.drives.begin(start.time);
+        self.small.time = start.time;
+        if let Some(law) = inputs.feedback {
+            let room = self.law.get_or_insert_with(|| Box::new(Room::new(law, whole, &self.moving, &self.drives)));
+            room.begin(start);
+        }
         self.moving.gather_velocities(whole, efforts, &mut self.small_efforts);
         self.small_start.copy_from(&self.small);
     }
 
     /// Makes it, towards `until`.
-    pub(super) fn step(&mut self, until: f64) -> Result<StepOutcome, StepError> {
-        let Piece { moving, drives, steps, small, small_efforts, .. } = self;
+    pub(super) fn step(&mut self, whole: &Mechanism, inputs: Inputs, until: f64) -> Result<StepOutcome, StepError> {
+        let Piece { moving, drives, steps, small, small_efforts, law, .. } = self;
         let changing = drives.change().then_some(&*drives as &dyn ChangingEfforts);
-        let inputs = Inputs { efforts: small_efforts, changing, ..Inputs::NONE };
+        let narrowed = Narrowed::of(inputs.feedback, whole, moving, drives, law.as_deref());
+        let feedback = narrowed.as_ref().map(|narrowed| narrowed as &dyn Feedback);
+        let inputs = Inputs { efforts: small_efforts, changing, feedback };
         match steps {
             Some(steps) => steps.step(&moving.mechanism, inputs, small, until),
             None => {
@@ -61,10 +70,18 @@ impl Piece {
     }
 
     /// Makes it again with another length (s).
-    pub(super) fn again(&mut self, since: f64, length: f64) -> Result<StepOutcome, StepError> {
-        let Piece { moving, drives, steps, small, small_efforts, .. } = self;
+    pub(super) fn again(
+        &mut self,
+        whole: &Mechanism,
+        inputs: Inputs,
+        since: f64,
+        length: f64,
+    ) -> Result<StepOutcome, StepError> {
+        let Piece { moving, drives, steps, small, small_efforts, law, .. } = self;
         let changing = drives.change().then_some(&*drives as &dyn ChangingEfforts);
-        let inputs = Inputs { efforts: small_efforts, changing, ..Inputs::NONE };
+        let narrowed = Narrowed::of(inputs.feedback, whole, moving, drives, law.as_deref());
+        let feedback = narrowed.as_ref().map(|narrowed| narrowed as &dyn Feedback);
+        let inputs = Inputs { efforts: small_efforts, changing, feedback };
         match steps {
             Some(steps) => steps.again(&moving.mechanism, inputs, small, length),
             None => {

@@ -9,6 +9,7 @@
 use crate::events::closed_forces::time_to_stop;
 use crate::events::integrator::Eventful;
 use crate::events::present::Present;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
@@ -31,24 +32,24 @@ impl Eventful {
     }
 
     /// A time soon after the first contact that slides would stop (s); infinite if none slows down.
-    pub(super) fn soon_after_stop(&mut self, since: f64, state: &State) -> f64 {
+    pub(super) fn soon_after_stop(&mut self, inputs: Inputs, since: f64, state: &State) -> f64 {
         if self.mode.contacts.iter().all(|closed| closed.slides.is_none()) {
             return f64::INFINITY;
         }
         let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
-        let mut all = efforts.clone();
-        mode.add_motor_efforts(elements, since, since, state, &mut all);
+        let mut all = vec![0.0; efforts.len()];
+        mode.efforts_at(elements, inputs, since, state, &mut all);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         since + BEYOND * time_to_stop(&present, response, state, &all, holding.is_unique()).max(SOONEST)
     }
 
     /// Makes the step; a shorter one where contacts are closed and a long one cannot be solved.
-    pub(super) fn step_towards(&mut self, since: f64, until: f64) -> Result<StepOutcome, StepError> {
+    pub(super) fn step_towards(&mut self, inputs: Inputs, since: f64, until: f64) -> Result<StepOutcome, StepError> {
         let closed = !self.mode.contacts.is_empty();
         let (mut until, mut rejected) = (until, 0);
         loop {
             let piece = &mut self.pieces[self.current];
-            match piece.step(until) {
+            match piece.step(&self.whole, inputs, until) {
                 Ok(outcome) => return Ok(StepOutcome { rejected: outcome.rejected + rejected, ..outcome }),
                 Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. })
                     if closed && until - since > SOONEST =>

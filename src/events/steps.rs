@@ -31,6 +31,8 @@ const SHORTER: f64 = 1.0 / 16.0;
 const BLIND: f64 = 1e-9;
 /// And not longer than this, in any case, where it does not look at a pair or a limit (s): what overlaps then is moved apart.
 const BLIND_TO_BOUNDS: f64 = 1e-7;
+/// Where everything is held by efforts that follow the state, which is time alone then, a step is no longer than this (s).
+const LOOK: f64 = 1e-3;
 /// It is longer by this factor each time that what was found changes nothing,
 const LONGER: f64 = 16.0;
 /// so often at most.
@@ -54,10 +56,10 @@ impl Eventful {
         if !self.touching.pairs.is_empty() {
             self.stepped_in = Some(self.mode.clone());
         }
-        let until = until.min(self.soon_after_stop(since, state));
+        let until = until.min(self.soon_after_stop(inputs, since, state));
         let piece = &mut self.pieces[self.current];
-        piece.begin(&self.whole, &self.efforts, since);
-        let mut outcome = self.step_towards(since, until)?;
+        piece.begin(&self.whole, inputs, &self.efforts, &self.origin);
+        let mut outcome = self.step_towards(inputs, since, until)?;
         let mut triggers = Vec::new();
         let mut bracket = self.detect(inputs, since, None);
         // A function that is negative from the start on may be so on the dense output of a long step alone.
@@ -68,7 +70,7 @@ impl Eventful {
                 break;
             }
             piece.go_back(since, &self.recipe);
-            let again = piece.step(shorter)?;
+            let again = piece.step(&self.whole, inputs, shorter)?;
             outcome.iterations += again.iterations;
             outcome.rejected += 1 + again.rejected;
             outcome.exchange = again.exchange;
@@ -120,7 +122,7 @@ impl Eventful {
         if !(blind || at_start) {
             self.unfounded = 0;
         }
-        let quiet = triggers.is_empty() && !changed && self.is_quiet(state);
+        let quiet = triggers.is_empty() && !changed && inputs.feedback.is_none() && self.is_quiet(state);
         self.quiet = if quiet { self.quiet + 1 } else { 0 };
         if self.quiet >= QUIET {
             self.asleep = true;
@@ -261,7 +263,10 @@ impl Integrator for Eventful {
             self.begin(mechanism, inputs, state)?;
         }
         self.heed(inputs, state);
-        let next = self.next_instant(state.time, until);
+        let mut next = self.next_instant(state.time, until);
+        if inputs.feedback.is_some() && self.pieces[self.current].steps.is_none() {
+            next = next.min(state.time + LOOK);
+        }
         self.stepped_over = None;
         let advanced = if self.is_crowded(state) {
             self.origin.copy_from(state);
@@ -284,6 +289,7 @@ impl Integrator for Eventful {
             state.time = until;
             self.pieces[self.current].small.time = until;
         }
+        self.felt.see(inputs, &self.origin, state);
         match &mut self.left {
             Some(left) => left.copy_from(state),
             none => *none = Some(state.clone()),

@@ -16,7 +16,6 @@
 
 use crate::events::crowding::STEP;
 use crate::events::integrator::Eventful;
-use crate::events::mode::Mode;
 use crate::instant::assembly::assemble;
 use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::cone::problem::{Law, Problem, Unsolved};
@@ -43,7 +42,7 @@ impl Eventful {
         let start = self.origin.clone();
         state.copy_from(&start);
         let step = STEP.min(until - start.time);
-        let efforts = self.efforts_at(inputs, state);
+        let efforts = self.mode.driving_efforts(&self.elements, inputs, state);
         let mut free = vec![0.0; self.whole.velocity_count];
         self.response.accelerations(state, &efforts, &mut free);
         for (rate, acceleration) in state.velocity.iter_mut().zip(&free) {
@@ -96,16 +95,6 @@ impl Eventful {
             exchange: Exchange { work, impacts, ..Exchange::default() },
             ..StepOutcome::default()
         }
-    }
-
-    /// The efforts from outside and of motors.
-    fn efforts_at(&self, inputs: Inputs, state: &State) -> Vec<f64> {
-        let mut efforts = vec![0.0; self.whole.velocity_count];
-        inputs.write_constant(&mut efforts);
-        let motors = Mode { joints: Vec::new(), motors: self.mode.motors.clone(), contacts: Vec::new() };
-        motors.add_constant_efforts(&self.elements, &mut efforts);
-        motors.add_motor_efforts(&self.elements, state.time, state.time, state, &mut efforts);
-        efforts
     }
 
     /// What may close or hold in a step of this length from a state, for velocities without it: blocks, and their gaps (m or rad).

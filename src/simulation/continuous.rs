@@ -57,20 +57,20 @@ impl Feedback for Law<'_> {
         self.controller.efforts(self.mechanism, state, efforts);
     }
 
-    fn loop_gains(&self, state: &State, by_position: &mut DMatrix<f64>, by_rate: &mut DMatrix<f64>) {
-        let size = (self.freedoms.len(), self.mechanism.velocity_count);
-        let (mut positions, mut velocities) = (DMatrix::zeros(size.0, size.1), DMatrix::zeros(size.0, size.1));
-        self.controller.derivatives(self.mechanism, state, &mut positions, &mut velocities);
-        let (columns, _) = self.response.borrow_mut().matrix(state, &self.freedoms);
-        *by_position = positions * &columns;
-        *by_rate = velocities * columns;
+    fn derivatives(&self, state: &State, by_position: &mut DMatrix<f64>, by_rate: &mut DMatrix<f64>) {
+        self.controller.derivatives(self.mechanism, state, by_position, by_rate);
+    }
+
+    fn mobility(&self, state: &State) -> DMatrix<f64> {
+        self.response.borrow_mut().matrix(state, &self.freedoms).0
     }
 }
 
 impl Simulation<'_> {
     /// Makes steps to the end of the run under the efforts of a controller that follows the state at every instant.
     ///
-    /// A tolerance is that of single steps here: trial runs were made without the controller.
+    /// Limits, dry friction, motors and contacts act as in every run. Where everything is held, a controller that lets go for less than a fifth of a
+    /// millisecond may be missed. A tolerance is that of single steps here: trial runs were made without the controller.
     ///
     /// ```
     /// # use catena::mechanism::description::joint::{Joint, JointKind, Pose};
@@ -104,12 +104,9 @@ impl Simulation<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`ControlError`]: the run fails, a freedom cannot be driven, or the mechanism has limits, dry friction or motors.
+    /// [`ControlError`]: the run fails, a freedom cannot be driven, or a run in several parts has begun.
     pub fn run_under_continuous(&mut self, controller: &dyn ContinuousController) -> Result<(), ControlError> {
         let mechanism = self.mechanism();
-        if !mechanism.nonsmooth.is_empty() {
-            return Err(ControlError::Events);
-        }
         let freedoms = controller.freedoms(mechanism);
         for (place, &freedom) in freedoms.iter().enumerate() {
             let once = !freedoms[..place].contains(&freedom);

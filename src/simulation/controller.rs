@@ -53,11 +53,6 @@ pub enum ControlError {
     /// Parts of the run have been made apart.
     #[error("parts that nothing connects have been simulated apart: let a continuous controller begin with the run")]
     Begun,
-    /// Limits, dry friction or motors besides a continuous controller.
-    #[error(
-        "a continuous controller runs on smooth mechanisms; with limits, dry friction or motors give a Controller with a period, or leave them out (--without limits)"
-    )]
-    Events,
 }
 
 impl Simulation<'_> {

@@ -180,6 +180,7 @@ impl Course {
                 return Err(RunError::Interrupted { time: state.time });
             }
             let clock = Instant::now();
+            inputs.check(mechanism, state)?;
             let outcome = integrator.step(mechanism, inputs, state, end);
             self.solving += clock.elapsed();
             let outcome = outcome?;

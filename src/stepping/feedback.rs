@@ -88,8 +88,11 @@ pub(crate) fn attempt(
 /// `1 − h² Â ⊗ f_q Y − h Ā ⊗ f_v Y`, entry after entry, each with its stages (m s × m s).
 fn newton_matrix(tableau: &Tableau, feedback: &dyn Feedback, state: &State, length: f64) -> DMatrix<f64> {
     let (stages, count) = (tableau.stages, feedback.freedoms().len());
-    let (mut by_position, mut by_rate) = (DMatrix::zeros(count, count), DMatrix::zeros(count, count));
-    feedback.loop_gains(state, &mut by_position, &mut by_rate);
+    let size = (count, state.velocity.len());
+    let (mut by_position, mut by_rate) = (DMatrix::zeros(size.0, size.1), DMatrix::zeros(size.0, size.1));
+    feedback.derivatives(state, &mut by_position, &mut by_rate);
+    let mobility = feedback.mobility(state);
+    let (by_position, by_rate) = (by_position * &mobility, by_rate * mobility);
     let active = stages - 1;
     // Nothing is displaced at stage 1, and nothing by the effort of stage s.
     let a_hat = |row: usize, column: usize| {

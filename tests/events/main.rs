@@ -14,6 +14,7 @@ mod contacts_rocking;
 mod contacts_rod;
 mod contacts_wall;
 mod continuous;
+mod continuous_events;
 mod exact;
 mod laws;
 mod loose;

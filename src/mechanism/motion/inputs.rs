@@ -1,5 +1,7 @@
 //! What acts on a mechanism from outside during one step: efforts that somebody decides on while the run goes on.
 
+use crate::description::mechanism::Mechanism;
+use crate::motion::integrator::StepError;
 use crate::motion::state::State;
 use nalgebra::DMatrix;
 
@@ -30,9 +32,11 @@ pub trait Feedback {
     fn freedoms(&self) -> &[usize];
     /// The efforts along these freedoms in a state, which has its time [N m or N] (m).
     fn efforts(&self, state: &State, efforts: &mut [f64]);
-    /// How they answer to each other in a state: `f_q Y` and `f_v Y` (m × m each), with the derivatives of the efforts (m × n) and the accelerations
-    /// Y (n × m) per unit of effort. Errors cost iterations, and beyond some size convergence, but no accuracy.
-    fn loop_gains(&self, state: &State, by_position: &mut DMatrix<f64>, by_rate: &mut DMatrix<f64>);
+    /// The derivatives of the efforts by positions and by rates in a state, f_q and f_v (m × n each), written into matrices of zeros. Errors cost
+    /// iterations, and beyond some size convergence, but no accuracy; so do those of the mobility.
+    fn derivatives(&self, state: &State, by_position: &mut DMatrix<f64>, by_rate: &mut DMatrix<f64>);
+    /// The accelerations per unit of each effort in a state, Y (n × m).
+    fn mobility(&self, state: &State) -> DMatrix<f64>;
 }
 
 impl<'i> Inputs<'i> {
@@ -49,6 +53,30 @@ impl<'i> Inputs<'i> {
     pub fn write_constant(&self, efforts: &mut [f64]) {
         efforts.fill(0.0);
         efforts[..self.efforts.len()].copy_from_slice(self.efforts);
+    }
+
+    /// Adds the efforts that follow the state, in this state, to `efforts`: one entry a degree of freedom [N m or N].
+    pub fn add_feedback(&self, state: &State, efforts: &mut [f64]) {
+        let Some(feedback) = self.feedback else { return };
+        let mut law = vec![0.0; feedback.freedoms().len()];
+        feedback.efforts(state, &mut law);
+        for (&freedom, effort) in feedback.freedoms().iter().zip(&law) {
+            efforts[freedom] += effort;
+        }
+    }
+
+    /// Whether the efforts that follow the state are numbers in this one.
+    ///
+    /// # Errors
+    /// [`StepError::Effort`] names the first that is not.
+    pub fn check(&self, mechanism: &Mechanism, state: &State) -> Result<(), StepError> {
+        let Some(feedback) = self.feedback else { return Ok(()) };
+        let mut law = vec![0.0; feedback.freedoms().len()];
+        feedback.efforts(state, &mut law);
+        let Some(entry) = law.iter().position(|effort| !effort.is_finite()) else { return Ok(()) };
+        let body = mechanism.body_of_freedom(feedback.freedoms()[entry]);
+        let joint = body.map_or_else(String::new, |body| mechanism.bodies[body].joint.name.clone());
+        Err(StepError::Effort { time: state.time, joint, effort: law[entry] })
     }
 
     /// Whether nothing acts.

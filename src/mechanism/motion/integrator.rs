@@ -166,6 +166,9 @@ pub enum StepError {
         short(*.time)
     )]
     NotFinite { time: f64, step: f64, joint: String },
+    /// A controller that follows the state gives an effort that is no number.
+    #[error("at t = {} s the controller's effort along joint {joint:?} is {effort}: make it finite in every state", short(*.time))]
+    Effort { time: f64, joint: String, effort: f64 },
     /// A joint is outside its limits where the motion begins.
     #[error(
         "at t = {} s joint {joint:?} is {by:.3e} rad or m outside its limits; start within them, or run --without limits",

@@ -213,6 +213,7 @@ impl Failure {
             StepError::NotFinite { time, .. } => ("NotFinite", time),
             StepError::OutsideLimit { time, .. } => ("OutsideLimit", time),
             StepError::NotPlain { time, .. } => ("NotPlain", time),
+            StepError::Effort { time, .. } => ("Effort", time),
         };
         Failure { name, time, message: error.to_string() }
     }
