@@ -18,7 +18,8 @@ use crate::events::mode::{JointMode, Mode, MotorMode};
 use crate::events::noted::{Met, note_impacts, note_joints, note_pairs};
 use crate::events::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::watched::Watched;
-use crate::instant::blocks::{Block, Of, row_of_freedom};
+use crate::instant::blocks::{Block, Of, Rows, row_of_freedom};
+use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
 use crate::instant::elements::{Elements, inward};
 use crate::mechanism::motion::event::{Event, EventKind, Side};
@@ -138,15 +139,22 @@ fn stop_slow_joints(elements: &Elements, state: &mut State, rests: &[f64], locke
     }
 }
 
-/// What is met leaves so slowly that it does not matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that it has freely. If it is
-/// pulled back it would be back before it is higher than that, and if not it leaves as well from rest. Where elements kick each other open
-/// without end, that is how they come to rest.
+/// What is met leaves so slowly that it does not matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that it has while the limits and
+/// contacts at rest push. If it is pulled back it would be back before it is higher than that, and if not it leaves as well from rest. Where elements
+/// kick each other open without end, that is how they come to rest.
 fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f64], height: f64) -> Vec<usize> {
     if !meetings.iter().any(|meeting| meeting.rate(&state.velocity) > meeting.rest) {
         return Vec::new();
     }
     let mut free = vec![0.0; state.velocity.len()];
     scene.response.accelerations(state, efforts, &mut free);
+    let rests = meetings.iter().filter(|meeting| meeting.rate(&state.velocity).abs() <= meeting.rest);
+    let normals: Vec<Vec<f64>> = rests.map(|meeting| meeting.block.rows[0].clone()).collect();
+    if !normals.is_empty() {
+        let rows = Rows::new(scene.response, state, normals);
+        let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
+        rows.add(&minimise(&rows.square, &rows.rates(&free), &pushes).efforts, &mut free);
+    }
     let low = |meeting: &Meeting| {
         let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
         rate > 0.0 && rate * rate <= 2.0 * pull * height

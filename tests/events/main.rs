@@ -5,6 +5,7 @@ mod common;
 
 mod closed;
 mod contacts;
+mod contacts_bowl;
 mod contacts_cradle;
 mod contacts_orders;
 mod contacts_pairs;

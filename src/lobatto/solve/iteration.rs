@@ -106,12 +106,15 @@ impl<K: Coupling> Equations for Exact<'_, K> {
 /// Steps of mechanisms with loops are iterated at least this far, so that the gaps are at rounding whatever the tolerance: what
 /// an iteration leaves of them is of the order of its increment times the one before.
 const CLOSED: f64 = 1e-10;
+/// Those with closed contacts so far: where they slide the method is not quite Newton's, and gaps are of the order of the increment itself.
+const TOUCHED: f64 = 1e-12;
 
 /// The rule by which the exact method stops. On trees it is asked where something is out of the ordinary, as beside a gimbal lock, and
 /// what its first iterates show may be that.
 pub(crate) fn exact_rule(mechanism: &Mechanism, rule: &StopRule) -> StopRule {
     if mechanism.has_closures() {
-        StopRule { increment: rule.increment.min(CLOSED), rounding: rule.rounding.min(CLOSED), ..*rule }
+        let closed = if mechanism.touches.is_empty() { CLOSED } else { TOUCHED };
+        StopRule { increment: rule.increment.min(closed), rounding: rule.rounding.min(CLOSED), ..*rule }
     } else {
         StopRule { early: false, ..*rule }
     }
