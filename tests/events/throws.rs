@@ -118,6 +118,6 @@ fn no_body_that_is_thrown_gains_energy_or_leaves_its_cone_or_overlaps() {
 #[test]
 #[ignore = "a minute: cargo test --release --test events thrown -- --ignored --nocapture"]
 fn neither_do_more_that_are_thrown_and_pairs_of_them() {
-    // A box on a cylinder that rolls, in two throws of the hundred, goes on with steps of first order for a while, and is tested by nothing yet.
-    throws((0..100).filter(|seed| ![16, 68].contains(seed)));
+    // In one throw of the hundred the edge of a box gets 1e-4 m into the rim of a cylinder before steps of first order take it out again.
+    throws((0..100).filter(|&seed| seed != 68));
 }
