@@ -9,6 +9,7 @@ mod contacts_bowl;
 mod contacts_cradle;
 mod contacts_orders;
 mod contacts_pairs;
+mod contacts_pressed;
 mod contacts_rest;
 mod contacts_robot;
 mod contacts_rocking;
