@@ -29,3 +29,4 @@ mod robots;
 mod robots_on_floor;
 mod slides;
 mod throws;
+mod toys;
