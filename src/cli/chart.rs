@@ -77,7 +77,7 @@ pub struct ChartArgs {
 /// # Errors
 /// [`Failure`] with the exit code the interface promises.
 pub fn run(arguments: &ChartArgs) -> Result<(), Failure> {
-    let mut scenes = scenes(arguments).map_err(Failure::input)?;
+    let scenes = scenes(arguments).map_err(Failure::input)?;
     let foreign = foreign(&arguments.csv, &scenes).map_err(Failure::input)?;
     let folder = &arguments.output;
     if folder.exists() && !folder.is_dir() {
@@ -90,12 +90,12 @@ pub fn run(arguments: &ChartArgs) -> Result<(), Failure> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))
         .map_err(Failure::input)?;
-    for scene in &mut scenes {
-        let pairs = std::mem::take(&mut scene.mechanism.nonsmooth.pairs).len();
-        if pairs > 0 {
-            let pairs = counted(pairs, "pair of shapes passes", "pairs of shapes pass");
-            warn(format_args!("{}: charts know no contacts yet: {pairs} through each other", scene.name));
-        }
+    for scene in scenes.iter().filter(|scene| !scene.mechanism.nonsmooth.pairs.is_empty()) {
+        let pairs = counted(scene.mechanism.nonsmooth.pairs.len(), "pair of shapes", "pairs of shapes");
+        let name = &scene.name;
+        warn(format_args!(
+            "{name}: {pairs} may touch; RK4, DOP853 and Euler know no contacts and are left out (--without contact keeps them)"
+        ));
     }
     // The chart ends after the step it is in.
     let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;

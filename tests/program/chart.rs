@@ -8,7 +8,7 @@ use catena::mechanism::description::target::{Interpolation, Target};
 use catena::mechanism::motion::distance;
 use catena::mechanism::motion::state::State;
 use catena::model::{Model, ModelOptions};
-use catena::scene::{PackagePath, read_urdf};
+use catena::scene::{PackagePath, read_scene, read_urdf};
 use catena::study::chart::measure::Plan;
 use catena::study::chart::ratio::{Comparison, Front, Reach};
 use catena::study::chart::reference::reference;
@@ -311,6 +311,37 @@ fn two_formulations_that_locate_events_agree_on_where_limits_friction_and_motors
         // Errors at 1e-14 are amplified by the events: by a few per impact, and by the sensitivity of the double pendulum.
         assert!(found.agreement.unwrap() < 1e-10, "{}: {:?}", scene.name, found);
     }
+}
+
+#[test]
+fn a_chart_of_contacts_is_measured_against_our_own_refinement_and_says_who_is_left_out() {
+    let folder = scratch("contact");
+    let scene = robot("block_on_incline.toml");
+    let ended = catena(&folder, &[scene.to_str().unwrap(), "-o", "chart", "--quick", "--duration", "1"]);
+    assert!(ended.status.success());
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(said.contains("know no contacts and are left out"), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    let runs = read_csv(&folder.join("chart/measurements.csv")).unwrap();
+    let least = |method: Method| {
+        runs.iter().filter(|run| run.method == method.id()).map(|run| run.error).fold(f64::INFINITY, f64::min)
+    };
+    for method in Method::WITH_EVENTS {
+        assert_eq!(runs.iter().any(|run| run.method == method.id()), method.is_ours(), "{method:?}");
+        // A block that slides straight to its stop is a parabola, which two stages have exactly.
+        assert!(!method.is_ours() || least(*method) < 1e-11, "{method:?}: {:e}", least(*method));
+    }
+    // Where the block stops, and that nothing else was simulated.
+    let (model, start) = Model::from_scene(&read_scene(&scene, &PackagePath::default()).unwrap()).unwrap();
+    let start = model.initial_state(&start.positions, &start.velocities, None).unwrap();
+    let scene = Scene { name: "block".into(), start, mechanism: model.mechanism, duration: 1.0 };
+    let found = reference(&scene, &AtomicBool::new(false), &mut |_| {}).unwrap();
+    assert!(found.agreement.is_none() && found.scatter < 1e-12, "{found:?}");
+    let (slope, friction) = (20_f64.to_radians(), 0.5);
+    let distance = 0.5 / (9.81 * (friction * slope.cos() - slope.sin()));
+    let wanted =
+        Vector3::new(slope.sin(), 0.0, slope.cos()) * 0.05 + Vector3::new(slope.cos(), 0.0, -slope.sin()) * distance;
+    assert!((found.probes[0] - wanted).norm() < 1e-10, "{} for {wanted}", found.probes[0]);
 }
 
 #[test]

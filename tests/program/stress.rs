@@ -21,7 +21,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
 /// Problem, and places of the difficulties in the reduced map.
-const REDUCED: [(&str, &[usize]); 13] = [
+const REDUCED: [(&str, &[usize]); 16] = [
     ("mass_ratio", &[0, 4]),
     ("chain_length", &[0, 2]),
     ("spin_rate", &[0, 4]),
@@ -35,6 +35,9 @@ const REDUCED: [(&str, &[usize]); 13] = [
     ("joint_limits", &[0, 2]),
     ("dry_friction", &[1, 5]),
     ("motor_gain", &[1, 3]),
+    ("impact_speed", &[0, 2, 5]),
+    ("friction_cone", &[0, 3, 6]),
+    ("contact_masses", &[0, 2]),
 ];
 
 fn problem(name: &str) -> Problem {

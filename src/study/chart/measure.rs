@@ -44,8 +44,10 @@ pub struct SceneChart {
     pub measurements: Vec<Measurement>,
     /// Energy against time for one setting of each method.
     pub energies: Vec<EnergyHistory>,
-    /// Whether the motion has events: the mechanism has limits, dry friction or motors.
+    /// Whether the motion has events: the mechanism has limits, dry friction, motors or contacts.
     pub has_events: bool,
+    /// Whether shapes may touch, which no comparator knows.
+    pub has_contacts: bool,
     /// Whether the budget ran out before the ladders ended.
     pub out_of_budget: bool,
     /// Whether the user stopped it.
@@ -153,6 +155,7 @@ pub fn measure(
         measurements: climbs.into_iter().flat_map(|climb| climb.measurements).collect(),
         energies,
         has_events: !scene.mechanism.nonsmooth.is_empty(),
+        has_contacts: !scene.mechanism.nonsmooth.pairs.is_empty(),
         out_of_budget,
         interrupted: stopped(),
     })

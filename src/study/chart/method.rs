@@ -1,7 +1,8 @@
 //! The methods of a chart and the settings they are run at.
 //!
 //! On a mechanism with limits, dry friction or motors ours locate events, and so does DOP853, by the same code ([`crate::events`]); semi-implicit
-//! Euler and RK4 have the usual regularisations ([`super::regularised`]), and DOP853 once more with these.
+//! Euler and RK4 have the usual regularisations ([`super::regularised`]), and DOP853 once more with these. Contacts between shapes are known to ours
+//! alone.
 
 use crate::events::Eventful;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -59,8 +60,14 @@ impl Method {
     /// The methods of smooth motions: all but the last, which regularises events.
     pub const ALL: &'static [Method] = Method::WITH_EVENTS.split_at(Method::WITH_EVENTS.len() - 1).0;
 
+    /// The methods of motions with contacts: ours.
+    pub const WITH_CONTACTS: &'static [Method] = Method::WITH_EVENTS.split_at(5).0;
+
     /// The methods for a mechanism.
     pub fn of(mechanism: &Mechanism) -> &'static [Method] {
+        if !mechanism.nonsmooth.pairs.is_empty() {
+            return Method::WITH_CONTACTS;
+        }
         if mechanism.nonsmooth.is_empty() { Method::ALL } else { Method::WITH_EVENTS }
     }
 
@@ -100,6 +107,11 @@ impl Method {
         matches!(self, Method::Lobatto(_) | Method::Precise(_) | Method::LobattoTolerance)
     }
 
+    /// Whether it knows what this mechanism is made of; closed loops apart, that is all but contacts, which ours alone know.
+    pub fn knows(self, mechanism: &Mechanism) -> bool {
+        self.is_ours() || mechanism.nonsmooth.pairs.is_empty()
+    }
+
     /// Whether the ratios are measured against it.
     pub fn is_rival(self) -> bool {
         matches!(self, Method::Rk4 | Method::Dop853 | Method::Dop853Regularised)
@@ -108,6 +120,9 @@ impl Method {
     /// The integrator at a setting, for a run from `start`; `None` where a method does not know such a setting or mechanism. Of a
     /// tolerance it is the steps alone, without what tells their accuracy ([`Method::telling`]).
     pub fn integrator(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
+        if !self.knows(mechanism) {
+            return None;
+        }
         if !mechanism.nonsmooth.is_empty() {
             return self.with_events(mechanism, start, setting);
         }
@@ -136,7 +151,7 @@ impl Method {
         Assessed::new(mechanism, terms).ok()
     }
 
-    /// The same for a mechanism with limits, dry friction or motors.
+    /// The same for a mechanism with limits, dry friction, motors or contacts.
     fn with_events(self, mechanism: &Mechanism, start: &State, setting: Setting) -> Option<Box<dyn Integrator>> {
         let ours = |steps: StepChoice| Some(Box::new(steps.integrator(mechanism, &[]).ok()?) as Box<dyn Integrator>);
         match (self, setting) {

@@ -3,7 +3,7 @@
 //!
 //! The Lobatto scheme in maximal coordinates, with 32 digits where it is a tree under gravity and with 14 to 16 stages elsewhere, and
 //! DOP853 in joint coordinates near the end of double precision, each at several settings so that rounding falls
-//! differently. From their end points:
+//! differently. DOP853 knows no contacts: of a scene with contacts there is the first formulation alone. From their end points:
 //!
 //! - the *scatter* of a formulation: the largest distance of one of its runs from their mean;
 //! - the *agreement*: the distance between the two means.
@@ -30,9 +30,9 @@ pub struct Reference {
     pub agreement: Option<f64>,
     /// Scatter of the chosen formulation (m).
     pub scatter: f64,
-    /// Mean step of DOP853 at a tolerance of 1e-6 (s): the scene's own scale of time.
+    /// Mean step of DOP853 at a tolerance of 1e-6 (s), with contacts a quarter of ours: the scene's own scale of time.
     pub time_scale: f64,
-    /// CPU time of the slowest reference run of DOP853 (s): the scene's own scale of cost.
+    /// CPU time of the slowest reference run of DOP853 (s), with contacts of ours: the scene's own scale of cost.
     pub cost_scale: f64,
     /// What every reference run was, and its distance from the reference (m).
     pub runs: Vec<(String, f64)>,
@@ -56,6 +56,8 @@ const PRECISE: [(Method, f64); 3] = [(Method::Precise(9), 0.2), (Method::Precise
 /// and elsewhere with few and large steps, because rounding grows with their number.
 const LARGE: [(Method, f64); 3] = [(Method::Lobatto(16), 0.83), (Method::Lobatto(15), 0.7), (Method::Lobatto(14), 0.6)];
 
+/// The mean step of ours at a tolerance is about so many of DOP853.
+const OURS: f64 = 4.0;
 /// One run, however long.
 const ONCE: Effort = Effort { cap: f64::INFINITY, total: 0.0, repeats: 1, enough: 0.0 };
 /// A run that costs so many times more than the one before it rejects steps because of rounding.
@@ -113,17 +115,19 @@ pub fn reference(scene: &Scene, interrupt: &AtomicBool, told: &mut dyn FnMut(&st
     let interrupted = || ChartError::Interrupted { scene: scene.name.clone() };
     let (mechanism, duration) = (&scene.mechanism, scene.duration);
     told("time scale");
-    let coarse =
-        timed_run(mechanism, &scene.start, duration, Method::Dop853, Setting::Tolerance(1e-6), &ONCE, interrupt);
+    let rival = Method::Dop853.knows(mechanism);
+    let (method, steps) = if rival { (Method::Dop853, 1.0) } else { (Method::LobattoTolerance, OURS) };
+    let coarse = timed_run(mechanism, &scene.start, duration, method, Setting::Tolerance(1e-6), &ONCE, interrupt);
     let time_scale = match coarse.ended {
         Ended::Interrupted => return Err(interrupted()),
-        Ended::Done => coarse.mean_step,
+        Ended::Done => coarse.mean_step / steps,
         _ => duration / 100.0,
     };
 
     told("reference in joint coordinates");
     let tolerances = [1e-12, 1e-13, 3e-14, 1e-14].map(|tolerance| (Method::Dop853, Setting::Tolerance(tolerance)));
-    let (reduced, cost_scale) = Family::run("DOP853 in joint coordinates", scene, &tolerances, interrupt);
+    let tolerances = if rival { &tolerances[..] } else { &[] };
+    let (reduced, slowest_reduced) = Family::run("DOP853 in joint coordinates", scene, tolerances, interrupt);
     if stopped() {
         return Err(interrupted());
     }
@@ -133,10 +137,12 @@ pub fn reference(scene: &Scene, interrupt: &AtomicBool, told: &mut dyn FnMut(&st
     let steps = finest.map(|(method, fraction)| {
         (method, Setting::Step(crate::study::chart::ladder::whole_step(duration, fraction * time_scale)))
     });
-    let (maximal, _) = Family::run("Lobatto in maximal coordinates", scene, &steps, interrupt);
+    let (maximal, slowest) = Family::run("Lobatto in maximal coordinates", scene, &steps, interrupt);
     if stopped() {
         return Err(interrupted());
     }
+
+    let cost_scale = if rival { slowest_reduced } else { slowest };
 
     let both = !reduced.answers.is_empty() && !maximal.answers.is_empty();
     let agreement = both.then(|| distance(&mean(&reduced.answers), &mean(&maximal.answers)));

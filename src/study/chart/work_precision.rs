@@ -38,7 +38,11 @@ pub fn work_precision_picture(chart: &SceneChart, foreign: &[Measurement]) -> Pi
         subtitle: format!(
             "{bodies} {plural}, {freedoms} degrees of freedom, {} s simulated · lower and further left is better{}",
             chart.duration,
-            if chart.has_events { " · steps end at events; Euler and RK4 are regularised" } else { "" }
+            match (chart.has_contacts, chart.has_events) {
+                (true, _) => " · steps end at events; the comparators know no contacts",
+                (false, true) => " · steps end at events; Euler and RK4 are regularised",
+                (false, false) => "",
+            }
         ),
         x: Scale::Log {
             label: "error at the end: largest distance of any body [m]".to_string(),
@@ -86,6 +90,9 @@ fn bands(chart: &SceneChart) -> Vec<Band> {
 }
 
 fn notes(chart: &SceneChart) -> Vec<String> {
+    if chart.has_contacts {
+        return Vec::new();
+    }
     let mut notes = vec!["speed-up over the better of".to_string(), "RK4 and DOP853 at equal error".to_string()];
     let mut doubtful = false;
     for level in LEVELS {

@@ -109,6 +109,9 @@ impl<'m> Runner<'m> {
         let bodies = mechanism.bodies.len() as f64;
         let smooth = mechanism.nonsmooth.is_empty();
         let method = match (method, setting) {
+            (Method::Chart(method), _) if !method.knows(mechanism) => {
+                return Err(Refused::NotApplicable("it knows no contacts between shapes"));
+            }
             (Method::Chart(method), _) => method,
             (Method::Baumgarte, _) if !smooth => {
                 return Err(Refused::NotApplicable("it knows neither limits nor friction nor motors"));

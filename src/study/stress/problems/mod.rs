@@ -1,8 +1,11 @@
 //! The problems, one file each, and the parts they are built of.
 
 pub mod chain_length;
+pub mod contact_masses;
 pub mod dry_friction;
+pub mod friction_cone;
 pub mod gimbal_lock;
+pub mod impact_speed;
 pub mod inconsistent_start;
 pub mod inertia;
 pub mod joint_limits;
@@ -18,6 +21,7 @@ pub mod stiff_spring;
 pub mod violent_motion;
 
 use crate::mechanism::description::closure::{Attachment, Coordinate, LoopJoint, LoopKind};
+use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use crate::mechanism::description::mechanism::{Body, Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;
@@ -44,6 +48,9 @@ impl Problem {
             joint_limits::problem(),
             dry_friction::problem(),
             motor_gain::problem(),
+            impact_speed::problem(),
+            friction_cone::problem(),
+            contact_masses::problem(),
         ]
     }
 }
@@ -88,6 +95,42 @@ fn chain(count: usize, length: f64, width: f64, mass: f64, along: Vector3<f64>, 
             }
         })
         .collect()
+}
+
+/// Free solid bodies of these masses (kg) and shapes on a floor at z = 0, all of which may touch, with one friction and without restitution.
+fn on_floor(
+    gravity: Vector3<f64>,
+    bodies: &[(f64, Vector3<f64>, Shape)],
+    friction: f64,
+) -> Result<Mechanism, MechanismError> {
+    let body = |(number, (mass, inertia, _)): (usize, &(f64, Vector3<f64>, Shape))| {
+        let name = format!("body{}", number + 1);
+        let joint = Joint::new(&name, JointKind::Floating, Pose::identity(), Pose::identity());
+        Body { name, parent: None, mass: *mass, inertia: *inertia, joint }
+    };
+    let mut mechanism = Mechanism::new("on_floor", gravity, bodies.iter().enumerate().map(body).collect())?;
+    let collider = |name: &str, body, shape| Collider { name: name.into(), body, pose: Pose::identity(), shape };
+    let nonsmooth = &mut mechanism.nonsmooth;
+    nonsmooth.colliders.push(collider("floor", None, Shape::HalfSpace));
+    for (number, (.., shape)) in bodies.iter().enumerate() {
+        nonsmooth.colliders.push(collider(&format!("body{}", number + 1), Some(number), shape.clone()));
+    }
+    for b in 1..=bodies.len() {
+        for a in 0..b {
+            let number = nonsmooth.pairs.len();
+            nonsmooth.pairs.push(ContactPair { number, a, b, friction, restitution: 0.0 });
+        }
+    }
+    Ok(mechanism)
+}
+
+/// Puts a free body at a place (m), turned about y (rad), with a velocity (m/s).
+fn put(mechanism: &Mechanism, state: &mut State, body: usize, at: Vector3<f64>, turned: f64, velocity: Vector3<f64>) {
+    let joint = &mechanism.bodies[body].joint;
+    let position = &mut state.position[joint.position_range()];
+    position[..3].copy_from_slice(at.as_slice());
+    position[3..].copy_from_slice(&[(0.5 * turned).cos(), 0.0, (0.5 * turned).sin(), 0.0]);
+    state.velocity[joint.velocity_range()][..3].copy_from_slice(velocity.as_slice());
 }
 
 /// The coordinate of a body's joint of one freedom.
