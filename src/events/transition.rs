@@ -4,6 +4,7 @@
 //! ```text
 //!     1. φ = 0 exactly: a position on its bound, a rate that is zero
 //!     2. impacts on all limits and contacts that are met                        contacts.rs, impact.rs
+//!        motors whose efforts jump with the rates beyond their bounds, or back
 //!     3. joints and contacts at rest: held or let go, all together              decision.rs
 //! ```
 //!
@@ -17,7 +18,7 @@ use crate::events::memory::{Done, Found, Memory};
 use crate::events::mode::{JointMode, Mode, MotorMode};
 use crate::events::noted::{Met, note_impacts, note_joints, note_pairs};
 use crate::events::resting::{bring_rows_to_rest, energy, keep_from_gaining};
-use crate::events::watched::Watched;
+use crate::events::watched::{Watched, unbounded};
 use crate::instant::blocks::{Block, Of, Rows, row_of_freedom};
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
@@ -91,6 +92,9 @@ pub(crate) fn transit(
         Met { meetings: &meetings, rates: &rates, impulses: &impulses.normal, ends: &ends, stopped: found.triggers };
     note_impacts(scene, memory, state.time, &contacts, &met, &mut done);
     stop_slow_joints(elements, state, &rests, true);
+    if impulses.normal.iter().any(|&impulse| impulse != 0.0) {
+        jump_to_bounds(elements, mode, state, &mut done);
+    }
     let mut unsolved = false;
     for _ in 0..CALMING {
         done.lost += contacts.come_to_rest(scene, state, &yielding);
@@ -223,6 +227,33 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
                 let body = elements.motors[index].coordinate.body;
                 done.events.push(Event { time, kind: EventKind::Unsaturation, body, pair: None, impulse: None });
             }
+        }
+    }
+}
+
+/// Motors whose unbounded efforts are beyond their bounds after an impact, or no longer: their rates have jumped.
+fn jump_to_bounds(elements: &Elements, mode: &mut Mode, state: &State, done: &mut Done) {
+    let time = state.time;
+    for (index, motor) in elements.motors.iter().enumerate() {
+        let was = match mode.motors[index] {
+            MotorMode::Unbounded => 0,
+            MotorMode::Saturated(sign) => sign,
+            MotorMode::Given(_) => continue,
+        };
+        let effort = unbounded(elements, index, time, time, state);
+        let is = if effort.abs() > motor.max_effort { effort.signum() as i8 } else { 0 };
+        if is == was {
+            continue;
+        }
+        mode.motors[index] = if is == 0 { MotorMode::Unbounded } else { MotorMode::Saturated(is) };
+        done.motors[index] = true;
+        let body = motor.coordinate.body;
+        let event = |kind| Event { time, kind, body, pair: None, impulse: None };
+        if was != 0 {
+            done.events.push(event(EventKind::Unsaturation));
+        }
+        if is != 0 {
+            done.events.push(event(EventKind::Saturation));
         }
     }
 }
