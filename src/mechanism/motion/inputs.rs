@@ -1,8 +1,8 @@
 //! What acts on a mechanism from outside during one step: efforts that somebody decides on while the run goes on.
 
 use crate::description::mechanism::Mechanism;
-use crate::motion::integrator::StepError;
 use crate::motion::state::State;
+use crate::motion::step_error::StepError;
 use nalgebra::DMatrix;
 
 /// Efforts along the degrees of freedom: constant over a step, and some that change with time in a known way.

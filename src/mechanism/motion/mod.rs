@@ -12,4 +12,5 @@ pub mod integrator;
 pub mod joint_coordinates;
 pub mod kinematics;
 pub mod state;
+pub mod step_error;
 pub mod touches;
