@@ -26,8 +26,8 @@
 //! `time` is not. `catena_msgs` is no package: its definitions are in the log. `ros2 bag play` leaves out topics whose package is not
 //! installed, with a warning, and plays the others.
 //!
-//! The first two topics never change. They are offered to those who come late, too (durability `transient_local`), and compressed; samples are
-//! compressed on request ([`LogOptions`]).
+//! The first two topics never change. They are offered to those who come late, too (durability `transient_local`). Their chunk is compressed
+//! by Zstandard. Chunks of samples hold what their messages repeat once (LZ4), and are compressed by Zstandard on request ([`LogOptions`]).
 //!
 //! Links that are fixed to others or to the world are in `/tf` all the same, in every sample, and not once in `/tf_static`:
 //! Lichtblick lost the transforms of that topic whenever one jumped back in a log (its pull request 1246 of July 2026), and a log
@@ -83,6 +83,7 @@ pub mod reader;
 mod recorder;
 pub mod records;
 pub mod recovery;
+mod repetition;
 pub(crate) mod standin;
 mod template;
 mod topics;
