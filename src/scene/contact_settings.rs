@@ -59,7 +59,7 @@ pub enum Touching {
 
 /// There is no such choice.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0:?} is none of none, environment, all")]
+#[error("{0:?} is not one of: none, environment, all")]
 pub struct UnknownTouching(pub String);
 
 impl Touching {

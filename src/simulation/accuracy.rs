@@ -75,10 +75,10 @@ pub enum UnknownAccuracy {
     #[error("no --tolerance was asked for")]
     NotAsked,
     /// The run has made no step yet.
-    #[error("the run ended before anything was known of its error")]
+    #[error("the run ended before its error could be estimated")]
     NotYet,
     /// Efforts from outside act, which what tells the accuracy does not feel.
-    #[error("efforts that a program decides on act on the joints")]
+    #[error("a program sets efforts on the joints, and the error estimate does not know its law")]
     Driven,
     /// A trial run failed, as the run will.
     #[error("a trial run failed: {0}")]

@@ -51,7 +51,7 @@ pub enum ControlError {
         count: usize,
     },
     /// Parts of the run have been made apart.
-    #[error("parts that nothing connects have been simulated apart: let a continuous controller begin with the run")]
+    #[error("independent parts of the mechanism already run separately; start the continuous controller with the run")]
     Begun,
 }
 

@@ -38,7 +38,7 @@ pub enum RunError {
     #[error("interrupted at t = {time} s")]
     Interrupted { time: f64 },
     /// The steps were too coarse: the run begins again from its start with finer ones, which [`Simulation::run`](crate::simulation::Simulation::run) does.
-    #[error("at t = {time} s the run is not as accurate as was asked for")]
+    #[error("at t = {time} s the estimated error exceeds the tolerance")]
     BeginsAgain { time: f64 },
 }
 

@@ -198,7 +198,7 @@ impl Observer for Recorder {
         self.before = before;
         self.write(
             Severity::Info,
-            &format!("begun again after t = {after} s, with finer steps: errors grow more than was expected"),
+            &format!("restarted after t = {after} s with finer steps: errors grew more than expected"),
         );
         Ok(())
     }

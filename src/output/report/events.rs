@@ -17,7 +17,7 @@ const KINDS: [(&str, &str, &str); EventKind::ALL.len()] = [
     ("slip", "slip", "slips"),
     ("reversal", "reversal", "reversals"),
     ("saturation", "saturation", "saturations"),
-    ("unsaturation", "unsaturation", "unsaturations"),
+    ("unsaturation", "end of saturation", "ends of saturation"),
 ];
 
 /// How many events there were of each kind, in the order of reports.
