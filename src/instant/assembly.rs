@@ -1,4 +1,4 @@
-//! The start of a run: positions and velocities that satisfy every closure, and how many equations say the same.
+//! The start of a run: positions and velocities that satisfy all loops, and how many of their equations are redundant.
 //!
 //! Initial conditions need only be near. They are projected on the closures with the least motion in the metric of the mass
 //! matrix ([`crate::lobatto::coupled::projection`]) before t = 0: a defect left in them would stay in the multipliers for the whole run

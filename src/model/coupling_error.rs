@@ -58,7 +58,7 @@ pub enum CouplingProblem {
     #[error("the {what} is {size} m; it must be greater than zero")]
     ShapeSize { what: &'static str, size: f64 },
     /// A name of a pair that no shape has.
-    #[error("{pattern:?} names no link with a collision shape and no obstacle; the names are {known}")]
+    #[error("{pattern:?} names no link with a collision shape and no obstacle; there are {known}")]
     NoShape { pattern: String, known: String },
     /// A joint follows one that does not exist.
     #[error("it mimics joint {0:?}, which does not exist")]

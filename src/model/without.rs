@@ -1,4 +1,4 @@
-//! What a user leaves out of the simulation although the files say it.
+//! What a user leaves out of the simulation although the files contain it (`--without`).
 
 use crate::model::robot_model::Model;
 use crate::scene::Touching;

@@ -1,4 +1,4 @@
-//! The nouns of contact in a scene: obstacles, which shapes may touch, and how.
+//! The contact settings of a scene: obstacles, which shapes may touch, and how.
 //!
 //! Units: m. Coefficients of friction μ ≥ 0 and of restitution e in 0..1 have none.
 

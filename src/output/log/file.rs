@@ -151,7 +151,7 @@ impl LogFile {
         self.output.settle(false).map_err(|reason| self.cannot_write(reason))
     }
 
-    /// Cuts off everything since [`LogFile::begin`]: the run begins again. Pipes and devices keep what they have, and get all of it again.
+    /// Cuts off everything since [`LogFile::begin`]: the run restarts. Pipes and devices keep what they have, and get all of it again.
     pub(crate) fn begin_again(&mut self) -> Result<(), LogError> {
         self.batch.clear();
         self.provisional = 0;

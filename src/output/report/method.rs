@@ -1,4 +1,4 @@
-//! How a run was integrated, how accurate it is expected to be, and what the user should know of it.
+//! How a run was integrated, its estimated error, and the warnings about both.
 
 use crate::mechanism::ground::words::{counted, rounded};
 use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
