@@ -125,7 +125,7 @@ impl Run {
     /// Ends it, and what it leaves.
     fn finish(&self, py: Python<'_>) -> PyResult<Recorded> {
         let simulation = self.lock(py)?.take();
-        let Some(simulation) = simulation else { return Err(input(py, "the run is over; begin another one")) };
+        let Some(simulation) = simulation else { return Err(input(py, "the run has ended; start a new one")) };
         let finished = py.detach(|| simulation.finish_told());
         let (report, told, model) = finished.map_err(|error| refuse(py, error))?;
         Ok(Recorded::new(report, told, model, self.recording.take()))
@@ -161,14 +161,14 @@ impl Run {
     fn with<R>(&self, py: Python<'_>, work: impl FnOnce(&mut Simulation) -> Result<R, Error>) -> PyResult<R> {
         match &mut *self.lock(py)? {
             Some(simulation) => work(simulation).map_err(|error| refuse(py, error)),
-            None => Err(input(py, "the run is over; begin another one")),
+            None => Err(input(py, "the run has ended; start a new one")),
         }
     }
 
     /// Work without the lock of Python.
     fn detached(&self, py: Python<'_>, work: impl FnOnce(&mut Simulation) -> Result<(), Error> + Send) -> PyResult<()> {
         let mut held = self.lock(py)?;
-        let Some(simulation) = &mut *held else { return Err(input(py, "the run is over; begin another one")) };
+        let Some(simulation) = &mut *held else { return Err(input(py, "the run has ended; start a new one")) };
         match py.detach(|| work(simulation)) {
             Ok(()) => Ok(()),
             Err(error) if error.is_interruption() && self.interrupt.load(Ordering::Relaxed) => {

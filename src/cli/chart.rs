@@ -31,7 +31,7 @@ pub struct ChartArgs {
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
-    /// Folder for the pictures, measurements.csv and index.html; made if it is not there
+    /// Folder for the pictures, measurements.csv and index.html; created if missing
     #[arg(short, long, value_name = "DIR", value_parser = crate::cli::output_folder())]
     output: PathBuf,
 

@@ -1,4 +1,4 @@
-//! The options that say what touches what.
+//! The options of contact: `--floor` and `--contact`.
 
 use crate::cli::numbers::finite;
 use catena::scene::Touching;

@@ -134,11 +134,11 @@ pub fn package(text: &str) -> Result<(String, PathBuf), String> {
 /// The help of `--without`, with everything that can be left out.
 fn without_help() -> String {
     let names = Left::ALL.map(Left::name).join(", ");
-    format!("Leave something out of the simulation although the files say it (repeatable): {names}")
+    format!("Leave out something that the files contain (repeatable): {names}")
 }
 
 /// The help of `--keep`, with the names of all rules.
 fn keep_help() -> String {
     let names = Rule::ALL.map(Rule::name).join(", ");
-    format!("Switch off a rule that leaves something out (repeatable): {names}; `catena model` shows what each does")
+    format!("Disable one model simplification (repeatable): {names}; `catena model` shows what each does")
 }

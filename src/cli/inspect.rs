@@ -48,15 +48,15 @@ pub struct InspectArgs {
     #[arg(long, value_name = "FILE.csv", value_parser = crate::cli::output_file())]
     csv: Option<PathBuf>,
 
-    /// Draw positions, velocities, energy error, constraint violation and reactions
+    /// Draw positions, velocities, energy error, constraint error and reactions
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = crate::cli::output_file())]
     plot: Option<PathBuf>,
 
-    /// Write all that can be read as a new, complete log: of a run that was killed, for viewers that need its index
+    /// Write all that can be read as a new, complete log, for viewers that need the index that a killed run did not write
     #[arg(long, value_name = "FILE.mcap", value_parser = crate::cli::output_file())]
     recover: Option<PathBuf>,
 
-    /// Go on looking while a run writes the log, a line whenever there is something new
+    /// Follow a log while a run writes it, with a line whenever there is something new
     #[arg(long, conflicts_with_all = ["at", "events", "csv", "plot", "recover"])]
     follow: bool,
 
@@ -308,7 +308,7 @@ fn words(instant: &LoggedInstant) -> String {
     if let Some(Violation { time, position, velocity }) = &instant.constraint {
         let _ = writeln!(
             text,
-            "  constraint violation at the end of the last step, t = {time} s: {position:.1e} m, {velocity:.1e} m/s"
+            "  constraint error at the end of the last step, t = {time} s: {position:.1e} m, {velocity:.1e} m/s"
         );
     }
     text

@@ -1,4 +1,4 @@
-//! The part of `catena model` about what stops, brakes and drives joints: limits, dry friction, speeds that are watched, and motors.
+//! The part of `catena model` about joints: limits, dry friction, watched speeds, and motors.
 
 use crate::cli::table::{Table, number};
 use catena::instant::unreachable::{never_reached, never_slides};

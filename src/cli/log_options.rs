@@ -15,7 +15,7 @@ pub struct LogArgs {
     #[arg(long, value_name = "TOPIC,…")]
     topics: Option<Topics>,
 
-    /// Compress the samples: smaller logs, slower runs
+    /// Compress the samples more: smaller logs, slower runs
     #[arg(long)]
     compress: bool,
 

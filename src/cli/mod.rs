@@ -87,7 +87,7 @@ enum Verb {
     Chart(Box<chart::ChartArgs>),
     /// Draw stability maps: which step sizes work as a problem gets harder
     Stress(stress::StressArgs),
-    /// Make many runs in which numbers of a scene vary, on all cores and machines: a row of a table for each
+    /// Run a scene many times with varied numbers, on all cores; each run is a row of a table
     Sweep(Box<sweep::SweepArgs>),
 }
 

@@ -29,7 +29,7 @@ pub struct ModelArgs {
     #[arg(long)]
     pub json: bool,
 
-    /// List all numbers that a sweep can vary, by key path, with what the files say
+    /// List all numbers that a sweep can vary: key path and value
     #[arg(long, conflicts_with_all = ["json", "output"])]
     pub parameters: bool,
 

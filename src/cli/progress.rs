@@ -1,4 +1,4 @@
-//! What is shown on a terminal while a run is made: that there are pilot runs; then simulated time, speed against real time, time left.
+//! The progress bar on a terminal: a note during trial runs; then simulated time, speed against real time, time left.
 
 use catena::simulation::{Observer, ObserverError, Sample};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -33,7 +33,7 @@ impl Progress {
     }
 }
 
-/// Says on standard error that pilot runs are being made, for as long as it lives.
+/// Says on standard error that trial runs are being made, for as long as it lives.
 pub struct PilotsShown(ProgressBar);
 
 impl PilotsShown {

@@ -1,4 +1,4 @@
-//! The part of `catena model` about what a run leaves out: the rules, what each saves here, and the islands.
+//! The part of `catena model` about simplifications: the rules, what each of them saves, and the islands.
 
 use crate::cli::table::Table;
 use catena::mechanism::description::mechanism::Mechanism;

@@ -74,7 +74,7 @@ pub struct Arguments {
     #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = positive, requires = "stages", conflicts_with = "tolerance")]
     step: Option<f64>,
 
-    /// Vary the step with the pace of the motion, from --step on, so that very long runs do not drift; trees under gravity alone
+    /// Vary the step with the pace of the motion, starting from --step, without drift over very long runs; only for trees under gravity
     #[arg(long, requires = "step")]
     reversible: bool,
 
@@ -83,7 +83,7 @@ pub struct Arguments {
     #[arg(long, requires = "step", conflicts_with = "reversible")]
     precise: bool,
 
-    /// Run it once more with half the --step, on another core, and estimate the error of the steps by that
+    /// Make the same run with half the --step, on another core, and estimate the error from the difference
     #[arg(long, requires = "step")]
     check: bool,
 
@@ -172,7 +172,7 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let (mut recorder, mut progress, mut speeds);
     let start = arguments.check.then(|| state.clone());
     let account = Account::open(model, &state, settled);
-    // A pipe keeps what was written, so that nothing can begin again.
+    // A pipe keeps what was written, so that nothing can restart.
     let tries = output.as_deref().is_some_and(is_special);
     let pilots = (tries && shows && choice.tolerance().is_some()).then(PilotsShown::new);
     let make = if tries { Simulation::from_counted } else { Simulation::at_once };

@@ -33,7 +33,7 @@ pub fn open_special(path: &Path, interrupted: &AtomicBool) -> anyhow::Result<Opt
             Ok(file) => return Ok(file.ok()),
             Err(RecvTimeoutError::Disconnected) => return Ok(None),
             Err(RecvTimeoutError::Timeout) if interrupted.load(Ordering::Relaxed) => {
-                return Err(anyhow!("interrupted while nobody reads {}", path.display()));
+                return Err(anyhow!("interrupted while waiting for a reader of {}", path.display()));
             }
             Err(RecvTimeoutError::Timeout) => {}
         }

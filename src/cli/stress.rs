@@ -16,7 +16,7 @@ use std::sync::atomic::Ordering;
 /// The options of `catena stress`.
 #[derive(Args, Debug)]
 pub struct StressArgs {
-    /// Folder for the pictures, cells.csv and index.html; made if it is not there
+    /// Folder for the pictures, cells.csv and index.html; created if missing
     #[arg(short, long, value_name = "DIR", value_parser = crate::cli::output_folder())]
     output: PathBuf,
 

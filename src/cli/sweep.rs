@@ -20,7 +20,7 @@ use std::time::Instant;
 const EXAMPLES: &str = "\
 Examples:
   catena sweep robots/pendulum_sweep.toml --dry-run          what it will take: runs, columns, seconds, bytes
-  catena sweep robots/pendulum_sweep.toml -o out             all runs on all cores; the same again goes on where it stopped
+  catena sweep robots/pendulum_sweep.toml -o out             all runs on all cores; the same command again continues where it stopped
   catena sweep robots/pendulum_sweep.toml -o out3 --shard 3/8   the third of eight parts, as one job of a cluster
   catena sweep --merge out1 out2 out3 -o out                 the rows of all parts in one folder
 
@@ -34,15 +34,15 @@ pub struct SweepArgs {
     #[arg(value_name = "FILE.toml", required_unless_present = "merge", conflicts_with = "merge")]
     file: Option<PathBuf>,
 
-    /// Folder for the rows; made if it is not there, and gone on with if it is of the same sweep
+    /// Folder for the rows; created if missing; a folder of the same sweep is continued
     #[arg(short, long, value_name = "DIR", value_parser = crate::cli::output_folder(), required_unless_present = "dry_run")]
     output: Option<PathBuf>,
 
-    /// Make a few runs, say what the whole will take, and write nothing
+    /// Make a few runs, estimate what the whole sweep takes, and write nothing
     #[arg(long, conflicts_with_all = ["merge", "output"])]
     dry_run: bool,
 
-    /// How rows are written: csv, or parquet where it was compiled in [default: parquet where it was]
+    /// How rows are written: csv, or parquet if it was compiled in [default: parquet if it was]
     #[arg(long, value_name = "FORMAT", conflicts_with = "merge", help_heading = "Rows")]
     format: Option<Format>,
 
@@ -50,7 +50,7 @@ pub struct SweepArgs {
     #[arg(long, help_heading = "Rows")]
     json: bool,
 
-    /// Say on standard error every S seconds how many rows are on the disk, for the logs of clusters
+    /// Print on standard error every S seconds how many rows are written, for the logs of clusters
     #[arg(long, value_name = "S", value_parser = not_negative, conflicts_with = "merge", help_heading = "Rows")]
     progress: Option<f64>,
 
@@ -66,7 +66,7 @@ pub struct SweepArgs {
     #[arg(long, value_name = "K/N", conflicts_with = "merge", help_heading = "Cores and machines")]
     shard: Option<Shard>,
 
-    /// Put the rows of all N parts together, in the files that the whole would have
+    /// Join the rows of all N parts into the files of the whole sweep
     #[arg(long, value_name = "DIR", num_args = 1.., help_heading = "Cores and machines")]
     merge: Vec<PathBuf>,
 

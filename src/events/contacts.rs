@@ -1,4 +1,4 @@
-//! The contacts of an event: which there are, what they are as things that are met, and how they come to rest.
+//! The contacts of an event: which of them meet, as elements of the impact problem, and how they come to rest.
 //!
 //! ```text
 //!     met:      n, t₁, t₂ of every contact with |φ| ≤ 1e-11 of its size

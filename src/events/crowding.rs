@@ -1,6 +1,6 @@
-//! Where events crowd: when steps that end at events are too many, and how many of first order follow.
+//! Crowds of events: when so many steps end at events that first-order steps are taken instead, and how many.
 //!
-//! A crowd is a number of steps within a time. One step of first order ends it; each crowd that follows soon is ended by twice as many as the one before.
+//! A crowd is a given number of steps within a given time. One first-order step ends it; each crowd that follows soon is ended by twice as many as the one before.
 
 /// Length of a step of first order (s).
 pub(super) const STEP: f64 = 1e-4;

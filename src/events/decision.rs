@@ -1,4 +1,5 @@
-//! What is at rest does next: which joints are held, by friction or on a limit, which way the others go, which contacts stay closed, which of them slide.
+//! Decides what elements at rest do next: which joints are held (by friction or on a limit), which way the others move, which contacts stay closed, and
+//! which of these slide.
 //!
 //! All joints whose rate is zero and that have friction or are on a limit, and all contacts that do not part, are decided together, at the
 //! level of accelerations:

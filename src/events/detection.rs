@@ -5,7 +5,7 @@
 //! minimum is looked for. The start of a step may be a root itself, of an element that has just changed its state: it counts as positive, and where the
 //! first sample is negative an earlier one that is positive is looked for.
 //!
-//! The root of the dense output is of lower order than the ends of steps: it begins the location, and never replaces it.
+//! The root of the dense output is of lower order than the ends of steps. So it only starts the location of the event.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! What an event is found with, what it leaves, and what is remembered from event to event: impacts that follow each other ever faster, and crowds of them.
+//! The state kept from event to event: impacts that follow each other ever faster, and crowds of events.
 //!
 //! Of infinitely many impacts with flights `T_k` and a ratio ρ of two speeds the last is at `t∞ = t_k + T_k ρ/(1 − ρ)`.
 

@@ -1,4 +1,4 @@
-//! The events of an instant as they are listed: what has changed from one mode to the next, and impacts.
+//! The list of events at an instant: impacts, and the changes from one mode to the next.
 
 use crate::events::contacts::Contacts;
 use crate::events::decision::Scene;

@@ -1,4 +1,4 @@
-//! What makes the steps of a piece: the scheme, or DOP853 in joint coordinates for comparison.
+//! The integrator of a piece: the scheme, or DOP853 in joint coordinates for comparison.
 //!
 //! An event asks three things of a step besides those of every integrator: to be made again with another length, the mean square of a rate over it
 //! (for the heat of the dampers that motors are), and the pace at which the next piece goes on.

@@ -1,4 +1,4 @@
-//! What is there while a mode lasts: the mechanism, its elements, what they do, and what moves while they do it.
+//! The present mode with all that belongs to it: the mechanism, its elements and their states, and the piece that moves.
 
 use crate::events::held::Held as Moving;
 use crate::events::mode::Mode;

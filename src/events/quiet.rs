@@ -1,4 +1,4 @@
-//! Rest on contacts: what does not move any more is not moved until something changes.
+//! Rest on contacts: bodies that have stopped moving are not simulated until something changes.
 
 use crate::events::integrator::Eventful;
 use crate::mechanism::description::nonsmooth::Motor;

@@ -1,4 +1,4 @@
-//! Velocities without rates along some rows: how what touches comes to rest.
+//! Projects velocities so that the rates along given rows are zero: elements that touch come to rest.
 //!
 //! ```text
 //!     minimise ½ dvᵀ H dv   subject to  W (v + dv) = 0          dv = Y Wᵀ P,   D P = −W v

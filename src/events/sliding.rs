@@ -4,7 +4,7 @@
 //!     t_stop = |u_T| / (−u̇_T · t)       u̇_T = D λ + b, with the forces of the mode where the step begins
 //! ```
 //!
-//! Beyond its stop a slip has no direction, and the equations of the stages with it hardly a solution.
+//! Beyond the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
 use crate::events::closed_forces::time_to_stop;
 use crate::events::integrator::Eventful;

@@ -1,4 +1,4 @@
-//! Step by step, where events crowd or no step of the scheme can be solved: a run always gets on.
+//! First-order time stepping, used where events crowd or no step of the scheme can be solved, so that a run always continues.
 //!
 //! ```text
 //!     v_f = v₀ + h a(q₀, v₀)                       under all forces, motors and inputs; without what follows

@@ -1,4 +1,4 @@
-//! How far everything else is from a place that is closed: where two convex shapes touch next.
+//! Where two convex shapes that touch at one place touch next: distances of all other features from that place's tangent plane.
 //!
 //! Two convex shapes that touch at a point with the normal n overlap nowhere as long as the tangent plane separates them. With a point p of the
 //! contact that is, for what is not part of the features that touch,

@@ -4,7 +4,7 @@
 //!     minimise ½ dqᵀ H dq   subject to  φ + W dq ≥ 0,  J dq = 0          dq = Y Wᵀ r,   0 ≤ r ⊥ D r + φ ≥ 0
 //! ```
 //!
-//! with the gaps φ of all contacts that are near, their rows W and `D = W Y Wᵀ` ([`crate::instant::blocks`]), and limits of joints that are met; again with the gaps of where that led
+//! with the gaps φ of all contacts that are near, their rows W and `D = W Y Wᵀ` ([`crate::instant::blocks`]), and limits of joints that are met; repeated with the new gaps
 //! to, until nothing overlaps by more than rounding.
 
 use crate::instant::blocks::{Rows, row_of_freedom, rows_of_contact};

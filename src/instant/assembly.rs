@@ -1,4 +1,4 @@
-//! The start of a run: positions and velocities that satisfy every closure, and how many equations say the same.
+//! The start of a run: positions and velocities that satisfy all loops, and how many of their equations are redundant.
 //!
 //! Initial conditions need only be near. They are projected on the closures with the least motion in the metric of the mass
 //! matrix ([`crate::lobatto::coupled::projection`]) before t = 0: a defect left in them would stay in the multipliers for the whole run
@@ -66,13 +66,13 @@ impl Redundancy {
 pub enum AssemblyError {
     /// The loops do not close anywhere near.
     #[error(
-        "the closure {closure:?} cannot be closed: {gap:.3e} (m or rad) is left open between its ends; move the initial joint positions \
+        "loop {closure:?} cannot be closed: a gap of {gap:.3e} (m or rad) remains between its ends; move the initial joint positions \
          nearer to where it closes, or check its frames"
     )]
     Open { closure: String, gap: f64 },
     /// The loops close, but only beyond the limits of joints.
     #[error(
-        "the closure {closure:?} cannot be closed within the limits of the joints: {gap:.3e} (m or rad) is left open between its \
+        "loop {closure:?} cannot be closed within the limits of the joints: a gap of {gap:.3e} (m or rad) remains between its \
          ends, or joint {joint:?} is {excess:.3e} {unit} outside its limits; move the initial joint positions, or widen the limits"
     )]
     Limited { closure: String, gap: f64, joint: String, excess: f64, unit: &'static str },
@@ -89,13 +89,13 @@ pub enum AssemblyError {
     Overlap { a: String, b: String, depth: f64 },
     /// At rest in a singular position.
     #[error(
-        "the mechanism starts at rest in a singular position, where its closures leave {extra} more degrees of freedom than beside it: \
-         which way it moves is not decided; give an initial velocity, or start it elsewhere"
+        "the mechanism starts at rest in a singular position, where its loops leave {extra} more degrees of freedom than near it: \
+         its direction of motion is not determined; give an initial velocity, or start it elsewhere"
     )]
     Undecided { extra: usize },
     /// The closures allow no velocity at all like the initial one.
     #[error(
-        "the initial velocities contradict the closure {closure:?}: its ends would part with {rate:.3e} (m/s or rad/s); give \
+        "the initial velocities contradict loop {closure:?}: its ends would separate with {rate:.3e} (m/s or rad/s); give \
          velocities that the loops allow"
     )]
     Contradiction { closure: String, rate: f64 },

@@ -4,7 +4,7 @@
 //!     H a = τ − c + Jᵀ μ,    J a + J̇ v = 0
 //! ```
 //!
-//! What is known of the closures is decided in the first state that is asked for, once ([`known`]).
+//! Which equations of the closures are independent is decided once, in the first state ([`known`]).
 
 use crate::lobatto::coupled::counted::Counted;
 use crate::lobatto::coupled::deciding::known;

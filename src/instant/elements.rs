@@ -1,4 +1,4 @@
-//! The nonsmooth elements of a mechanism, joint by joint: all of it constant.
+//! The nonsmooth elements of a mechanism (limits, dry friction, motors), joint by joint. They do not change during a run.
 //!
 //! Joints that mimic others have no freedom of their own: with `q_f = m q_l + b` a limit or friction of the follower is one of the leader,
 //!

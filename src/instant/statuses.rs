@@ -1,6 +1,6 @@
-//! What joints are up to in a state that somebody has written down: on a limit, held by friction.
+//! Whether joints of a stored state are on a limit or held by friction.
 //!
-//! A joint that is held has a rate of exactly zero, and one that moves has none but at an instant: so the state tells, as far as it goes.
+//! A joint that is held has a rate of exactly zero. A joint that moves has that at single instants only, so the rate decides.
 
 use crate::instant::elements::Elements;
 use crate::mechanism::description::mechanism::Mechanism;

@@ -1,4 +1,4 @@
-//! What may touch: the geometry of every pair of colliders, and what its contacts are in a state.
+//! The pairs of colliders that may touch: their geometry, and their contacts in a given state.
 //!
 //! A pair is asked for its distance while it is open, and for its contacts, pairs of features, where it is nearly closed. Poses are those of the
 //! bodies; the world has its own.

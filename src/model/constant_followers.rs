@@ -101,8 +101,8 @@ mod tests {
         assert_eq!(model.mechanism.bodies.len(), 1);
         let held: Vec<String> =
             model.warnings.iter().map(ToString::to_string).filter(|warning| warning.contains("mimics")).collect();
-        let expected = "r.urdf:1: joint \"slide\": it mimics joint \"weld\", which never moves, so it is held at 0.25 m; so it is \
-                        with 1 more joint";
+        let expected = "r.urdf:1: joint \"slide\": it mimics joint \"weld\", which never moves, so it is held at 0.25 m; the same \
+                        for 1 more joint";
         assert_eq!(held, [expected]);
         let place = |name: &str| model.links.iter().find(|link| link.name == name).expect("a link").in_body;
         // Twice 0.25 m and 1 rad: 1.5 rad about z, and 0.25 m along the x axis that this turned.

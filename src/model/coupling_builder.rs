@@ -1,4 +1,4 @@
-//! What every coupling of a file looks at while it becomes part of the mechanism: links, frames, coordinates, and where it stands in its file.
+//! What the couplings of a file share while they are added to the mechanism: links, frames, coordinates, and lines of the file.
 
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::{Attachment, Coordinate};

@@ -19,7 +19,7 @@ impl Builder<'_> {
             }
             match of.coordinate(self) {
                 Some(_) if coefficient < 0.0 => {
-                    let message = "its damping is negative, which would feed energy; it is not used";
+                    let message = "its damping is negative, which would add energy; ignored";
                     warnings.push(of.stand().warning(message));
                 }
                 Some(coordinate) => dampers.push(JointDamper { freedom: coordinate.freedom, coefficient }),
@@ -55,12 +55,12 @@ impl Builder<'_> {
             let reason = |of: &UrdfJoint| if of.kind == UrdfJointKind::Fixed { "is fixed" } else { "moves no mass" };
             if !moves(&joint.name) {
                 let (leader, reason) = (&leader.name, reason(joint));
-                still.push(stand.warning(&format!("it should mimic joint {leader:?}, but {reason}")));
+                still.push(stand.warning(&format!("its <mimic> of joint {leader:?} is ignored, because it {reason}")));
                 continue;
             }
             if !moves(&leader.name) {
                 let (leader, reason) = (&leader.name, reason(leader));
-                let message = format!("moves freely, because joint {leader:?}, which it should mimic, {reason}");
+                let message = format!("its <mimic> is ignored and it moves freely, because joint {leader:?} {reason}");
                 free.push(stand.warning(&message));
                 continue;
             }
@@ -157,8 +157,7 @@ mod tests {
         let robot = robot_from_text(text, Path::new("r.urdf"), &PackagePath::default()).expect("a robot");
         let model = Model::new(robot, &ModelOptions::default()).expect("a model");
         let (_, warnings) = build(&model, |builder, warnings| builder.urdf_mimics(warnings));
-        let expected =
-            "r.urdf:1: joint \"left\": it should mimic joint \"turn\", but is fixed; so it is with 1 more joint";
+        let expected = "r.urdf:1: joint \"left\": its <mimic> of joint \"turn\" is ignored, because it is fixed; the same for 1 more joint";
         assert_eq!(warnings, [expected]);
     }
 

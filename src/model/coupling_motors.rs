@@ -1,4 +1,4 @@
-//! Motors of scene files, and what URDFs say for and against motion: dry friction, largest efforts and speeds.
+//! Motors of scene files; dry friction, largest efforts and largest speeds of URDF files.
 
 use crate::mechanism::description::nonsmooth::{DryFriction, Motor, SpeedLimit};
 use crate::model::coupling_builder::Builder;

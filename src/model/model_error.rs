@@ -52,8 +52,8 @@ pub enum ModelError {
     NoRotation { joint: String },
     /// An angle whose digits do not say where the joint is.
     #[error(
-        "the position of joint {joint:?} is {angle:e} rad; beyond {largest:e} rad sixteen digits say too little of where in its \
-         turn it is: take whole turns off it"
+        "the position of joint {joint:?} is {angle:e} rad; above {largest:e} rad, double precision does not resolve the angle within a \
+         turn; subtract whole turns"
     )]
     TurnedTooOften { joint: String, angle: f64, largest: f64 },
     /// A link whose distance has no finite square.

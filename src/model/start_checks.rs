@@ -1,4 +1,4 @@
-//! What a start can be that the numbers of every joint do not say: beyond what doubles hold, undefined, or outside limits.
+//! Checks of a start as a whole: numbers that doubles cannot hold, undefined forces, joints outside their limits.
 
 use crate::mechanism::description::closure::{Coordinate, JointLimit};
 use crate::mechanism::ground::words::decimals;

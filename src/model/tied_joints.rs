@@ -1,4 +1,4 @@
-//! Joints that move no mass and are determined all the same, because a mimic relation ties them to one that does.
+//! Joints that move no mass, but whose motion is determined by a mimic relation to a joint that does.
 //!
 //! With `q_f = k q_l + c` between a follower f and its leader l,
 //!

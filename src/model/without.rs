@@ -1,4 +1,4 @@
-//! What a user leaves out of the simulation although the files say it.
+//! What a user leaves out of the simulation although the files contain it (`--without`).
 
 use crate::model::robot_model::Model;
 use crate::scene::Touching;
@@ -21,7 +21,7 @@ pub enum Left {
 
 /// There is no such thing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("nothing called {0:?} can be left out; there are {list}", list = Left::ALL.map(Left::name).join(", "))]
+#[error("{0:?} cannot be left out; choose from {list}", list = Left::ALL.map(Left::name).join(", "))]
 pub struct UnknownLeft(pub String);
 
 impl Left {

@@ -1,4 +1,4 @@
-//! What is left of a run: the log, the report, pages, and looks at logs.
+//! The output of a run: log, report and pages; and reading logs.
 
 #[doc(hidden)]
 pub mod inspection;

@@ -1,7 +1,7 @@
 //! The comparator: the same mechanism as an unconstrained ordinary differential equation in joint coordinates.
 //!
 //! Its dynamics share no line with the Lobatto scheme; what springs, dampers and loads exert in a given state is the same code
-//! ([`catena_mechanism::description::forces`]). So it serves as an oracle in tests, and it is tuned as a rival in the benches. In reading order:
+//! ([`catena_mechanism::description::forces`]). So it serves as an oracle in tests, and it is tuned as a comparator in the benches. In reading order:
 //!
 //! - [`articulated_body`] and `articulated_inertia`: joint accelerations, O(n);
 //! - [`inverse_dynamics`]: the wrenches the joints carry;

@@ -1,4 +1,4 @@
-//! What the articulated-body algorithm knows of a body once and for all, and how a joint's coordinates become a motion.
+//! Constants of a body for the articulated-body algorithm, and how a joint's coordinates become a motion.
 
 use catena_mechanism::description::joint::{FreeRotation, JointKind, rotation_from_wxyz};
 use catena_mechanism::description::mechanism::Body;

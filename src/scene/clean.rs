@@ -1,4 +1,4 @@
-//! From the XML document to the URDF that is meant: only elements of the schema, only good numbers.
+//! From the XML document to a valid URDF: only elements of the schema, only valid numbers.
 //!
 //! Where the intent is plain the file is repaired and a warning says so; where it is not, the first error ends the
 //! reading. The result is written out again as XML for `urdf-rs`, whose own errors name neither line nor link.

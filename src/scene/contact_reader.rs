@@ -1,4 +1,4 @@
-//! From the tables `[[obstacle]]`, `[contact]` and `[[link]]` to the nouns of contact: names resolved, keys that belong together checked,
+//! From the tables `[[obstacle]]`, `[contact]` and `[[link]]` to the contact settings of a scene: names resolved, keys that belong together checked,
 //! meshes read.
 
 use crate::mechanism::description::contact::Shape;

@@ -1,4 +1,4 @@
-//! The nouns of contact in a scene: obstacles, which shapes may touch, and how.
+//! The contact settings of a scene: obstacles, which shapes may touch, and how.
 //!
 //! Units: m. Coefficients of friction μ ≥ 0 and of restitution e in 0..1 have none.
 
@@ -59,7 +59,7 @@ pub enum Touching {
 
 /// There is no such choice.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0:?} is none of none, environment, all")]
+#[error("{0:?} is not one of: none, environment, all")]
 pub struct UnknownTouching(pub String);
 
 impl Touching {

@@ -1,4 +1,4 @@
-//! The nouns of what couples and pushes the robots of a scene: loops, springs and loads, their names resolved.
+//! The couplings and forces of a scene: loops, springs and loads, their names resolved.
 //!
 //! Units: m, rad, N, N m, s.
 

@@ -89,7 +89,7 @@ impl Warning {
         let mut first = all.into_iter().next()?;
         if more > 0 {
             first.message +=
-                &format!("; so it is with {}", counted(more, &format!("more {what}"), &format!("more {what}s")));
+                &format!("; the same for {}", counted(more, &format!("more {what}"), &format!("more {what}s")));
         }
         Some(first)
     }

@@ -27,8 +27,8 @@ pub(crate) fn impossible_inertia(
         return None;
     }
     let message = format!(
-        "no body has the principal moments of inertia {:.4e}, {:.4e}, {:.4e} kg m²: the largest exceeds the sum of \
-         the others (they are used all the same)",
+        "its inertia violates the triangle inequality: of the principal moments {:.4e}, {:.4e}, {:.4e} kg m² the largest exceeds \
+         the sum of the others; used as given",
         moments[0], moments[1], moments[2]
     );
     Some(Warning { file: file.to_path_buf(), line: Some(line), element: Some(link.clone()), message })

@@ -69,7 +69,7 @@ impl MeshFiles {
             .map(|missing| {
                 let others = match missing.others {
                     0 => String::new(),
-                    others => format!("; nor were {others} more of {}", missing.place),
+                    others => format!("; the same for {others} more of {}", missing.place),
                 };
                 Warning {
                     file: file.to_path_buf(),

@@ -1,4 +1,4 @@
-//! The numbers in an attribute: so many, finite, separated by spaces; and directions.
+//! The numbers in an attribute: the right count, finite, separated by spaces; and directions.
 
 use nalgebra::{SVector, Vector3};
 

@@ -1,4 +1,4 @@
-//! The nouns of a robot as its URDF describes it: links, joints and shapes.
+//! A robot as its URDF describes it: links, joints and shapes.
 //!
 //! Units: m, rad, kg, kg m², N m. A [`Pose`] `X` places a child frame in its parent: `p_parent = X p_child`.
 

@@ -1,6 +1,6 @@
-//! What of URDF is read: the elements, their attributes, and what each attribute must hold.
+//! The part of URDF that is read: the elements, their attributes, and what each attribute must hold.
 //!
-//! The table is the whole definition; `clean.rs` applies it. Whatever is not in it is left out, and said so.
+//! The table is the whole definition; `clean.rs` applies it. Everything else is left out, with a warning.
 
 /// The name of the link that stands for the fixed world when it is the root, declared or not.
 pub const WORLD_LINK: &str = "world";

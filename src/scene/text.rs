@@ -1,7 +1,7 @@
 //! From a file to its XML: bytes, text, document, and where each line starts.
 //!
 //! Some files in the wild are one character away from XML (a NUL at the end, blank lines before the declaration, a
-//! namespace prefix nobody declared); here they are put right without moving a line.
+//! namespace prefix nobody declared); they are repaired here, and every line keeps its number.
 
 use crate::scene::bounded::read_bounded;
 use crate::scene::error::{Problem, SceneError, Warning};

@@ -1,4 +1,4 @@
-//! A TOML file as messages need it: the line and the key of every byte.
+//! The line and the key of every byte of a TOML file, for messages.
 
 use crate::scene::error::{Element, Problem, SceneError};
 use serde::de::DeserializeOwned;

@@ -1,4 +1,4 @@
-//! What a URDF says that is not simulated: one warning for each kind of thing, never silence.
+//! The parts of a URDF that are not simulated: one warning for each kind.
 
 use crate::scene::clean::Ignored;
 use crate::scene::error::Warning;

@@ -1,4 +1,4 @@
-//! What is said of a run: warnings in its log while it goes on, and the report at its end.
+//! Warnings in the log during a run, and the report at its end.
 //!
 //! ```text
 //!     open ─▶ begun (sizes, accuracy) ─▶ log ─▶ the run ─▶ close: the log completed, the report

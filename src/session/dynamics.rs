@@ -1,7 +1,7 @@
 //! The equations of motion of a model's tree at one instant, in the coordinates q, v of [`Coordinates`](crate::session::Coordinates).
 //!
 //! ```text
-//!     M(q) a = τ + f(q, v)          a = dv/dt,  f: gravity, springs, dampers, loads, and what turning frames do
+//!     M(q) a = τ + f(q, v)          a = dv/dt,  f: gravity, springs, dampers, loads, centrifugal and Coriolis forces
 //!     v_link = J(q) v               velocity of a link frame's origin, then its angular velocity, in the world
 //! ```
 //!

@@ -1,4 +1,4 @@
-//! A run that owns what it is made of: the model, and those who watch.
+//! A run that owns its model and its observers.
 
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::contact_point::ContactPoint;

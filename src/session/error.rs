@@ -109,10 +109,10 @@ pub enum Error {
     #[error("the mass matrix is singular here: some motion of the joints moves no mass")]
     SingularMass,
     /// What can only be said before the first step.
-    #[error("{0}: the run has begun; say it before the first step")]
+    #[error("{0}: the run has begun; set it before the first step")]
     Begun(&'static str),
     /// A run that is over.
-    #[error("the run is over at t = {0} s; begin another one")]
+    #[error("the run ended at t = {0} s; start a new one")]
     Over(f64),
     /// A time that is not ahead.
     #[error(

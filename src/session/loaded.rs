@@ -95,7 +95,7 @@ impl Loaded {
             let pair = mechanism.nonsmooth.pairs.iter().find(|pair| pair.number == number)?;
             let [a, b] = [pair.a, pair.b].map(|of| mechanism.nonsmooth.colliders[of].name.as_str());
             Some(format!(
-                "{a:?} and {b:?} start {depth:.1e} m inside each other: the start was moved apart, positions by up to {:.1e} rad or m",
+                "{a:?} and {b:?} start {depth:.1e} m inside each other: initial positions were adjusted to separate them, by up to {:.1e} rad or m",
                 correction.position
             ))
         });
@@ -103,7 +103,7 @@ impl Loaded {
             && ((open && correction.position > UNNOTICEABLE) || correction.velocity > UNNOTICEABLE);
         let onto_loops = moved.then(|| {
             format!(
-                "the start was moved onto the loops: positions by up to {:.1e} rad or m, velocities by up to {:.1e} rad/s or m/s{}",
+                "the start was adjusted to close the loops: positions by up to {:.1e} rad or m, velocities by up to {:.1e} rad/s or m/s{}",
                 correction.position,
                 correction.velocity,
                 self.moved(wanted, &state)

@@ -78,7 +78,7 @@ impl Running {
             true => (path, LogOptions { topics: options.topics.without("/reactions"), ..options }),
             false => (path, options),
         });
-        // What a program has seen of a run, or a pipe taken, cannot begin again.
+        // What a program has seen of a run, or a pipe taken, cannot restart.
         let at_once = origin.driven.is_none() && !log.as_ref().is_some_and(|(path, _)| is_special(path));
         let held = Held { model, kept, interrupt: interrupt.clone(), watch: MutBorrow::new(watch) };
         let engine = Engine::try_new(held, |held| {
@@ -120,7 +120,7 @@ impl Running {
     /// # Errors
     /// A step, an observer, the log or the controller that fails.
     pub fn proceed(&mut self, model: &Model, control: Option<&mut Control>, until: f64) -> Result<(), Error> {
-        // Only what goes to the end in one go can begin again.
+        // Only what goes to the end in one go can restart.
         let to_the_end = until >= self.end;
         let until = until.min(self.end);
         self.engine

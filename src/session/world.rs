@@ -1,6 +1,6 @@
-//! From a file to what is simulated: a URDF or a scene, and what the user says besides it.
+//! From a file to what is simulated: a URDF or a scene, and the options of the user.
 //!
-//! What the user says goes before what a scene file says, and that before the defaults; [`World::load`] is where they meet.
+//! Options override the scene file, and the scene file overrides the defaults ([`World::load`]).
 
 use crate::mechanism::description::joint::Pose;
 use crate::model::{Base, Left, Model, ModelOptions, Start};

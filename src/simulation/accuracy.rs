@@ -1,7 +1,7 @@
-//! From a wanted accuracy to the local accuracy that gives it: pilot runs.
+//! From a wanted accuracy to the local accuracy that gives it: trial runs.
 //!
 //! An error made at a step is amplified by the motion until the end of the run, by 10² for a pendulum over seconds,
-//! by 10⁶ for a falling arm, without bound for chaos. Two pilot runs, with iteration stops `ε` and `ε/30`, show it: where
+//! by 10⁶ for a falling arm, without bound for chaos. Two trial runs, with iteration stops `ε` and `ε/30`, show it: where
 //! they are `d` apart, the coarser is wrong by about `d`, and because errors are proportional to the stop, the stop that
 //! keeps every error near a tenth of the wanted accuracy `E` is
 //!
@@ -9,22 +9,22 @@
 //!     ε_run = ε E / (10 max_t d(t))
 //! ```
 //!
-//! with the distance of [`crate::mechanism::motion::distance`], seen at up to 32 instants where steps of the coarser pilot end. That has the coarsest stop
-//! that a run is given, however calm its motion. Pilots that are apart by more than a hundredth of the mechanism's size have parted and say
+//! with the distance of [`crate::mechanism::motion::distance`], seen at up to 32 instants where steps of the coarser trial run end. That has the coarsest stop
+//! that a run is given, however calm its motion. Trial runs that are apart by more than a hundredth of the mechanism's size have parted and say
 //! nothing; then the finer one is the coarser of the next pair, unless they parted so early that this one would part, too. If the finest
 //! pair cannot hold the accuracy to the end, the calibration says until when it is held; where it parted long before, after another look at the
 //! time until then.
 //!
-//! A coarse pilot may be right by luck, a hundred times nearer than its stop lets expect in one of fifty runs of a chain of ten links. So
-//! where `ε_run` would be about as coarse as its stop, a third pilot tries it, and the finer one of the pair says how far off that is. Where
-//! it would be that very stop, because no run gets a coarser one, the pilot has tried it, and luck would have to be more than a
+//! A coarse trial run may be right by luck, a hundred times nearer than its stop lets expect in one of fifty runs of a chain of ten links. So
+//! where `ε_run` would be about as coarse as its stop, a third trial run tries it, and the finer one of the pair says how far off that is. Where
+//! it would be that very stop, because no run gets a coarser one, the trial run has tried it, and luck would have to be more than a
 //! hundredfold before the run were ten times further off than is wanted.
 //!
-//! Roundings do not fall with the stop. Where `ε_run` is near them, and the coarser pilot was further off than is wanted, one more pilot with
+//! Roundings do not fall with the stop. Where `ε_run` is near them, and the coarser trial run was further off than is wanted, one more trial run with
 //! `ε_run` shows what they leave.
 //!
-//! Pilots have the number of stages of the run ([`crate::stepping::stage_choice`]), later pairs that of a tolerance that would begin with them. A pair
-//! with few stages whose first steps are limited by stability, and not by accuracy, begins again with more.
+//! Trial runs have the number of stages of the run ([`crate::stepping::stage_choice`]), later pairs that of a tolerance that would begin with them. A pair
+//! with few stages whose first steps are limited by stability, and not by accuracy, restarts with more.
 
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -42,7 +42,7 @@ use crate::stepping::recipe::Steps;
 use crate::stepping::stage_choice::StageChoice;
 use std::sync::Arc;
 
-/// Ratio of the stops of the two pilots of a pair.
+/// Ratio of the stops of the two trial runs of a pair.
 const RATIO: f64 = 30.0;
 /// The finest stop: rounding.
 const FINEST: f64 = 1e-16;
@@ -54,18 +54,18 @@ const COARSEST: f64 = 1e-3;
 const CALM: f64 = 0.03;
 /// and balanced where forces take part in it, which costs a digit.
 const CALM_WITH_FORCES: f64 = 0.01;
-/// What pilots may change the energy by, over their stops, at least: with that of the run the coarse ones would take more steps than it.
+/// What trial runs may change the energy by, over their stops, at least: with that of the run the coarse ones would take more steps than it.
 const ENERGY: f64 = 300.0;
 /// The run aims at this part of the tolerance: two runs of one motion, with other steps, differ by some such factor.
 const AIM: f64 = 10.0;
-/// Runs with a stop above this part of that of the coarser pilot are tried first.
+/// Runs with a stop above this part of that of the coarser trial run are tried first.
 const LUCKY: f64 = 0.25;
 /// Runs with a finer stop than this may be off by rounding.
 const ROUNDED: f64 = 1e-13;
-/// Pilots that are apart by this share of the mechanism's size have parted and say nothing about smaller errors.
+/// Trial runs that are apart by this share of the mechanism's size have parted and say nothing about smaller errors.
 const SATURATED: f64 = 1e-2;
 
-/// Finest pilots that have parted before so many of the instants at which they were compared are looked at more closely.
+/// Finest trial runs that have parted before so many of the instants at which they were compared are looked at more closely.
 const CLOSELY: usize = 8;
 
 /// Why the accuracy of a run is not known.
@@ -75,17 +75,17 @@ pub enum UnknownAccuracy {
     #[error("no --tolerance was asked for")]
     NotAsked,
     /// The run has made no step yet.
-    #[error("the run ended before anything was known of its error")]
+    #[error("the run ended before its error could be estimated")]
     NotYet,
     /// Efforts from outside act, which what tells the accuracy does not feel.
-    #[error("efforts that a program decides on act on the joints")]
+    #[error("a program sets efforts on the joints, and the error estimate does not know its law")]
     Driven,
     /// A trial run failed, as the run will.
     #[error("a trial run failed: {0}")]
     TrialFailed(StepError),
 }
 
-/// What the pilot runs found, or the run itself.
+/// What the trial runs found, or the run itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
     /// The iteration stop to run with.
@@ -96,11 +96,11 @@ pub struct Calibration {
     pub estimate: f64,
     /// The last instant up to which the wanted accuracy is expected to hold (s); the end of the run if it is reached.
     pub holds_until: f64,
-    /// Whether the finest pilots part before the end, so that nothing finer would help.
+    /// Whether the finest trial runs part before the end, so that nothing finer would help.
     pub parted: bool,
-    /// Where the accuracy does not hold to the end, the first instant (s) from which the finest pilots meet other events: impacts, sticking, bounds of motors.
+    /// Where the accuracy does not hold to the end, the first instant (s) from which the finest trial runs meet other events: impacts, sticking, bounds of motors.
     pub events_differ: Option<f64>,
-    /// Number of pilot runs: none where the run itself has told its accuracy.
+    /// Number of trial runs: none where the run itself has told its accuracy.
     pub pilots: usize,
     /// How often the run has begun.
     pub begun: usize,
@@ -129,7 +129,7 @@ impl Calibration {
 /// Finds the iteration stop with which a run of `duration` from `state` is accurate to `tolerance` (m), with these rules switched off.
 ///
 /// # Errors
-/// [`CalibrationError`] if a pilot fails or `go_on`, which sees every step of the pilots, says no.
+/// [`CalibrationError`] if a trial run fails or `go_on`, which sees every step of the trial runs, says no.
 pub fn calibrate(
     mechanism: &Mechanism,
     state: &State,
@@ -169,7 +169,7 @@ pub(crate) fn calibrate_counted(
         let trial = search.trial(tried, &fine, go_on);
         let found = match &trial {
             Ok(trial) => trial.worst() / tried,
-            // What fails so coarsely may do as the coarser pilot did.
+            // What fails so coarsely may do as the coarser trial run did.
             Err(CalibrationError::Step(_)) => tolerance / (AIM * coarse.stop),
             Err(CalibrationError::Method(error)) => return Err(CalibrationError::Method(error.clone())),
             Err(CalibrationError::Interrupted) => return Err(CalibrationError::Interrupted),
@@ -184,7 +184,7 @@ pub(crate) fn calibrate_counted(
     let mut worst = amplification * stop;
     if !parted && stop < ROUNDED && coarse.worst() > tolerance {
         let trial = search.trial(stop, &fine, go_on)?;
-        // With the stop of the finer pilot it is the same run, and shows nothing.
+        // With the stop of the finer trial run it is the same run, and shows nothing.
         let seen = if trial.worst() > 0.0 { &trial } else { &coarse };
         worst = worst.max(seen.worst());
         for (error, &seen) in errors.iter_mut().zip(&seen.apart) {
@@ -224,7 +224,7 @@ struct Search<'s> {
     coarsest: f64,
     kept: &'s [Rule],
     course: Course,
-    /// Pilots so far.
+    /// Trial runs so far.
     pilots: usize,
 }
 
@@ -237,7 +237,7 @@ struct Couple<'s> {
 }
 
 impl<'s> Search<'s> {
-    /// A pilot at the start of the run.
+    /// A trial run at the start of the run.
     fn pilot(&mut self, stop: f64, stages: StageChoice) -> Result<TrialRun<'s>, CalibrationError> {
         self.pilots += 1;
         let energy = self.tolerance.max(ENERGY * stop);
@@ -270,7 +270,7 @@ impl<'s> Search<'s> {
         }
     }
 
-    /// Pairs of pilots, each finer than the one before, until one stays together.
+    /// Pairs of trial runs, each finer than the one before, until one stays together.
     fn couple(&mut self, go_on: GoOn) -> Result<Couple<'s>, CalibrationError> {
         let first = self.coarsest.clamp(FINEST * RATIO, COARSEST);
         let (mut stiff, mut before) = (false, None);
@@ -280,7 +280,7 @@ impl<'s> Search<'s> {
             let finest = if coarse.stop > FINEST * RATIO { FINEST * RATIO } else { FINEST };
             let mut fine = self.pilot((coarse.stop / RATIO).max(finest), coarse.stages)?;
             let pair = match coarse.accompany(&mut fine, self.course, go_on) {
-                // So coarse a pilot may fail where a finer one does not.
+                // So coarse a trial run may fail where a finer one does not.
                 Err(CalibrationError::Step(_)) if coarse.stop == first && fine.stop > FINEST => Pair::Parted,
                 pair => pair?,
             };
@@ -320,7 +320,7 @@ impl<'s> Search<'s> {
         }
     }
 
-    /// A pilot with another stop than those of a pair, compared with the finer one.
+    /// A trial run with another stop than those of a pair, compared with the finer one.
     fn trial(&mut self, stop: f64, fine: &TrialRun, go_on: GoOn) -> Result<TrialRun<'s>, CalibrationError> {
         let mut trial = self.pilot(stop, fine.stages)?;
         trial.follow(fine, go_on)?;

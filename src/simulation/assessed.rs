@@ -1,9 +1,9 @@
-//! A run that knows how far it is off, and begins again with finer steps where that is too far.
+//! A run that estimates its own error, and restarts with finer steps if the error becomes too large.
 //!
 //! ```text
 //!     run, with a stop ε = E/100 at first ──step──▶ its next state x
 //!     companion, from the same start      ───────▶ the same instant y        now and then: e = max |x − y|      distance.rs
-//!     forecast of e at the end            ───────▶ go on, or begin again with a finer stop                      forecast.rs
+//!     forecast of e at the end            ───────▶ go on, or restart with a finer stop                      forecast.rs
 //! ```
 //!
 //! Trees carry their companion through their own steps, for a half of what these cost: it has the errors out of it that iterations leave
@@ -12,7 +12,7 @@
 //! [`RATIO`] times coarser and steps of its own, and errors are proportional to the stop. What is further apart than a hundredth of the size of
 //! the mechanism has parted and says nothing.
 //!
-//! At the finest stop nothing begins again: the run goes on, and tells until when the accuracy holds.
+//! At the finest stop nothing restarts: the run goes on, and tells until when the accuracy holds.
 
 use crate::lobatto::numbers::lanes::Isa;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -34,7 +34,7 @@ use crate::stepping::stage_choice::StageChoice;
 
 /// The wanted accuracy over the stop of a run that begins for the first time, of a smooth motion,
 const OPTIMISTIC: f64 = 100.0;
-/// and of one with events, which cost the more the later it begins again.
+/// and of one with events, which cost the more the later it restarts.
 const CAREFUL: f64 = 1000.0;
 /// Errors of runs are that of the companion over [`RATIO`], and larger by up to so much: a companion may be right by luck.
 const LUCK: f64 = 3.0;
@@ -48,9 +48,9 @@ const LOOKS: [f64; 2] = [128.0, 32.0];
 const LATER: f64 = 1.25;
 /// Steps between two looks, at least.
 const STRIDE: usize = 4;
-/// A run whose steps fail with a coarse stop begins again with one that is finer by this.
+/// A run whose steps fail with a coarse stop restarts with one that is finer by this.
 const AFTER_FAILURE: f64 = 1e-3;
-/// In this first part of the run stability decides on the stages: what is stiff is so from the start, and to begin again later is dear.
+/// In this first part of the run stability decides on the stages: what is stiff is so from the start, and to restart later is dear.
 const EARLY: f64 = 1.0 / 16.0;
 
 /// What the error of a run is told by.
@@ -73,9 +73,9 @@ pub struct Assessed {
     forecast: Forecast,
     /// How often the run has begun.
     begun: usize,
-    /// Whether it may begin again.
+    /// Whether it may restart.
     may_begin_again: bool,
-    /// With what it is to begin again.
+    /// With what it is to restart.
     next: Option<(f64, StageChoice)>,
     /// Where the run begins, and the size of the mechanism there (m).
     origin: Option<State>,

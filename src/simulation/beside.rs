@@ -1,4 +1,4 @@
-//! A coarser run beside another, in steps of its own: how far they are apart tells the error of the finer one.
+//! A coarser run beside another, with its own steps: their distance is an estimate of the error.
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Event;

@@ -1,11 +1,11 @@
-//! Somebody who decides on efforts at every instant: a law of time and state with its derivatives, part of the equations of every step.
+//! A controller that acts at every instant: a law of time and state with its derivatives, part of the equations of every step.
 //!
 //! ```text
 //!     τ(t) = u(t, q, v)         along m of n degrees of freedom [N m or N]
 //! ```
 //!
 //! The efforts are those of the scheme at each stage, so its order is kept, and the derivatives are in the matrix of Newton's method together with the mass matrix of the
-//! whole: stiff gains cost iterations, not steps ([`Feedback`]). One who decides at fixed instants is a [`Controller`](crate::simulation::Controller).
+//! whole: stiff gains cost iterations, not steps ([`Feedback`]). A controller that acts at fixed instants is a [`Controller`](crate::simulation::Controller).
 
 use crate::instant::response::Response;
 use crate::mechanism::description::mechanism::Mechanism;

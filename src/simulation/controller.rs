@@ -1,10 +1,10 @@
-//! Somebody who decides on efforts while a run goes on: state in, efforts out, at fixed instants.
+//! A controller with a fixed period: it is given the state and returns efforts, at fixed instants.
 //!
 //! ```text
 //!     t_k = t₀ + k T,   τ(t) = u(t_k, q_k, v_k)   for t_k ≤ t < t_{k+1}         T: the period (s)
 //! ```
 //!
-//! Steps end at the instants exactly, and the state there is that of the end of a step: nothing of the dense output's lower order. The efforts are
+//! Steps end at the instants exactly, and the state there is that of the end of a step: not one of the dense output, whose order is lower. The efforts are
 //! constant in between, so that every piece is smooth and the order of the scheme is kept. A law that acts at every instant
 //! is a [`ContinuousController`](crate::simulation::ContinuousController), or along one coordinate a [`Motor`](crate::mechanism::description::nonsmooth::Motor).
 
@@ -51,7 +51,7 @@ pub enum ControlError {
         count: usize,
     },
     /// Parts of the run have been made apart.
-    #[error("parts that nothing connects have been simulated apart: let a continuous controller begin with the run")]
+    #[error("independent parts of the mechanism already run separately; start the continuous controller with the run")]
     Begun,
 }
 

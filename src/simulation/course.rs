@@ -1,4 +1,4 @@
-//! A run as it goes along: steps, samples inside them, and what is shown to whom.
+//! The loop of a run: it makes steps, takes samples inside them, and shows both to the observers.
 
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -37,8 +37,8 @@ pub enum RunError {
     /// The interrupt flag was set.
     #[error("interrupted at t = {time} s")]
     Interrupted { time: f64 },
-    /// The steps were too coarse: the run begins again from its start with finer ones, which [`Simulation::run`](crate::simulation::Simulation::run) does.
-    #[error("at t = {time} s the run is not as accurate as was asked for")]
+    /// The steps were too coarse: the run restarts from its start with finer ones, which [`Simulation::run`](crate::simulation::Simulation::run) does.
+    #[error("at t = {time} s the estimated error exceeds the tolerance")]
     BeginsAgain { time: f64 },
 }
 

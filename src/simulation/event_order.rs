@@ -2,7 +2,7 @@
 //!
 //! Instants differ by the errors of the runs, and so does the number of impacts that accumulate: those of a joint in a row count once
 //! while they become weaker. The order of events of
-//! different joints is not compared, because parts that nothing connects have none.
+//! different joints is not compared, because independent parts have no common order.
 
 use crate::mechanism::motion::event::{Event, EventKind};
 use std::collections::BTreeMap;

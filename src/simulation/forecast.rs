@@ -1,6 +1,6 @@
-//! Whether a run will be as accurate as is wanted, from how its error has grown so far, and how much finer it has to be where not.
+//! Forecasts the error at the end of a run from its growth so far, and how much finer the steps must be to meet the tolerance.
 //!
-//! A run iterates its steps to a stop `ε`, and carries along how far it is off: `e(t)`, the largest so far. Errors are proportional to the stop,
+//! A run iterates its steps until increments are below a stop `ε`, and computes its error so far along with the motion: `e(t)`, the largest. Errors are proportional to the stop,
 //! and grow by a factor from step to step, which a motion has as it has its frequencies. With `n` steps until `t` and `N = n T/t` until the end,
 //!
 //! ```text
@@ -21,9 +21,9 @@ const USUAL: f64 = 0.04;
 const SEEN: f64 = 100.0;
 /// A run is forecast to be too coarse if it would be off by so many times what is wanted.
 const TOO_COARSE: f64 = 300.0;
-/// What begins again aims at the wanted accuracy over this.
+/// What restarts aims at the wanted accuracy over this.
 const AIM: f64 = 30.0;
-/// What has parted from its companion begins again with a stop that is finer by this.
+/// What has parted from its companion restarts with a stop that is finer by this.
 const PARTED: f64 = 1e-4;
 /// Runs of fewer steps are not forecast: little is lost if they are too coarse.
 const FEWEST: f64 = 80.0;
@@ -58,7 +58,7 @@ impl Forecast {
         Forecast { wanted, looked: 0 }
     }
 
-    /// The error at the end (m) if the run is to begin again, from its error at a time (s), after so many steps.
+    /// The error at the end (m) if the run is to restart, from its error at a time (s), after so many steps.
     pub fn too_coarse(&mut self, time: f64, steps: usize, error: f64) -> Option<f64> {
         let Wanted { accuracy, stop, start, end, grows } = self.wanted;
         let (passed, whole, steps) = (time - start, end - start, steps as f64);
@@ -73,7 +73,7 @@ impl Forecast {
         (is_over || will_be).then_some(predicted)
     }
 
-    /// The stop to begin again with, from the error at the end that is forecast (m), for the second time or the first.
+    /// The stop to restart with, from the error at the end that is forecast (m), for the second time or the first.
     pub fn finer(&self, predicted: f64, again: bool) -> f64 {
         let Wanted { accuracy, stop, .. } = self.wanted;
         // What has parted says no more than that it was much too coarse.
@@ -125,7 +125,7 @@ mod tests {
         let once = forecast.finer(1e-4, false);
         assert!((once / (1e-13 / 30.0) - 1.0).abs() < 1e-12, "{once:e}");
         assert_eq!(forecast.finer(f64::INFINITY, false), 1e-4 * 1e-11);
-        // However small the error, what begins again is finer.
+        // However small the error, what restarts is finer.
         assert!((forecast.finer(1e-12, false) / 1e-12 - 1.0).abs() < 1e-12);
     }
 }

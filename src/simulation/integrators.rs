@@ -1,5 +1,4 @@
-//! The integrators of a run: one for a mechanism that is one and moves, and one for each island otherwise; calibrated where an accuracy
-//! is wanted.
+//! The integrators of a run: one for the whole mechanism, or one for each island that moves; calibrated if there is a tolerance.
 
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
@@ -64,7 +63,7 @@ pub(crate) struct Wanted<'w> {
     pub interrupt: Option<&'w AtomicBool>,
     /// What was counted of the closures of the whole at the start.
     pub counted: Option<Arc<Counted>>,
-    /// Whether the run tells its accuracy as it goes along, and may begin again; otherwise trial runs tell it before.
+    /// Whether the run tells its accuracy as it goes along, and may restart; otherwise trial runs tell it before.
     pub at_once: bool,
     /// CPU time that trial runs have taken (s).
     pub spent: Mutex<f64>,
@@ -118,7 +117,7 @@ impl Integrators {
         }
     }
 
-    /// Prepares all of a run that is to begin again from a state: the same steps but where they were too coarse.
+    /// Prepares all of a run that is to restart from a state: the same steps but where they were too coarse.
     ///
     /// # Errors
     /// [`MethodError`] for steps that cannot be.
@@ -132,7 +131,7 @@ impl Integrators {
         prepared
     }
 
-    /// Whatever the errors, the run does not begin again from now on.
+    /// Whatever the errors, the run does not restart from now on.
     pub fn settle(&mut self, mechanism: &Mechanism, state: &State) {
         self.each_telling(mechanism, state, |_, _, assessed| assessed.settle());
     }

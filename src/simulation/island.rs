@@ -1,4 +1,4 @@
-//! One island of a run: its own loop, and what it has shown until the others have come as far.
+//! One island of a run: its own loop, and its samples and events until the other islands have reached the same time.
 
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;

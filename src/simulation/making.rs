@@ -1,4 +1,4 @@
-//! What makes the steps of a run, or of an island: an integrator alone, or one that tells how far it is off.
+//! The integrator of a run or of an island: with an estimate of its error, or without.
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
@@ -14,7 +14,7 @@ use crate::stepping::integrator::Lobatto;
 pub enum Making {
     /// An integrator alone.
     Alone(RunIntegrator),
-    /// One that tells how far it is off, and may begin again.
+    /// One that tells how far it is off, and may restart.
     Telling(Box<Assessed>),
 }
 

@@ -57,7 +57,7 @@ pub trait Observer: Send {
     /// Whatever stops the run, for instance a disk that is full.
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError>;
 
-    /// The run begins again from its start, because its steps were too coarse: what was shown so far is void. The
+    /// The run restarts from its start, because its steps were too coarse: what was shown so far is void. The
     /// first sample comes again, and all others of steps that are made by this method.
     ///
     /// # Errors

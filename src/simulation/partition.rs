@@ -1,4 +1,4 @@
-//! What a mechanism falls into: its islands, those of them that sleep, and small ones put together.
+//! The islands of a mechanism: which of them rest in equilibrium, and which small ones step together.
 //!
 //! A step has a cost of its own. Small islands share it where they step together; those that move in parallel planes stay among themselves,
 //! because a plane takes less than space.

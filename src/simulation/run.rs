@@ -68,7 +68,7 @@ pub struct SimulationOptions<'o> {
 pub struct Simulation<'s> {
     mechanism: &'s Mechanism,
     state: State,
-    /// Where the run begins, if it may begin again.
+    /// Where the run begins, if it may restart.
     start: Option<State>,
     /// CPU time of trial runs, and of what was begun and is void (s).
     spent: f64,
@@ -357,7 +357,7 @@ impl<'s> Simulation<'s> {
         self.parts
     }
 
-    /// Whether the run itself tells its accuracy, and may begin again.
+    /// Whether the run itself tells its accuracy, and may restart.
     pub fn tells_at_once(&self) -> bool {
         self.start.is_some()
     }

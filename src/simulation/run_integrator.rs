@@ -1,4 +1,4 @@
-//! What makes the steps of a run: the scheme alone, or with events where the mechanism has limits, dry friction or motors.
+//! The integrator of a run: the scheme alone, or with events if the mechanism has limits, dry friction, motors or contacts.
 
 use crate::events::Eventful;
 use crate::lobatto::coupled::counted::Counted;

@@ -1,4 +1,4 @@
-//! What is wanted of a run that tells its accuracy itself, and how it may be made.
+//! The settings of a run that estimates its own error: the tolerance, and how its steps may be chosen.
 
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;

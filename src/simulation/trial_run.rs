@@ -1,4 +1,4 @@
-//! A run that is made only to be compared with another.
+//! Trial runs: made before a run only to be compared with each other, which shows how the motion amplifies errors.
 
 use crate::lobatto::numbers::lanes::Isa;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 /// Why there is no calibration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
-    /// A pilot failed, and so will the run.
+    /// A trial run failed, and so will the run.
     #[error(transparent)]
     Step(#[from] StepError),
     /// The stages or the steps.
@@ -25,27 +25,27 @@ pub enum CalibrationError {
     Interrupted,
 }
 
-/// Two pilots are compared at no more than so many instants, evenly spread,
+/// Two trial runs are compared at no more than so many instants, evenly spread,
 const INSTANTS: f64 = 32.0;
 /// or each after so many steps of the coarser one, if that is later: the finer one has to end a step there, too.
 const STRIDE: usize = 4;
-/// In this first part of the run stability decides on the stages: what is stiff is so from the start, and to begin again later is dear.
+/// In this first part of the run stability decides on the stages: what is stiff is so from the start, and to restart later is dear.
 const EARLY: f64 = 1.0 / 16.0;
 
 /// Whom to ask, at every step, whether to go on.
 pub(crate) type GoOn<'g> = &'g mut dyn FnMut(&StepOutcome) -> bool;
 
-/// Where pilots are to go.
+/// Where trial runs are to go.
 #[derive(Clone, Copy)]
 pub(crate) struct Course {
     /// When the run begins and ends (s).
     pub start: f64,
     pub end: f64,
-    /// Pilots that are further apart have parted (m).
+    /// Trial runs that are further apart have parted (m).
     pub apart: f64,
 }
 
-/// How a pair of pilots went.
+/// How a pair of trial runs went.
 pub(crate) enum Pair {
     /// To the end.
     Together,
@@ -79,7 +79,7 @@ impl TrialRun<'_> {
         self.apart.last().copied().unwrap_or(0.0)
     }
 
-    /// Goes on with a finer pilot by its side, from the start of both trails to the end of the run if they do not part.
+    /// Goes on with a finer trial run by its side, from the start of both trails to the end of the run if they do not part.
     pub fn accompany(&mut self, finer: &mut Self, course: Course, go_on: GoOn) -> Result<Pair, CalibrationError> {
         let few = self.stages.count(Isa::detect()) < StageChoice::Filling.count(Isa::detect());
         self.apart.clear();

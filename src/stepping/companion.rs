@@ -1,5 +1,5 @@
-//! A motion that goes beside that of the run, in its steps, and has the errors out of it that their iterations leave
-//! ([`Step::carry_on`]): what parts the two is the error that the run has made so far.
+//! A second motion, computed in the steps of the run but without the errors that the iterations leave ([`Step::carry_on`]). The distance of the
+//! two is the error that the run has made so far.
 
 use catena_lobatto::stages::attempt::Carrying;
 use catena_lobatto::step::interface::Step;

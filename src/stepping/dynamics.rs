@@ -1,4 +1,4 @@
-//! The motion at one instant, for those who steer the steps: accelerations, their rates, and how stiff the joints are.
+//! The motion at one instant, for the step control: accelerations, their rates, and how stiff the joints are.
 //!
 //! In world axes about the anchor of each body, as in [`catena_lobatto::stages::start`]: anchor acceleration `a`, angular acceleration `φ`,
 //! arms `r` from the parent's anchor and `c` to the centre of mass, sliding velocity `u`, turning rate `w`,

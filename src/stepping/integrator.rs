@@ -1,4 +1,4 @@
-//! The integrator: steps of the scheme strung together.
+//! The integrator: a sequence of steps of the scheme.
 //!
 //! A step is made, judged and kept in [`crate::stepper`]; how long it is comes from [`crate::fixed`], [`crate::control`] or
 //! [`crate::reversible`].

@@ -1,4 +1,4 @@
-//! Steps strung together: how long each is, whether it is kept, and what is looked at on the way.
+//! The integrator: how long each step is, whether it is accepted, and what is monitored during a run.
 //!
 //! | what | where |
 //! |---|---|

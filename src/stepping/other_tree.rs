@@ -5,7 +5,7 @@
 //!     State of the file ─ take ─▶ own State ── Lobatto::step ──▶ own State ─ give ─▶ State of the file
 //! ```
 //!
-//! The own state is the truth from step to step; it is taken anew where somebody has moved the other. The angle of a joint that is cut follows from
+//! The integrator's own state is kept from step to step; it is computed again if the caller has changed the other one. The angle of a joint that is cut follows from
 //! the places of its bodies up to whole turns, which are counted from its rates: over so short a time that no turn is missed, with dense
 //! output inside the step where it is long.
 //!

@@ -1,4 +1,4 @@
-//! How an integrator is made: for the mechanism of a run, and for what is left of it while some of its joints are held.
+//! How an integrator is made: for the mechanism of a run, and for what moves of it while some joints are held.
 
 use crate::integrator::{Lobatto, MethodError};
 use crate::stage_choice::StageChoice;

@@ -7,7 +7,7 @@
 //! - On closed loops all stages are coupled, and an iteration with nine costs twice as much as one with five. Nine make steps so long that
 //!   Newton's method limits them, and not the accuracy, until a fine one is asked for. One or two four-bars, which pass singular positions,
 //!   need much shorter steps with five, and keep what fills the vector; and so do springs and dampers so stiff that the stability of the
-//!   scheme limits the step, which nine stages extend to twice the length: the pilot runs see that (`simulation::accuracy`).
+//!   scheme limits the step, which nine stages extend to twice the length: the trial runs see that (`simulation::accuracy`).
 //! - Two vectors of four lanes do not take twice as long as one: in a plane arithmetic waits for arithmetic, and in space the first
 //!   iterations are in single precision, eight lanes at once ([`catena_lobatto::solve::single_precision`]), which five stages do not have. With a fine tolerance, and
 //!   the sooner the fewer the bodies, nine stages save more than they cost.
@@ -29,7 +29,7 @@
 //! | loops, AVX2 | 1.2–3.6 | 1.4–3.1 | 1.3–3.4 | 1.2–3.3 | 1.1–3.1 | 1.1–2.7 | 0.7–2.4 | |
 //!
 //! In the second row the figures below one are those of long rows of four-bars, where nine stages end ten times further off; for the same
-//! error both take the same time there. Pilot runs with AVX2 are the cheaper with nine the sooner: 0.6 to 1.5 times as long at 1e-3 for
+//! error both take the same time there. Trial runs with AVX2 are the cheaper with nine the sooner: 0.6 to 1.5 times as long at 1e-3 for
 //! trees in space, 0.2 to 2.0 at 1e-6.
 
 use catena_lobatto::numbers::lanes::Isa;

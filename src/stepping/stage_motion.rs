@@ -1,4 +1,4 @@
-//! Where a degree of freedom is at the stages of a step that has just been solved, and how fast: as dampers feel it.
+//! Position and velocity of a degree of freedom at the stages of a step that has just been solved, as dampers see it.
 //!
 //! ```text
 //!     ẏ_j = ẏ₀ + h⁻¹ Σ_i (Ā B)_ji (y_i − y₀ − h c_i ẏ₀),     j = 1..s           [m/s or rad/s]

@@ -1,4 +1,4 @@
-//! What a run keeps an eye on: how near its steps are to the limit of stability ([`catena_lobatto::tableau::stability`]), and what they leave ringing.
+//! What a run monitors: how near its steps are to the limit of stability ([`catena_lobatto::tableau::stability`]), and whether they leave oscillations.
 //!
 //! ```text
 //!     h ω ≤ 0.8 limit      of the fastest mode, at the first steps and every 40, every 8 once h ω > ½ limit

@@ -68,7 +68,7 @@ fn an_accuracy_that_is_not_known_has_its_reason() {
     let report = json(&output.stdout);
     assert!(report["accuracy"].is_null());
     let reason = report["accuracy_unknown"].as_str().expect("a reason");
-    assert_eq!(reason, "the run ended before anything was known of its error");
+    assert_eq!(reason, "the run ended before its error could be estimated");
     let people = run(&folder, &["simulate", "pendulum.urdf", "--velocity", "hinge=1e100", "--no-log"]);
     assert!(text(&people.stdout).contains("accuracy    not known: the run ended"), "{}", text(&people.stdout));
 }

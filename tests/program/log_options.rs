@@ -94,8 +94,11 @@ fn a_compressed_log_has_the_same_messages_in_fewer_bytes() {
         assert_eq!((plain.log_time, &plain.channel.topic), (packed.log_time, &packed.channel.topic));
         assert!(plain.data == packed.data, "{} at {}", plain.channel.topic, plain.log_time);
     }
-    // Names and zeros are more than half of the samples of a pendulum.
-    assert!(2 * packed.len() < plain.len(), "{} of {} bytes", packed.len(), plain.len());
+    // Without the request names and constants are written once a chunk; with it, more than a third of the rest is saved.
+    assert!(3 * packed.len() < 2 * plain.len(), "{} of {} bytes", packed.len(), plain.len());
+    let whole: u64 = plain_messages.iter().map(|message| message.data.len() as u64).sum();
+    // Names and zeros are more than half of the samples of a pendulum; headers and indexes of messages come to what is packed.
+    assert!(3 * plain.len() as u64 <= 2 * whole, "{} bytes for messages of {whole}", plain.len());
     let summary = mcap::Summary::read(&packed).expect("complete").expect("with a summary");
     assert!(summary.chunk_indexes.iter().all(|chunk| chunk.compression == "zstd"));
     let indexed: u64 = summary
@@ -194,7 +197,10 @@ fn meshes_are_in_the_log_linked_to_or_nowhere() {
         replayed(&folder, log);
         let summary = mcap::Summary::read(bytes).expect("complete").expect("with a summary");
         assert_eq!(summary.chunk_indexes[0].compression, "zstd", "what never changes is compressed");
-        assert!(summary.chunk_indexes[1..].iter().all(|chunk| chunk.compression.is_empty()));
+        assert!(
+            summary.chunk_indexes[1..].iter().all(|chunk| chunk.compression == "lz4"),
+            "samples repeat their names"
+        );
     }
 }
 

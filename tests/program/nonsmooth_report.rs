@@ -115,12 +115,15 @@ fn lines_for_people_have_events_and_losses_only_of_a_mechanism_that_can_have_any
     let mut model = pendulum();
     let smooth = report(&model).to_string();
     assert!(!smooth.contains("events") && !smooth.contains("friction"), "{smooth}");
-    assert!(smooth.contains("              1.00 J dissipated, 2.00 J put in, 0 J left in springs\n"), "{smooth}");
+    assert!(
+        smooth.contains("              1.00 J dissipated by dampers, 2.00 J from motors and loads, 0 J in springs\n"),
+        "{smooth}"
+    );
     let coordinate = Coordinate { body: 0, position: 0, freedom: 0 };
     model.mechanism.nonsmooth.limits = vec![JointLimit { coordinate, lower: -1.0, upper: 1.0, restitution: 0.0 }];
     let words = report(&model).to_string();
-    assert!(words.contains("  events      2 limit impacts, 1 rest on a limit\n"), "{words}");
-    let parts = "1.00 J dissipated by dampers, 0.500 J by dry friction, 0.250 J lost in impacts, 2.00 J put in, 0 J left in springs";
+    assert!(words.contains("  events      2 limit impacts, 1 rest\n"), "{words}");
+    let parts = "1.00 J dissipated by dampers, 0.500 J by dry friction, 0.250 J lost in impacts, 2.00 J from motors and loads, 0 J in springs";
     assert!(words.contains(&format!("              {parts}\n")), "{words}");
     let line = |words: &str| words.lines().filter(|line| !line.contains("events") && !line.contains(" J ")).count();
     assert_eq!(line(&words), line(&smooth), "nothing else is said");

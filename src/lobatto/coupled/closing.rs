@@ -1,4 +1,4 @@
-//! What keeps a state on the closures: the velocities at the end of a step, and what is interpolated inside it.
+//! Projections on the closures: of the velocities at the end of a step, and of states interpolated inside it.
 
 use crate::coupled::counted::Counted;
 use crate::coupled::deciding::known_of_steps;

@@ -1,4 +1,4 @@
-//! What kinematics says of the closures in one state, counted once and handed on: to the assembly, to what is decided for a run, and to the kernels.
+//! The ranks of the closures in one state, counted once, for the assembly, for the decisions of a run, and for the kernels.
 
 use crate::coupled::known::Known;
 use crate::coupled::projection::Projection;

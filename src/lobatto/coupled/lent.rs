@@ -1,4 +1,4 @@
-//! Repeated solves where light freedoms are lent inertia ([`catena_mechanism::structure::ranks::lending`]): what they owe for it is paid back round by round.
+//! Repeated solves where light freedoms have lent inertia ([`catena_mechanism::structure::ranks::lending`]): its effect is removed round by round.
 //!
 //! The matrix has `H + w`, the equations have H. With the correction δ of a round and δμ of its multipliers,
 //!

@@ -1,4 +1,4 @@
-//! The closures' side of the coupled system: what the multipliers push with, and rates.
+//! The closures' side of the coupled system: forces of the multipliers, and rates.
 
 use crate::coupled::system::{Coupled, Geometry};
 use crate::coupled::touching::Touching;

@@ -1,4 +1,4 @@
-//! What the equations of a step are written in: one number for each stage, of sixteen digits or of thirty-two.
+//! The number type of the equations of a step: one number for each stage, of sixteen digits or of thirty-two.
 //!
 //! `Lanes` are doubles; `Double` are pairs of them. The poses, residuals and sweeps are written once, over [`Numbers`], so that a
 //! step can be solved to sixteen digits fast and then to thirty-two ([`crate::step::precise`]) by the same lines. What does not mix stages asks for

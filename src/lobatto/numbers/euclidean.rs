@@ -1,4 +1,4 @@
-//! What vectors in space and in a plane have in common, for equations that read the same in both.
+//! The operations that vectors in space and in a plane share, for equations that read the same in both.
 //!
 //! ```text
 //!     space:  v = (x, y, z),   a × b a vector                        R³

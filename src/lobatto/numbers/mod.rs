@@ -1,4 +1,4 @@
-//! What the equations of a step are written in: one number for each stage.
+//! The number types of the equations of a step: one number for each stage.
 //!
 //! ```text
 //!     lane j  ↔  stage j + 2 of s stages           the first stage is the known start; lanes in use: s − 1

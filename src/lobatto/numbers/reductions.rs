@@ -1,4 +1,4 @@
-//! What a step tells of its lanes: largest values, values at the end of the step, weighted sums over the stages.
+//! Reductions of lanes to one number: largest values, values at the end of the step, weighted sums over the stages.
 
 use crate::numbers::arithmetic::Numbers;
 use crate::numbers::lanes::{Lanes, in_lanes};

@@ -1,4 +1,4 @@
-//! What the forces on a mechanism are made of, sorted for the sweeps, and what they need of the start of a step.
+//! The forces on a mechanism, sorted for the sweeps, and what they need of the start of a step.
 
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::forces::PointSpring;

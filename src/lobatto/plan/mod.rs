@@ -1,4 +1,4 @@
-//! What can be known of a mechanism before its first step: constant.
+//! Plans that depend on the mechanism alone, made once before its first step.
 //!
 //! ```text
 //!     tree           for every body: parent, first freedom, which terms of its equations vanish       [`tree`]

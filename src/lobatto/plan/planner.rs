@@ -1,4 +1,4 @@
-//! What the plan of an elimination knows on the way: which fronts are on the stack, what is in their slots, and which closures are complete.
+//! The state of the planner of an elimination: which fronts are on the stack, what is in their slots, and which closures are complete.
 
 use crate::plan::elimination::{Column, Elimination, Operation, Unknown};
 use catena_mechanism::description::mechanism::Mechanism;

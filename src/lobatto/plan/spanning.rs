@@ -1,4 +1,4 @@
-//! Which joints a run cuts: the spanning tree with the least work in the elimination.
+//! Chooses the joints that a run cuts: the spanning tree with the least work in the elimination.
 //!
 //! A closure is eliminated where its two branches meet ([`crate::plan::elimination`]), so that its equations sit in the fronts of all bodies on its
 //! circuit. With `m_b` the equations of the closures that pass over body b, `W` components of a twist (none where the world is next), `f_b` freedoms,

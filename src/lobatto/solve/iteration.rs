@@ -1,4 +1,4 @@
-//! The iteration of one step: when it has converged, when it is hopeless, and when the step is too long.
+//! The iteration of one step: when it has converged, when it diverges, and when the step is too long.
 //!
 //! With the increments `δ` of an iteration and the largest displacement `|θ|` so far, in rad and m,
 //!

@@ -1,4 +1,4 @@
-//! What a step is asked for and what became of it: when its iteration ends, what it begins from, and how an attempt at it ended.
+//! The request for a step and its result: when its iteration ends, what it starts from, and how the attempt ended.
 
 /// Steps iterated further than this use the coefficients' second half of digits: rounded to a double they are
 /// those of a scheme that is not quite symplectic, and the energy drifts by 2e-16 of itself a step.

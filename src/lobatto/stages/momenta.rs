@@ -1,4 +1,4 @@
-//! The weights with which the displacements of a step make the momenta at its end, and what acts there.
+//! The weights with which the displacements of a step make the momenta at its end, and the forces there.
 //!
 //! ```text
 //!     p̄ = p₀ + h Σ_k b_k F_k = M ( v + h⁻¹ Σ_i w_i (Q_i − q₀ − h c_i v) ) + h b_s F_s,       w_i = Σ_k b_k B_ki

@@ -1,4 +1,4 @@
-//! What is guessed before a step and learnt from after it.
+//! The unknowns of a step: guessed before it, and kept after it for the guess of the next one.
 
 use crate::stages::coefficients::Coefficients;
 /// What is guessed: the displacements in a step, and what is known of them.

@@ -1,4 +1,4 @@
-//! A motion carried beside the one that a kernel makes, in its steps: what parts them is the error that the steps have made.
+//! A companion motion, computed in the steps of a kernel: its distance from the kernel's motion is the error that the steps have made.
 //!
 //! The iteration of a step ends at a stop, and what it leaves is the error of the step. A second motion `y` with a start of its own goes through
 //! the same steps, from the stages `θ` of the first and a guess of what parts them, and is iterated until what is left is a small part of that:

@@ -1,4 +1,4 @@
-//! What makes the kernels, in whatever vectors it is given ([`InVectors`]).
+//! Makes the kernels for a given type of vectors ([`InVectors`]).
 
 use crate::instants::snapshot::{Instants, LinkPlace};
 use crate::instants::tree::LaneInstants;

@@ -1,4 +1,4 @@
-//! Steps solved to 32 digits: what rounding leaves of a conserved quantity does not drift, however long the run.
+//! Steps solved to 32 digits, so that conserved quantities do not drift by rounding in long runs.
 //!
 //! ```text
 //!     θ        to sixteen digits                     kernel.rs, its iteration

@@ -1,4 +1,4 @@
-//! How the coefficients of the Lobatto IIIA–IIIB pair come about, with about 32 digits.
+//! Computes the coefficients of the Lobatto IIIA–IIIB pair with about 32 digits.
 //!
 //! The nodes `c₁ = 0 < … < c_s = 1` are the zeros of `x (1 − x) P′_{s−1}(2x − 1)` with the Legendre polynomial P; the
 //! weights integrate polynomials of degree 2s − 3 exactly. With `ℓ_j` the Lagrange polynomials of the nodes and

@@ -1,4 +1,4 @@
-//! Where the scheme itself becomes unstable.
+//! The limit of stability of the scheme.
 //!
 //! Applied to `y″ = −ω² y`, a step of length h is a 2 × 2 matrix of determinant 1 with equal diagonal entries
 //! `t(h²ω²) = Q_s` for `(y, y′) = (1, 0)`,

@@ -1,4 +1,4 @@
-//! What the tree of joints cannot say: joints that close loops, and joints that mimic others.
+//! Closures: joints that close loops, and joints that mimic others. The tree of joints has no place for them.
 //!
 //! Both stay equations `g(q) = 0` with multipliers. A loop joint holds two frames `a` and `b`, each fixed in a body or in the
 //! world, with origins `P_a`, `P_b` (m) and axes `x, y, z`; `z` is the axis of the joint, as for tree joints:

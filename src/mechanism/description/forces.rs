@@ -1,4 +1,4 @@
-//! Smooth forces: what pushes, pulls and brakes besides gravity. A mechanism without forces has five empty lists.
+//! Smooth forces besides gravity: springs, dampers and loads. A mechanism without forces has five empty lists.
 //!
 //! The data is here, the physics of each force in a file of its own: `joint_damper`, `joint_spring`,
 //! `joint_load`, `point_spring`, `wrench`. `total` sums them up for a state; the scheme has its own evaluation

@@ -1,4 +1,4 @@
-//! The rules by which a run does less than the whole mechanism asks for, and that can be switched off by name.
+//! The rules that simplify the model of a run, and the names by which `--keep` disables them.
 //!
 //! A run without a rule is the full model, against which the rule is tested. The rules of `model::ReductionRule`, by
 //! which links are no bodies of their own, cannot be switched off: a joint that leaves nothing free is no joint here.

@@ -1,4 +1,4 @@
-//! What everything stands on: small matrices, numbers with derivatives, and numbers and nouns in sentences.
+//! The base of all other folders: small matrices, numbers with derivatives, and formatting of numbers and nouns.
 
 pub mod matrices;
 pub mod smooth;

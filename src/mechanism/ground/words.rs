@@ -1,4 +1,4 @@
-//! Numbers and nouns for people.
+//! Formats numbers and nouns for messages.
 
 /// Three significant digits.
 pub fn rounded(value: f64) -> String {

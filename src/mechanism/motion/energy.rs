@@ -1,4 +1,4 @@
-//! Energy, momentum and constraint violation of a maximal-coordinate state: the checks of every run.
+//! Energy, momentum and constraint error of a maximal-coordinate state: the checks of every run.
 //!
 //! ```text
 //!     T = Σ ½ m |v|² + ½ ωᵀ R J Rᵀ ω  [J]         V = −Σ m gᵀ x  [J]

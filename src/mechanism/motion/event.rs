@@ -1,4 +1,4 @@
-//! Events: the instants at which a motion is not smooth, and what joints are up to between them.
+//! Events: the instants at which a motion is not smooth; and the states of joints between them.
 
 /// What happens at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

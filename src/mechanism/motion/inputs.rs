@@ -1,4 +1,4 @@
-//! What acts on a mechanism from outside during one step: efforts that somebody decides on while the run goes on.
+//! What acts on a mechanism from outside during one step: efforts that a controller sets during the run.
 
 use crate::description::mechanism::Mechanism;
 use crate::motion::state::State;

@@ -1,5 +1,4 @@
-//! What an integrator is to the loop: something that makes steps, fails with a reason, and can be asked for any instant of its last
-//! step.
+//! The trait of integrators: they make steps, fail with a reason, and give the state at any instant of their last step.
 
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::Exchange;

@@ -1,6 +1,6 @@
 //! The state: what changes in time.
 //!
-//! The joint displacements, accumulated with compensation, are the truth; the maximal-coordinate poses `(x, R)`
+//! The state is stored as joint displacements, accumulated with compensation. The maximal-coordinate poses `(x, R)`
 //! and velocities `(v, ω)` of all bodies are rebuilt from them ([`crate::motion::kinematics`]), so that every joint holds to
 //! rounding whatever the length of the run.
 

@@ -1,4 +1,4 @@
-//! What can be known of a mechanism before it moves: its plane, its islands, bodies with vanishing terms, massless motions,
+//! Properties of a mechanism that do not depend on its motion: its plane, its islands, bodies with vanishing terms, massless motions,
 //! independent closures.
 
 #[doc(hidden)]

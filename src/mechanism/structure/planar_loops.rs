@@ -1,4 +1,4 @@
-//! What a closure asks of a motion in a plane.
+//! The equations of a closure for a motion in a plane.
 //!
 //! With the normal n of the plane, the points of the closure are `d + z n` apart, d in the plane, and their height z never changes;
 //! nor does the component along n of any direction fixed in a body. Of the equations of [`crate::description::closure::LoopKind`] some are then satisfied

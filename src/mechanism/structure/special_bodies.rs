@@ -1,4 +1,4 @@
-//! Bodies of which a part of the equations of motion vanishes.
+//! Bodies for which parts of the equations of motion are zero.
 //!
 //! ```text
 //!     sliding:   every joint between the body and the world only slides:   R = R₀,   ω = 0,   J never counts

@@ -1,4 +1,4 @@
-//! The curves of a log: joint positions and velocities, energy error, constraint violation, reactions, contact forces.
+//! The curves of a log: joint positions and velocities, energy error, constraint error, reactions, contact forces.
 //!
 //! ```text
 //!     energy error  |E − E₀ + D − W| / max T          no unit; E₀ at the start, D dissipated or lost, W work put in since,

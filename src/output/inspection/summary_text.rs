@@ -64,7 +64,7 @@ impl fmt::Display for Summary {
         if let Some(constraint) = &self.constraint {
             writeln!(
                 out,
-                "  constraint  largest violation {:.1e} m, {:.1e} m/s",
+                "  constraint  largest error {:.1e} m, {:.1e} m/s",
                 constraint.max_position, constraint.max_velocity
             )?;
         }

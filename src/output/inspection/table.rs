@@ -36,7 +36,7 @@ pub enum TableError {
     )]
     Shape { time: f64, found: String, expected: String },
     /// There are no samples.
-    #[error("the log has no samples, of which a table would be made")]
+    #[error("the log has no samples, so there is no table to write")]
     Empty,
 }
 

@@ -46,7 +46,7 @@ struct Shared {
 #[derive(Default)]
 struct Waiting {
     piece: Piece,
-    /// The run has begun again, and `piece` is of that.
+    /// The run has restarted, and `piece` is of that.
     again: bool,
     ending: Option<Ending>,
     /// The thread cannot write any more.
@@ -128,7 +128,7 @@ impl BackgroundFile {
         stop
     }
 
-    /// Everything since the run began is void: it begins again.
+    /// Everything since the run began is void: it restarts.
     pub(crate) fn begin_again(&self) {
         let mut waiting = self.shared.lock();
         waiting.piece.clear();

@@ -1,10 +1,4 @@
-//! Encoded messages as the chunk they will be in the file.
-//!
-//! ```text
-//!     chunk header | record  record  …  record | message indexes, once the chunk is complete
-//! ```
-//!
-//! Room for the header is kept free, so that a chunk is in one piece without being copied. Source: MCAP format specification
+//! Encoded messages as the records of a chunk. Source: MCAP format specification
 //! (mcap.dev/spec), "Message": opcode 5 (1 byte), length (8 bytes), channel (2), sequence (4), log time (8), publish time (8), data;
 //! all numbers little endian.
 
@@ -14,11 +8,8 @@ const MESSAGE: u8 = 0x05;
 /// Opcode and length of a record.
 pub(crate) const RECORD_HEADER: usize = 1 + 8;
 
-/// Bytes of a message record besides its data.
-const FRAMING: usize = RECORD_HEADER + 2 + 4 + 8 + 8;
-
-/// Bytes of a chunk record before its records: two times, size, checksum, the empty name of no compression, size.
-pub(crate) const CHUNK_HEADER: usize = RECORD_HEADER + 8 + 8 + 8 + 4 + 4 + 8;
+/// Bytes of a message record before its data.
+pub(crate) const MESSAGE_DATA: usize = RECORD_HEADER + 2 + 4 + 8 + 8;
 
 /// Where a message is.
 #[derive(Clone, Copy)]
@@ -30,54 +21,49 @@ pub(crate) struct Entry {
     /// Where its record is among the records.
     pub offset: usize,
     /// Length of the record.
-    length: usize,
+    pub length: usize,
 }
 
 /// Messages in their order.
+#[derive(Default)]
 pub(crate) struct Batch {
     entries: Vec<Entry>,
-    /// Room for the header, and the records.
-    chunk: Vec<u8>,
-}
-
-impl Default for Batch {
-    fn default() -> Self {
-        Batch { entries: Vec::new(), chunk: vec![0; CHUNK_HEADER] }
-    }
+    records: Vec<u8>,
 }
 
 impl Batch {
     /// Adds a message like `template`; returns its data.
     pub(crate) fn push(&mut self, channel: u16, nanoseconds: u64, template: &[u8]) -> &mut [u8] {
-        let start = self.chunk.len();
-        let mut framing = [0; FRAMING];
+        let offset = self.records.len();
+        let mut framing = [0; MESSAGE_DATA];
         framing[0] = MESSAGE;
-        framing[1..9].copy_from_slice(&((FRAMING - RECORD_HEADER + template.len()) as u64).to_le_bytes());
+        framing[1..9].copy_from_slice(&((MESSAGE_DATA - RECORD_HEADER + template.len()) as u64).to_le_bytes());
         framing[9..11].copy_from_slice(&channel.to_le_bytes());
         // No sequence numbers: the order of the messages says the same.
         framing[15..23].copy_from_slice(&nanoseconds.to_le_bytes());
         framing[23..31].copy_from_slice(&nanoseconds.to_le_bytes());
-        self.chunk.extend_from_slice(&framing);
-        self.chunk.extend_from_slice(template);
-        let (offset, length) = (start - CHUNK_HEADER, FRAMING + template.len());
+        self.records.extend_from_slice(&framing);
+        self.records.extend_from_slice(template);
+        let length = MESSAGE_DATA + template.len();
         self.entries.push(Entry { channel, time: nanoseconds, offset, length });
-        &mut self.chunk[start + FRAMING..]
+        &mut self.records[offset + MESSAGE_DATA..]
     }
 
     /// Adds records that are not messages.
     pub(crate) fn define(&mut self, records: &[u8]) {
-        self.chunk.extend_from_slice(records);
+        self.records.extend_from_slice(records);
     }
 
     /// The messages in their order, each with its data.
     pub(crate) fn messages(&self) -> impl Iterator<Item = (Entry, &[u8])> {
-        let records = &self.chunk[CHUNK_HEADER..];
-        self.entries.iter().map(|&entry| (entry, &records[entry.offset + FRAMING..entry.offset + entry.length]))
+        self.entries
+            .iter()
+            .map(|&entry| (entry, &self.records[entry.offset + MESSAGE_DATA..entry.offset + entry.length]))
     }
 
     /// The messages from number `first` on, and the records from there on.
     pub(crate) fn from(&self, first: usize) -> (&[Entry], &[u8]) {
-        let records = &self.chunk[CHUNK_HEADER..];
+        let records = &self.records;
         let entries = &self.entries[first.min(self.entries.len())..];
         let start = if first == 0 { 0 } else { entries.first().map_or(records.len(), |entry| entry.offset) };
         (entries, &records[start..])
@@ -99,22 +85,17 @@ impl Batch {
 
     /// Length of all records.
     pub(crate) fn size(&self) -> usize {
-        self.chunk.len() - CHUNK_HEADER
+        self.records.len()
     }
 
     /// That with one message more.
     pub(crate) fn size_with(&self, data: &[u8]) -> usize {
-        self.size() + FRAMING + data.len()
-    }
-
-    /// The whole chunk, to put the header into it and what comes after it.
-    pub(crate) fn chunk(&mut self) -> &mut Vec<u8> {
-        &mut self.chunk
+        self.size() + MESSAGE_DATA + data.len()
     }
 
     /// Forgets all messages and keeps the memory.
     pub(crate) fn clear(&mut self) {
         self.entries.clear();
-        self.chunk.truncate(CHUNK_HEADER);
+        self.records.clear();
     }
 }

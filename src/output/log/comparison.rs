@@ -129,7 +129,7 @@ impl Comparison {
         })
     }
 
-    /// Begins again from the start of the log, which is at `path`.
+    /// Restarts from the start of the log, which is at `path`.
     ///
     /// # Errors
     /// As of [`Comparison::new`].

@@ -15,9 +15,8 @@
 //! readers, and those of Python, hold what is written here against the format in `tests/program/log_readback/`. Source: MCAP format
 //! specification (mcap.dev/spec).
 
-use crate::output::log::batch::{Batch, CHUNK_HEADER, Entry, RECORD_HEADER};
-use crate::output::log::compression;
-use crate::output::log::compression::Packer;
+use crate::output::log::batch::{Batch, Entry, RECORD_HEADER};
+use crate::output::log::compression::Packing;
 use crate::output::log::definitions::Definition;
 use crate::output::log::durability::Durability;
 use binrw::{BinResult, BinWrite, Endian};
@@ -177,40 +176,21 @@ impl Container {
         record(&mut self.attachment_indexes, op::ATTACHMENT_INDEX, &index, &[]).map(drop)
     }
 
-    /// Completes the chunk of a batch, with its indexes, as the next part of the file; everything before it has been taken.
-    pub(crate) fn chunk<'b>(&mut self, batch: &'b mut Batch) -> BinResult<&'b [u8]> {
-        let (entries, records) = batch.from(0);
-        let (times, size) = (time_range(entries), records.len() as u64);
-        let mut checksum = Hasher::new();
-        checksum.update(records);
-        self.count(entries, times);
-        let chunk = batch.chunk();
-        let length = chunk.len() as u64;
-        let mut header = Vec::with_capacity(CHUNK_HEADER);
-        record(&mut header, op::CHUNK, &chunk_header(times, size, checksum.clone().finalize()), &[])?;
-        set_length(&mut header, length);
-        chunk[..CHUNK_HEADER].copy_from_slice(&header);
-        self.index(chunk, times, ("", size, size))?;
-        // The checksum of the records is known; that of the file goes on with it.
-        self.checksum.update(&header);
-        self.checksum.combine(&checksum);
-        self.checksum.update(&chunk[length as usize..]);
-        self.taken += chunk.len() as u64;
-        Ok(chunk)
-    }
-
-    /// The same with its records packed, put into the emptied `chunk`.
-    pub(crate) fn packed_chunk(&mut self, batch: &Batch, packer: &mut Packer, chunk: &mut Vec<u8>) -> BinResult<()> {
+    /// Completes the chunk of a batch, with its indexes, as the next part of the file, and puts it into the emptied `chunk`; everything
+    /// before it has been taken. Its records are packed, if that makes them shorter.
+    pub(crate) fn chunk(&mut self, batch: &Batch, packing: &mut Packing, chunk: &mut Vec<u8>) -> BinResult<()> {
         let (entries, records) = batch.from(0);
         let times = time_range(entries);
         self.count(entries, times);
-        let packed = packer.pack(records)?;
-        let (size, packed_size) = (records.len() as u64, packed.len() as u64);
-        let mut header = chunk_header(times, size, crc32fast::hash(records));
-        (header.compression, header.compressed_size) = (compression::NAME.to_string(), packed_size);
+        let mut header = chunk_header(times, records.len() as u64, crc32fast::hash(records));
+        let mut content = records;
+        if let Some((name, packed)) = packing.pack(batch)? {
+            (header.compression, header.compressed_size) = (name.to_string(), packed.len() as u64);
+            content = packed;
+        }
         chunk.clear();
-        record(chunk, op::CHUNK, &header, &[packed])?;
-        self.index(chunk, times, (compression::NAME, packed_size, size))?;
+        record(chunk, op::CHUNK, &header, &[content])?;
+        self.index(chunk, times, header)?;
         self.checksum.update(chunk);
         self.taken += chunk.len() as u64;
         Ok(())
@@ -234,14 +214,8 @@ impl Container {
         statistics.chunk_count += 1;
     }
 
-    /// Adds the indexes of the messages that were counted behind their chunk, and that of the chunk to the summary; the chunk has this
-    /// compression, and these sizes with and without it.
-    fn index(
-        &mut self,
-        chunk: &mut Vec<u8>,
-        times: (u64, u64),
-        (compression, compressed_size, uncompressed_size): (&str, u64, u64),
-    ) -> BinResult<()> {
+    /// Adds the indexes of the messages that were counted behind their chunk, and that of the chunk to the summary.
+    fn index(&mut self, chunk: &mut Vec<u8>, times: (u64, u64), header: ChunkHeader) -> BinResult<()> {
         let chunk_length = chunk.len() as u64;
         let mut message_index_offsets = BTreeMap::new();
         for (channel, index) in (0_u16..).zip(&self.message_indexes).filter(|(_, index)| !index.is_empty()) {
@@ -256,9 +230,9 @@ impl Container {
             chunk_length,
             message_index_offsets,
             message_index_length: chunk.len() as u64 - chunk_length,
-            compression: compression.to_string(),
-            compressed_size,
-            uncompressed_size,
+            compression: header.compression,
+            compressed_size: header.compressed_size,
+            uncompressed_size: header.uncompressed_size,
         };
         record(&mut self.chunk_indexes, op::CHUNK_INDEX, &index, &[]).map(drop)
     }

@@ -13,7 +13,7 @@ pub enum LogError {
     #[error("cannot write {}: another run is writing it; choose another --output", path.display())]
     Busy { path: PathBuf },
     /// The run was interrupted while nobody read the pipe or device.
-    #[error("interrupted while nobody reads {}", path.display())]
+    #[error("interrupted while waiting for a reader of {}", path.display())]
     Blocked { path: PathBuf },
     /// Writing failed: a full disk, a closed pipe.
     #[error("cannot write {}: {reason}", path.display())]

@@ -10,13 +10,13 @@
 //!     magic  header  metadata  attachment | chunk | chunk | … | chunk | metadata  summary  magic   a finished file
 //! ```
 //!
-//! The chunks of what never changes are compressed, those of samples on request ([`Packer`]), provisional ones never.
+//! Chunks are compressed ([`Packing`]), provisional ones are not.
 //!
 //! Only regular files have such a provisional end; into pipes and devices nothing is written that is not final. When a
 //! write fails because the disk is full, what is whole is kept and closed with an end that needs no summary.
 
 use crate::output::log::batch::Batch;
-use crate::output::log::compression::Packer;
+use crate::output::log::compression::Packing;
 use crate::output::log::container::{Container, encode_piece, encode_provisional_chunk};
 use crate::output::log::definitions::Definition;
 use crate::output::log::durability::Durability;
@@ -82,15 +82,15 @@ pub(crate) struct LogFile {
     container: Container,
     /// That before the first sample.
     head: Option<Box<Container>>,
-    /// What packs the chunks that come now, if they are compressed.
-    packer: Option<Packer>,
-    /// Whether those of samples will be.
+    /// How the chunks that come now are packed.
+    packing: Packing,
+    /// Whether those of samples will be packed by Zstandard.
     compress: bool,
     /// The messages that are in no final chunk yet.
     batch: Batch,
     /// How many of them are in provisional chunks.
     provisional: usize,
-    /// The provisional or compressed chunk that is being encoded.
+    /// The chunk that is being encoded.
     buffer: Vec<u8>,
     saved: Instant,
     /// Whether something was written that may still be lost in a power failure.
@@ -100,7 +100,7 @@ pub(crate) struct LogFile {
 }
 
 impl LogFile {
-    /// Creates a file for the output `path` ([`Output`]); samples will be compressed or not.
+    /// Creates a file for the output `path` ([`Output`]); `compress`: whether samples will be packed by Zstandard.
     ///
     /// # Errors
     /// [`LogError::Create`] and [`LogError::Busy`] if that is not possible, [`LogError::Write`] if its first bytes
@@ -109,7 +109,7 @@ impl LogFile {
         let (output, file, is_regular) = Output::create(path)?;
         let container = Container::new(LIBRARY_VERSION);
         let container = container.map_err(|error| cannot_encode(path, error))?;
-        let packer = Packer::new().map_err(|error| cannot_encode(path, error.into()))?;
+        let packing = Packing::new(true).map_err(|error| cannot_encode(path, error.into()))?;
         Ok(LogFile {
             path: path.to_path_buf(),
             output,
@@ -117,7 +117,7 @@ impl LogFile {
             is_regular,
             container,
             head: None,
-            packer: Some(packer),
+            packing,
             compress,
             batch: Batch::default(),
             provisional: 0,
@@ -146,13 +146,12 @@ impl LogFile {
     /// Ends what never changes: writes it, and lets the file take its place if nothing there must stay.
     pub(crate) fn begin(&mut self) -> Result<(), LogError> {
         self.close_batch()?;
-        let packer = self.compress.then(Packer::new).transpose();
-        self.packer = packer.map_err(|error| cannot_encode(&self.path, error.into()))?;
+        self.packing = Packing::new(self.compress).map_err(|error| cannot_encode(&self.path, error.into()))?;
         self.head = self.is_regular.then(|| Box::new(self.container.clone()));
         self.output.settle(false).map_err(|reason| self.cannot_write(reason))
     }
 
-    /// Cuts off everything since [`LogFile::begin`]: the run begins again. Pipes and devices keep what they have, and get all of it again.
+    /// Cuts off everything since [`LogFile::begin`]: the run restarts. Pipes and devices keep what they have, and get all of it again.
     pub(crate) fn begin_again(&mut self) -> Result<(), LogError> {
         self.batch.clear();
         self.provisional = 0;
@@ -180,16 +179,10 @@ impl LogFile {
     /// Writes what has been collected as a final chunk, through to the operating system.
     fn close_batch(&mut self) -> Result<(), LogError> {
         self.move_to_file()?;
-        let chunk = match &mut self.packer {
-            Some(packer) => {
-                let packed = self.container.packed_chunk(&self.batch, packer, &mut self.buffer);
-                packed.map(|()| &self.buffer[..])
-            }
-            None => self.container.chunk(&mut self.batch),
-        };
-        let chunk = chunk.map_err(|error| cannot_encode(&self.path, error))?;
+        let chunk = self.container.chunk(&self.batch, &mut self.packing, &mut self.buffer);
+        chunk.map_err(|error| cannot_encode(&self.path, error))?;
         let whole = self.tail.whole();
-        let written = self.tail.extend(chunk);
+        let written = self.tail.extend(&self.buffer);
         // Otherwise all of it is there, though not where it should be.
         self.unwritten = written.is_err() && self.tail.whole() == whole;
         written.map_err(|reason| self.cannot_write(reason))?;

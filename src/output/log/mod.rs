@@ -1,4 +1,4 @@
-//! The log: a run as a bag of ROS 2, in one MCAP file, which its tools play and viewers show.
+//! The log of a run: a ROS 2 bag in one MCAP file, which ROS 2 tools play and viewers show.
 //!
 //! All messages are CDR, and the profile of the file is `ros2`. Every channel has the definition of its messages as its schema.
 //!
@@ -26,8 +26,8 @@
 //! `time` is not. `catena_msgs` is no package: its definitions are in the log. `ros2 bag play` leaves out topics whose package is not
 //! installed, with a warning, and plays the others.
 //!
-//! The first two topics never change. They are offered to those who come late, too (durability `transient_local`), and compressed; samples are
-//! compressed on request ([`LogOptions`]).
+//! The first two topics never change. They are offered to those who come late, too (durability `transient_local`). Their chunk is compressed
+//! by Zstandard. Chunks of samples hold what their messages repeat once (LZ4), and are compressed by Zstandard on request ([`LogOptions`]).
 //!
 //! Links that are fixed to others or to the world are in `/tf` all the same, in every sample, and not once in `/tf_static`:
 //! Lichtblick lost the transforms of that topic whenever one jumped back in a log (its pull request 1246 of July 2026), and a log
@@ -35,7 +35,8 @@
 //! of a sample.
 //!
 //! rerun and RViz draw the robot from `/robot_description` and `/tf`; Foxglove, Lichtblick and RViz draw `/visual_markers`, which needs
-//! no other file. The images of meshes are not in the log. The metadata record
+//! no other file. The images of meshes are not in the log. There is no `foxglove.SceneUpdate`: Foxglove draws all shapes from these markers, and a
+//! second encoding would keep `ros2 bag play` from playing the file. The metadata record
 //! `simulation` says how the run was made, `inputs` has the hashes of the attachments, which are the URDF and scene files
 //! as they were read, and `end` says how the run ended, with the figures of all its steps. Log time and publish time are
 //! both the time of the run in nanoseconds after the start of the log, which is zero unless the user sets it ([`START`]); `/solver` has no CPU time.
@@ -83,6 +84,7 @@ pub mod reader;
 mod recorder;
 pub mod records;
 pub mod recovery;
+mod repetition;
 pub(crate) mod standin;
 mod template;
 mod topics;

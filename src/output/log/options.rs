@@ -21,7 +21,7 @@ pub struct LogOptions {
     pub topics: Topics,
     /// Where the geometry of mesh files is.
     pub meshes: Meshes,
-    /// Whether samples are compressed, too; what never changes always is.
+    /// Whether samples are compressed by Zstandard, as what never changes always is, and not only by what they repeat.
     pub compress: bool,
     /// The time of the log at the start of the run, in nanoseconds since 1970.
     pub start: u64,

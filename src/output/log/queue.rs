@@ -1,4 +1,4 @@
-//! What a run has shown, on its way to the thread that makes messages of it: numbers as they are, in their order.
+//! The queue between a run and the thread that encodes its log: samples, figures and events, in their order.
 
 use crate::lobatto::instants::snapshot::INSTANTS;
 use crate::mechanism::motion::contact_point::ContactPoint;

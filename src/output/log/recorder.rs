@@ -49,7 +49,7 @@ struct Compare {
     comparison: Comparison,
     encoder: SampleEncoder,
     piece: Piece,
-    /// Whether differences count at the end alone, because the run may begin again.
+    /// Whether differences count at the end alone, because the run may restart.
     waits: bool,
 }
 
@@ -115,7 +115,7 @@ impl Recorder {
         Ok(Recorder { sink, order, start: options.start, before: Vec::new(), begun: false, contacts: may_touch(model) })
     }
 
-    /// The run that is compared may begin again: where it differs counts at its end alone, but that the log has ended.
+    /// The run that is compared may restart: where it differs counts at its end alone, but that the log has ended.
     pub fn wait_for_the_end(&mut self) {
         if let Sink::Comparison(compare) = &mut self.sink {
             compare.waits = true;
@@ -198,7 +198,7 @@ impl Observer for Recorder {
         self.before = before;
         self.write(
             Severity::Info,
-            &format!("begun again after t = {after} s, with finer steps: errors grow more than was expected"),
+            &format!("restarted after t = {after} s with finer steps: errors grew more than expected"),
         );
         Ok(())
     }

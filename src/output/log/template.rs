@@ -101,8 +101,6 @@ impl Template {
         row: usize,
         structures: impl Iterator<Item = [f64; N]>,
     ) {
-        for (bytes, structure) in message[self.rows[row]..].chunks_exact_mut(8 * N).zip(structures) {
-            cdr::fill(bytes, structure.into_iter());
-        }
+        cdr::fill(&mut message[self.rows[row]..], structures.flatten());
     }
 }

@@ -1,4 +1,4 @@
-//! The events of a run, counted and listed, and what joints are up to at its end.
+//! The events of a run, counted and listed, and the state of joints at its end (on a limit, stuck).
 
 use crate::mechanism::ground::words::counted;
 use crate::mechanism::motion::event::{Event, EventCounts, EventKind, JointStatus};
@@ -11,13 +11,13 @@ use serde::{Serialize, Serializer};
 const KINDS: [(&str, &str, &str); EventKind::ALL.len()] = [
     ("limit_impact", "limit impact", "limit impacts"),
     ("contact_impact", "contact impact", "contact impacts"),
-    ("rest", "rest on a limit", "rests on a limit"),
+    ("rest", "rest", "rests"),
     ("release", "release", "releases"),
     ("stick", "stick", "sticks"),
     ("slip", "slip", "slips"),
     ("reversal", "reversal", "reversals"),
     ("saturation", "saturation", "saturations"),
-    ("unsaturation", "unsaturation", "unsaturations"),
+    ("unsaturation", "end of saturation", "ends of saturation"),
 ];
 
 /// How many events there were of each kind, in the order of reports.

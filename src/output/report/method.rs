@@ -1,4 +1,4 @@
-//! How a run was integrated, how accurate it is expected to be, and what the user should know of it.
+//! How a run was integrated, its estimated error, and the warnings about both.
 
 use crate::mechanism::ground::words::{counted, rounded};
 use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
@@ -90,13 +90,13 @@ impl MethodReport {
 pub fn ringing_warning(description: &MethodDescription) -> Option<String> {
     let Ringing { decay, step, longest, time } = description.ringing?;
     let remedy = if description.adaptive {
-        "no step that counts beside the time resolves that".to_string()
+        "no step of useful length is short enough".to_string()
     } else {
         format!("use --step below {} s, or --tolerance", rounded(longest))
     };
     Some(format!(
-        "near t = {} s dampers stop a motion within {} s, and steps of {} s do not: its velocities and efforts ring on from step to \
-         step, though positions hardly do; {remedy}",
+        "step too long for a damper near t = {} s: its time constant is {} s, the step {} s; velocities and efforts oscillate from step to \
+         step, positions hardly do; {remedy}",
         rounded(time),
         rounded(1.0 / decay),
         rounded(step)
@@ -108,7 +108,7 @@ pub fn singular_warning(description: &MethodDescription) -> Option<String> {
     let SingularPosition { time, extra } = description.singular?;
     let (equations, are) = if extra == 1 { ("constraint", "is") } else { ("constraints", "are") };
     Some(format!(
-        "near t = {} s the mechanism passes a singular position, where {extra} more {equations} {are} redundant and inertia alone \
+        "the mechanism passes a singular position near t = {} s: {extra} more {equations} {are} redundant there, and inertia alone \
          decides the branch",
         rounded(time)
     ))
@@ -119,7 +119,7 @@ pub fn unsolved_warning(description: &MethodDescription) -> Option<String> {
     let count = description.unsolved_contacts;
     (count > 0).then(|| {
         format!(
-            "contacts changed faster than steps could follow at {}: the run went on there with steps of first order; compare it with one of another step or \
+            "contacts changed faster than steps could follow at {}: the run took first-order steps there; compare it with a run of another step or \
              tolerance",
             counted(count, "instant", "instants")
         )
@@ -247,7 +247,7 @@ impl AccuracyReport {
     pub fn energy_warning(&self) -> Option<String> {
         let (error, wanted) = (self.unbalanced?, self.wanted);
         Some(format!(
-            "the energy balance is off by {error:.1e} of the largest kinetic energy, more than an accuracy of {wanted:e} m leaves: whether it is \
+            "the energy balance is off by {error:.1e} of the largest kinetic energy, more than an accuracy of {wanted:e} m allows: whether it is \
              reached is not known; compare with a run of a smaller --tolerance"
         ))
     }

@@ -1,4 +1,4 @@
-//! What roundings hide: lengths of springs with an end far away, and the balance of energies far larger than those of the motion.
+//! Limits of double precision: lengths of springs with an end far away, and the balance of energies far larger than those of the motion.
 //!
 //! ```text
 //!     δ = ε max(ℓ, |P_a − x_a|, |P_b − x_b|)     (m)      of the ends of a spring, ε = 2⁻⁵²

@@ -1,4 +1,4 @@
-//! What fixed steps left: an estimate of the error at the end of a run whose steps nobody has chosen from a tolerance.
+//! An estimate of the error at the end of a run with fixed steps.
 //!
 //! ```text
 //!     by half the step:  the distance of the ends of two runs, with h and h/2; the second has 2^(2s−2) times less of an error

@@ -68,8 +68,11 @@ impl fmt::Display for Report {
         }
         if let Some(accuracy) = &self.accuracy {
             let by = match (accuracy.pilots, accuracy.begun) {
-                (0, 1) => "carried along".to_string(),
-                (0, begun) => format!("carried along; begun {begun} times, each time finer"),
+                (0, 1) => "computed along with the run".to_string(),
+                (0, begun) => format!(
+                    "computed along with the run, which restarted {} with finer steps",
+                    if begun == 2 { "once".to_string() } else { format!("{} times", begun - 1) }
+                ),
                 (pilots, _) => format!("from {}", counted(pilots, "trial run", "trial runs")),
             };
             writeln!(out, "  accuracy    estimated error {:.1e} m (order of magnitude, {by})", accuracy.estimated)?;
@@ -113,7 +116,7 @@ impl fmt::Display for Report {
         if self.events.is_nonsmooth {
             writeln!(
                 out,
-                "              {} J dissipated by dampers, {} J by dry friction, {} J lost in impacts, {} J put in, {} J left in springs",
+                "              {} J dissipated by dampers, {} J by dry friction, {} J lost in impacts, {} J from motors and loads, {} J in springs",
                 rounded(energy.dissipated),
                 rounded(energy.friction),
                 rounded(energy.impacts),
@@ -123,7 +126,7 @@ impl fmt::Display for Report {
         } else if energy.dissipated != 0.0 || energy.work != 0.0 {
             writeln!(
                 out,
-                "              {} J dissipated, {} J put in, {} J left in springs",
+                "              {} J dissipated by dampers, {} J from motors and loads, {} J in springs",
                 rounded(energy.dissipated),
                 rounded(energy.work),
                 rounded(energy.parts.spring)
@@ -131,14 +134,14 @@ impl fmt::Display for Report {
         }
         writeln!(
             out,
-            "  constraint  largest violation {:.1e} m, {:.1e} m/s",
+            "  constraint  largest error {:.1e} m, {:.1e} m/s",
             self.constraint.max_position, self.constraint.max_velocity
         )?;
         let contact = &self.contact;
         if contact.may_touch {
             writeln!(
                 out,
-                "  contact     {}; deepest overlap {:.1e} m, largest cone violation {:.1e} N",
+                "  contact     {}; deepest overlap {:.1e} m, largest error of friction cones {:.1e} N",
                 contact.words(),
                 contact.max_penetration,
                 contact.max_cone_violation

@@ -144,7 +144,7 @@ impl Method {
         }
     }
 
-    /// What makes a run of `duration` (s) that tells its accuracy itself, and may begin again: of the one method that does.
+    /// What makes a run of `duration` (s) that tells its accuracy itself, and may restart: of the one method that does.
     pub fn telling(self, mechanism: &Mechanism, start: &State, duration: f64, setting: Setting) -> Option<Assessed> {
         let (Method::LobattoTolerance, Setting::Tolerance(tolerance)) = (self, setting) else { return None };
         let terms = Terms { tolerance, start: start.time, end: start.time + duration, kept: Vec::new(), counted: None };

@@ -1,4 +1,4 @@
-//! Work–precision charts: what accuracy costs, ours against others, for any scene.
+//! Work–precision charts: CPU time against error, of catena and of the comparators, for any scene.
 //!
 //! A [`Scene`] is run by every [`Method`] down a ladder of settings ([`ladder`]); each run gives a [`Measurement`] of
 //! CPU seconds per simulated second ([`timing`]) and of the distance of its end from a [`Reference`] that two

@@ -1,4 +1,4 @@
-//! One cell of a map: one run, and what became of it.
+//! One cell of a map: one run and its result.
 //!
 //! With the error `e` of the watched bodies at the end, the size `L` of the mechanism (m) and the energy error `ε`, the change of all energy
 //! (less what was put in, plus what was dissipated) over the largest kinetic energy of the right motion (of the end, where that is not known):

@@ -1,4 +1,4 @@
-//! Stability maps: where which method survives, and whether what it then says is right.
+//! Stability maps: for which steps and difficulties each method finishes, and whether its result is right.
 //!
 //! A [`Problem`] is a family of mechanisms that become harder ([`problems`]); each is run by every [`Method`] over a range of steps or
 //! tolerances ([`runner`]; [`baumgarte`] is the integrator of the textbooks, `regularised` the comparators on limits, friction and motors), and every run is a [`Cell`] with a

@@ -1,4 +1,4 @@
-//! What comes out: for every problem a picture as SVG and PNG, for all of them one CSV and one page.
+//! The files of a map: for every problem a picture as SVG and PNG, for all of them one CSV and one page.
 
 use crate::drawing::error::ChartError;
 use crate::drawing::files::{write_text, write_with};

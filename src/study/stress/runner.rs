@@ -35,7 +35,7 @@ pub enum Refused {
     NotApplicable(&'static str),
     /// The start was refused.
     Failed(Failure),
-    /// The pilot runs of a tolerance cost too much.
+    /// The trial runs of a tolerance cost too much.
     TooSlow,
     /// The user asked to stop.
     Interrupted,
@@ -51,7 +51,7 @@ pub struct Runner<'m> {
     foretold: Option<String>,
 }
 
-/// The pilot runs of a tolerance may cost so many times the budget of the run.
+/// The trial runs of a tolerance may cost so many times the budget of the run.
 const PILOTS: f64 = 2.5;
 
 enum Work<'m> {
@@ -89,14 +89,14 @@ impl<'m> Runner<'m> {
                     return Err(Refused::Interrupted);
                 }
                 Err(CalibrationError::Interrupted) => return Err(Refused::TooSlow),
-                // The run will fail where the pilot did.
+                // The run will fail where the trial run did.
                 Err(CalibrationError::Step(_) | CalibrationError::Method(_)) => {}
             }
         }
         Ok(runner)
     }
 
-    /// Sets up a method without pilot runs.
+    /// Sets up a method without trial runs.
     ///
     /// # Errors
     /// [`Refused`].

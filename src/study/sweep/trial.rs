@@ -1,4 +1,4 @@
-//! What a sweep will take: some runs spread over its indices are made and timed, and nothing is written.
+//! Estimates what a sweep will take: a few runs, spread over its indices, are made and timed; nothing is written.
 
 use crate::simulation::threads::on_one_thread;
 use crate::study::sweep::definition::Sweep;

@@ -1,4 +1,4 @@
-//! Files that are whole or not there.
+//! Files that are either complete or absent.
 //!
 //! A file is written beside its place, put on the disk, and then renamed: under its name it is always whole.
 

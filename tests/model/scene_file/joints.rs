@@ -37,7 +37,7 @@ fn limits_friction_damping_and_speeds_are_those_of_the_urdf() {
     let unlimited = said(&model, "<limit>");
     assert_eq!(unlimited.len(), 1, "{unlimited:?}");
     assert!(unlimited[0].contains("joint \"finger\": its <limit> has lower = upper = 0"), "{unlimited:?}");
-    assert!(unlimited[0].ends_with("; so it is with 1 more joint"), "{unlimited:?}");
+    assert!(unlimited[0].ends_with("; the same for 1 more joint"), "{unlimited:?}");
     assert_eq!(friction(&model), [("hinge", 0.25)]);
     let unsimulated = said(&model, "friction is not simulated");
     assert!(unsimulated.len() == 1 && unsimulated[0].contains("joint \"ball\""), "{unsimulated:?}");

@@ -105,10 +105,10 @@ fn impossible_inertias_are_used_with_a_warning() {
     let second = format!(
         "<link name=\"c\">{needle}</link><joint name=\"second\" type=\"fixed\"><parent link=\"arm\"/><child link=\"c\"/></joint>"
     );
-    let both = warned(&robot(needle, "", &second), "no body has the principal moments of inertia", 3, link("arm"));
+    let both = warned(&robot(needle, "", &second), "its inertia violates the triangle inequality", 3, link("arm"));
     let message = &both.warnings[0].message;
     assert!(message.contains(" 0.0000e0, 0.0000e0, 3.0000e-6 kg m²"), "{message}");
-    assert!(message.ends_with("; so it is with 1 more link"), "{message}");
+    assert!(message.ends_with("; the same for 1 more link"), "{message}");
     let no_products = GOOD_INERTIAL.replace("ixz=\"0\" ", "");
     warned(&robot(&no_products, "", ""), "<inertia> has no ixz; 0 is assumed", 3, link("arm"));
 }

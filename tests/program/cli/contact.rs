@@ -96,7 +96,7 @@ fn wrong_contact_writes_nothing() {
         (&["--floor"][..], "the scene has an obstacle \"floor\" already"),
         (&["--floor", "nan"], "is not finite"),
         (&["--floor=low"], "\"low\" is not a number"),
-        (&["--contact", "some"], "\"some\" is none of none, environment, all"),
+        (&["--contact", "some"], "\"some\" is not one of: none, environment, all"),
         (&["--contact"], "--contact"),
     ] {
         let output = run(&folder, &[&["simulate", "scene.toml"], arguments].concat());

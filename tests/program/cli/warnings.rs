@@ -49,7 +49,7 @@ fn joints_that_do_not_start_as_the_user_said_are_named_with_both_values() {
     let starts = report["joints"]["crank0"]["position"].as_f64().expect("a number");
     assert!((starts - 1.2).abs() > 0.01, "{starts}");
     let warnings = report["warnings"].as_array().expect("warnings");
-    let warning = warnings.iter().filter_map(Value::as_str).find(|said| said.contains("moved onto the loops"));
+    let warning = warnings.iter().filter_map(Value::as_str).find(|said| said.contains("adjusted to close the loops"));
     let warning = warning.expect("a warning");
     assert!(warning.contains(&format!("; crank0 starts at {starts:.6} rad, not at 1.2")), "{warning}");
 }

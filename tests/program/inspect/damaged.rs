@@ -4,6 +4,7 @@ use super::{inspect, json, simulate};
 use crate::common;
 use crate::common::command::{assert_one_error, folder, run, text};
 use serde_json::Value;
+use std::io::Read;
 
 #[test]
 fn a_log_that_was_cut_off_is_shown_up_to_there_and_said_to_be_truncated() {
@@ -93,8 +94,24 @@ fn of_a_log_with_a_damaged_chunk_everything_else_is_shown_and_recovered() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }
 
-/// Where each message of a log ends, in bytes, and its channel; those of a compressed chunk end with it.
-fn ends_of_messages(log: &[u8]) -> Vec<(usize, u16)> {
+/// The records in a frame of LZ4; how many of them there are after each of its blocks, and where that ends.
+fn unpacked_blocks(frame: &[u8]) -> (Vec<u8>, Vec<(usize, usize)>) {
+    let (mut records, mut blocks, mut end) = (Vec::new(), Vec::new(), 7);
+    loop {
+        let length = u32::from_le_bytes(frame[end..end + 4].try_into().expect("four bytes")) as usize;
+        if length == 0 {
+            return (records, blocks);
+        }
+        end += 4 + length;
+        records.clear();
+        // A frame that is cut ends in an error, after all that is whole in it.
+        let _ = lz4::Decoder::new(&frame[..end]).expect("a frame").read_to_end(&mut records);
+        blocks.push((records.len(), end));
+    }
+}
+
+/// Where each message of a log ends, in bytes; those of a compressed chunk end with their block, or with the chunk.
+fn ends_of_messages(log: &[u8]) -> Vec<usize> {
     let number =
         |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight bytes")) as usize;
     let (mut ends, mut at) = (Vec::new(), 8);
@@ -104,15 +121,23 @@ fn ends_of_messages(log: &[u8]) -> Vec<(usize, u16)> {
             // Two times, the size, the checksum, the name of the compression and the size with it come before the records.
             let name = at + 9 + 8 + 8 + 8 + 4;
             let start = name + 4 + usize::from(log[name]) + 8;
-            let is_packed = log[name] > 0;
             let packed = &log[start..next];
-            let records = if is_packed { zstd::decode_all(packed).expect("a frame") } else { packed.to_vec() };
+            // What there is of the records once so many bytes of the chunk are there.
+            let (records, blocks) = match &log[name + 4..start - 8] {
+                b"zstd" => {
+                    let records = zstd::decode_all(packed).expect("a frame");
+                    let whole = (records.len(), packed.len());
+                    (records, vec![whole])
+                }
+                b"lz4" => unpacked_blocks(packed),
+                other => panic!("{other:?}"),
+            };
             let mut inside = 0;
             while inside < records.len() {
                 let end = inside + 9 + number(&records, inside + 1);
                 if records[inside] == 5 {
-                    let channel = u16::from_le_bytes([records[inside + 9], records[inside + 10]]);
-                    ends.push((if is_packed { next } else { start + end }, channel));
+                    let (_, block) = blocks.iter().find(|(there, _)| *there >= end).expect("in a block");
+                    ends.push(start + block);
                 }
                 inside = end;
             }
@@ -123,29 +148,25 @@ fn ends_of_messages(log: &[u8]) -> Vec<(usize, u16)> {
 }
 
 #[test]
-fn every_whole_message_before_a_cut_is_read_also_those_of_the_chunk_that_was_cut() {
+fn every_whole_block_before_a_cut_is_read_also_those_of_the_chunk_that_was_cut() {
     let folder = folder("torn");
     simulate(&folder, &["--rate", "100"]);
     let whole = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
     let ends = ends_of_messages(&whole);
-    let channels: std::collections::BTreeSet<u16> = ends.iter().map(|(_, channel)| *channel).collect();
     let mut numbers = common::Numbers::new(11);
-    let mut cuts: Vec<usize> = (0..12).map(|_| numbers.next(ends[0].0 as f64, whole.len() as f64) as usize).collect();
+    let mut cuts: Vec<usize> = (0..12).map(|_| numbers.next(ends[0] as f64, whole.len() as f64) as usize).collect();
     // Just before and at the end of a message, the first of all and one in the middle of the samples.
-    cuts.extend([ends[0].0, ends[ends.len() / 2].0].iter().flat_map(|end| [end - 1, *end]));
+    cuts.extend([ends[0], ends[ends.len() / 2]].iter().flat_map(|end| [end - 1, *end]));
     for cut in cuts {
         std::fs::write(folder.join("cut.mcap"), &whole[..cut]).expect("written");
         let summary = inspect(&folder, &["cut.mcap"]);
         let topics = summary["topics"].as_array().expect("topics");
-        let mut found: Vec<u64> = topics.iter().map(|topic| topic["messages"].as_u64().expect("a count")).collect();
-        let count = |channel| ends.iter().filter(|(end, of)| *end <= cut && of == channel).count() as u64;
-        let mut expected: Vec<u64> = channels.iter().map(count).collect();
-        // Channels without a message are in the chunks too, or not yet.
-        [&mut found, &mut expected].into_iter().for_each(|counts| {
-            counts.retain(|count| *count > 0);
-            counts.sort_unstable();
-        });
-        assert_eq!(found, expected, "{cut} of {} bytes", whole.len());
+        let messages = |topic: &Value| topic["messages"].as_u64().expect("a count");
+        let found: u64 = topics.iter().map(messages).sum();
+        let expected = |more: usize| ends.iter().filter(|end| **end + more <= cut).count() as u64;
+        // The reader of LZ4 wants the four bytes behind a block, too, and holds back the last message until there is more.
+        let expected = expected(4).saturating_sub(1)..=expected(0);
+        assert!(expected.contains(&found), "{found} of {expected:?} messages, {cut} of {} bytes", whole.len());
         let words = run(&folder, &["inspect", "cut.mcap"]);
         assert!(text(&words.stdout).contains("TRUNCATED"), "{}", text(&words.stdout));
         // The last sample may lack messages: it is no row of the table, which would have other columns.
@@ -160,7 +181,8 @@ fn a_recovered_log_is_complete_and_has_everything_that_could_be_read() {
     let folder = folder("recovered");
     simulate(&folder, &["--rate", "100"]);
     let original = std::fs::read(folder.join("pendulum.mcap")).expect("a log");
-    std::fs::write(folder.join("cut.mcap"), &original[..original.len() * 3 / 5]).expect("written");
+    let ends = ends_of_messages(&original);
+    std::fs::write(folder.join("cut.mcap"), &original[..ends[ends.len() * 3 / 5] + 1]).expect("written");
     let output = run(&folder, &["inspect", "cut.mcap", "--recover", "whole.mcap"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let whole = std::fs::read(folder.join("whole.mcap")).expect("a log");
@@ -178,7 +200,6 @@ fn a_recovered_log_is_complete_and_has_everything_that_could_be_read() {
         };
         messages.map(known).collect::<Vec<_>>()
     });
-    // There are indexes among the bytes behind the cut, so that more than half of the messages are before it.
     assert!((original.len() / 2..original.len()).contains(&found.len()), "{} of {}", found.len(), original.len());
     assert!(found == original[..found.len()]);
     let index = mcap::Summary::read(&whole).expect("a log").expect("an index");

@@ -1,4 +1,4 @@
-//! How many equations of the closures are independent at a configuration, which of them say nothing new, and which freedoms cannot move.
+//! How many equations of the closures are independent at a configuration, which of them are redundant, and which freedoms cannot move.
 //!
 //! Rank is kinematics. With the gradient J of all equations ([`crate::structure::ranks::rows`]), made dimensionless by lengths,
 //!

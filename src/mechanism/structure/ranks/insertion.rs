@@ -1,5 +1,5 @@
-//! Rank of a large sparse matrix: rows are rotated into a triangle one after the other, and one of which nothing is left is implied by those
-//! before it.
+//! Rank of a large sparse matrix: rows are rotated into a triangle one after the other, and a row
+//! that becomes zero depends on those before it.
 //!
 //! ```text
 //!     columns from the last to the first:   r = row c of the triangle, if it has one:   (r, a) ← Givens rotation that clears a_c

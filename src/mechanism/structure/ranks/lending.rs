@@ -1,4 +1,4 @@
-//! Inertia lent to light freedoms that closures tie to heavy ones.
+//! Lent inertia: added in the matrix of the solve to light freedoms that closures tie to heavy ones, and removed again by iteration.
 //!
 //! A light leader of heavy followers moves alone with the mobility `(H⁻¹)_xx`, and with its followers with as many times less as it is lighter. The
 //! proximal term of the solve is a part ε of the first and would exceed the second. So the matrix alone, not the equations, gets

@@ -1,4 +1,4 @@
-//! What the closures say at a configuration, by kinematics alone.
+//! How many equations of the closures are independent at a configuration, by kinematics alone.
 //!
 //! [`rows`] writes their gradients without dimension; [`counting`] counts those that are independent, by [`row_pivoting`] and in large mechanisms by
 //! [`insertion`]; [`lending`] finds the inertia that light freedoms are lent where closures tie them to heavy ones.
