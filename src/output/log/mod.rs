@@ -59,6 +59,7 @@ mod definitions;
 mod description;
 mod durability;
 mod encoder;
+mod ending;
 mod error;
 mod events;
 mod figures;
@@ -83,6 +84,7 @@ pub mod reader;
 mod recorder;
 pub mod records;
 pub mod recovery;
+mod severity;
 pub(crate) mod standin;
 mod template;
 mod topics;
@@ -90,14 +92,14 @@ mod transforms;
 mod visual;
 
 pub use comparison::{Compared, Difference};
+pub use ending::{Ending, Outcome};
 pub use error::LogError;
-pub use file::{Ending, Outcome};
 pub use inputs::{INPUTS, sha256};
-pub use line::Severity;
 pub use names::START;
 pub use options::{LogOptions, Meshes};
 pub use output::{is_locked, neighbour};
 pub use recorder::Recorder;
+pub use severity::Severity;
 pub use topics::{Topics, UnknownTopic};
 
 /// The longest run whose nanoseconds a log can hold (s).
