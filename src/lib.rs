@@ -44,10 +44,14 @@
 //!
 //! | feature | what it adds | by default |
 //! |---|---|---|
-//! | `cli` | the command line (`catena`), with clap, indicatif, signal-hook | yes |
+//! | `cli` | the command line (`catena`), with clap, indicatif, signal-hook; takes the three below with it | yes |
+//! | `log` | logs in MCAP and pages, with mcap, zstd | yes |
 //! | `plot` | figures as SVG and PNG, charts and stability maps, with plotters | yes |
+//! | `scene` | scene files and sweeps, with toml | yes |
+//! | `parquet` | rows of sweeps as Apache Parquet | no |
 //!
-//! A library user without them (`default-features = false`) has models, runs, logs, reports and pages.
+//! A library user without them (`default-features = false`) has models of URDF files, runs and reports, and watches runs as an
+//! [`Observer`](simulation::Observer).
 //!
 //! Data goes one way through the floors, and nothing imports anything to its right:
 //!

@@ -17,6 +17,7 @@ from ._named import NamedArray
 from ._result import Result
 from ._rollout import Rollouts, rollout
 from ._sim import Sim
+from ._sweep import Swept, sweep
 
 __all__ = [
     "CatenaError",
@@ -27,7 +28,9 @@ __all__ = [
     "Rollouts",
     "RunError",
     "Sim",
+    "Swept",
     "__version__",
     "load",
     "rollout",
+    "sweep",
 ]

@@ -9,6 +9,7 @@ mod refusal;
 mod rollout;
 mod run;
 mod signals;
+mod sweep;
 
 use pyo3::prelude::*;
 use std::ffi::OsString;
@@ -25,6 +26,9 @@ fn _catena(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Model>()?;
     module.add_class::<run::Run>()?;
     module.add_class::<recorded::Recorded>()?;
+    module.add_class::<sweep::Sweep>()?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::merge, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::instructions, module)?)?;
     module.add_function(wrap_pyfunction!(rollout::rollout, module)?)
 }

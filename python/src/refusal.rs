@@ -5,7 +5,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 /// An exception of the class of this name in `catena._errors`.
-fn named(py: Python<'_>, class: &str, message: String) -> PyErr {
+pub fn named(py: Python<'_>, class: &str, message: String) -> PyErr {
     let made =
         py.import("catena._errors").and_then(|errors| errors.getattr(class)).and_then(|class| class.call1((&message,)));
     match made {

@@ -125,6 +125,19 @@ def test_numbers_are_varied_without_files(arm):
         arm.with_params({"flange.mas": 1.0})
 
 
+def test_other_numbers_are_set_on_the_file_as_it_was_when_it_was_first_asked_for_them(tmp_path, robots):
+    path = tmp_path / "arm.urdf"
+    path.write_text((robots / "arm7.urdf").read_text())
+    model = catena.load(path)
+    mass = model.params["link.flange.mass"]
+    path.unlink()
+    heavier = model.with_params({"flange.mass": 2 * mass}).with_params({"gravity.z": -1.62})
+    again = catena.load(robots / "arm7.urdf", params={"flange.mass": 2 * mass, "gravity.z": -1.62})
+    q = np.full(7, 0.3)
+    assert np.array_equal(heavier.gravity_efforts(q), again.gravity_efforts(q))
+    assert not np.array_equal(heavier.gravity_efforts(q), model.gravity_efforts(q))
+
+
 def test_the_equations_of_motion_fit_together(arm):
     rng = np.random.default_rng(7)
     q, v, tau = rng.uniform(-1, 1, (3, 7))

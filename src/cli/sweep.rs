@@ -92,10 +92,8 @@ pub fn run(arguments: &SweepArgs) -> Result<(), Failure> {
 fn failure(error: SweepError) -> Failure {
     match error {
         SweepError::Interrupted { .. } => Failure::interrupted(error),
-        SweepError::Disk { .. } => Failure::run(error),
-        SweepError::File(_) | SweepError::Model(_) | SweepError::Assembly(_) | SweepError::Folder { .. } => {
-            Failure::input(error)
-        }
+        error if error.is_input() => Failure::input(error),
+        error => Failure::run(error),
     }
 }
 

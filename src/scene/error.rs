@@ -107,6 +107,9 @@ pub enum Problem {
     /// The file system refused.
     #[error("cannot be read: {0}")]
     Unreadable(String),
+    /// A scene file, and nobody here reads them.
+    #[error("this build reads no scene files: build catena with its feature `scene`")]
+    NotBuilt,
     /// Nothing in it.
     #[error("the file is empty")]
     Empty,

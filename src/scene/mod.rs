@@ -12,32 +12,48 @@
 
 mod bounded;
 mod clean;
+#[cfg(feature = "scene")]
 mod contact_reader;
+#[cfg(feature = "scene")]
 mod contact_schema;
 pub mod contact_settings;
 mod convert;
 pub mod coupling;
+#[cfg(feature = "scene")]
 mod coupling_reader;
 mod description;
 mod element;
 pub mod error;
 mod inertia;
+#[cfg(feature = "scene")]
 mod joint_reader;
+#[cfg(feature = "scene")]
 mod joint_schema;
 pub mod joint_settings;
 mod mesh_files;
+#[cfg(not(feature = "scene"))]
+mod no_scene_file;
 mod numbers;
 pub mod package_path;
 pub mod parameters;
 pub mod robot;
+#[cfg(feature = "scene")]
 mod scene_file;
 mod scene_files;
+#[cfg_attr(
+    not(feature = "scene"),
+    expect(dead_code, reason = "key paths ask only whether a number may be one of these")
+)]
 mod scene_numbers;
+#[cfg(feature = "scene")]
 mod scene_schema;
 pub mod schema;
+#[cfg(feature = "scene")]
 mod target_csv;
+#[cfg(feature = "scene")]
 mod target_reader;
 mod text;
+#[cfg(feature = "scene")]
 mod toml_text;
 mod tree;
 mod unsimulated;
@@ -53,17 +69,24 @@ pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, Simulati
 pub(crate) use error::quoted;
 pub use error::{Element, Problem, SceneError, Warning};
 pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile};
+#[cfg(not(feature = "scene"))]
+pub use no_scene_file::read_scene;
 pub use package_path::PackagePath;
 pub use parameters::Parameter;
 pub use robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, UrdfJoint, UrdfJointKind,
     UrdfLoop,
 };
+#[cfg(feature = "scene")]
 pub(crate) use scene_file::simulation;
+#[cfg(feature = "scene")]
 pub use scene_file::{read_scene, scene_from_text};
 pub use scene_files::{FilesOnDisk, SceneFiles};
+#[cfg(feature = "scene")]
 pub(crate) use scene_schema::SimulationTable;
 pub use schema::WORLD_LINK;
+#[cfg(feature = "scene")]
 pub(crate) use text::read_text;
+#[cfg(feature = "scene")]
 pub(crate) use toml_text::TomlText;
 pub use urdf::{read_urdf, robot_from_text, robot_without_meshes};

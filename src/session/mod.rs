@@ -37,8 +37,11 @@ pub use error::{ControllerFailure, Error};
 #[doc(hidden)]
 pub use loaded::{Assembled, Loaded};
 pub use model::{Loader, Model};
+#[cfg(feature = "log")]
 #[doc(hidden)]
-pub use place::{check_log, check_place, folder_of, is_special};
+pub use place::check_log;
+#[doc(hidden)]
+pub use place::{check_place, folder_of, is_special};
 pub use recording::{Recording, SharedRecording};
 pub use rollout::{Rollout, Trajectories};
 pub use simulation::{JointValue, Simulation};

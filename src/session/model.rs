@@ -4,14 +4,14 @@ use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::{Base, Left, LinkState};
-use crate::scene::{Touching, Warning};
+use crate::scene::{Scene, Touching, Warning};
 use crate::session::coordinates::Coordinates;
 use crate::session::error::Error;
 use crate::session::loaded::Loaded;
 use crate::session::world::World;
 use nalgebra::{Rotation3, Translation3};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A robot or scene, ready to be simulated. Cheap to clone; nothing about it changes.
 ///
@@ -35,6 +35,8 @@ struct Shared {
     coordinates: Coordinates,
     path: PathBuf,
     world: World,
+    /// What its file says, without the numbers that are set; read when somebody asks for other numbers.
+    scene: OnceLock<Arc<Scene>>,
 }
 
 /// How a file is to be read: where its robot stands, and what is left out. Nothing said is as in the file.
@@ -127,19 +129,34 @@ impl Model {
 
     pub(crate) fn of_loaded(loaded: Loaded, path: PathBuf, world: World) -> Self {
         let coordinates = Coordinates::of(&loaded.model);
-        Model { shared: Arc::new(Shared { loaded, coordinates, path, world }) }
+        Model { shared: Arc::new(Shared { loaded, coordinates, path, world, scene: OnceLock::new() }) }
     }
 
     /// The same with other numbers, by their key paths: `link7.mass`, `spring.band.stiffness`, `gravity.z` (`catena model INPUT --parameters`
-    /// lists them). The file is read again.
+    /// lists them). The file is read again, once for all models that come of this one.
     ///
     /// # Errors
     /// Keys that do not exist or mean several numbers, and numbers that the file could not say.
     pub fn with_params<K: Into<String>>(&self, numbers: impl IntoIterator<Item = (K, f64)>) -> Result<Self, Error> {
         let mut world = self.world().clone();
         world.set.extend(numbers.into_iter().map(|(key, number)| (key.into(), number)));
-        let loaded = world.load(self.path())?;
-        Ok(Model::of_loaded(loaded, self.path().to_path_buf(), world))
+        let scene = self.scene()?;
+        let loaded = world.place_read(self.path(), Scene::clone(&scene))?;
+        let mut model = Model::of_loaded(loaded, self.path().to_path_buf(), world);
+        if let Some(shared) = Arc::get_mut(&mut model.shared) {
+            shared.scene = scene.into();
+        }
+        Ok(model)
+    }
+
+    /// What the file says.
+    fn scene(&self) -> Result<Arc<Scene>, Error> {
+        if let Some(scene) = self.shared.scene.get() {
+            return Ok(scene.clone());
+        }
+        let scene = Arc::new(self.world().scene(self.path())?);
+        // Another thread may have read it meanwhile: the first counts.
+        Ok(self.shared.scene.get_or_init(|| scene).clone())
     }
 
     /// All numbers that have a key path, and what the files say of them (nothing where neither does).
@@ -147,7 +164,7 @@ impl Model {
     /// # Errors
     /// As of [`Model::load`].
     pub fn params(&self) -> Result<Vec<(String, Option<f64>)>, Error> {
-        let scene = self.world().scene(self.path())?;
+        let scene = self.scene()?;
         Ok(scene.parameters().into_iter().map(|one| (one.key().to_string(), one.said())).collect())
     }
 

@@ -1,6 +1,8 @@
 //! Where a run may write: never over what it is made from, and only where a file can be.
 
+#[cfg(feature = "log")]
 use crate::model::Model;
+#[cfg(feature = "log")]
 use crate::output::log::{LONGEST, LogOptions, neighbour, seconds};
 use crate::session::error::Error;
 use std::path::Path;
@@ -42,6 +44,7 @@ pub fn check_place(output: &Path) -> Result<(), Error> {
 ///
 /// # Errors
 /// [`Error::Output`] if it would, [`Error::TooLong`] if it cannot count its nanoseconds.
+#[cfg(feature = "log")]
 pub fn check_log(output: &Path, model: &Model, duration: f64, options: &LogOptions) -> Result<(), Error> {
     let wanted = output.canonicalize().unwrap_or_else(|_| output.to_path_buf());
     for written in [neighbour(&wanted), wanted].iter().filter_map(|path| path.canonicalize().ok()) {

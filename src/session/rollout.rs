@@ -131,6 +131,7 @@ impl Model {
         if let Some(rate) = rate {
             simulation.sample_at(rate);
         }
+        simulation.leave_out_figures();
         simulation.observe(&mut rows);
         Ok(simulation.run()?)
     }

@@ -75,7 +75,7 @@ impl Running {
         let watch = Watch { recorder: None, speeds: SpeedWatch::new(model.description()), others };
         // What joints carry follows from a state and the model alone, not from the efforts of a program.
         let log = log.map(|(path, options)| match driven {
-            true => (path, LogOptions { topics: options.topics.without("/reactions"), ..options }),
+            true => (path, options.without("/reactions")),
             false => (path, options),
         });
         // What a program has seen of a run, or a pipe taken, cannot restart.

@@ -15,6 +15,7 @@ use crate::session::description::Origin;
 use crate::session::error::{ControllerFailure, Error};
 use crate::session::loaded::Assembled;
 use crate::session::model::{Model, pose_of};
+#[cfg(feature = "log")]
 use crate::session::place::{check_log, check_place};
 use crate::session::running::{Course, Finish, Running};
 use crate::session::words::words;
@@ -200,12 +201,14 @@ impl Simulation {
     }
 
     /// Writes the run to an MCAP file, from its first step on. A log that is there is replaced only when it is sure that it will be one.
+    #[cfg(feature = "log")]
     #[must_use]
     pub fn log(self, path: impl Into<PathBuf>) -> Self {
         self.log_with(path, LogOptions::default())
     }
 
     /// The same with a choice of topics, meshes and size.
+    #[cfg(feature = "log")]
     #[must_use]
     pub fn log_with(mut self, path: impl Into<PathBuf>, options: LogOptions) -> Self {
         self.log = Some((path.into(), options));
@@ -444,6 +447,7 @@ impl Simulation {
         let settled = self.asked.settle(&self.model.loaded().simulation)?;
         let Assembled { state, counted, warnings } = self.started()?.clone();
         let model = self.model.warned(warnings);
+        #[cfg(feature = "log")]
         if let Some((path, options)) = &self.log {
             check_place(path)?;
             check_log(path, model.description(), self.begin + settled.duration, options)?;

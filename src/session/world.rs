@@ -86,10 +86,7 @@ impl World {
     pub fn place_robot(&self, robot: Robot) -> Result<Loaded, Error> {
         self.check()?;
         if !self.set.is_empty() {
-            let mut loaded = self.place_scene(Scene::of_robot(robot))?;
-            // Its file is the URDF, of which no scene was read.
-            loaded.model.scene = None;
-            return Ok(loaded);
+            return self.place_only(Scene::of_robot(robot));
         }
         let defaults = ModelOptions::default();
         let options = ModelOptions {
@@ -102,6 +99,22 @@ impl World {
         model.without(&self.without);
         model.warnings.extend(nothing_moves(&model, "--base floating"));
         Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default(), counted: None })
+    }
+
+    /// Reduces what [`World::scene`] has read of an input; numbers are set.
+    ///
+    /// # Errors
+    /// As of [`World::load`].
+    pub(crate) fn place_read(&self, input: &Path, scene: Scene) -> Result<Loaded, Error> {
+        if is_scene(input) { self.place_scene(scene) } else { self.place_only(scene) }
+    }
+
+    /// Reduces a robot as the only one of a scene.
+    fn place_only(&self, scene: Scene) -> Result<Loaded, Error> {
+        let mut loaded = self.place_scene(scene)?;
+        // Its file is the URDF, of which no scene was read.
+        loaded.model.scene = None;
+        Ok(loaded)
     }
 
     /// Reduces a scene that was read.

@@ -5,7 +5,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::integrator::{Integrator, StepError};
+use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::simulation::observer::show;
@@ -83,6 +83,8 @@ pub(crate) struct Course {
     position: Vec<f64>,
     velocity: Vec<f64>,
     bodies: Vec<BodyState>,
+    /// Whether figures are wanted: energies, constraint errors and times of steps.
+    figures: bool,
     /// Time on the wall that the steps of a call of [`Course::proceed`] took.
     solving: Duration,
     bookkeeper: Bookkeeper,
@@ -106,6 +108,7 @@ impl Course {
             position: state.position.clone(),
             velocity: state.velocity.clone(),
             bodies: body_states(mechanism, state),
+            figures: true,
             solving: Duration::ZERO,
             bookkeeper: Bookkeeper::new(mechanism, state),
             happened: Vec::new(),
@@ -113,6 +116,11 @@ impl Course {
             sampled_state: (!mechanism.nonsmooth.pairs.is_empty()).then(|| state.clone()),
             contacts: Vec::new(),
         }
+    }
+
+    /// Nobody asks for figures: those of steps, which observers see, stay as they are at the start.
+    pub(crate) fn without_figures(self) -> Self {
+        Course { figures: false, ..self }
     }
 
     /// The figures so far.
@@ -154,6 +162,9 @@ impl Course {
         interrupt: Option<&AtomicBool>,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), RunError> {
+        if !self.figures {
+            return self.steps(mechanism, inputs, state, integrator, aim, interrupt, observers);
+        }
         let (processor, wall) = (ThreadTime::now(), Instant::now());
         self.solving = Duration::ZERO;
         let ended = self.steps(mechanism, inputs, state, integrator, aim, interrupt, observers);
@@ -179,21 +190,17 @@ impl Course {
             if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
                 return Err(RunError::Interrupted { time: state.time });
             }
-            let clock = Instant::now();
+            let clock = self.figures.then(Instant::now);
             inputs.check(mechanism, state)?;
             let outcome = integrator.step(mechanism, inputs, state, end);
-            self.solving += clock.elapsed();
+            self.solving += clock.map_or(Duration::ZERO, |clock| clock.elapsed());
             let outcome = outcome?;
             if integrator.begins_again() {
                 return Err(RunError::BeginsAgain { time: state.time });
             }
             self.see_events(integrator, observers);
-            place_bodies(mechanism, state, &mut self.bodies);
-            self.bookkeeper.record(mechanism, state, &self.bodies, outcome);
-            if self.sampled_state.is_some() {
-                self.contacts.clear();
-                integrator.contacts(mechanism, state, &mut self.contacts);
-                self.bookkeeper.summary.contact.see(&self.contacts, &mechanism.nonsmooth.pairs);
+            if self.figures {
+                self.count(mechanism, state, integrator, outcome);
             }
             observers.iter_mut().for_each(|observer| observer.step(&self.bookkeeper.last));
             while self.sample_time(self.sampled) <= state.time {
@@ -213,6 +220,17 @@ impl Course {
             }
         }
         Ok(())
+    }
+
+    /// Counts what a step has done, and what is right and wrong at its end.
+    fn count(&mut self, mechanism: &Mechanism, state: &State, integrator: &dyn Integrator, outcome: StepOutcome) {
+        place_bodies(mechanism, state, &mut self.bodies);
+        self.bookkeeper.record(mechanism, state, &self.bodies, outcome);
+        if self.sampled_state.is_some() {
+            self.contacts.clear();
+            integrator.contacts(mechanism, state, &mut self.contacts);
+            self.bookkeeper.summary.contact.see(&self.contacts, &mechanism.nonsmooth.pairs);
+        }
     }
 
     /// Counts the events of the last step, and shows them.

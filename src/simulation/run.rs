@@ -81,6 +81,8 @@ pub struct Simulation<'s> {
     options: RunOptions<'s>,
     end: f64,
     observers: Vec<&'s mut dyn Observer>,
+    /// Whether figures are wanted.
+    figures: bool,
     progress: Option<Progress>,
 }
 
@@ -203,6 +205,7 @@ impl<'s> Simulation<'s> {
             parts,
             options: RunOptions { duration, rate: None, interrupt },
             observers: Vec::new(),
+            figures: true,
             progress: None,
         })
     }
@@ -215,6 +218,12 @@ impl<'s> Simulation<'s> {
     /// Observers see so many samples per simulated second; without this only the first and the last instant. Before the first step.
     pub fn sample_at(&mut self, rate: f64) {
         self.options.rate = Some(rate);
+    }
+
+    /// Nobody asks for figures: energies, constraint errors and times of steps need not be worked out. The steps are the same. Before the first
+    /// step; parts that nothing connects have their figures all the same.
+    pub(crate) fn leave_out_figures(&mut self) {
+        self.figures = false;
     }
 
     /// Efforts on the joints from now on, besides the forces of the mechanism: one entry a degree of freedom [N m or N].
@@ -299,13 +308,16 @@ impl<'s> Simulation<'s> {
     }
 
     fn proceed(&mut self, until: f64, feedback: Option<&dyn Feedback>) -> Result<(), RunError> {
-        let Simulation { mechanism, state, efforts, integrators, options, observers, progress, choice, .. } = self;
+        let Simulation {
+            mechanism, state, efforts, integrators, options, observers, figures, progress, choice, ..
+        } = self;
         let inputs = Inputs { feedback, ..Inputs::constant(efforts) };
         let watching = &mut observers[..];
         match integrators {
             Integrators::Whole(integrator) => {
                 if progress.is_none() {
-                    let mut course = Course::new(mechanism, state, options.duration, options.rate);
+                    let course = Course::new(mechanism, state, options.duration, options.rate);
+                    let mut course = if *figures { course } else { course.without_figures() };
                     course.begin(watching)?;
                     *progress = Some(Progress::Whole(Box::new(course)));
                 }

@@ -4,4 +4,5 @@
 pub mod chart;
 #[cfg(feature = "plot")]
 pub mod stress;
+#[cfg(feature = "scene")]
 pub mod sweep;

@@ -5,8 +5,9 @@
 //! waits too. What the file becomes does not depend on when pieces were taken.
 
 use crate::output::log::encoder::SampleEncoder;
+use crate::output::log::ending::Ending;
 use crate::output::log::error::LogError;
-use crate::output::log::file::{Ending, LogFile};
+use crate::output::log::file::LogFile;
 use crate::output::log::queue::Piece;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -3,7 +3,8 @@
 //! A damaged message is an error, never a panic or a huge allocation.
 
 use crate::output::log::cdr_reader::CdrReader;
-use crate::output::log::line::Severity;
+use crate::output::log::line::level;
+use crate::output::log::severity::Severity;
 use serde::Serialize;
 
 /// A link's frame in the world.
@@ -104,9 +105,9 @@ pub fn transforms(data: &[u8]) -> Result<Vec<LinkPose>, String> {
 pub fn log_line(data: &[u8]) -> Result<LogLine, String> {
     let mut cdr = CdrReader::new(data)?;
     cdr.time()?;
-    let [level] = cdr.aligned()?;
+    let [said] = cdr.aligned()?;
     let _name = cdr.string()?;
-    Ok(LogLine { is_problem: level >= Severity::Warning.level(), text: cdr.string()? })
+    Ok(LogLine { is_problem: said >= level(Severity::Warning), text: cdr.string()? })
 }
 
 /// Decodes a message of numbers with names: `catena_msgs/msg/Energy`, `Constraint`, `Solver`.

@@ -20,8 +20,9 @@ use crate::output::log::compression::Packing;
 use crate::output::log::container::{Container, encode_piece, encode_provisional_chunk};
 use crate::output::log::definitions::Definition;
 use crate::output::log::durability::Durability;
+use crate::output::log::ending::{Ending, Outcome};
 use crate::output::log::error::LogError;
-use crate::output::log::names::{END, FINISHED, LIBRARY_VERSION, OUTCOME};
+use crate::output::log::names::{END, LIBRARY_VERSION, OUTCOME};
 use crate::output::log::output::Output;
 use crate::output::log::place::{FilePlace, Tail};
 use mcap::records::Metadata;
@@ -39,38 +40,6 @@ const PIECE_SIZE: usize = 1 << 15;
 /// Between two provisional chunks; with the time messages wait before and the write itself, less than a second of the
 /// run is lost when the process is killed.
 const PROVISIONAL_INTERVAL: Duration = Duration::from_millis(500);
-
-/// How a run ended, for the last record of its log.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ending {
-    /// The way it ended.
-    pub outcome: Outcome,
-    /// Figures of the whole run, by name.
-    pub figures: BTreeMap<String, String>,
-}
-
-/// The ways a run ends.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Outcome {
-    /// It reached its end.
-    #[default]
-    Finished,
-    /// The user ended it.
-    Interrupted,
-    /// It could not go on.
-    Failed,
-}
-
-impl Outcome {
-    /// The word in the log.
-    pub fn name(self) -> &'static str {
-        match self {
-            Outcome::Finished => FINISHED,
-            Outcome::Interrupted => "interrupted",
-            Outcome::Failed => "failed",
-        }
-    }
-}
 
 /// An MCAP file being written.
 pub(crate) struct LogFile {

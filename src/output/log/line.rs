@@ -1,29 +1,17 @@
 //! Lines of text, as `rcl_interfaces/msg/Log` on `/rosout`: what programs of ROS say, where its tools look for it.
 
 use crate::output::log::cdr::CdrWriter;
+use crate::output::log::severity::Severity;
 
 /// The topic.
 pub(crate) const TOPIC: &str = "/rosout";
 
-/// How serious a line is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Severity {
-    /// Something to know.
-    Info,
-    /// The run goes on.
-    Warning,
-    /// The run ended.
-    Error,
-}
-
-impl Severity {
-    /// The number in the message; lines from that of a warning on are problems.
-    pub(crate) fn level(self) -> u8 {
-        match self {
-            Severity::Info => 20,
-            Severity::Warning => 30,
-            Severity::Error => 40,
-        }
+/// The number in the message; lines from that of a warning on are problems.
+pub(crate) fn level(severity: Severity) -> u8 {
+    match severity {
+        Severity::Info => 20,
+        Severity::Warning => 30,
+        Severity::Error => 40,
     }
 }
 
@@ -32,7 +20,7 @@ pub(crate) fn encode_line(nanoseconds: u64, severity: Severity, text: &str) -> V
     let mut line = Vec::new();
     let mut writer = CdrWriter::begin(&mut line);
     writer.time(nanoseconds);
-    writer.byte(severity.level());
+    writer.byte(level(severity));
     writer.string("catena");
     writer.string(text);
     // No file, function and line: the text says what is wrong where.

@@ -60,6 +60,7 @@ mod definitions;
 mod description;
 mod durability;
 mod encoder;
+mod ending;
 mod error;
 mod events;
 mod figures;
@@ -85,6 +86,7 @@ mod recorder;
 pub mod records;
 pub mod recovery;
 mod repetition;
+mod severity;
 pub(crate) mod standin;
 mod template;
 mod topics;
@@ -92,14 +94,14 @@ mod transforms;
 mod visual;
 
 pub use comparison::{Compared, Difference};
+pub use ending::{Ending, Outcome};
 pub use error::LogError;
-pub use file::{Ending, Outcome};
 pub use inputs::{INPUTS, sha256};
-pub use line::Severity;
 pub use names::START;
 pub use options::{LogOptions, Meshes};
 pub use output::{is_locked, neighbour};
 pub use recorder::Recorder;
+pub use severity::Severity;
 pub use topics::{Topics, UnknownTopic};
 
 /// The longest run whose nanoseconds a log can hold (s).

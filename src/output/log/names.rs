@@ -20,9 +20,6 @@ pub(crate) const END: &str = "end";
 /// The entry of [`END`] that says it in a word.
 pub(crate) const OUTCOME: &str = "outcome";
 
-/// The word for a run that reached its end.
-pub(crate) const FINISHED: &str = "finished";
-
 /// The time of the log at the start of the run (ns), if this is the record that says it.
 pub(crate) fn start_of(metadata: &Metadata) -> Option<u64> {
     let said = (metadata.name == SIMULATION).then(|| metadata.metadata.get(START))?;

@@ -26,3 +26,11 @@ pub struct LogOptions {
     /// The time of the log at the start of the run, in nanoseconds since 1970.
     pub start: u64,
 }
+
+impl LogOptions {
+    /// The same but for this topic, which is named with its slash.
+    #[must_use]
+    pub(crate) fn without(self, topic: &str) -> Self {
+        LogOptions { topics: self.topics.without(topic), ..self }
+    }
+}

@@ -1,6 +1,7 @@
 //! A log as a row of items: channels, messages, metadata and attachments in their order.
 
-use crate::output::log::names::{END, FINISHED, LIBRARY, OUTCOME, start_of};
+use crate::output::log::ending::FINISHED;
+use crate::output::log::names::{END, LIBRARY, OUTCOME, start_of};
 use crate::output::log::records::{Completeness, Found, ReadError, read_records};
 use mcap::records::Record;
 use mcap::sans_io::{SummaryReadEvent, SummaryReader, SummaryReaderOptions};

@@ -13,7 +13,9 @@ mod step_error;
 mod text;
 
 pub use contact::{ContactReport, ContactsReport};
+#[cfg(feature = "log")]
 pub(crate) use contact::{pair_name, pair_names, state_name};
+#[cfg(feature = "log")]
 pub(crate) use events::joint_name;
 pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};
 pub use method::{AccuracyReport, FrequencyReport, MethodReport, ringing_warning, singular_warning, unsolved_warning};

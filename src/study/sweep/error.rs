@@ -47,6 +47,11 @@ pub enum SweepError {
 }
 
 impl SweepError {
+    /// Whether what was given is wrong, and not what happened then.
+    pub fn is_input(&self) -> bool {
+        !matches!(self, SweepError::Disk { .. } | SweepError::Interrupted { .. })
+    }
+
     pub(crate) fn folder(folder: &std::path::Path, reason: impl Into<String>) -> Self {
         SweepError::Folder { folder: folder.to_path_buf(), reason: reason.into() }
     }
