@@ -12,8 +12,10 @@ use std::path::{Path, PathBuf};
 
 /// The robot or scene, and where it stands.
 #[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "What is simulated")]
 pub struct InputArgs {
     /// The robot or scene: a .urdf or .toml file
+    #[arg(help_heading = None)]
     pub input: PathBuf,
 
     #[command(flatten)]

@@ -6,6 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The options of a log.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "Log")]
 pub struct LogArgs {
     /// Where viewers find the geometry of mesh files
     #[arg(long, value_enum, default_value_t, value_name = "WHERE")]

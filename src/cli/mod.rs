@@ -14,6 +14,7 @@ mod check;
 mod contact_args;
 mod contact_tables;
 mod couplings;
+mod examples;
 mod input;
 mod inspect;
 mod inspect_files;
@@ -28,6 +29,7 @@ mod recorded;
 mod replay;
 mod report;
 mod rules;
+mod shell;
 mod simulate;
 mod special_output;
 mod stress;
@@ -41,7 +43,7 @@ use anyhow::Context;
 use catena::session::{Error, Origin};
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -65,7 +67,7 @@ const ENDING_SIGNALS: &[i32] = &[
 
 /// Simulates mechanisms of rigid bodies, given as URDF or scene files, without drift and at any order of accuracy.
 #[derive(Parser)]
-#[command(version, arg_required_else_help = true)]
+#[command(name = "catena", version = shell::version(), arg_required_else_help = true)]
 struct CommandLine {
     #[command(subcommand)]
     verb: Verb,
@@ -74,21 +76,35 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Verb {
     /// Run a robot or scene and write the motion as a ROS 2 bag (MCAP)
+    #[command(after_help = examples::SIMULATE)]
     Simulate(Box<simulate::Arguments>),
+    #[command(after_help = examples::MODEL)]
     /// Show what was read, what was left out and why, and what will be simulated
     Model(Box<model::ModelArgs>),
+    #[command(after_help = examples::INSPECT)]
     /// Look at a log: a summary, one instant, curves, a table; or compare two logs
     Inspect(Box<inspect::InspectArgs>),
+    #[command(after_help = examples::REPORT)]
     /// Show the run of a log as a page in 3-D with curves and report, in one file that any browser opens
     Report(Box<report::ReportArgs>),
+    #[command(after_help = examples::REPLAY)]
     /// Re-run a log and check that the result is bit-identical
     Replay(Box<replay::ReplayArgs>),
+    #[command(after_help = examples::CHART)]
     /// Draw CPU time against error, beside RK4 and DOP853 in joint coordinates
     Chart(Box<chart::ChartArgs>),
+    #[command(after_help = examples::STRESS)]
     /// Draw stability maps: which step sizes work as a problem gets harder
     Stress(stress::StressArgs),
+    #[command(after_help = examples::SWEEP)]
     /// Run a scene many times with varied numbers, on all cores; each run is a row of a table
     Sweep(Box<sweep::SweepArgs>),
+    /// Print what a shell needs to complete command lines of catena
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(shell::CompletionsArgs),
+    /// Write manual pages, one of the program and one of each command
+    #[command(after_help = examples::MANUAL)]
+    Manual(shell::ManualArgs),
 }
 
 /// Why a verb did not do what it was asked for.
@@ -159,6 +175,8 @@ pub fn main_of(words: Vec<OsString>) -> u8 {
         Verb::Chart(arguments) => chart::run(&arguments),
         Verb::Stress(arguments) => stress::run(&arguments),
         Verb::Sweep(arguments) => sweep::run(&arguments),
+        Verb::Completions(arguments) => shell::complete(&arguments, CommandLine::command()),
+        Verb::Manual(arguments) => shell::write_manual(&arguments, CommandLine::command()),
     };
     match ended {
         Ok(()) => 0,

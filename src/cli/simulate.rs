@@ -23,6 +23,12 @@ use clap::{Args, value_parser};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
+/// Groups of options.
+const START: &str = "Start";
+const STEPS: &str = "Duration, accuracy and steps";
+const LOG: &str = "Log";
+const REPORT: &str = "Report";
+
 /// The options of `catena simulate`.
 #[derive(Args, Debug)]
 pub struct Arguments {
@@ -30,76 +36,76 @@ pub struct Arguments {
     pub input: InputArgs,
 
     /// Velocity of the origin of a floating root link, in the world [m/s, rad/s]
-    #[arg(long, value_name = "VX,VY,VZ,WX,WY,WZ", value_parser = numbers::<6>, allow_hyphen_values = true)]
+    #[arg(long, help_heading = START, value_name = "VX,VY,VZ,WX,WY,WZ", value_parser = numbers::<6>, allow_hyphen_values = true)]
     base_velocity: Option<[f64; 6]>,
 
     /// Initial position of a joint [rad, m]; as many numbers as the joint has degrees of freedom (repeatable)
-    #[arg(long, value_name = "JOINT=VALUE")]
+    #[arg(long, help_heading = START, value_name = "JOINT=VALUE")]
     position: Vec<Assignment>,
 
     /// Initial velocity of a joint [rad/s, m/s]; as many numbers as the joint has degrees of freedom (repeatable)
-    #[arg(long, value_name = "JOINT=VALUE")]
+    #[arg(long, help_heading = START, value_name = "JOINT=VALUE")]
     velocity: Vec<Assignment>,
 
-    /// The log [default: the name of the input with .mcap, in the current folder]
-    #[arg(short, long, value_name = "FILE.mcap", value_parser = crate::cli::output_file())]
-    output: Option<PathBuf>,
-
-    /// Write no log
-    #[arg(long, conflicts_with = "output")]
-    no_log: bool,
-
-    /// Write a page of the run, too: 3-D, curves and report in one file that any browser opens
-    #[arg(long, value_name = "FILE.html", value_parser = crate::cli::output_file(), conflicts_with = "no_log")]
-    pub report: Option<PathBuf>,
-
-    /// Most triangles of all meshes of the page together; larger meshes are simplified, 0 leaves meshes out
-    #[arg(long, value_name = "TRIANGLES", default_value_t = MESH_LIMIT, requires = "report")]
-    pub mesh_limit: usize,
-
     /// Simulated time [s] [default: 10]
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, help_heading = STEPS, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
     duration: Option<f64>,
 
     /// Wanted accuracy of positions [m]; stages and step are chosen from it [default: 1e-6]
-    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, help_heading = STEPS, value_name = "E", allow_negative_numbers = true, value_parser = positive)]
     tolerance: Option<f64>,
 
     /// Stages of the scheme, of order 2S-2, with a fixed --step
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = value_parser!(u8).range(2..=16),
+    #[arg(long, help_heading = STEPS, value_name = "S", allow_negative_numbers = true, value_parser = value_parser!(u8).range(2..=16),
           requires = "step", conflicts_with = "tolerance")]
     stages: Option<u8>,
 
     /// Fixed step [s], with --stages
-    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = positive, requires = "stages", conflicts_with = "tolerance")]
+    #[arg(long, help_heading = STEPS, value_name = "H", allow_negative_numbers = true, value_parser = positive, requires = "stages", conflicts_with = "tolerance")]
     step: Option<f64>,
 
     /// Vary the step with the pace of the motion, starting from --step, without drift over very long runs; only for trees under gravity
-    #[arg(long, requires = "step")]
+    #[arg(long, help_heading = STEPS, requires = "step")]
     reversible: bool,
 
     /// Solve the steps to 32 digits instead of 16, some ten times slower: rounding does not drift, however long the run; trees under
     /// gravity alone, with up to 9 stages
-    #[arg(long, requires = "step", conflicts_with = "reversible")]
+    #[arg(long, help_heading = STEPS, requires = "step", conflicts_with = "reversible")]
     precise: bool,
 
     /// Make the same run with half the --step, on another core, and estimate the error from the difference
-    #[arg(long, requires = "step")]
+    #[arg(long, help_heading = STEPS, requires = "step")]
     check: bool,
 
+    /// The log [default: the name of the input with .mcap, in the current folder]
+    #[arg(short, long, help_heading = LOG, value_name = "FILE.mcap", value_parser = crate::cli::output_file())]
+    output: Option<PathBuf>,
+
+    /// Write no log
+    #[arg(long, help_heading = LOG, conflicts_with = "output")]
+    no_log: bool,
+
+    /// Write a page of the run, too: 3-D, curves and report in one file that any browser opens
+    #[arg(long, help_heading = REPORT, value_name = "FILE.html", value_parser = crate::cli::output_file(), conflicts_with = "no_log")]
+    pub report: Option<PathBuf>,
+
+    /// Most triangles of all meshes of the page together; larger meshes are simplified, 0 leaves meshes out
+    #[arg(long, help_heading = REPORT, value_name = "TRIANGLES", default_value_t = MESH_LIMIT, requires = "report")]
+    pub mesh_limit: usize,
+
     /// Samples in the log per simulated second [default: 60]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = rate)]
+    #[arg(long, help_heading = LOG, value_name = "HZ", allow_negative_numbers = true, value_parser = rate)]
     rate: Option<f64>,
 
     #[command(flatten)]
     log: LogArgs,
 
     /// Print the report as one JSON object
-    #[arg(long)]
+    #[arg(long, help_heading = REPORT)]
     pub json: bool,
 
     /// Print errors only
-    #[arg(long)]
+    #[arg(long, help_heading = REPORT)]
     pub quiet: bool,
 }
 

@@ -1,0 +1,75 @@
+//! The examples at the end of the help of each command.
+
+pub const SIMULATE: &str = "\
+Examples:
+  catena simulate robots/arm7.urdf                                    ten seconds to 1e-6 m; the log is arm7.mcap
+  catena simulate robot.urdf --base floating --base-pose 0,0,1,0,0,0 --floor    drop it on a floor
+  catena simulate robot.urdf --duration 3 --tolerance 1e-9 --report run.html    a page of the run, too
+  catena simulate scene.toml --stages 3 --step 0.001 --no-log --json  fixed steps, the report as JSON";
+
+pub const MODEL: &str = "\
+Examples:
+  catena model robot.urdf                     bodies, joints, what was left out and why
+  catena model robot.urdf -o model.html       a page with a slider for each joint
+  catena model scene.toml --parameters        the numbers that --set and sweeps can change";
+
+pub const INSPECT: &str = "\
+Examples:
+  catena inspect arm7.mcap                    a summary
+  catena inspect arm7.mcap --events           impacts, sticking, bounds of motors
+  catena inspect arm7.mcap --plot curves.svg  positions, velocities, energy error, reactions
+  catena inspect arm7.mcap other.mcap         compare two logs link by link";
+
+pub const REPORT: &str = "\
+Example:
+  catena report arm7.mcap -o run.html         one file that any browser opens";
+
+pub const REPLAY: &str = "\
+Example:
+  catena replay arm7.mcap                     does this build make the same motion, bit for bit?";
+
+pub const CHART: &str = "\
+Example:
+  catena chart robots/arm7.urdf -o chart      CPU time over error, as pictures and a table";
+
+pub const STRESS: &str = "\
+Example:
+  catena stress -o maps --only mass_ratio     five links and a tip that gets heavier";
+
+pub const SWEEP: &str = "\
+Examples:
+  catena sweep sweep.toml -o out              all runs, on all cores; the same call goes on after a kill
+  catena sweep sweep.toml -o out/3 --shard 3/8    the third of eight shards
+  catena sweep --merge out/* -o whole         the shards as one table";
+
+pub const COMPLETIONS: &str = "\
+Examples:
+  catena completions bash > ~/.local/share/bash-completion/completions/catena
+  catena completions zsh > \"${fpath[1]}/_catena\"
+  catena completions fish > ~/.config/fish/completions/catena.fish";
+
+pub const MANUAL: &str = "\
+Example:
+  catena manual ~/.local/share/man/man1       then: man catena, man catena-simulate";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::CommandLine;
+    use crate::cli::contact_args::with_heights;
+    use clap::Parser;
+    use std::ffi::OsString;
+
+    #[test]
+    fn every_example_is_a_command_line_that_is_understood() {
+        let all = [SIMULATE, MODEL, INSPECT, REPORT, REPLAY, CHART, STRESS, SWEEP, COMPLETIONS, MANUAL];
+        for line in all.iter().flat_map(|examples| examples.lines()).filter(|line| line.starts_with("  catena ")) {
+            // What it does is said after two spaces, and where its output goes after >.
+            let command = line.trim_start().split("  ").next().unwrap_or_default();
+            let command = command.split(" > ").next().unwrap_or_default();
+            let words = command.split(' ').map(OsString::from);
+            let parsed = CommandLine::try_parse_from(with_heights(words));
+            assert!(parsed.is_ok(), "{command}: {}", parsed.err().map_or_else(String::new, |error| error.to_string()));
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! What shells, packagers and readers of manuals need: completions, manual pages and the version.
+
+use crate::cli::Failure;
+use anyhow::Context;
+use catena::lobatto::numbers::lanes::Isa;
+use clap::{Args, Command};
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// The options of `catena completions`.
+#[derive(Args, Debug)]
+pub struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    shell: clap_complete::Shell,
+}
+
+/// The options of `catena manual`.
+#[derive(Args, Debug)]
+pub struct ManualArgs {
+    /// The folder for the pages; it is made if it is not there
+    #[arg(value_name = "DIR", value_parser = crate::cli::output_folder())]
+    folder: PathBuf,
+}
+
+/// The version, with the commit where the build was told it (`CATENA_COMMIT`), and the vectors of this processor that are used.
+pub fn version() -> &'static str {
+    static VERSION: OnceLock<String> = OnceLock::new();
+    VERSION.get_or_init(|| {
+        let commit = option_env!("CATENA_COMMIT").map_or_else(String::new, |commit| format!("commit {commit}, "));
+        format!("{} ({commit}{})", env!("CARGO_PKG_VERSION"), Isa::detect().name())
+    })
+}
+
+/// Prints the completions of a shell.
+///
+/// # Errors
+/// Where standard output cannot be written.
+pub fn complete(arguments: &CompletionsArgs, mut command: Command) -> Result<(), Failure> {
+    let mut text = Vec::new();
+    clap_complete::generate(arguments.shell, &mut command, "catena", &mut text);
+    crate::cli::print(String::from_utf8_lossy(&text))
+}
+
+/// Writes the manual pages into a folder.
+///
+/// # Errors
+/// [`Failure`] names the folder that cannot be written.
+pub fn write_manual(arguments: &ManualArgs, command: Command) -> Result<(), Failure> {
+    let folder = &arguments.folder;
+    let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(command, folder));
+    written.with_context(|| format!("cannot write manual pages into {}", folder.display())).map_err(Failure::run)
+}
