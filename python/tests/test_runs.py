@@ -153,7 +153,7 @@ def test_the_equations_of_motion_fit_together(arm):
 
 def test_the_command_line_is_the_same(robots, tmp_path):
     version = command("--version", cwd=tmp_path)
-    assert version.stdout.strip() == f"catena {catena.__version__}"
+    assert version.stdout.startswith(f"catena {catena.__version__} (")
     wrong = command("simulate", "nowhere.urdf", cwd=tmp_path)
     assert wrong.returncode == 2 and wrong.stderr.startswith("catena: error: nowhere.urdf")
     with pytest.raises(catena.InputError) as raised:

@@ -18,6 +18,7 @@ Examples:
   catena inspect arm7.mcap                    a summary
   catena inspect arm7.mcap --events           impacts, sticking, bounds of motors
   catena inspect arm7.mcap --plot curves.svg  positions, velocities, energy error, reactions
+  catena inspect arm7.mcap --plot elbow.png --curves elbow,energy    some curves only
   catena inspect arm7.mcap other.mcap         compare two logs link by link";
 
 pub const REPORT: &str = "\

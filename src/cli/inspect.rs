@@ -52,6 +52,10 @@ pub struct InspectArgs {
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = crate::cli::output_file())]
     plot: Option<PathBuf>,
 
+    /// Draw those curves only that have one of these words in their titles or names, as `position,elbow` [default: all]
+    #[arg(long, value_name = "WORD,…", value_delimiter = ',', requires = "plot")]
+    curves: Vec<String>,
+
     /// Write all that can be read as a new, complete log, for viewers that need the index that a killed run did not write
     #[arg(long, value_name = "FILE.mcap", value_parser = crate::cli::output_file())]
     recover: Option<PathBuf>,
@@ -96,7 +100,7 @@ pub fn run(arguments: &InspectArgs) -> Result<(), Failure> {
         return Err(Failure::input(anyhow!("{}: there are no samples in it", log.display())));
     }
     let figure = match &arguments.plot {
-        Some(_) => Some(curves(log, &kinds(log)).map_err(Failure::input)?),
+        Some(_) => Some(curves(log, &kinds(log), &arguments.curves).map_err(Failure::input)?),
         None => None,
     };
     if figure.as_ref().is_some_and(|figure| figure.pictures.is_empty()) {

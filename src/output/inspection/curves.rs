@@ -19,10 +19,13 @@ use crate::output::log::frames::{Figures, Frame, Visitor, visit};
 use crate::output::log::records::ReadError;
 use crate::output::log::seconds;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Most curves in one picture; more can neither be told apart nor named.
 const MOST_CURVES: usize = 12;
+
+/// So many titles and names are listed where one is not known.
+const NAMED: usize = 24;
 
 /// Intervals of time whose smallest and largest values are drawn.
 const INTERVALS: usize = 1200;
@@ -47,7 +50,44 @@ struct Curve {
     points: Vec<(f64, f64)>,
 }
 
+/// Whether a word is in the title of a quantity or the name of one of its curves.
+fn is_of(word: &str, quantity: Quantity, curve: &Curve) -> bool {
+    let word = word.to_lowercase();
+    quantity.title().to_lowercase().contains(&word) || curve.label.to_lowercase().contains(&word)
+}
+
 impl Gatherer<'_> {
+    /// Whether any curve has a word in its title or name.
+    fn has(&self, word: &str) -> bool {
+        self.curves.iter().any(|(quantity, curves)| curves.iter().any(|curve| is_of(word, *quantity, curve)))
+    }
+
+    /// Keeps the curves that have one of the words; without words all.
+    fn keep(&mut self, words: &[String]) {
+        if words.is_empty() {
+            return;
+        }
+        for (quantity, curves) in &mut self.curves {
+            curves.retain(|curve| words.iter().any(|word| is_of(word, *quantity, curve)));
+        }
+        self.curves.retain(|(_, curves)| !curves.is_empty());
+    }
+
+    /// The titles, and the names of the first curves.
+    fn known(&self) -> String {
+        let titles = self.curves.iter().map(|(quantity, _)| quantity.title().to_string());
+        let mut names: Vec<String> = titles.collect();
+        for curve in self.curves.iter().flat_map(|(_, curves)| curves) {
+            if !names.contains(&curve.label) {
+                names.push(curve.label.clone());
+            }
+        }
+        let more = names.len().saturating_sub(NAMED);
+        names.truncate(NAMED);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        format!("{}{more}", names.join(", "))
+    }
+
     fn add(&mut self, quantity: Quantity, label: &str, time: f64, value: f64) {
         let found = self.curves.iter_mut().position(|(known, _)| *known == quantity);
         let place = found.unwrap_or_else(|| {
@@ -124,11 +164,22 @@ impl Visitor for Gatherer<'_> {
     }
 }
 
-/// The curves of a log as a figure.
+/// Why there is no figure.
+#[derive(Debug, thiserror::Error)]
+pub enum CurvesError {
+    /// It is not a log.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// No curve of the log has this word in its title or name.
+    #[error("{}: no curve has {word:?} in its title or name; there are {known}", log.display())]
+    Unknown { log: PathBuf, word: String, known: String },
+}
+
+/// The curves of a log as a figure; with words those alone in whose titles or names one of them is, in large or small letters.
 ///
 /// # Errors
-/// [`ReadError`] if it is not a log.
-pub fn curves(log: &Path, kinds: &JointKinds) -> Result<Figure, ReadError> {
+/// [`CurvesError`] if it is not a log, or a word is in no title or name.
+pub fn curves(log: &Path, kinds: &JointKinds, words: &[String]) -> Result<Figure, CurvesError> {
     let mut gatherer = Gatherer {
         kinds,
         curves: Vec::new(),
@@ -139,6 +190,10 @@ pub fn curves(log: &Path, kinds: &JointKinds) -> Result<Figure, ReadError> {
         method: String::new(),
     };
     let completeness = visit(log, &mut gatherer)?;
+    if let Some(word) = words.iter().find(|word| !gatherer.has(word)) {
+        return Err(CurvesError::Unknown { log: log.to_path_buf(), word: word.clone(), known: gatherer.known() });
+    }
+    gatherer.keep(words);
     let scale = if gatherer.largest_kinetic > 0.0 { gatherer.largest_kinetic } else { 1.0 };
     let all_points = || gatherer.curves.iter().flat_map(|(_, curves)| curves).flat_map(|curve| &curve.points);
     let end = all_points().map(|point| point.0).fold(0.0, f64::max);

@@ -146,6 +146,22 @@ fn curves_are_drawn_with_units_and_names() {
 }
 
 #[test]
+fn curves_are_chosen_by_words_of_their_titles_and_names() {
+    let folder = folder("chosen");
+    simulate(&folder, &["--velocity", "hinge=1"]);
+    let draw = |words: &str| run(&folder, &["inspect", "pendulum.mcap", "--plot", "some.svg", "--curves", words]);
+    assert_eq!(draw("velocities,ENERGY").status.code(), Some(0));
+    let svg = std::fs::read_to_string(folder.join("some.svg")).expect("a picture");
+    let has = |words: &[&str]| words.iter().filter(|said| svg.contains(**said)).count();
+    assert_eq!(has(&["Joint velocities", "Energy error"]), 2);
+    assert_eq!(has(&["Joint positions", "Reaction forces", "Constraint violation"]), 0);
+    let unknown = draw("energy,knee");
+    assert_eq!(unknown.status.code(), Some(2));
+    let said = text(&unknown.stderr);
+    assert!(said.contains("no curve has \"knee\"") && said.contains("hinge"), "{said}");
+}
+
+#[test]
 fn two_logs_are_compared_link_by_link() {
     let folder = folder("compare");
     simulate(&folder, &["-o", "a.mcap"]);
