@@ -90,11 +90,21 @@ impl Mode {
     /// The efforts that are constant while the mode lasts, added to `efforts`: of friction that slides, and of motors at their bounds or between
     /// ticks.
     pub fn add_constant_efforts(&self, elements: &Elements, efforts: &mut [f64]) {
+        self.add_friction(elements, efforts);
+        self.add_given_efforts(elements, efforts);
+    }
+
+    /// Those of friction that slides.
+    fn add_friction(&self, elements: &Elements, efforts: &mut [f64]) {
         for (joint, mode) in elements.joints.iter().zip(&self.joints) {
             if let JointMode::Free { sliding } = mode {
                 efforts[joint.coordinate.freedom] -= f64::from(*sliding) * joint.friction;
             }
         }
+    }
+
+    /// Those of motors at their bounds or between ticks.
+    fn add_given_efforts(&self, elements: &Elements, efforts: &mut [f64]) {
         for (motor, mode) in elements.motors.iter().zip(&self.motors) {
             let freedom = motor.coordinate.freedom;
             match *mode {
@@ -116,8 +126,10 @@ impl Mode {
     /// The same without friction: what is decided anew begins with these.
     pub fn driving_efforts(&self, elements: &Elements, inputs: Inputs, state: &State) -> Vec<f64> {
         let mut efforts = vec![0.0; state.velocity.len()];
-        let motors = Mode { joints: Vec::new(), motors: self.motors.clone(), contacts: Vec::new() };
-        motors.efforts_at(elements, inputs, state.time, state, &mut efforts);
+        inputs.write_constant(&mut efforts);
+        inputs.add_feedback(state, &mut efforts);
+        self.add_given_efforts(elements, &mut efforts);
+        self.add_motor_efforts(elements, state.time, state.time, state, &mut efforts);
         efforts
     }
 
