@@ -57,10 +57,7 @@ impl<'i> Inputs<'i> {
 
     /// Adds the efforts that follow the state, in this state, to `efforts`: one entry a degree of freedom [N m or N].
     pub fn add_feedback(&self, state: &State, efforts: &mut [f64]) {
-        let Some(feedback) = self.feedback else { return };
-        let mut law = vec![0.0; feedback.freedoms().len()];
-        feedback.efforts(state, &mut law);
-        for (&freedom, effort) in feedback.freedoms().iter().zip(&law) {
+        for (freedom, effort) in self.following(state) {
             efforts[freedom] += effort;
         }
     }
@@ -70,13 +67,22 @@ impl<'i> Inputs<'i> {
     /// # Errors
     /// [`StepError::Effort`] names the first that is not.
     pub fn check(&self, mechanism: &Mechanism, state: &State) -> Result<(), StepError> {
-        let Some(feedback) = self.feedback else { return Ok(()) };
-        let mut law = vec![0.0; feedback.freedoms().len()];
-        feedback.efforts(state, &mut law);
-        let Some(entry) = law.iter().position(|effort| !effort.is_finite()) else { return Ok(()) };
-        let body = mechanism.body_of_freedom(feedback.freedoms()[entry]);
+        let Some((freedom, effort)) = self.following(state).find(|(_, effort)| !effort.is_finite()) else {
+            return Ok(());
+        };
+        let body = mechanism.body_of_freedom(freedom);
         let joint = body.map_or_else(String::new, |body| mechanism.bodies[body].joint.name.clone());
-        Err(StepError::Effort { time: state.time, joint, effort: law[entry] })
+        Err(StepError::Effort { time: state.time, joint, effort })
+    }
+
+    /// The efforts that follow the state, in this state, with their degrees of freedom.
+    fn following(&self, state: &State) -> impl Iterator<Item = (usize, f64)> + use<'i> {
+        let freedoms = self.feedback.map_or(&[][..], Feedback::freedoms);
+        let mut law = vec![0.0; freedoms.len()];
+        if let Some(feedback) = self.feedback {
+            feedback.efforts(state, &mut law);
+        }
+        freedoms.iter().copied().zip(law)
     }
 
     /// Whether nothing acts.
