@@ -54,19 +54,7 @@ impl Piece {
 
     /// Makes it, towards `until`.
     pub(super) fn step(&mut self, whole: &Mechanism, inputs: Inputs, until: f64) -> Result<StepOutcome, StepError> {
-        let Piece { moving, drives, steps, small, small_efforts, law, .. } = self;
-        let changing = drives.change().then_some(&*drives as &dyn ChangingEfforts);
-        let narrowed = Narrowed::of(inputs.feedback, whole, moving, drives, law.as_deref());
-        let feedback = narrowed.as_ref().map(|narrowed| narrowed as &dyn Feedback);
-        let inputs = Inputs { efforts: small_efforts, changing, feedback };
-        match steps {
-            Some(steps) => steps.step(&moving.mechanism, inputs, small, until),
-            None => {
-                let step = until - small.time;
-                small.time = until;
-                Ok(StepOutcome { step, ..StepOutcome::default() })
-            }
-        }
+        self.attempt(whole, inputs, until, |steps, moving, inputs, small| steps.step(moving, inputs, small, until))
     }
 
     /// Makes it again with another length (s).
@@ -77,18 +65,29 @@ impl Piece {
         since: f64,
         length: f64,
     ) -> Result<StepOutcome, StepError> {
-        let Piece { moving, drives, steps, small, small_efforts, law, .. } = self;
+        let attempt = |steps: &mut dyn PieceSteps, moving: &Mechanism, inputs: Inputs, small: &mut State| {
+            steps.again(moving, inputs, small, length)
+        };
+        self.attempt(whole, inputs, since + length, attempt)
+    }
+
+    /// Attempts it under what acts on what moves; where nothing moves the time alone goes on to `end`.
+    fn attempt(
+        &mut self,
+        whole: &Mechanism,
+        inputs: Inputs,
+        end: f64,
+        attempt: impl FnOnce(&mut dyn PieceSteps, &Mechanism, Inputs, &mut State) -> Result<StepOutcome, StepError>,
+    ) -> Result<StepOutcome, StepError> {
+        let Piece { moving, drives, steps, small, small_start, small_efforts, law, .. } = self;
+        let Some(steps) = steps else {
+            small.time = end;
+            return Ok(StepOutcome { step: end - small_start.time, ..StepOutcome::default() });
+        };
         let changing = drives.change().then_some(&*drives as &dyn ChangingEfforts);
         let narrowed = Narrowed::of(inputs.feedback, whole, moving, drives, law.as_deref());
         let feedback = narrowed.as_ref().map(|narrowed| narrowed as &dyn Feedback);
-        let inputs = Inputs { efforts: small_efforts, changing, feedback };
-        match steps {
-            Some(steps) => steps.again(&moving.mechanism, inputs, small, length),
-            None => {
-                small.time = since + length;
-                Ok(StepOutcome { step: length, ..StepOutcome::default() })
-            }
-        }
+        attempt(steps.as_mut(), &moving.mechanism, Inputs { efforts: small_efforts, changing, feedback }, small)
     }
 
     /// Throws the step away.
