@@ -8,6 +8,7 @@ use crate::events::mode::{JointMode, Mode};
 use crate::events::watched::Watched;
 use crate::instant::blocks::Of;
 use crate::instant::elements::Elements;
+use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::event::{Event, EventKind, Side};
 
 /// What has happened along the first rows of what is met.
@@ -27,6 +28,23 @@ impl Met<'_> {
     fn end(&self, of: Of, time: f64) -> f64 {
         self.ends.iter().find(|(own, _)| *own == of).map_or(time, |(_, end)| *end)
     }
+}
+
+/// The side of a motor's bound that an effort is at or beyond: 1, −1, or 0 within it.
+pub(super) fn side_of_bound(motor: &Motor, effort: f64) -> i8 {
+    let reached = effort.abs() >= motor.max_effort;
+    if reached && effort > 0.0 { 1 } else { -i8::from(reached) }
+}
+
+/// Notes that a motor reaches its bound (±1) at an instant (s), or comes back from it (0); from one bound to the other is both.
+pub(super) fn note_bound(motor: &Motor, [was, is]: [i8; 2], time: f64, events: &mut Vec<Event>) {
+    if was == is {
+        return;
+    }
+    let kinds = [(was, EventKind::Unsaturation), (is, EventKind::Saturation)];
+    let body = motor.coordinate.body;
+    let at_bound = kinds.into_iter().filter(|(side, _)| *side != 0);
+    events.extend(at_bound.map(|(_, kind)| Event { time, kind, body, pair: None, impulse: None }));
 }
 
 /// Notes the impacts of an instant (s).

@@ -9,13 +9,14 @@ use crate::events::detection::ONE_INSTANT;
 use crate::events::drives::displacement;
 use crate::events::integrator::Eventful;
 use crate::events::mode::{JointMode, MotorMode};
+use crate::events::noted::{note_bound, side_of_bound};
 use crate::events::piece::Piece;
 use crate::events::quiet::QUIET;
 use crate::events::watched::Watched;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
-use crate::mechanism::motion::event::{Event, EventKind, JointStatus};
+use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
@@ -208,17 +209,7 @@ impl Eventful {
     fn note_bound_at_tick(&mut self, index: usize, mode: MotorMode, time: f64) {
         let motor = &self.elements.motors[index];
         if let (MotorMode::Given(before), MotorMode::Given(now)) = (self.mode.motors[index], mode) {
-            let [was, is] = [before, now].map(|effort| effort.abs() >= motor.max_effort);
-            // From one bound to the other is both.
-            let crosses = was && is && before * now < 0.0;
-            let body = motor.coordinate.body;
-            let event = |kind| Event { time, kind, body, pair: None, impulse: None };
-            if was && (!is || crosses) {
-                self.events.push(event(EventKind::Unsaturation));
-            }
-            if is && (!was || crosses) {
-                self.events.push(event(EventKind::Saturation));
-            }
+            note_bound(motor, [before, now].map(|effort| side_of_bound(motor, effort)), time, &mut self.events);
         }
     }
 
@@ -289,7 +280,9 @@ impl Integrator for Eventful {
             state.time = until;
             self.pieces[self.current].small.time = until;
         }
-        self.felt.see(inputs, &self.origin, state);
+        if !self.touching.pairs.is_empty() {
+            self.felt.see(inputs, &self.origin, state);
+        }
         match &mut self.left {
             Some(left) => left.copy_from(state),
             none => *none = Some(state.clone()),

@@ -16,14 +16,14 @@ use crate::events::decision::{Scene, Undecided, Yielding, decide};
 use crate::events::impact::{Impulses, Meeting, collide};
 use crate::events::memory::{Done, Found, Memory};
 use crate::events::mode::{JointMode, Mode, MotorMode};
-use crate::events::noted::{Met, note_impacts, note_joints, note_pairs};
+use crate::events::noted::{Met, note_bound, note_impacts, note_joints, note_pairs};
 use crate::events::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::watched::{Watched, unbounded};
 use crate::instant::blocks::{Block, Of, Rows, row_of_freedom};
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
 use crate::instant::elements::{Elements, inward};
-use crate::mechanism::motion::event::{Event, EventKind, Side};
+use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
 
 /// Rates below this part of the fastest that a joint has had are zero.
@@ -209,10 +209,10 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
                 }
             }
             Watched::Motor(index, side) => {
-                mode.motors[index] = MotorMode::Saturated(if side == Side::Upper { 1 } else { -1 });
+                let is = if side == Side::Upper { 1 } else { -1 };
+                mode.motors[index] = MotorMode::Saturated(is);
                 done.motors[index] = true;
-                let body = elements.motors[index].coordinate.body;
-                done.events.push(Event { time, kind: EventKind::Saturation, body, pair: None, impulse: None });
+                note_bound(&elements.motors[index], [0, is], time, &mut done.events);
             }
             // What contacts do is found again, from where the bodies are.
             Watched::Approach(_)
@@ -224,8 +224,8 @@ fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[W
             Watched::Excess(index) => {
                 mode.motors[index] = MotorMode::Unbounded;
                 done.motors[index] = true;
-                let body = elements.motors[index].coordinate.body;
-                done.events.push(Event { time, kind: EventKind::Unsaturation, body, pair: None, impulse: None });
+                // From either of its bounds.
+                note_bound(&elements.motors[index], [1, 0], time, &mut done.events);
             }
         }
     }
@@ -242,18 +242,10 @@ fn jump_to_bounds(elements: &Elements, mode: &mut Mode, state: &State, done: &mu
         };
         let effort = unbounded(elements, index, time, time, state);
         let is = if effort.abs() > motor.max_effort { effort.signum() as i8 } else { 0 };
-        if is == was {
-            continue;
-        }
-        mode.motors[index] = if is == 0 { MotorMode::Unbounded } else { MotorMode::Saturated(is) };
-        done.motors[index] = true;
-        let body = motor.coordinate.body;
-        let event = |kind| Event { time, kind, body, pair: None, impulse: None };
-        if was != 0 {
-            done.events.push(event(EventKind::Unsaturation));
-        }
-        if is != 0 {
-            done.events.push(event(EventKind::Saturation));
+        if is != was {
+            mode.motors[index] = if is == 0 { MotorMode::Unbounded } else { MotorMode::Saturated(is) };
+            done.motors[index] = true;
+            note_bound(motor, [was, is], time, &mut done.events);
         }
     }
 }
