@@ -101,8 +101,7 @@ pub fn measure(
         Effort { cap: (100.0 * reference.cost_scale).clamp(0.02, 5.0), total: 0.02, repeats: 5, enough: 1.0 }
     };
     let mut climbs: Vec<Climb> = Method::of(&scene.mechanism)
-        .iter()
-        .map(|&method| Climb {
+        .map(|method| Climb {
             method,
             settings: ladder(method, scene.duration, reference.time_scale, plan.quick),
             runs: Vec::new(),

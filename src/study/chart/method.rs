@@ -60,15 +60,10 @@ impl Method {
     /// The methods of smooth motions: all but the last, which regularises events.
     pub const ALL: &'static [Method] = Method::WITH_EVENTS.split_at(Method::WITH_EVENTS.len() - 1).0;
 
-    /// The methods of motions with contacts: ours.
-    pub const WITH_CONTACTS: &'static [Method] = Method::WITH_EVENTS.split_at(5).0;
-
-    /// The methods for a mechanism.
-    pub fn of(mechanism: &Mechanism) -> &'static [Method] {
-        if !mechanism.nonsmooth.pairs.is_empty() {
-            return Method::WITH_CONTACTS;
-        }
-        if mechanism.nonsmooth.is_empty() { Method::ALL } else { Method::WITH_EVENTS }
+    /// The methods for a mechanism: those that know what it is made of.
+    pub fn of(mechanism: &Mechanism) -> impl Iterator<Item = Method> {
+        let all = if mechanism.nonsmooth.is_empty() { Method::ALL } else { Method::WITH_EVENTS };
+        all.iter().copied().filter(|method| method.knows(mechanism))
     }
 
     /// The name in CSV files.
