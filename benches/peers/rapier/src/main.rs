@@ -5,7 +5,7 @@
 //! joints of a multibody by itself, is switched off; no collider exists; nothing sleeps.
 
 use anyhow::{Context, Result, bail};
-use cpu_time::ThreadTime;
+use rapier_runner::World;
 use rapier3d_f64::prelude::*;
 use serde::Deserialize;
 
@@ -59,21 +59,16 @@ enum Joints {
     Impulse,
 }
 
-struct World {
-    bodies: RigidBodySet,
+/// A mechanism, with the handle of each body.
+struct Jointed {
+    world: World,
     handles: Vec<RigidBodyHandle>,
-    impulse_joints: ImpulseJointSet,
-    multibody_joints: MultibodyJointSet,
 }
 
-impl World {
+impl Jointed {
     fn new(scene: &Scene, joints: Joints) -> Result<Self> {
-        let mut world = World {
-            bodies: RigidBodySet::new(),
-            handles: Vec::new(),
-            impulse_joints: ImpulseJointSet::new(),
-            multibody_joints: MultibodyJointSet::new(),
-        };
+        let mut made = Jointed { world: World::default(), handles: Vec::new() };
+        let world = &mut made.world;
         let ground = world.bodies.insert(RigidBodyBuilder::fixed());
         for body in &scene.bodies {
             // Moments and axes are given, because the eigenvalues of small inertias come out wrong in the library.
@@ -91,14 +86,14 @@ impl World {
                 .gyroscopic_forces_enabled(true)
                 .can_sleep(false);
             let handle = world.bodies.insert(rigid);
-            world.handles.push(handle);
+            made.handles.push(handle);
             let free = match body.kind.as_str() {
                 "revolute" => JointAxesMask::ANG_X,
                 "prismatic" => JointAxesMask::LIN_X,
                 "floating" if body.parent < 0 => continue,
                 other => bail!("no {other} joint here"),
             };
-            let parent = usize::try_from(body.parent).map_or(ground, |index| world.handles[index]);
+            let parent = usize::try_from(body.parent).map_or(ground, |index| made.handles[index]);
             let mut joint = GenericJoint::new(JointAxesMask::all() & !free);
             joint.set_local_frame1(pose(body.joint_on_parent.position, body.joint_on_parent.quaternion));
             joint.set_local_frame2(pose(body.joint_on_body.position, body.joint_on_body.quaternion));
@@ -112,18 +107,18 @@ impl World {
             }
         }
         if joints == Joints::Multibody {
-            world.set_joint_coordinates(scene);
+            made.set_joint_coordinates(scene);
         }
-        Ok(world)
+        Ok(made)
     }
 
     /// Multibody joints start at zero whatever the poses of their bodies say.
     fn set_joint_coordinates(&mut self, scene: &Scene) {
         for (body, &handle) in scene.bodies.iter().zip(&self.handles) {
-            let Some(link) = self.multibody_joints.rigid_body_link(handle).copied() else { continue };
-            let Some(multibody) = self.multibody_joints.get_multibody_mut(link.multibody) else { continue };
+            let Some(link) = self.world.multibody_joints.rigid_body_link(handle).copied() else { continue };
+            let Some(multibody) = self.world.multibody_joints.get_multibody_mut(link.multibody) else { continue };
             multibody.damping_mut().fill(0.0);
-            multibody.forward_kinematics(&self.bodies, true);
+            multibody.forward_kinematics(&self.world.bodies, true);
             if body.kind == "floating" {
                 // The six rates of a root that moves freely come first.
                 let twist = body.linear_velocity.iter().chain(&body.angular_velocity);
@@ -136,41 +131,9 @@ impl World {
             displacement[place] = body.position;
             multibody.apply_displacements(&displacement);
             multibody.generalized_velocity_mut()[place] = body.velocity;
-            multibody.forward_kinematics(&self.bodies, false);
-            multibody.update_rigid_bodies(&mut self.bodies, true);
+            multibody.forward_kinematics(&self.world.bodies, false);
+            multibody.update_rigid_bodies(&mut self.world.bodies, true);
         }
-    }
-
-    /// Steps to the end; CPU time of the loop [s].
-    fn run(&mut self, scene: &Scene, steps: usize) -> f64 {
-        let parameters = IntegrationParameters { dt: scene.duration / steps as f64, ..Default::default() };
-        let gravity = Vector::from_array(scene.gravity);
-        let mut pipeline = PhysicsPipeline::new();
-        let mut islands = IslandManager::new();
-        let mut broad_phase = BroadPhaseBvh::new();
-        let mut narrow_phase = NarrowPhase::new();
-        let mut colliders = ColliderSet::new();
-        let mut soft_bodies = SoftBodySet::default();
-        let mut ccd_solver = CCDSolver::new();
-        let clock = ThreadTime::now();
-        for _ in 0..steps {
-            pipeline.step(
-                gravity,
-                &parameters,
-                &mut islands,
-                &mut broad_phase,
-                &mut narrow_phase,
-                &mut self.bodies,
-                &mut colliders,
-                &mut self.impulse_joints,
-                &mut self.multibody_joints,
-                &mut soft_bodies,
-                &mut ccd_solver,
-                &(),
-                &(),
-            );
-        }
-        clock.elapsed().as_secs_f64()
     }
 }
 
@@ -186,16 +149,17 @@ fn main() -> Result<()> {
         other => bail!("{other} is neither multibody nor impulse"),
     };
     let (steps, repeats): (usize, usize) = (steps.parse()?, repeats.parse()?);
+    let parameters = IntegrationParameters { dt: scene.duration / steps as f64, ..Default::default() };
     let mut fastest = f64::INFINITY;
     let mut ends = Vec::new();
     for _ in 0..repeats.max(1) {
-        let mut world = World::new(&scene, joints)?;
-        fastest = fastest.min(world.run(&scene, steps));
-        ends = world
+        let mut made = Jointed::new(&scene, joints)?;
+        fastest = fastest.min(made.world.step(scene.gravity, &parameters, steps));
+        ends = made
             .handles
             .iter()
             .map(|&handle| {
-                let end = *world.bodies[handle].position();
+                let end = *made.world.bodies[handle].position();
                 let q = end.rotation;
                 serde_json::json!({ "origin": end.translation.to_array(), "quaternion": [q.w, q.x, q.y, q.z] })
             })

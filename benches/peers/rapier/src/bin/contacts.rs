@@ -4,7 +4,7 @@
 //! and the fastest of the repeats counts. Bodies may sleep, as they do by default; ITERATIONS are those of the solver (4 by default).
 
 use anyhow::{Result, bail};
-use cpu_time::ThreadTime;
+use rapier_runner::World;
 use rapier3d_f64::prelude::*;
 use serde::Deserialize;
 
@@ -65,31 +65,9 @@ fn run(scene: &Scene, steps: usize, iterations: usize) -> Result<(f64, Vec<[f64;
         num_solver_iterations: iterations,
         ..Default::default()
     };
-    let gravity = Vector::from_array(scene.gravity);
-    let (mut pipeline, mut islands) = (PhysicsPipeline::new(), IslandManager::new());
-    let (mut broad_phase, mut narrow_phase) = (BroadPhaseBvh::new(), NarrowPhase::new());
-    let (mut impulse_joints, mut multibody_joints) = (ImpulseJointSet::new(), MultibodyJointSet::new());
-    let (mut soft_bodies, mut ccd_solver) = (SoftBodySet::default(), CCDSolver::new());
-    let clock = ThreadTime::now();
-    for _ in 0..steps {
-        pipeline.step(
-            gravity,
-            &parameters,
-            &mut islands,
-            &mut broad_phase,
-            &mut narrow_phase,
-            &mut bodies,
-            &mut colliders,
-            &mut impulse_joints,
-            &mut multibody_joints,
-            &mut soft_bodies,
-            &mut ccd_solver,
-            &(),
-            &(),
-        );
-    }
-    let spent = clock.elapsed().as_secs_f64();
-    Ok((spent, handles.iter().map(|&handle| bodies[handle].translation().to_array()).collect()))
+    let mut world = World { bodies, colliders, ..World::default() };
+    let spent = world.step(scene.gravity, &parameters, steps);
+    Ok((spent, handles.iter().map(|&handle| world.bodies[handle].translation().to_array()).collect()))
 }
 
 fn main() -> Result<()> {
