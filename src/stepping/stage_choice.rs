@@ -2,7 +2,7 @@
 //!
 //! On trees all stages are solved side by side in the lanes of a vector, so that an iteration costs the same with few stages as with
 //! those that fill it: nine with AVX-512, five with the four lanes of anything less. There are two exceptions, measured in
-//! benches/README.md ("Stages for a tolerance"):
+//! doc/findings/2026-11-stages.md:
 //!
 //! - On closed loops all stages are coupled, and an iteration with nine costs twice as much as one with five. Nine make steps so long that
 //!   Newton's method limits them, and not the accuracy, until a fine one is asked for. One or two four-bars, which pass singular positions,

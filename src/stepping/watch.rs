@@ -106,7 +106,7 @@ impl Watch {
 
     /// Notes at `time` what dampers are about to stop, if it rings in steps of `step`.
     ///
-    /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (benches/README.md).
+    /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (doc/findings/2026-11-stiff-limits.md).
     pub fn hear(&mut self, Transient { decay, rate }: Transient, step: f64, time: f64) {
         let s = self.tableau.stages as f64;
         if step * decay > 2.0 * s * (s - 1.0) {
