@@ -12,7 +12,7 @@ use catena::mechanism::motion::state::State;
 use catena::model::{JointRecord, LinkFrame, Model, ReductionRule, position_names};
 use catena::output::page::{MESH_LIMIT, PageOptions, PageTable, model_page};
 use catena::output::report::ModelReport;
-use catena::scene::{Scene, Warning};
+use catena::scene::{Scene, Warning, warning_lines};
 use catena::session::Loaded;
 use catena::simulation::partition::Plan;
 use serde_json::{Value, json};
@@ -55,8 +55,8 @@ pub fn run(args: &ModelArgs) -> Result<(), Failure> {
         Ok(state) => state,
         // What does not close is worth looking at all the more.
         Err(error) => {
-            let (file, message) = (loaded.model.path().to_path_buf(), error.problem().to_string());
-            loaded.model.warnings.push(Warning { file, line: None, element: None, message });
+            let warning = Warning::odd(loaded.model.path(), None, None, error.problem().to_string());
+            loaded.model.warnings.push(warning);
             loaded.unassembled_state().map_err(Failure::input)?
         }
     };
@@ -179,7 +179,7 @@ fn as_json(&Described { model, start, redundancy, plan, kept }: &Described) -> V
         "joints": joints,
         "links": links,
         "reductions": reductions,
-        "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "warnings": model.warning_lines().collect::<Vec<_>>(),
     });
     let of_joints = joint_tables::as_json(model, start);
     let parts = couplings::as_json(model, redundancy).into_iter().chain(of_joints);
@@ -214,11 +214,13 @@ fn as_text(described: &Described) -> String {
         table.write(&mut text);
     }
     contact_tables::write_note(model, &mut text);
-    if !model.warnings.is_empty() {
-        let _ = writeln!(text, "\n{}:", counted(model.warnings.len(), "warning", "warnings"));
-        for warning in &model.warnings {
-            let _ = writeln!(text, "  {warning}");
+    let mut shown = None;
+    for (group, warning) in warning_lines(&model.warnings) {
+        if shown != Some(group) {
+            let _ = writeln!(text, "\n{}:", group.title());
+            shown = Some(group);
         }
+        let _ = writeln!(text, "  {warning}");
     }
     text
 }

@@ -24,15 +24,10 @@ pub fn fix_constant_followers(robot: &mut Robot) {
             joint.origin *= displacement;
             joint.kind = UrdfJointKind::Fixed;
             constant.insert(joint.name.clone(), value);
-            warnings.push(Warning {
-                file: robot.path.clone(),
-                line: Some(joint.line),
-                element: Some(Element::Joint(joint.name.clone())),
-                message: format!(
-                    "it mimics joint {:?}, which never moves, so it is held at {value} {unit}",
-                    mimic.joint
-                ),
-            });
+            let message =
+                format!("it mimics joint {:?}, which never moves, so it is held at {value} {unit}", mimic.joint);
+            let element = Some(Element::Joint(joint.name.clone()));
+            warnings.push(Warning::odd(&robot.path, Some(joint.line), element, message));
         }
         if constant.len() == known {
             break;

@@ -4,7 +4,9 @@ use crate::mechanism::description::contact::Shape;
 use crate::meshes::{MeshError, collision_surface, connected_parts, is_flat};
 use crate::model::coupling_error::{CouplingError, CouplingProblem};
 use crate::model::model_error::ModelError;
-use crate::scene::{Element, Geometry, LinkShapes, MeshFile, MeshSource, Robot, Shape as LinkShape, Warning};
+use crate::scene::{
+    Element, Geometry, LinkShapes, MeshFile, MeshSource, Robot, Shape as LinkShape, Warning, WarningGroup,
+};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -52,8 +54,9 @@ impl ShapeReader {
             Geometry::Mesh(mesh) => {
                 return Ok(self.hulls(number, mesh, choice).unwrap_or_else(|reason| {
                     let message = format!("its collision mesh {:?} {reason}, so this shape touches nothing", mesh.path);
-                    let (file, element) = (robot.path.clone(), Some(Element::Link(link.to_string())));
-                    self.warnings.push(Warning { file, line: Some(given.line), element, message });
+                    let element = Some(Element::Link(link.to_string()));
+                    let warning = Warning::odd(&robot.path, Some(given.line), element, message);
+                    self.warnings.push(warning.in_group(WarningGroup::NotSimulated));
                     Vec::new()
                 }));
             }

@@ -8,9 +8,9 @@ use crate::model::model_error::ModelError;
 use crate::model::robot_model::{JointRecord, Model};
 use crate::scene::Scene;
 use crate::scene::coupling::LinkReference;
-use crate::scene::error::{Element, Warning};
 use crate::scene::robot::{Pose, UrdfJoint, UrdfJointKind};
 use crate::scene::schema::WORLD_LINK;
+use crate::scene::{Element, Warning};
 use std::path::{Path, PathBuf};
 
 /// What all couplings look at.
@@ -45,8 +45,7 @@ impl Stand {
 
     /// The warning that this is to be known of it.
     pub(crate) fn warning(&self, message: &str) -> Warning {
-        let (file, element) = (self.file.clone(), Some(self.element.clone()));
-        Warning { file, line: Some(self.line), element, message: message.to_string() }
+        Warning::odd(&self.file, Some(self.line), Some(self.element.clone()), message)
     }
 }
 

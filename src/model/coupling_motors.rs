@@ -3,7 +3,7 @@
 use crate::mechanism::description::nonsmooth::{DryFriction, Motor, SpeedLimit};
 use crate::model::coupling_builder::Builder;
 use crate::model::model_error::ModelError;
-use crate::scene::{Element, SceneMotor, Warning};
+use crate::scene::{Element, SceneMotor, Warning, WarningGroup};
 
 impl Builder<'_> {
     /// The dry friction of `<dynamics friction>`, or what a `[[joint]]` says instead.
@@ -17,7 +17,7 @@ impl Builder<'_> {
                 Some(coordinate) if effort > 0.0 => all.push(DryFriction { coordinate, effort }),
                 None if effort > 0.0 && of.moves() => {
                     let message = "its friction is not simulated: only joints that turn about or slide along an axis have friction";
-                    unsimulated.push(of.stand().warning(message));
+                    unsimulated.push(of.stand().warning(message).in_group(WarningGroup::NotSimulated));
                 }
                 _ => {}
             }

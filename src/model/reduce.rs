@@ -339,7 +339,7 @@ impl Build<'_> {
         let file = self.robot.path.clone();
         let element = Some(Element::Link(link.name.clone()));
         let message = format!("neither it nor anything beyond it has mass, so {joint} is held at zero displacement");
-        Warning { file, line: Some(link.line), element, message }
+        Warning::odd(&file, Some(link.line), element, message)
     }
 
     fn no_inertia(&self, body: usize) -> ModelError {

@@ -12,7 +12,7 @@ use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::model::contact_pairs::ContactRecord;
-use crate::scene::{Geometry, Robot, UrdfJointKind, Warning};
+use crate::scene::{Geometry, Robot, UrdfJointKind, Warning, warning_lines};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -180,6 +180,11 @@ pub struct LinkState {
 }
 
 impl Model {
+    /// The warnings as people read them: what is not simulated, what is odd in the file, and one line for all that is ignored.
+    pub fn warning_lines(&self) -> impl Iterator<Item = String> {
+        warning_lines(&self.warnings).into_iter().map(|(_, line)| line)
+    }
+
     /// The file it was read from: the scene file, or the URDF of the only robot.
     pub fn path(&self) -> &Path {
         self.scene.as_ref().map_or(&self.robots[0].robot.path, |scene| &scene.path)

@@ -90,14 +90,11 @@ impl Model {
         let position = state.position[limit.coordinate.position];
         let excess = (limit.lower - position).max(position - limit.upper);
         let unit = self.unit(limit.coordinate);
-        (excess > NEGLIGIBLE_EXCESS).then(|| Warning {
-            file: self.path().to_path_buf(),
-            line: None,
-            element: Some(Element::Joint(self.mechanism.bodies[limit.coordinate.body].joint.name.clone())),
-            message: format!(
-                "it starts at {position} {unit}, outside its limits {} to {} {unit}",
-                limit.lower, limit.upper
-            ),
+        (excess > NEGLIGIBLE_EXCESS).then(|| {
+            let joint = Element::Joint(self.mechanism.bodies[limit.coordinate.body].joint.name.clone());
+            let (lower, upper) = (limit.lower, limit.upper);
+            let message = format!("it starts at {position} {unit}, outside its limits {lower} to {upper} {unit}");
+            Warning::odd(self.path(), None, Some(joint), message)
         })
     }
 

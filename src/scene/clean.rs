@@ -4,10 +4,11 @@
 //! reading. The result is written out again as XML for `urdf-rs`, whose own errors name neither line nor link.
 
 use crate::scene::element::{CleanAttribute, CleanElement};
-use crate::scene::error::{Element, Problem, SceneError, Warning};
+use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::{numbers, shown};
 use crate::scene::schema::{Attribute, Content, Count, GEOMETRY, Presence, Schema};
 use crate::scene::text::XmlText;
+use crate::scene::warning::Warning;
 use roxmltree::Node;
 use std::path::Path;
 
@@ -221,8 +222,8 @@ impl Cleaner<'_> {
     }
 
     fn warn(&mut self, node: Node, message: String) {
-        let (file, line) = (self.xml.file.clone(), Some(self.xml.line(node)));
-        self.warnings.push(Warning { file, line, element: self.owner.clone(), message });
+        let line = Some(self.xml.line(node));
+        self.warnings.push(Warning::odd(&self.xml.file, line, self.owner.clone(), message));
     }
 
     fn error(&self, node: Node, problem: Problem) -> SceneError {

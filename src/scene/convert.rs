@@ -2,7 +2,7 @@
 
 use crate::scene::clean::error_at;
 use crate::scene::element::CleanElement;
-use crate::scene::error::{Element, Problem, SceneError, Warning};
+use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::inertia::impossible_inertia;
 use crate::scene::mesh_files::MeshFiles;
 use crate::scene::numbers::{normalised, unit};
@@ -11,6 +11,7 @@ use crate::scene::robot::{
     UrdfLoop,
 };
 use crate::scene::schema::WORLD_LINK;
+use crate::scene::warning::{Warning, WarningGroup};
 use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3, Vector4};
 use std::path::Path;
 
@@ -121,7 +122,9 @@ impl Converter<'_> {
         };
         let damping = element.child("dynamics").and_then(|dynamics| dynamics.numbers("damping"));
         if damping.is_some_and(|damping| damping[0] != 0.0) {
-            self.warn(element.line, &owner, "the damping of a joint that closes a loop is not simulated".to_string());
+            let message = "the damping of a joint that closes a loop is not simulated".to_string();
+            let warning = self.warning(element.line, &owner, message);
+            self.warnings.push(warning.in_group(WarningGroup::NotSimulated));
         }
         let a = self.closing_end(element, "link1", links, &owner)?;
         let b = self.closing_end(element, "link2", links, &owner)?;
@@ -264,7 +267,7 @@ impl Converter<'_> {
     }
 
     fn warning(&self, line: usize, element: &Element, message: String) -> Warning {
-        Warning { file: self.file.to_path_buf(), line: Some(line), element: Some(element.clone()), message }
+        Warning::odd(self.file, Some(line), Some(element.clone()), message)
     }
 }
 

@@ -4,13 +4,14 @@ use crate::scene::coupling::{
     JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
 };
 use crate::scene::description::SceneRobot;
-use crate::scene::error::{Element, Problem, SceneError, Warning};
+use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::unit;
 use crate::scene::robot::LoopType;
 use crate::scene::scene_numbers::{Finite, NotNegative};
 use crate::scene::scene_schema::{EndTable, LoadTable, LoopTable, SpringTable, vector};
 use crate::scene::schema::WORLD_LINK;
 use crate::scene::toml_text::TomlText;
+use crate::scene::warning::Warning;
 use toml::Spanned;
 
 /// What all tables need.
@@ -142,8 +143,8 @@ impl CouplingReader<'_> {
         let refuse = || self.text.error(&given.span(), Some(owner.clone()), Problem::ZeroAxis);
         let (axis, warning) = unit(&vector(given.get_ref())).ok_or_else(refuse)?;
         if let Some(message) = warning {
-            let (file, line) = (self.text.file.to_path_buf(), Some(self.text.line(&given.span())));
-            self.warnings.push(Warning { file, line, element: Some(owner.clone()), message });
+            let line = Some(self.text.line(&given.span()));
+            self.warnings.push(Warning::odd(self.text.file, line, Some(owner.clone()), message));
         }
         Ok(LoopEnd { point, axis: Some(axis) })
     }

@@ -2,9 +2,9 @@
 
 use crate::scene::contact_settings::ContactSettings;
 use crate::scene::coupling::{SceneLoad, SceneLoop, SceneSpring};
-use crate::scene::error::Warning;
 use crate::scene::joint_settings::{SceneJoint, SceneMotor, TableFile};
 use crate::scene::robot::{Pose, Robot};
+use crate::scene::warning::Warning;
 use nalgebra::Vector3;
 use std::path::PathBuf;
 

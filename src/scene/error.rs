@@ -1,6 +1,5 @@
-//! Errors and warnings about the input: each names the file, the line, and the link or joint.
+//! Errors about the input: each names the file, the line, and the link or joint.
 
-use crate::mechanism::ground::words::counted;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -44,7 +43,7 @@ impl fmt::Display for Element {
 }
 
 /// `file:line: element: `, leaving out what is not known.
-fn place(file: &std::path::Path, line: Option<usize>, element: &Option<Element>) -> String {
+pub(crate) fn place(file: &std::path::Path, line: Option<usize>, element: &Option<Element>) -> String {
     let mut place = file.display().to_string();
     if let Some(line) = line {
         place += &format!(":{line}");
@@ -67,38 +66,6 @@ pub struct SceneError {
     pub element: Option<Element>,
     /// What is wrong.
     pub problem: Box<Problem>,
-}
-
-/// Something that was repaired, left out, or will not be simulated.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Warning {
-    /// The file.
-    pub file: PathBuf,
-    /// The line, counted from 1.
-    pub line: Option<usize>,
-    /// The link or joint.
-    pub element: Option<Element>,
-    /// What was done.
-    pub message: String,
-}
-
-impl Warning {
-    /// One warning for several of a kind: the first, and how many more links or joints (`what`) it is true of.
-    pub(crate) fn of_kind(all: Vec<Warning>, what: &str) -> Option<Warning> {
-        let more = all.len().saturating_sub(1);
-        let mut first = all.into_iter().next()?;
-        if more > 0 {
-            first.message +=
-                &format!("; the same for {}", counted(more, &format!("more {what}"), &format!("more {what}s")));
-        }
-        Some(first)
-    }
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{}: {}", place(&self.file, self.line, &self.element), self.message)
-    }
 }
 
 /// What can be wrong with a URDF or a scene file.

@@ -1,6 +1,7 @@
 //! Inertias that no rigid body has.
 
-use crate::scene::error::{Element, Warning};
+use crate::scene::error::Element;
+use crate::scene::warning::Warning;
 use nalgebra::Matrix3;
 use std::path::Path;
 
@@ -31,5 +32,5 @@ pub(crate) fn impossible_inertia(
          the sum of the others; used as given",
         moments[0], moments[1], moments[2]
     );
-    Some(Warning { file: file.to_path_buf(), line: Some(line), element: Some(link.clone()), message })
+    Some(Warning::odd(file, Some(line), Some(link.clone()), message))
 }

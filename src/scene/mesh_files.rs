@@ -1,8 +1,9 @@
 //! Finds the mesh files of a robot; the ones that are missing are reported once for each package or folder.
 
 use crate::scene::element::CleanElement;
-use crate::scene::error::{Element, Warning};
+use crate::scene::error::Element;
 use crate::scene::package_path::{PackagePath, Resolved};
+use crate::scene::warning::Warning;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -71,12 +72,8 @@ impl MeshFiles {
                     0 => String::new(),
                     others => format!("; the same for {others} more of {}", missing.place),
                 };
-                Warning {
-                    file: file.to_path_buf(),
-                    line: Some(missing.line),
-                    element: Some(missing.element),
-                    message: format!("the mesh {:?} {}{others}", missing.first, missing.reason),
-                }
+                let message = format!("the mesh {:?} {}{others}", missing.first, missing.reason);
+                Warning::odd(file, Some(missing.line), Some(missing.element), message)
             })
             .collect();
         (files, warnings)

@@ -58,6 +58,7 @@ mod toml_text;
 mod tree;
 mod unsimulated;
 mod urdf;
+mod warning;
 
 pub use contact_settings::{
     ContactSettings, LinkShapes, MeshSource, Obstacle, PairRule, SceneLink, Touching, UnknownTouching,
@@ -67,7 +68,7 @@ pub use coupling::{
 };
 pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, SimulationSettings};
 pub(crate) use error::quoted;
-pub use error::{Element, Problem, SceneError, Warning};
+pub use error::{Element, Problem, SceneError};
 pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile};
 #[cfg(not(feature = "scene"))]
 pub use no_scene_file::read_scene;
@@ -90,3 +91,4 @@ pub(crate) use text::read_text;
 #[cfg(feature = "scene")]
 pub(crate) use toml_text::TomlText;
 pub use urdf::{read_urdf, robot_from_text, robot_without_meshes};
+pub use warning::{Warning, WarningGroup, warning_lines};

@@ -4,7 +4,8 @@
 //! namespace prefix nobody declared); they are repaired here, and every line keeps its number.
 
 use crate::scene::bounded::read_bounded;
-use crate::scene::error::{Problem, SceneError, Warning};
+use crate::scene::error::{Problem, SceneError};
+use crate::scene::warning::Warning;
 use roxmltree::{Document, Node};
 use std::path::{Path, PathBuf};
 
@@ -92,8 +93,7 @@ impl XmlText {
     }
 
     fn warn_at(&mut self, line: usize, message: &str) {
-        let file = self.file.clone();
-        self.warnings.push(Warning { file, line: Some(line), element: None, message: message.to_string() });
+        self.warnings.push(Warning::odd(&self.file, Some(line), None, message));
     }
 
     fn error_at(&self, line: Option<usize>, problem: Problem) -> SceneError {

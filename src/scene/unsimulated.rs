@@ -1,8 +1,8 @@
 //! The parts of a URDF that are not simulated: one warning for each kind.
 
 use crate::scene::clean::Ignored;
-use crate::scene::error::Warning;
 use crate::scene::robot::{Limit, UrdfJoint, UrdfJointKind};
+use crate::scene::warning::{Warning, WarningGroup};
 use std::path::Path;
 
 /// The warnings about a robot's joints, and elements nobody reads.
@@ -30,8 +30,8 @@ pub(crate) fn unsimulated(file: &Path, joints: &[UrdfJoint], ignored: &[Ignored]
     let counted = kinds.into_iter().filter_map(|kind| warning(file, kind));
     let unread = ignored.iter().map(|ignored| {
         let times = if ignored.count == 1 { String::new() } else { format!(" ({} times)", ignored.count) };
-        let message = format!("{}{times} is not read", ignored.what);
-        Warning { file: file.to_path_buf(), line: Some(ignored.line), element: None, message }
+        let message = format!("{}{times}", ignored.what);
+        Warning::odd(file, Some(ignored.line), None, message).in_group(WarningGroup::Ignored)
     });
     counted.chain(unread).collect()
 }
@@ -41,7 +41,7 @@ fn warning(file: &Path, (what, of, verdict, lines): (&str, &str, &str, Vec<usize
     let first = *lines.first()?;
     let plural = if lines.len() == 1 { "" } else { "s" };
     let message = format!("{what} of {} {of}{plural} {verdict}", lines.len());
-    Some(Warning { file: file.to_path_buf(), line: Some(first), element: None, message })
+    Some(Warning::odd(file, Some(first), None, message).in_group(WarningGroup::NotSimulated))
 }
 
 /// Whether it names a position that is not zero, as some writers fill in where there is no limit.

@@ -3,7 +3,7 @@
 use crate::scene::clean::{Cleaned, clean, error_at};
 use crate::scene::convert::Converter;
 use crate::scene::element::CleanElement;
-use crate::scene::error::{Element, Problem, SceneError, Warning};
+use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::mesh_files::MeshFiles;
 use crate::scene::package_path::PackagePath;
 use crate::scene::robot::{Robot, UrdfLoop};
@@ -11,6 +11,7 @@ use crate::scene::schema::ROBOT;
 use crate::scene::text::{XmlText, read_text};
 use crate::scene::tree::find_root;
 use crate::scene::unsimulated::unsimulated;
+use crate::scene::warning::Warning;
 use std::path::Path;
 
 const JOINT_TYPES: [&str; 7] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"];

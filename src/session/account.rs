@@ -208,7 +208,7 @@ impl Begun {
             joints,
             loops,
             islands: islands.iter().map(IslandReport::new).collect(),
-            warnings: model.warnings.iter().map(ToString::to_string).chain(unreached).chain(of_method).collect(),
+            warnings: model.warning_lines().chain(unreached).chain(of_method).collect(),
             accuracy,
             accuracy_unknown,
             step_error,

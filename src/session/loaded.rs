@@ -109,7 +109,7 @@ impl Loaded {
                 self.moved(wanted, &state)
             )
         });
-        let warning = |message| Warning { file: file.to_path_buf(), line: None, element: None, message };
+        let warning = |message: String| Warning::odd(file, None, None, message);
         let mut warnings: Vec<Warning> = onto_loops.into_iter().chain(apart).map(warning).collect();
         warnings.extend(self.model.moved_in_warning(&given, &state));
         warnings.extend(self.model.limit_warning(&state));

@@ -180,7 +180,7 @@ impl Model {
 
     /// What was left out, and why, and what else is worth knowing.
     pub fn warnings(&self) -> Vec<String> {
-        self.description().warnings.iter().map(ToString::to_string).collect()
+        self.description().warning_lines().collect()
     }
 
     /// Where the coordinates of each joint are in q and v.

@@ -187,11 +187,9 @@ impl World {
 fn nothing_moves(model: &Model, remedy: &str) -> Option<Warning> {
     let robot = model.robots.iter().find(|placed| !placed.robot.root_is_world())?;
     let has_mass = model.links[robot.links.clone()].iter().any(|link| link.mass > 0.0);
-    (model.mechanism.bodies.is_empty() && has_mass).then(|| Warning {
-        file: model.path().to_path_buf(),
-        line: None,
-        element: None,
-        message: format!("nothing moves, because the root link is fixed in the world; {remedy} lets it move"),
+    (model.mechanism.bodies.is_empty() && has_mass).then(|| {
+        let message = format!("nothing moves, because the root link is fixed in the world; {remedy} lets it move");
+        Warning::odd(model.path(), None, None, message)
     })
 }
 

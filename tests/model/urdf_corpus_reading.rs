@@ -128,10 +128,10 @@ fn damaged_files_load_with_a_warning_or_give_one_clear_error() {
         ("duplicate_axis", Ok("duplicate_axis.urdf:550: joint \"RL_lower_joint\": <axis> is given twice")),
         ("four_numbers", Err("four_numbers.urdf:16: link \"chassis\": <mesh scale=\"1 1 1 1\">: 3 numbers")),
         ("husky_xacro_leftover", Err("husky_xacro_leftover.urdf:97: joint \"imu_joint\": <origin")),
-        ("icub_mesh_without_filename", Ok("<texture> of <material> (28 times) is not read")),
+        ("icub_mesh_without_filename", Ok("ignored: <texture> of <material> (28 times)")),
         ("microtaur_rpy4", Err("microtaur_rpy4.urdf:300: joint \"dynamixel7_chassis_left\": <origin rpy=")),
         ("plane_geometry", Ok("plane_geometry.urdf:21: link \"planeLink\": its <collision> was left out: <plane>")),
-        ("racecar_xacro", Ok("racecar_xacro.urdf:284: <material> of <geometry> is not read")),
+        ("racecar_xacro", Ok("racecar_xacro.urdf:284: ignored: <material> of <geometry>")),
         ("spherical_limit_no_velocity", Ok("velocity.urdf:30: joint \"neck\": <limit> has no velocity")),
     ];
     assert_eq!(urdf_files(&folder).len(), expected.len(), "every file is listed");

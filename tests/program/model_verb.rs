@@ -49,7 +49,7 @@ fn the_json_names_bodies_joints_reductions_and_warnings() {
         report["reductions"].as_array().unwrap().iter().map(|r| r["rule"].as_str().unwrap()).collect();
     assert_eq!(rules, ["fixed_base", "fused_with_parent"]);
     assert_eq!(report["warnings"].as_array().unwrap().len(), 1);
-    assert!(report["warnings"][0].as_str().unwrap().ends_with(":7: <gazebo> is not read"));
+    assert!(report["warnings"][0].as_str().unwrap().ends_with(": ignored: line 7: <gazebo>"));
 }
 
 #[test]

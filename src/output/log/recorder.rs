@@ -246,7 +246,7 @@ fn prepare(
 ) -> Result<SampleEncoder, LogError> {
     let left_out = describe(sink, model, options, beside)?;
     let encoder = SampleEncoder::new(sink, model, options)?;
-    for warning in model.warnings.iter().map(ToString::to_string).chain(left_out) {
+    for warning in model.warning_lines().chain(left_out) {
         encoder.line(sink, 0, &encode_line(options.start, Severity::Warning, &warning))?;
     }
     Ok(encoder)

@@ -184,7 +184,7 @@ pub fn model_page(model: &Model, start: &State, options: &PageOptions) -> String
     };
     let path = model.path();
     let name = path.file_name().map_or_else(|| path.display().to_string(), |file| file.to_string_lossy().into_owned());
-    let warnings = model.warnings.iter().map(ToString::to_string).collect();
+    let warnings = model.warning_lines().collect();
     let about = About { kind: "model", source: name, facts: facts::of_model(model), warnings, notes: Vec::new() };
     write(model, start, about, &source, &motion, options)
 }

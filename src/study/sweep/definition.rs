@@ -130,7 +130,7 @@ pub fn read_sweep(path: &Path, packages: &PackagePath) -> Result<Sweep, SweepErr
         runs,
         rows_per_file,
         fingerprint: reader.fingerprint(),
-        warnings: model.warnings.iter().map(ToString::to_string).collect(),
+        warnings: model.warning_lines().collect(),
         scene,
     })
 }

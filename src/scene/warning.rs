@@ -1,0 +1,120 @@
+//! Warnings about the input, in three groups: what is not simulated, what is odd in the file, and what is ignored.
+
+use crate::mechanism::ground::words::counted;
+use crate::scene::error::{Element, place};
+use std::collections::BTreeSet;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// What a warning says of the part of the file that it is about, in the order in which people are told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum WarningGroup {
+    /// The part means something for the motion, and the motion goes without it.
+    NotSimulated,
+    /// The part is missing, wrong or unusual; the message says what was made of it.
+    Odd,
+    /// Tags and attributes that nobody here reads; a list of warnings has one line for all of a file.
+    Ignored,
+}
+
+impl WarningGroup {
+    /// What stands above the warnings of this group.
+    pub fn title(self) -> &'static str {
+        match self {
+            WarningGroup::NotSimulated => "Not simulated",
+            WarningGroup::Odd => "Odd in the file",
+            WarningGroup::Ignored => "Ignored tags and attributes",
+        }
+    }
+}
+
+/// Something that was repaired, left out, or will not be simulated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warning {
+    /// What it says of the file.
+    pub group: WarningGroup,
+    /// The file.
+    pub file: PathBuf,
+    /// The line, counted from 1.
+    pub line: Option<usize>,
+    /// The link or joint.
+    pub element: Option<Element>,
+    /// What was done; of what is ignored: its name, and how often it is there.
+    pub message: String,
+}
+
+impl Warning {
+    /// A warning that something in the file is missing, wrong or unusual.
+    pub fn odd(file: &Path, line: Option<usize>, element: Option<Element>, message: impl Into<String>) -> Self {
+        Warning { group: WarningGroup::Odd, file: file.to_path_buf(), line, element, message: message.into() }
+    }
+
+    /// The same warning in another group.
+    pub(crate) fn in_group(self, group: WarningGroup) -> Self {
+        Warning { group, ..self }
+    }
+
+    /// One warning for several of a kind: the first, and how many more links or joints (`what`) it is true of.
+    pub(crate) fn of_kind(all: Vec<Warning>, what: &str) -> Option<Warning> {
+        let more = all.len().saturating_sub(1);
+        let mut first = all.into_iter().next()?;
+        if more > 0 {
+            first.message +=
+                &format!("; the same for {}", counted(more, &format!("more {what}"), &format!("more {what}s")));
+        }
+        Some(first)
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ignored = if self.group == WarningGroup::Ignored { "ignored: " } else { "" };
+        write!(out, "{}: {ignored}{}", place(&self.file, self.line, &self.element), self.message)
+    }
+}
+
+/// The lines that people read, group by group; what is ignored is one line for each file.
+pub fn warning_lines(warnings: &[Warning]) -> Vec<(WarningGroup, String)> {
+    let of = |group| warnings.iter().filter(move |warning| warning.group == group);
+    let mut lines: Vec<(WarningGroup, String)> = [WarningGroup::NotSimulated, WarningGroup::Odd]
+        .into_iter()
+        .flat_map(|group| of(group).map(move |warning| (group, warning.to_string())))
+        .collect();
+    let files: BTreeSet<&Path> = of(WarningGroup::Ignored).map(|warning| warning.file.as_path()).collect();
+    lines.extend(files.into_iter().map(|file| {
+        let named = |warning: &Warning| match warning.line {
+            Some(line) => format!("line {line}: {}", warning.message),
+            None => warning.message.clone(),
+        };
+        let all: Vec<String> = of(WarningGroup::Ignored).filter(|warning| warning.file == file).map(named).collect();
+        (WarningGroup::Ignored, format!("{}: ignored: {}", file.display(), all.join("; ")))
+    }));
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_group_by_group_and_what_is_ignored_takes_one_line_for_each_file() {
+        let warning = |group, file: &str, line, message: &str| {
+            Warning::odd(Path::new(file), Some(line), None, message).in_group(group)
+        };
+        let lines = warning_lines(&[
+            warning(WarningGroup::Ignored, "a.urdf", 3, "<gazebo> (2 times)"),
+            warning(WarningGroup::Odd, "a.urdf", 4, "has inertia but no mass"),
+            warning(WarningGroup::Ignored, "b.urdf", 5, "<sensor>"),
+            warning(WarningGroup::NotSimulated, "b.urdf", 6, "limits of 2 floating joints are not simulated"),
+            warning(WarningGroup::Ignored, "a.urdf", 7, "<transmission>"),
+        ]);
+        let expected = [
+            (WarningGroup::NotSimulated, "b.urdf:6: limits of 2 floating joints are not simulated"),
+            (WarningGroup::Odd, "a.urdf:4: has inertia but no mass"),
+            (WarningGroup::Ignored, "a.urdf: ignored: line 3: <gazebo> (2 times); line 7: <transmission>"),
+            (WarningGroup::Ignored, "b.urdf: ignored: line 5: <sensor>"),
+        ];
+        assert_eq!(lines, expected.map(|(group, line)| (group, line.to_string())));
+    }
+}
