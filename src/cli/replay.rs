@@ -2,6 +2,7 @@
 //!
 //! A log that was cut off or whose run was interrupted is compared up to its end; one that is damaged is not the same as any run.
 
+use crate::cli::progress::Progress;
 use crate::cli::recorded::Recorded;
 use crate::cli::simulate::Setup;
 use crate::cli::{Failure, print};
@@ -10,6 +11,7 @@ use catena::output::log::{Difference, Recorder};
 use catena::session::{DRIVEN, Error, Settled, TOLD};
 use catena::simulation::{RunError, Simulation, SimulationOptions};
 use clap::Args;
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
 /// The options of `catena replay`.
@@ -45,7 +47,7 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
     let switched_off = &recorded.arguments.input.keep[..];
     let run = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
-    let mut recorder;
+    let (mut recorder, mut progress);
     let counted = recorded.loaded.counted.clone();
     // Earlier versions made trial runs, and so do runs whose log is a pipe.
     let told = recorded.simulation.contains_key(TOLD);
@@ -58,8 +60,11 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     }
     simulation.sample_at(rate);
     simulation.observe(&mut recorder);
+    progress = (!arguments.quiet && std::io::stderr().is_terminal()).then(|| Progress::new(duration));
+    progress.iter_mut().for_each(|progress| simulation.observe(progress));
     let ended = simulation.run();
     drop(simulation);
+    progress.iter().for_each(Progress::clear);
     let (compared, result) = recorder.compared();
     match ended {
         Err(error @ RunError::Interrupted { .. }) => return Err(Failure::interrupted(error)),
