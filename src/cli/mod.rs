@@ -39,6 +39,7 @@ mod table;
 pub use report::page_of_log;
 
 use crate::cli::contact_args::with_heights;
+use anstyle::{AnsiColor, Effects, Style};
 use anyhow::Context;
 use catena::session::{Error, Origin};
 use clap::builder::{PathBufValueParser, TypedValueParser};
@@ -248,17 +249,21 @@ fn not_standard_output(otherwise: &'static str) -> impl TypedValueParser<Value =
     PathBufValueParser::new().try_map(move |path| if path.as_os_str() == "-" { Err(otherwise) } else { Ok(path) })
 }
 
+/// Colours on terminals, those that clap's own messages have; none where NO_COLOR is set, or nobody looks.
+const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
+const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
+
 /// Prints an error on one line.
 fn complain(message: &str) {
     let line = message.split_whitespace().collect::<Vec<_>>().join(" ");
     // If standard error is closed there is nobody left to tell.
-    let _ = writeln!(io::stderr(), "catena: error: {line}");
+    let _ = writeln!(anstream::stderr(), "catena: {ERROR}error:{ERROR:#} {line}");
 }
 
 /// Prints a warning.
 pub fn warn(message: impl Display) {
     // As for errors.
-    let _ = writeln!(io::stderr(), "catena: warning: {message}");
+    let _ = writeln!(anstream::stderr(), "catena: {WARNING}warning:{WARNING:#} {message}");
 }
 
 /// Writes to standard output; a reader that has gone away is no error.

@@ -295,3 +295,18 @@ fn a_report_that_cannot_be_printed_does_not_hide_how_the_run_ended() {
     assert_one_error(&output, 1, "failed");
     assert!(!text(&output.stderr).contains("standard output"), "{}", text(&output.stderr));
 }
+
+#[test]
+fn colour_is_for_terminals_or_who_forces_it_and_never_where_no_color_is_set() {
+    let folder = folder("colour");
+    let told = |variables: &[(&str, &str)]| {
+        let mut command = catena(&folder, &["simulate", "missing.urdf"]);
+        command.env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE").envs(variables.iter().copied());
+        text(&command.output().expect("catena runs").stderr).to_string()
+    };
+    let plain = told(&[]);
+    assert!(plain.starts_with("catena: error: missing.urdf"), "{plain}");
+    let coloured = told(&[("CLICOLOR_FORCE", "1")]);
+    assert!(coloured.starts_with("catena: \u{1b}[1m\u{1b}[31merror:\u{1b}[0m missing.urdf"), "{coloured:?}");
+    assert_eq!(told(&[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")]), plain);
+}
