@@ -31,7 +31,7 @@ fn integrator(mechanism: &Mechanism, state: &State, duration: f64, way: Way) -> 
     match way {
         Way::Fixed(stages, step) => Lobatto::fixed(mechanism, stages, step).expect("a number of stages from 2 to 16"),
         Way::Tolerance(tolerance) => {
-            let found = calibrate(mechanism, state, duration, tolerance, &[], &mut |_| true).expect("pilot runs");
+            let found = calibrate(mechanism, state, duration, tolerance, &[], &mut |_, _| true).expect("pilot runs");
             found.integrator(mechanism, tolerance)
         }
     }

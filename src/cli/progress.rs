@@ -1,4 +1,4 @@
-//! The progress bar on a terminal: a note during trial runs; then simulated time, speed against real time, time left.
+//! The progress bar on a terminal: how far the present trial run is, then simulated time, speed against real time, time left.
 
 use catena::simulation::{Observer, ObserverError, Sample};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -33,24 +33,34 @@ impl Progress {
     }
 }
 
-/// Says on standard error that trial runs are being made, for as long as it lives.
-pub struct PilotsShown(ProgressBar);
+/// Shows on standard error how far the present trial run is, for as long as it lives.
+pub struct TrialsShown {
+    bar: ProgressBar,
+    duration: f64,
+}
 
-impl PilotsShown {
-    /// With the time they have taken.
-    pub fn new() -> Self {
-        let bar = ProgressBar::new_spinner();
-        if let Ok(style) = ProgressStyle::with_template("{spinner} trial runs for the accuracy, {elapsed}") {
+impl TrialsShown {
+    /// A bar for trial runs of so many simulated seconds, with the time that all have taken.
+    pub fn new(duration: f64) -> Self {
+        let bar = ProgressBar::new(1000);
+        if let Ok(style) =
+            ProgressStyle::with_template("{wide_bar} {percent} % of a trial run for the accuracy, {elapsed}")
+        {
             bar.set_style(style);
         }
         bar.enable_steady_tick(INTERVAL);
-        PilotsShown(bar)
+        TrialsShown { bar, duration }
+    }
+
+    /// A trial run has come to this simulated time (s).
+    pub fn reached(&self, time: f64) {
+        self.bar.set_position((1000.0 * time / self.duration) as u64);
     }
 }
 
-impl Drop for PilotsShown {
+impl Drop for TrialsShown {
     fn drop(&mut self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
     }
 }
 

@@ -8,7 +8,7 @@ use crate::cli::input::InputArgs;
 use crate::cli::log_options::LogArgs;
 use crate::cli::numbers::{Assignment, numbers, pairs, positive, rate};
 use crate::cli::page_files::{check_page, is_same};
-use crate::cli::progress::{PilotsShown, Progress};
+use crate::cli::progress::{Progress, TrialsShown};
 use crate::cli::special_output::open_special;
 use crate::cli::{Failure, origin, print, print_json};
 use anyhow::{Context, anyhow};
@@ -180,10 +180,15 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let account = Account::open(model, &state, settled);
     // A pipe keeps what was written, so that nothing can restart.
     let tries = output.as_deref().is_some_and(is_special);
-    let pilots = (tries && shows && choice.tolerance().is_some()).then(PilotsShown::new);
-    let make = if tries { Simulation::from_counted } else { Simulation::at_once };
-    let mut simulation = make(mechanism, state, counted.clone(), options).map_err(Error::from)?;
-    drop(pilots);
+    let trials = (tries && shows && choice.tolerance().is_some()).then(|| TrialsShown::new(duration));
+    let reached = |time| trials.iter().for_each(|trials| trials.reached(time));
+    let made = if tries {
+        Simulation::after_trials(mechanism, state, counted.clone(), options, &reached)
+    } else {
+        Simulation::at_once(mechanism, state, counted.clone(), options)
+    };
+    let mut simulation = made.map_err(Error::from)?;
+    drop(trials);
     let origin = origin();
     let begun = account.begun(model, counted.as_deref(), &simulation);
     recorder = match &output {

@@ -129,14 +129,14 @@ impl Calibration {
 /// Finds the iteration stop with which a run of `duration` from `state` is accurate to `tolerance` (m), with these rules switched off.
 ///
 /// # Errors
-/// [`CalibrationError`] if a trial run fails or `go_on`, which sees every step of the trial runs, says no.
+/// [`CalibrationError`] if a trial run fails or `go_on`, which sees the time and the outcome of every step of the trial runs, says no.
 pub fn calibrate(
     mechanism: &Mechanism,
     state: &State,
     duration: f64,
     tolerance: f64,
     kept: &[Rule],
-    go_on: &mut dyn FnMut(&StepOutcome) -> bool,
+    go_on: &mut dyn FnMut(f64, &StepOutcome) -> bool,
 ) -> Result<Calibration, CalibrationError> {
     calibrate_counted(mechanism, state, None, duration, tolerance, kept, go_on)
 }
@@ -152,7 +152,7 @@ pub(crate) fn calibrate_counted(
     duration: f64,
     tolerance: f64,
     kept: &[Rule],
-    go_on: &mut dyn FnMut(&StepOutcome) -> bool,
+    go_on: &mut dyn FnMut(f64, &StepOutcome) -> bool,
 ) -> Result<Calibration, CalibrationError> {
     let calm = if mechanism.is_plain_tree() { CALM } else { CALM_WITH_FORCES };
     let size = size(mechanism, state);

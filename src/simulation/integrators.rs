@@ -3,7 +3,7 @@
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::description::rules::Rule;
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy::{Calibration, UnknownAccuracy, calibrate_counted};
 use crate::simulation::assessed::Assessed;
@@ -59,6 +59,8 @@ pub(crate) struct Wanted<'w> {
     pub choice: StepChoice,
     /// Simulated time (s).
     pub duration: f64,
+    /// Is told the simulated time that a trial run has reached (s).
+    pub reached: &'w (dyn Fn(f64) + Sync),
     /// Set from outside to end trial runs.
     pub interrupt: Option<&'w AtomicBool>,
     /// What was counted of the closures of the whole at the start.
@@ -174,10 +176,12 @@ impl Wanted<'_> {
             let assessed = Assessed::new(mechanism, terms)?;
             return Ok((Making::Telling(Box::new(assessed)), Err(UnknownAccuracy::NotYet)));
         }
-        let go_on = || !self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
+        let mut go_on = |time: f64, _: &StepOutcome| {
+            (self.reached)(time - state.time);
+            !self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
+        };
         let clock = ThreadTime::now();
-        let found =
-            calibrate_counted(mechanism, state, counted.as_ref(), self.duration, tolerance, kept, &mut |_| go_on());
+        let found = calibrate_counted(mechanism, state, counted.as_ref(), self.duration, tolerance, kept, &mut go_on);
         *self.spent.lock().unwrap_or_else(PoisonError::into_inner) += clock.elapsed().as_secs_f64();
         match found {
             Ok(found) => Ok((found.run_integrator(mechanism, tolerance, kept)?.counted(counted).into(), Ok(found))),

@@ -32,8 +32,8 @@ const STRIDE: usize = 4;
 /// In this first part of the run stability decides on the stages: what is stiff is so from the start, and to restart later is dear.
 const EARLY: f64 = 1.0 / 16.0;
 
-/// Whom to ask, at every step, whether to go on.
-pub(crate) type GoOn<'g> = &'g mut dyn FnMut(&StepOutcome) -> bool;
+/// Decides after every step of a trial run whether to go on, from the time that the trial run has reached (s) and the step.
+pub(crate) type GoOn<'g> = &'g mut dyn FnMut(f64, &StepOutcome) -> bool;
 
 /// Where trial runs are to go.
 #[derive(Clone, Copy)]
@@ -143,6 +143,6 @@ impl TrialRun<'_> {
     fn step(&mut self, until: f64, go_on: GoOn) -> Result<(), CalibrationError> {
         let outcome = self.integrator.advance(self.mechanism, &mut self.state, until)?;
         self.integrator.take_events(&mut self.events);
-        if go_on(&outcome) { Ok(()) } else { Err(CalibrationError::Interrupted) }
+        if go_on(self.state.time, &outcome) { Ok(()) } else { Err(CalibrationError::Interrupted) }
     }
 }

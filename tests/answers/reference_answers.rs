@@ -234,7 +234,7 @@ fn what_rounding_leaves_of_a_fine_accuracy_is_said() {
         start.velocity.iter_mut().for_each(|rate| *rate *= faster);
         let duration = answer["duration"].as_f64().unwrap();
         let end = |integrator| end(&mechanism, &start, duration, integrator);
-        let found = calibrate(&mechanism, &start, duration, tolerance, &[], &mut |_| true).unwrap();
+        let found = calibrate(&mechanism, &start, duration, tolerance, &[], &mut |_, _| true).unwrap();
         let truth = end(Lobatto::precise(&mechanism, 9, step).unwrap());
         let error = distance(&end(found.integrator(&mechanism, tolerance)), &truth);
         println!("{name}: {error:.1e} m, {:.1e} m said, until t = {} s", found.estimate, found.holds_until);

@@ -136,7 +136,7 @@ fn loops_with_five_stages_end_as_near_as_was_asked() {
 #[test]
 fn loops_that_need_finer_pilots_are_run_with_the_stages_of_these() {
     let (ring, start) = scene("ring_100");
-    let calibrated = |duration| calibrate(&ring, &start, duration, 1e-3, &[], &mut |_| true).expect("pilots");
+    let calibrated = |duration| calibrate(&ring, &start, duration, 1e-3, &[], &mut |_, _| true).expect("pilots");
     let (calm, chaotic) = (calibrated(0.2), calibrated(1.6));
     assert_eq!((calm.pilots, calm.stages), (2, StageChoice::Few));
     assert!(chaotic.pilots > 2 && chaotic.stages == StageChoice::Filling, "{chaotic:?}");
@@ -155,7 +155,7 @@ fn loops_whose_steps_stability_limits_are_run_with_as_many_stages_as_fill_the_ve
     ] {
         let (mechanism, start) = scene(name);
         for tolerance in [1e-2, 1e-4, 1e-6] {
-            let found = calibrate(&mechanism, &start, duration, tolerance, &[], &mut |_| true).expect("pilots");
+            let found = calibrate(&mechanism, &start, duration, tolerance, &[], &mut |_, _| true).expect("pilots");
             println!("{name}, {tolerance:e}: {:?}, {} pilots", found.stages, found.pilots);
             let count = |stages: StageChoice| stages.count(Isa::detect());
             assert_eq!(StageChoice::of(&mechanism, tolerance), StageChoice::Few, "{name}, {tolerance:e}");

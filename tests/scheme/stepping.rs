@@ -281,7 +281,7 @@ fn pilots_of_a_calm_motion_with_nine_stages_are_two_and_take_few_more_steps_than
             continue;
         }
         let mut pilot_steps = 0;
-        let mut count = |_: &_| {
+        let mut count = |_: f64, _: &_| {
             pilot_steps += 1;
             true
         };
@@ -303,7 +303,7 @@ fn pilots_of_a_calm_motion_with_nine_stages_are_two_and_take_few_more_steps_than
 fn how_long_an_accuracy_holds_does_not_hang_on_how_long_the_run_is() {
     let model = models::chain(10);
     let held = |duration: f64| {
-        let found = calibrate(&model.mechanism, &model.state, duration, 1e-6, &[], &mut |_| true).unwrap();
+        let found = calibrate(&model.mechanism, &model.state, duration, 1e-6, &[], &mut |_, _| true).unwrap();
         assert!(found.parted && found.holds_until < duration, "{duration} s: {found:?}");
         found.holds_until
     };

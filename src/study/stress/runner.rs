@@ -73,7 +73,7 @@ impl<'m> Runner<'m> {
         ) = (method, setting, &mut runner.work)
         {
             let (mut spent, unit) = (0.0, runner.unit);
-            let go_on = &mut |outcome: &StepOutcome| {
+            let go_on = &mut |_, outcome: &StepOutcome| {
                 spent += unit * outcome.iterations.max(1) as f64;
                 spent < PILOTS * case.budget && !interrupt.load(Ordering::Relaxed)
             };

@@ -124,7 +124,7 @@ pub fn run_until(mechanism: &Mechanism, state: &mut State, integrator: &mut dyn 
 
 /// The integrator of `catena simulate --tolerance`: steps chosen with the iteration stop that pilot runs recommend.
 pub fn by_tolerance(mechanism: &Mechanism, start: &State, duration: f64, tolerance: f64) -> Lobatto {
-    let found = calibrate(mechanism, start, duration, tolerance, &[], &mut |_| true)
+    let found = calibrate(mechanism, start, duration, tolerance, &[], &mut |_, _| true)
         .unwrap_or_else(|error| panic!("{}: {error}", mechanism.name));
     found.integrator(mechanism, tolerance)
 }
