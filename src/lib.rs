@@ -1,7 +1,7 @@
 //! catena: rigid multibody dynamics by the constrained Lobatto IIIA–IIIB scheme in maximal coordinates.
 //!
-//! Links become rigid bodies with a pose each, joints become holonomic constraints `g(q) = 0`, and the whole is integrated by a symplectic
-//! scheme of order `2s − 2`. A run takes four lines:
+//! Each link becomes a rigid body with its own pose, and each joint becomes holonomic constraints `g(q) = 0`. A symplectic scheme of order `2s − 2`
+//! integrates the equations of motion. A run takes four lines:
 //!
 //! ```
 //! use catena::prelude::*;
@@ -16,7 +16,7 @@
 //! # Ok::<(), catena::session::Error>(())
 //! ```
 //!
-//! Somebody may decide on efforts on the way, and a log in MCAP shows the run in viewers:
+//! A controller may set efforts during the run, and a log in MCAP shows the run in viewers:
 //!
 //! ```
 //! # use catena::prelude::*;
@@ -39,47 +39,46 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`prelude`] has the names that most programs need; [`session::Model`] also the mass matrix, Jacobians, inverse dynamics, and many runs at once
-//! ([`session::Model::rollout`]).
+//! [`prelude`] has the names that most programs need. [`session::Model`] also computes the mass matrix, Jacobians and inverse dynamics, and makes
+//! many runs at once ([`session::Model::rollout`]).
 //!
 //! | feature | what it adds | by default |
 //! |---|---|---|
-//! | `cli` | the command line (`catena`), with clap, indicatif, signal-hook; takes the three below with it | yes |
+//! | `cli` | the command line (`catena`), with clap, indicatif, signal-hook; enables the next three features | yes |
 //! | `log` | logs in MCAP and pages, with mcap, zstd | yes |
 //! | `plot` | figures as SVG and PNG, charts and stability maps, with plotters | yes |
 //! | `scene` | scene files and sweeps, with toml | yes |
 //! | `parquet` | rows of sweeps as Apache Parquet | no |
 //!
-//! A library user without them (`default-features = false`) has models of URDF files, runs and reports, and watches runs as an
-//! [`Observer`](simulation::Observer).
+//! Without these features (`default-features = false`) the library reads URDF files, runs them, gives reports, and calls an
+//! [`Observer`](simulation::Observer) during runs.
 //!
-//! Data goes one way through the floors, and nothing imports anything to its right:
+//! The library has layers. A layer imports only layers to its left:
 //!
 //! ```text
 //!     URDF, scene file → scene → model → mechanism → lobatto → stepping → instant → events → simulation → output → session → study
 //!                                            └→ reduced (joint coordinates: the comparator and a test oracle)
 //! ```
 //!
-//! | floor | what it is |
+//! | layer | what it is |
 //! |---|---|
-//! | [`mechanism`] | what is simulated: bodies, joints, closures, forces (constant); state, kinematics, energy (changing) |
-//! | [`scene`] | what the user wrote, validated |
-//! | [`model`] | from what was written to what is simulated |
-//! | [`reduced`] | the same mechanism in joint coordinates: the comparator |
-//! | [`stepping`] | steps strung together: [`Lobatto`](stepping::Lobatto) |
-//! | [`instant`] | the problem at one instant: assembly of loops, reactions, what holds joints, rest |
-//! | [`events`] | steps that end at events: limits, dry friction, motors |
+//! | [`mechanism`] | bodies, joints, closures, forces (constant); state, kinematics, energy (functions of time) |
+//! | [`scene`] | the user's files, validated |
+//! | [`model`] | builds a mechanism from a scene |
+//! | [`reduced`] | the same mechanism in joint coordinates, for comparison |
+//! | [`stepping`] | the integrator: a sequence of steps ([`Lobatto`](stepping::Lobatto)) |
+//! | [`instant`] | problems at one instant: assembly of loops, reactions, forces that hold joints, equilibrium |
+//! | [`events`] | steps that end at events: limits, dry friction, motors, contacts |
 //! | [`simulation`] | a run: [`Simulation`](simulation::Simulation), its observers |
 //! | [`output`] | logs, reports and pages |
-//! | [`session`] | a run as people ask for it: what command line, programs and Python build on |
+//! | [`session`] | runs with all their options: the base of the command line, of Rust programs and of Python |
 //!
-//! The step itself (`lobatto`, and `kernels`, which are its code for each instruction set), charts and stability maps (`study`) and their
-//! drawing kit are public to the programs of this repository alone: they change without notice. `doc/architecture.md` is the map for people who
-//! work on the source.
+//! The step itself (`lobatto`, and `kernels`, its code for each instruction set), charts and stability maps (`study`) and the drawing functions are
+//! public only for the programs of this repository: they change without notice. `doc/architecture.md` describes the source.
 
 #![deny(unsafe_code)]
 
-// The command line names the library as other programs do.
+// The binary refers to this library by its name, as other programs do.
 extern crate self as catena;
 
 #[cfg(feature = "cli")]

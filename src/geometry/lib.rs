@@ -1,8 +1,8 @@
 //! The geometry of contact: distances and touching features of two shapes, exact to rounding.
 //!
-//! [`PairGeometry`] answers everything about two colliders: their certified distance, the places where they touch as features with frames
-//! in the bodies, and how far a place is from the borders of its features. Conservative advancement needs no more than the distance: two
-//! shapes whose points approach at no more than V [m/s] do not touch before distance / V.
+//! [`PairGeometry`] answers all questions about two colliders: their certified distance, the places where they touch as features with frames in the
+//! bodies, and how far a place is from the borders of its features. Conservative advancement needs only the distance: two shapes whose points
+//! approach at no more than V [m/s] do not touch before distance / V.
 //!
 //! | file | what is in it |
 //! |---|---|
@@ -11,11 +11,11 @@
 //! | `meet` | normal and points of two features: closed forms |
 //! | `both`, `best`, `nearest` | the distance of two convex shapes with its certificate |
 //! | `manifold` | all places where they touch |
-//! | `beyond` | how far the rest is where they touch |
+//! | `beyond` | how far the rest of two shapes is from each other while they touch |
 //! | `place`, `pair` | answers |
 //! | `decompose` | convex pieces of a surface |
 //!
-//! parry proposes (GJK, hulls, the tree of triangles, VHACD); what is handed out is computed here from the features.
+//! parry proposes candidates (GJK, hulls, the tree of triangles, VHACD). This crate computes every result from the features.
 
 #![deny(unsafe_code)]
 

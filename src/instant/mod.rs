@@ -1,4 +1,4 @@
-//! The problem at one instant: how closed loops are assembled, what joints and loops carry, whether anything moves at all.
+//! Problems at one instant: the assembly of closed loops, the reactions of joints and loops, and whether the mechanism is in equilibrium.
 
 mod apart;
 pub mod assembly;

@@ -1,4 +1,4 @@
-//! Which kernel makes the steps, and in which vectors: the narrowest type that holds the stages, of the widest the processor has.
+//! The choice of kernel and vectors for a step: the widest instruction set of the processor, and its narrowest type that holds the stages.
 
 #![deny(unsafe_code)]
 
@@ -10,10 +10,10 @@ use catena_lobatto::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 
-/// A step of the scheme for this mechanism on this processor: in the plane, if the mechanism has one; `kept` are the rules that
-/// leave nothing out.
+/// A step of the scheme for this mechanism on this processor: the planar kernel if the mechanism has a plane. `kept` lists the rules that are
+/// disabled.
 ///
-/// No vectors wider than `isa` are taken, nor any that the processor does not have.
+/// No vectors wider than `isa` are used, and none that the processor does not have.
 pub fn step_for(mechanism: &Mechanism, tableau: &'static Tableau, isa: Isa, kept: &[Rule]) -> Box<dyn Step> {
     let make = MakeStep::new(mechanism, tableau, kept);
     #[cfg(target_arch = "x86_64")]
@@ -39,7 +39,7 @@ pub fn precise_step_for(mechanism: &Mechanism, tableau: &'static Tableau, kept: 
     catena_kernels_portable::precise_step(make)
 }
 
-/// What looks at eight instants of a tree without forces on bodies at once.
+/// Computes eight instants of a tree without forces on bodies at once.
 pub fn instants_for(mechanism: &Mechanism, links: &[LinkPlace]) -> Box<dyn Instants> {
     let make = MakeInstants { mechanism, links };
     #[cfg(target_arch = "x86_64")]

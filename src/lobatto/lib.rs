@@ -1,12 +1,12 @@
 //! One step of the method: the constrained Lobatto IIIA–IIIB scheme (2.5.11) in maximal coordinates.
 //!
-//! The rooms are in the order in which a step is computed:
+//! The modules are in the order in which a step is computed:
 //!
-//! | room | what is in it |
+//! | module | what is in it |
 //! |---|---|
 //! | [`numbers`], [`vectors`] | one number for each stage; the vectors of the processors |
 //! | [`tableau`] | coefficients, stability, dense output |
-//! | [`plan`] | what is known before the first step |
+//! | [`plan`] | plans made before the first step |
 //! | [`stages`] | start, poses and rows of all stages, first guess |
 //! | [`equations`] | the residuals of (2.5.11) |
 //! | [`solve`] | the simplified Newton iteration over the tree |
@@ -15,7 +15,7 @@
 //! | [`planar`] | the equations in a plane |
 //! | [`step`] | the step as a whole |
 //! | [`instants`] | samples of a motion |
-//! | [`literal`] | the oracle of the tests |
+//! | [`literal`] | the reference of the tests |
 
 // Allowed in one file: `vectors/x86.rs`.
 #![deny(unsafe_code)]

@@ -1,12 +1,12 @@
-//! What is simulated: rigid bodies, joints, closures and forces; and their state, kinematics and energy at one instant.
+//! Mechanisms: rigid bodies, joints, closures and forces; and their state, kinematics and energy at one instant.
 //!
-//! | room | what is in it |
+//! | module | what is in it |
 //! |---|---|
 //! | [`description`] | the mechanism: constant |
-//! | [`forces`] | the physics of each force |
-//! | [`motion`] | the state: what changes in time, and what follows from it at one instant |
-//! | [`structure`] | what can be known before anything moves: planes, islands, special bodies, independent closures |
-//! | [`ground`] | small matrices, numbers in sentences |
+//! | [`forces`] | the equations of each force |
+//! | [`motion`] | the state, which changes in time, and its functions at one instant |
+//! | [`structure`] | properties that do not depend on the motion: planes, islands, special bodies, independent closures |
+//! | [`ground`] | small matrices, formatting of numbers |
 
 #![deny(unsafe_code)]
 

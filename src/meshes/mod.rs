@@ -1,7 +1,7 @@
-//! The surfaces of mesh files: triangles with colours, read from STL, OBJ and Collada. Logs, pages and shapes that touch use them.
+//! The surfaces of mesh files: triangles with colours, read from STL, OBJ and Collada. Logs, pages and collision shapes use them.
 //!
-//! A surface is a list of triangles in the axes of the file, in metres before the `scale` of a URDF. Collada files have a unit, which is
-//! heeded, and an axis that points up, which is not: URDFs are written for viewers of ROS, which ignore it (RViz, "mesh_loader").
+//! A surface is a list of triangles in the axes of the file, in metres before the `scale` of a URDF. The unit of a Collada file is applied. Its up
+//! axis is not: URDFs are written for viewers of ROS, which ignore it (RViz, "mesh_loader").
 //!
 //! | file | what is read                                                                                         |
 //! |------|------------------------------------------------------------------------------------------------------|
@@ -9,7 +9,7 @@
 //! | OBJ  | polygons, normals, and the diffuse colours of the materials in the files it names                    |
 //! | DAE  | triangles, strips, fans, polygons; nodes with their transforms; normals, diffuse colours and opacity  |
 //!
-//! Images on surfaces are left out. Corners that are not finite are an error.
+//! Textures are left out. Corners that are not finite are an error.
 
 mod collada;
 mod collada_elements;

@@ -1,13 +1,13 @@
-//! The comparator: the same mechanism as an unconstrained ordinary differential equation in joint coordinates.
+//! The comparator: the mechanism as an unconstrained ordinary differential equation in joint coordinates.
 //!
-//! Its dynamics share no line with the Lobatto scheme; what springs, dampers and loads exert in a given state is the same code
-//! ([`catena_mechanism::description::forces`]). So it serves as an oracle in tests, and it is tuned as a comparator in the benches. In reading order:
+//! Its dynamics share no code with the Lobatto scheme. Only the forces of springs, dampers and loads in a given state are the same code
+//! ([`catena_mechanism::description::forces`]). So tests use it as a reference, and benches use it, tuned, as a comparator. In reading order:
 //!
 //! - [`articulated_body`] and `articulated_inertia`: joint accelerations, O(n);
-//! - [`inverse_dynamics`]: the wrenches the joints carry;
+//! - [`inverse_dynamics`]: the wrenches in the joints;
 //! - [`ode`]: the first-order system y = (position, velocity);
 //! - [`regularised`]: limits, dry friction and motors as ordinary forces;
-//! - [`euler`], [`rk4`], [`dop853`]: three ways to integrate it.
+//! - [`euler`], [`rk4`], [`dop853`]: three integrators.
 
 #![deny(unsafe_code)]
 

@@ -28,7 +28,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// A run that is being made.
+/// A run and its warnings before the integrators are made.
 pub struct Account {
     settled: Settled,
     clock: Instant,
@@ -36,62 +36,62 @@ pub struct Account {
     far: Option<FarSpring>,
 }
 
-/// A run that has begun.
+/// A run that has made its first step.
 pub struct Begun {
     account: Account,
     method: MethodDescription,
-    /// Whether the run itself tells its accuracy.
+    /// Whether the run itself estimates its error (without trial runs).
     told: bool,
     model: ModelReport,
-    /// What cannot be reached, whatever the steps.
+    /// Warnings about accuracies that no step size can reach.
     warnings: Vec<String>,
 }
 
-/// What is said of a run that has ended.
+/// The report and the outcome of a finished run.
 pub struct Closed {
     /// The report.
     pub report: Report,
     /// How the run ended, and whether its log was written.
     pub ended: Result<(), Error>,
-    /// What its log says besides its samples.
+    /// The entries of its log besides the samples.
     pub told: Told,
 }
 
-/// What the log of a run says besides its samples.
+/// The entries of a run's log besides its samples.
 #[derive(Clone, Debug)]
 pub struct Told {
     described: BTreeMap<String, String>,
     before: Vec<String>,
     after: Vec<String>,
     figures: BTreeMap<String, String>,
-    /// Why the run ended early, where it did, and how that is called.
+    /// The kind and the message of the failure that ended the run early, if any.
     failure: Option<(Outcome, String)>,
 }
 
-/// What a run has left.
+/// The results of a run.
 pub struct Ended<'e> {
     /// The simulation.
     pub finished: Finished,
-    /// How it ended.
+    /// The outcome of the run.
     pub ended: Result<(), Error>,
-    /// Where the same run with half the step has ended.
+    /// The end of the same run with half the step, if it was checked.
     pub checked: Option<&'e State>,
-    /// Who watched the speeds of joints.
+    /// The observer of joint speeds.
     pub speeds: Option<&'e SpeedWatch>,
     /// The log.
     pub recorder: Option<Recorder>,
-    /// Where the log goes.
+    /// The path of the log.
     pub output: Option<&'e Path>,
 }
 
 impl Account {
-    /// Before the integrators are made.
+    /// Opens the account before the integrators are made.
     pub fn open(model: &Model, state: &State, settled: Settled) -> Self {
         let far = FarSpring::of(&model.mechanism, state);
         Account { settled, clock: Instant::now(), processor: ProcessTime::now(), far }
     }
 
-    /// Before the first step; `counted` is what was counted of the closures at the start.
+    /// Goes on before the first step; `counted` are the ranks of the closures at the start.
     pub fn begun(self, model: &Model, counted: Option<&Counted>, simulation: &Simulation) -> Begun {
         let redundancy = counted.map(|counted| redundancy_counted(&model.mechanism, counted)).unwrap_or_default();
         let tolerance = self.settled.choice.tolerance().unwrap_or(DEFAULT_TOLERANCE);
@@ -103,7 +103,7 @@ impl Account {
 }
 
 impl Begun {
-    /// The log of the run, with what is known before the first step; it waits no more for a pipe once `interrupted`.
+    /// Creates the log of the run, with the entries known before the first step. Stops waiting for a pipe once `interrupted` is set.
     ///
     /// # Errors
     /// [`Error::Log`] if it cannot be created.
@@ -130,8 +130,7 @@ impl Begun {
         described
     }
 
-    /// Completes the log, whatever ended the run, and says how the run ended and what there is to say of it. `input` is what the user called
-    /// the model.
+    /// Completes the log, however the run ended, and returns the outcome, the report and the warnings. `input` is the user's name of the model.
     pub fn close(self, model: &Model, input: String, origin: &Origin, run: Ended) -> Closed {
         let described = self.described(model, origin);
         let Begun { account, model: model_report, warnings: unreached, .. } = self;
@@ -188,7 +187,7 @@ impl Begun {
             catena: env!("CARGO_PKG_VERSION"),
             input,
             scene: mechanism.name.clone(),
-            // The time that was reached, which is less than what was asked for if the run ended early.
+            // The time reached: less than the requested duration if the run ended early.
             duration: state.time,
             method: MethodReport::new(&method),
             model: model_report,
@@ -219,12 +218,12 @@ impl Begun {
 }
 
 impl Told {
-    /// Who has driven the run, where its files alone do not tell.
+    /// Who controlled the run, if its files alone do not say.
     pub fn driven(&self) -> Option<&str> {
         self.described.get(DRIVEN).map(String::as_str)
     }
 
-    /// Writes the log of a run that was recorded: the same bytes as if it had been written while the run went on.
+    /// Writes the log of a recorded run: the same bytes as a log written during the run.
     ///
     /// # Errors
     /// [`Error::Log`] if it cannot be written.
@@ -248,10 +247,10 @@ impl Told {
     }
 }
 
-/// What a log says of a run at its end.
+/// The entry of the log at the end of a run.
 const AT_END: &str = "the run has reached its end";
 
-/// What the log calls a failure.
+/// The outcome of a run in the words of the log.
 fn outcome(error: &Error) -> Outcome {
     match error {
         Error::Run(RunError::Interrupted { .. }) => Outcome::Interrupted,
@@ -259,7 +258,7 @@ fn outcome(error: &Error) -> Outcome {
     }
 }
 
-/// Completes a log, and says how the run ended and where the log is.
+/// Completes a log, and returns the outcome of the run and the place of the log.
 fn complete(
     mut recorder: Recorder,
     ended: Result<(), Error>,
@@ -275,7 +274,7 @@ fn complete(
     let written = recorder.finish(Ending { outcome, figures }).map_err(|error: LogError| Error::from(error));
     match ended.and(written) {
         Ok(()) => (Ok(()), Some(output.to_path_buf())),
-        // Of two errors the first is the cause.
+        // Of two errors the first is the cause, so it is the one reported.
         Err(problem) => {
             let error = match &beside {
                 Some(beside) => {

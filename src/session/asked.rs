@@ -1,27 +1,27 @@
-//! What is asked of a run: its duration, how its steps are chosen, and how often it is sampled.
+//! The requested settings of a run: its duration, the choice of its steps, and its sampling rate.
 
 use crate::scene::SimulationSettings;
 use crate::session::error::Error;
 use crate::simulation::StepChoice;
 
-/// Simulated time, where nobody says otherwise (s).
+/// Default of the simulated time (s).
 pub const DEFAULT_DURATION: f64 = 10.0;
-/// Wanted accuracy of positions, where nobody says otherwise (m).
+/// Default of the wanted accuracy of positions (m).
 pub const DEFAULT_TOLERANCE: f64 = 1e-6;
-/// Samples per simulated second, where nobody says otherwise.
+/// Default of the samples per simulated second.
 pub const DEFAULT_RATE: f64 = 60.0;
 
-/// The highest rate whose instants, in nanoseconds, differ.
+/// The highest rate at which sample times differ when rounded to nanoseconds.
 const HIGHEST_RATE: f64 = 1e6;
 
-/// What is asked of a run; what is not asked for is as its file says, or else a default.
+/// The requested settings. A setting that is `None` comes from the file, or else from the defaults.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Asked {
     /// Simulated time (s).
     pub duration: Option<f64>,
     /// Wanted accuracy of positions (m).
     pub tolerance: Option<f64>,
-    /// Stages, and the length of steps (s).
+    /// Number of stages and length of steps (s).
     pub fixed: Option<(usize, f64)>,
     /// Whether given steps vary with the pace of the motion ([`StepChoice::Reversible`]).
     pub reversible: bool,
@@ -31,7 +31,7 @@ pub struct Asked {
     pub rate: Option<f64>,
 }
 
-/// What a run is to be.
+/// The settings of a run after defaults are applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settled {
     /// Simulated time (s).
@@ -43,10 +43,10 @@ pub struct Settled {
 }
 
 impl Asked {
-    /// What is asked for, or else what the file says, or else the defaults.
+    /// Combines the requested settings with those of the file and the defaults.
     ///
     /// # Errors
-    /// [`Error::Option`]: numbers that cannot be, which no command line and no file lets through.
+    /// [`Error::Option`]: invalid numbers, which the command line and files refuse before.
     pub fn settle(&self, file: &SimulationSettings) -> Result<Settled, Error> {
         let given = [
             ("duration", self.duration),

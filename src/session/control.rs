@@ -1,10 +1,10 @@
-//! A controller of a program: asked for efforts at fixed instants, which are held in between.
+//! A controller of a program: it computes efforts at fixed instants, which are held in between.
 //!
 //! ```text
 //!     t_k = t₀ + k T,   τ(t) = u(t_k, q_k, v_k)   for t_k ≤ t < t_{k+1}         T: the period (s)
 //! ```
 //!
-//! It is what [`crate::simulation::Controller`] is, in the coordinates of programs, for runs that go on step by step.
+//! It corresponds to [`crate::simulation::Controller`], in the coordinates of programs, for runs that proceed step by step.
 
 use crate::mechanism::motion::state::State;
 use crate::session::error::{ControllerFailure, Error};
@@ -25,7 +25,7 @@ pub struct Moment {
 
 type Law = Box<dyn FnMut(&Moment, &mut [f64]) -> Result<(), ControllerFailure> + Send>;
 
-/// A controller, and when it is asked next.
+/// A controller, and the time of its next call.
 pub(crate) struct Control {
     begin: f64,
     period: f64,
@@ -37,7 +37,7 @@ pub(crate) struct Control {
 }
 
 impl Control {
-    /// From this time on (s), every `period` (s).
+    /// A controller called from time `begin` (s) on, every `period` (s).
     pub fn new(model: &Model, begin: f64, period: f64, law: Law) -> Result<Self, Error> {
         if !(period > 0.0 && period.is_finite()) {
             let wanted = "give a finite time that is longer than zero";
@@ -50,17 +50,17 @@ impl Control {
         Ok(Control { begin, period, asked: 0, law, moment: Moment { time: begin, q, v }, efforts, of_state })
     }
 
-    /// When it is asked next (s).
+    /// The time of the next call (s).
     pub fn next(&self) -> f64 {
         self.begin + self.asked as f64 * self.period
     }
 
-    /// Whether that is now.
+    /// Whether the next call is due at this time.
     pub fn is_due(&self, time: f64) -> bool {
         time >= self.next()
     }
 
-    /// Asks for the efforts of a state. Does not allocate where no joint is a ball or floats.
+    /// Calls the controller with a state. Does not allocate if no joint is spherical or floating.
     pub fn ask(&mut self, model: &Model, state: &State) -> Result<(), Error> {
         let Control { law, moment, efforts, of_state, asked, .. } = self;
         moment.time = state.time;

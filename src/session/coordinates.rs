@@ -1,4 +1,4 @@
-//! The coordinates q and v of programs: those that reports give, joint after joint, in two flat lists.
+//! The coordinates q and v of programs: the joint coordinates of reports, in two flat lists.
 //!
 //! | joint                            | entries of q                  | entries of v                                       |
 //! |----------------------------------|-------------------------------|----------------------------------------------------|
@@ -7,11 +7,11 @@
 //! | spherical                        | quaternion w, x, y, z         | angular velocity of the child [rad/s]              |
 //! | floating                         | x, y, z, quaternion w, x, y, z | velocity of the child frame's origin, angular velocity |
 //!
-//! Vectors are in the joint's frame on the parent. The joints that move come in the order in which the mechanism has its bodies: a joint after those
-//! that carry it. Efforts, accelerations, mass matrix and Jacobians go with v: the power of efforts is their product with v.
+//! Vectors are in the joint's frame on the parent. Movable joints come in the order of the bodies: a joint after those that carry it. Efforts,
+//! accelerations, mass matrix and Jacobians belong to v: power is the product of efforts and v.
 //!
-//! The state of a mechanism has other velocities u of ball and floating joints (angular velocities along axes of the child, the origin of
-//! the body): v = T u with a block of T for each joint.
+//! The state uses other velocities u for ball and floating joints (angular velocity about axes of the child, velocity of the body's origin): v = T
+//! u, with a block of T for each joint.
 
 use crate::mechanism::motion::state::State;
 use crate::model::Model;
@@ -19,7 +19,7 @@ use crate::session::error::Error;
 use nalgebra::DMatrix;
 use std::ops::Range;
 
-/// Where the coordinates of a joint are.
+/// The entries of one joint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JointPlace {
     /// The joint.
@@ -41,7 +41,7 @@ pub struct Coordinates {
 }
 
 impl Coordinates {
-    /// Those of a model.
+    /// The coordinates of a model.
     pub fn of(model: &Model) -> Self {
         let mechanism = &model.mechanism;
         let mut records: Vec<(usize, usize)> =
@@ -64,12 +64,12 @@ impl Coordinates {
         Coordinates { joints, plain }
     }
 
-    /// The joints that move.
+    /// The movable joints.
     pub fn joints(&self) -> &[JointPlace] {
         &self.joints
     }
 
-    /// Where those of a joint are.
+    /// The entries of a joint.
     pub fn joint(&self, name: &str) -> Option<&JointPlace> {
         self.joints.iter().find(|joint| joint.name == name)
     }
@@ -93,7 +93,7 @@ impl Coordinates {
         }
     }
 
-    /// The state of q and v, whatever the loops say, at time zero.
+    /// The state of q and v at time zero. It may violate the loops.
     ///
     /// # Errors
     /// Wrong lengths and numbers that are not finite.
@@ -110,12 +110,12 @@ impl Coordinates {
         Ok(state)
     }
 
-    /// Numbers joint by joint, as a start gives them.
+    /// Splits numbers into joints, as a start lists them.
     pub fn by_joint(&self, numbers: &[f64], range: impl Fn(&JointPlace) -> &Range<usize>) -> Vec<(String, Vec<f64>)> {
         self.joints.iter().map(|joint| (joint.name.clone(), numbers[range(joint).clone()].to_vec())).collect()
     }
 
-    /// Whether there are as many finite numbers as there should be.
+    /// Checks the count of the numbers, and that they are finite.
     pub(crate) fn check(
         &self,
         what: &'static str,

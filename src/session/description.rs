@@ -1,4 +1,4 @@
-//! What a log says about its run: how it was made at the beginning, its figures at the end.
+//! The description of a run in its log: its origin at the beginning, its figures at the end.
 
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::integrator::MethodDescription;
@@ -6,24 +6,24 @@ use crate::model::{Model, PlacedRobot};
 use crate::simulation::{StepChoice, Summary};
 use std::collections::BTreeMap;
 
-/// The entry of a log that says who has driven a run which its files alone do not tell.
+/// The log entry that names who controlled the run, if its files alone do not say.
 pub const DRIVEN: &str = "driven";
 
-/// The entry of a log that says that the run itself has told its accuracy, without trial runs before it.
+/// The log entry that says that the run estimated its own error, without trial runs.
 pub const TOLD: &str = "accuracy";
 
-/// Who has made a run.
+/// Who made a run, and how.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Origin {
-    /// The command line as people read it.
+    /// The command line, for people.
     pub command_line: String,
-    /// The words of a `catena simulate` that makes the same run, without the name of the program.
+    /// The arguments of a `catena simulate` that makes the same run, without the program's name.
     pub arguments: Vec<String>,
-    /// What the run depends on besides: steps that a program chose, or its efforts. Such a run cannot be made again from its log.
+    /// Inputs that are not in the log: steps chosen or efforts given by a program. Such a run cannot be replayed from its log.
     pub driven: Option<String>,
 }
 
-/// What the log says about how the run was made.
+/// The log entries about the origin of the run.
 pub fn description(
     model: &Model,
     duration: f64,
@@ -33,9 +33,9 @@ pub fn description(
     origin: &Origin,
 ) -> BTreeMap<String, String> {
     let said = |number: Option<f64>| number.map_or(String::new(), |number| number.to_string());
-    // Word by word, which the command line as people read it does not tell.
+    // Word by word, because the command line for people does not show word borders.
     let arguments = serde_json::Value::from(origin.arguments.clone());
-    // Of several robots, one after the other.
+    // Lists an entry of several robots one after the other.
     let of_robots = |what: &dyn Fn(&PlacedRobot) -> String| model.robots.iter().map(what).collect::<Vec<_>>().join(";");
     let base = |robot: &PlacedRobot| {
         let floats = model.joints[robot.joints.clone()].iter().any(|joint| joint.is_base);
@@ -74,7 +74,7 @@ fn listed(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
 }
 
-/// The figures of the whole run, as the log keeps them; with the error that is expected of positions (m), where that is known.
+/// The figures of the whole run for its log, with the estimated error of positions (m) if it is known.
 pub(crate) fn figures(summary: &Summary, estimated_error: Option<f64>) -> BTreeMap<String, String> {
     let figures = [
         ("steps", summary.steps.to_string()),

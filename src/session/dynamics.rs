@@ -5,8 +5,8 @@
 //!     v_link = J(q) v               velocity of a link frame's origin, then its angular velocity, in the world
 //! ```
 //!
-//! Closed loops, limits, dry friction, motors and contacts do not take part: they are forces of constraint, which a run works out. Of the velocities u of
-//! a state, v = T u: M = T⁻ᵀ H T⁻¹, J = J_u T⁻¹.
+//! Closed loops, limits, dry friction, motors and contacts are left out: a run computes their forces. With the velocities u of a state, v = T u: M
+//! = T⁻ᵀ H T⁻¹, J = J_u T⁻¹.
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapters 5 to 7.
 
@@ -113,7 +113,7 @@ impl Model {
         self.coordinates().state(self.description(), q, v.unwrap_or(&rest))
     }
 
-    /// T⁻¹, where it is not the identity. Its blocks are products of rotations and shears, so that it always is.
+    /// T⁻¹; `None` if it is the identity. It always exists, because the blocks of T are products of rotations and shears.
     fn inverse_map(&self, state: &State) -> Option<DMatrix<f64>> {
         self.coordinates().velocity_map(self.description(), &state.position)?.try_inverse()
     }

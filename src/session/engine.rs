@@ -12,7 +12,7 @@ use self_cell::{MutBorrow, self_cell};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// What a run needs for as long as it lives.
+/// The data that a run borrows while it lasts.
 pub(crate) struct Held {
     pub model: Model,
     pub kept: Vec<Rule>,
@@ -33,24 +33,24 @@ self_cell!(
 );
 
 impl Engine {
-    /// Does something with the simulation.
+    /// Calls a function with the simulation.
     pub fn with<R>(&self, look: impl FnOnce(&Simulation) -> R) -> Option<R> {
         self.with_dependent(|_, driven| driven.as_ref().map(look))
     }
 
-    /// Does something with the simulation that changes it.
+    /// Calls a function that may change the simulation.
     pub fn with_mut<R>(&mut self, change: impl FnOnce(&mut Simulation<'_>) -> R) -> Option<R> {
         self.with_dependent_mut(|_, driven| driven.as_mut().map(change))
     }
 
-    /// Ends the simulation: what it has left, and who has watched.
+    /// Ends the simulation and returns its results and observers.
     pub fn finish(mut self) -> Option<(Finished, Held)> {
         let finished = self.with_dependent_mut(|_, driven| driven.take().map(Simulation::finish))?;
         Some((finished, self.into_owner()))
     }
 }
 
-/// Everybody who watches a run.
+/// The observers of a run.
 #[derive(Default)]
 pub(crate) struct Watch {
     pub recorder: Option<Recorder>,
@@ -59,7 +59,7 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Whether nobody does.
+    /// Whether there are no observers.
     pub fn is_empty(&self) -> bool {
         self.recorder.is_none() && self.speeds.is_none() && self.others.is_empty()
     }

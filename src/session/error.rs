@@ -1,4 +1,4 @@
-//! Why a session cannot go on: what was given, the start, the run, or the log.
+//! The errors of a session: in its input, the start, the run, or the log.
 
 use crate::instant::assembly::AssemblyError;
 use crate::model::ModelError;
@@ -7,45 +7,45 @@ use crate::scene::SceneError;
 use crate::simulation::{InputError, RunError, SimulationError};
 use std::path::PathBuf;
 
-/// Anything a controller may fail with.
+/// Any error of a controller.
 pub type ControllerFailure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Why a model cannot be loaded, started, run or logged. The messages are those of the command line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The robot or scene.
+    /// The robot or scene is invalid.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// What cannot be simulated, and joints that are not there.
+    /// The model cannot be simulated, or a joint does not exist.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// The loops.
+    /// The loops cannot be assembled.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),
-    /// Something is wrong with the start of the model in a file.
+    /// The start of the model in a file is invalid.
     #[error("{}: {problem}", file.display())]
     InFile {
         /// The scene file or URDF.
         file: PathBuf,
-        /// What is wrong.
+        /// The error.
         problem: Box<Error>,
     },
-    /// There is no folder for a ROS package.
+    /// The folder of a ROS package does not exist.
     #[error("--package {name}: there is no folder {folder:?}")]
     Package {
         /// The package.
         name: String,
-        /// Where it was said to be.
+        /// The given folder.
         folder: PathBuf,
     },
-    /// A floor where the scene has one.
+    /// A floor is given, but the scene has one.
     #[error("--floor: the scene has an obstacle {0:?} already; leave one of them out")]
     FloorTwice(&'static str),
-    /// A floor that nothing may touch.
+    /// A floor is given, but nothing may touch it.
     #[error("--floor: nothing may touch it, because pairs are \"none\"; give --contact environment, or no --floor")]
     FloorUntouched,
-    /// Options for one robot where there are several.
+    /// Options for one robot are given, but the scene has several.
     #[error("--base and --base-pose are for one robot; {} has {count}: write them there", file.display())]
     SeveralRobots {
         /// The scene.
@@ -53,7 +53,7 @@ pub enum Error {
         /// How many robots it has.
         count: usize,
     },
-    /// A joint that is given two starts.
+    /// A joint is given two starts.
     #[error("--{option} is given twice for joint {joint:?}")]
     GivenTwice {
         /// `position` or `velocity`.
@@ -61,129 +61,129 @@ pub enum Error {
         /// The joint.
         joint: String,
     },
-    /// A velocity of the base where there are several.
+    /// A velocity of the base is given, but there are several bases.
     #[error("--base-velocity is for one robot; there are {0}: give --velocity ROBOT/base=... for each")]
     SeveralBases(usize),
-    /// Two velocities of the base.
+    /// Two velocities of the base are given.
     #[error("the velocity of the base is given twice, by --base-velocity and by --velocity {0}")]
     BaseVelocityTwice(String),
-    /// A number that cannot be.
+    /// A number is invalid.
     #[error("{option} is {value}: {wanted}")]
     Option {
-        /// What it is for.
+        /// Its option.
         option: &'static str,
-        /// What was given.
+        /// The given number.
         value: f64,
-        /// What is wanted.
+        /// The condition that it must satisfy.
         wanted: &'static str,
     },
-    /// As many numbers as nobody asked for.
+    /// The count of numbers is wrong.
     #[error("{what}: {given} numbers where {wanted} are wanted")]
     Count {
-        /// What they are.
+        /// The name of the list.
         what: &'static str,
-        /// How many were given.
+        /// The given count.
         given: usize,
-        /// How many are wanted.
+        /// The right count.
         wanted: usize,
     },
-    /// A number that is not finite.
+    /// A number is not finite.
     #[error("{what}: the number for {of:?} is {value}: give a finite number")]
     NotFinite {
-        /// What it is.
+        /// The kind of number.
         what: &'static str,
         /// Its joint.
         of: String,
-        /// What was given.
+        /// The given number.
         value: f64,
     },
-    /// No such link.
+    /// The link does not exist.
     #[error("there is no link {link:?}; the links are {known}")]
     UnknownLink {
-        /// What was asked for.
+        /// The requested link.
         link: String,
-        /// All links, or the first.
+        /// The links that exist (the first ones, if there are many).
         known: String,
     },
-    /// A tree some of whose motions move no mass.
+    /// Some motions of the tree move no mass.
     #[error("the mass matrix is singular here: some motion of the joints moves no mass")]
     SingularMass,
-    /// What can only be said before the first step.
+    /// A setting must be made before the first step.
     #[error("{0}: the run has begun; set it before the first step")]
     Begun(&'static str),
-    /// A run that is over.
+    /// The run has ended.
     #[error("the run ended at t = {0} s; start a new one")]
     Over(f64),
-    /// A time that is not ahead.
+    /// The requested time has passed already or is after the end.
     #[error(
         "cannot step to t = {wanted} s: the run is at {time} s and ends at {end} s; give it a longer duration before its first step"
     )]
     OutOfRun {
-        /// Where it should go (s).
+        /// The requested time (s).
         wanted: f64,
-        /// Where it is (s).
+        /// The present time (s).
         time: f64,
-        /// Where it ends (s).
+        /// The end of the run (s).
         end: f64,
     },
-    /// A log where there can be none.
+    /// A log cannot be written to this path.
     #[error("cannot write {}: {reason}", path.display())]
     Output {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// A run too long for a log.
+    /// The run is too long for a log.
     #[error(
         "a log counts nanoseconds, up to {longest:e} s after 1970; give a shorter --duration than {duration:e}, an earlier \
          --start-time or --no-log"
     )]
     TooLong {
-        /// The longest (s).
+        /// The longest duration (s).
         longest: f64,
-        /// What was asked for (s).
+        /// The requested duration (s).
         duration: f64,
     },
-    /// Stages, steps, and trial runs.
+    /// The stages, the steps, or the trial runs failed.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// Efforts.
+    /// The efforts are invalid.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// A controller gave up.
+    /// A controller failed.
     #[error("the controller failed at t = {time} s: {failure}")]
     Controller {
-        /// When (s).
+        /// The time (s).
         time: f64,
-        /// Why.
+        /// The error of the controller.
         failure: ControllerFailure,
     },
-    /// The run.
+    /// The run failed.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// The log.
+    /// The log failed.
     #[error("{0}")]
     Log(LogError),
-    /// A log that is as it was, because the run failed.
+    /// The run failed, so its log was not put in place of an earlier one.
     #[error("{problem}; {} is as it was, the log of this run is {}", output.display(), beside.display())]
     Beside {
-        /// What failed.
+        /// The failure.
         problem: Box<Error>,
-        /// Where the log should have gone.
+        /// The path of the earlier log.
         output: PathBuf,
-        /// Where it is.
+        /// The path of the log of this run.
         beside: PathBuf,
     },
 }
 
 impl Error {
-    /// The same, in a file.
+    /// The same error, with the file that contains its cause.
     pub(crate) fn in_file(self, file: &std::path::Path) -> Self {
         Error::InFile { file: file.to_path_buf(), problem: Box::new(self) }
     }
 
-    /// What is wrong, without the file.
+    /// The error without the file.
     pub fn problem(&self) -> &Error {
         match self {
             Error::InFile { problem, .. } => problem.problem(),
@@ -202,7 +202,7 @@ impl Error {
         }
     }
 
-    /// Whether what was given is wrong, so that nothing was run or written.
+    /// Whether the input is wrong, so that nothing was run or written.
     pub fn is_input(&self) -> bool {
         match self {
             Error::Beside { .. } | Error::Run(_) | Error::Controller { .. } => false,

@@ -1,4 +1,4 @@
-//! What was read, and the state in which a run of it begins.
+//! A loaded model, and the state in which its run starts.
 
 use crate::instant::assembly::assemble_counted;
 use crate::lobatto::coupled::counted::Counted;
@@ -12,38 +12,38 @@ use crate::scene::{SimulationSettings, Warning};
 use crate::session::error::Error;
 use std::sync::Arc;
 
-/// What was read: the model, where it starts, and how its file wants it to be run.
+/// A loaded model, its start, and the run settings of its file.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// What is simulated.
+    /// The model.
     pub model: Model,
-    /// Where the file starts it.
+    /// The start in the file.
     pub start: Start,
-    /// What the file says about the run.
+    /// The run settings of the file.
     pub simulation: SimulationSettings,
-    /// What was counted of the closures at the start, once there is one.
+    /// The ranks of the closures at the start, once it is assembled.
     pub counted: Option<Arc<Counted>>,
 }
 
-/// A start on all loops.
+/// A start that satisfies all loops.
 #[derive(Clone, Debug)]
 pub struct Assembled {
     /// The state.
     pub state: State,
-    /// What was counted of the closures there, if there are any.
+    /// The ranks of the closures there, if there are closures.
     pub counted: Option<Arc<Counted>>,
-    /// What was changed for that.
+    /// Warnings about changes of the start.
     pub warnings: Vec<Warning>,
 }
 
-/// Changes of the start [m, rad, or a second of these] that nobody need be told.
+/// Smaller changes of the start cause no warning [m, rad, m/s, rad/s].
 const UNNOTICEABLE: f64 = 1e-9;
 
-/// Most changes of the start that are told one by one.
+/// Most changed joints that a warning names.
 const NAMED: usize = 3;
 
 impl Loaded {
-    /// The start, moved within limits and onto all loops and mimic relations; what was changed for that becomes a warning of the model.
+    /// The start, moved to satisfy limits, loops and mimic relations. Changes become warnings of the model.
     ///
     /// # Errors
     /// As of [`Loaded::assembled`].
@@ -59,11 +59,11 @@ impl Loaded {
         Ok(state)
     }
 
-    /// The start, moved within limits and onto all loops and mimic relations, and what was changed for that.
+    /// The start, moved to satisfy limits, loops and mimic relations, and warnings about the changes.
     ///
     /// # Errors
-    /// As [`Loaded::unassembled_state`], if a joint is given twice, if a loop cannot be closed or the velocities contradict one, and if
-    /// forces or energies are undefined or infinite there.
+    /// As [`Loaded::unassembled_state`]; also if a joint is given twice, if a loop cannot be closed or the velocities contradict one, and if forces
+    /// or energies are undefined or infinite there.
     pub fn assembled(
         &self,
         positions: &[(String, Vec<f64>)],
@@ -77,7 +77,7 @@ impl Loaded {
         self.settled(state, &wanted)
     }
 
-    /// A state, moved within limits and onto all loops and mimic relations, and what was changed for that, compared with what was wanted.
+    /// A state, moved to satisfy limits, loops and mimic relations, and warnings about the changes from `wanted`.
     ///
     /// # Errors
     /// As of [`Loaded::assembled`].
@@ -89,7 +89,7 @@ impl Loaded {
         let mechanism = &self.model.mechanism;
         let (correction, counted) = assemble_counted(mechanism, &mut state).map_err(|error| in_file(error.into()))?;
         self.model.check_springs(&state).map_err(|error| in_file(error.into()))?;
-        // What limits alone moved is said apart.
+        // A move by limits alone has another warning.
         let open = violation(mechanism, &given, &body_states(mechanism, &given)).position > UNNOTICEABLE;
         let apart = correction.overlap.and_then(|(number, depth)| {
             let pair = mechanism.nonsmooth.pairs.iter().find(|pair| pair.number == number)?;
@@ -116,7 +116,7 @@ impl Loaded {
         Ok(Assembled { state, counted, warnings })
     }
 
-    /// The first joints of one number that do not start as they were wanted, as the end of a sentence.
+    /// The first joints with one coordinate that do not start as wanted, as the end of a sentence.
     fn moved(&self, wanted: &Start, state: &State) -> String {
         let unit = |joint: &str| {
             let record = self.model.joints.iter().find(|record| record.name == joint);
@@ -129,7 +129,7 @@ impl Loaded {
             for (given, starts, per_second) in
                 [(&wanted.positions, &report.position, ""), (&wanted.velocities, &report.velocity, "/s")]
             {
-                // What comes later counts.
+                // The last entry counts.
                 let given = given.iter().rev().find(|(name, _)| name == joint).map(|(_, numbers)| numbers.as_slice());
                 if let (Some(&[given]), &Numbers::One(starts)) = (given, starts)
                     && decimals(given) != decimals(starts)
@@ -143,7 +143,7 @@ impl Loaded {
         all.concat()
     }
 
-    /// The start of the file as it stands, whatever the loops say.
+    /// The start of the file without assembly. It may violate the loops.
     ///
     /// # Errors
     /// [`ModelError`] for joints that do not exist or do not move, and for wrong counts of numbers.
@@ -151,7 +151,7 @@ impl Loaded {
         self.model.initial_state(&self.start.positions, &self.start.velocities, None)
     }
 
-    /// The start of the file, with what is said instead of it.
+    /// The start of the file, overridden by the given positions and velocities.
     fn wanted(
         &self,
         positions: &[(String, Vec<f64>)],
@@ -159,7 +159,7 @@ impl Loaded {
         base_velocity: Option<[f64; 6]>,
     ) -> Result<Start, Error> {
         let mut wanted = self.start.clone();
-        // What comes later counts.
+        // The last entry counts.
         wanted.positions.extend_from_slice(positions);
         wanted.velocities.extend_from_slice(velocities);
         if let Some(velocity) = base_velocity {
@@ -167,7 +167,7 @@ impl Loaded {
             if count > 1 {
                 return Err(Error::SeveralBases(count));
             }
-            // The velocity of the base is that of its joint.
+            // The velocity of the base is the velocity of its joint.
             let base = self.model.joints.iter().find(|joint| joint.is_base).ok_or(ModelError::BaseDoesNotFloat)?;
             if velocities.iter().any(|(name, _)| *name == base.name) {
                 return Err(Error::BaseVelocityTwice(base.name.clone()));
@@ -178,7 +178,7 @@ impl Loaded {
     }
 }
 
-/// Of two values for one joint, nobody can tell which was meant.
+/// Refuses two values for one joint, because it is unclear which one is meant.
 fn refuse_repeated(option: &'static str, given: &[(String, Vec<f64>)]) -> Result<(), Error> {
     for (index, (joint, _)) in given.iter().enumerate() {
         if given[..index].iter().any(|(earlier, _)| earlier == joint) {

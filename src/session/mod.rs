@@ -1,5 +1,5 @@
-//! A run as people ask for it: a file, a start, an accuracy, a log, a report. The command line, programs and Python make runs here alone, so that
-//! they cannot differ.
+//! A run with all its options: a file, a start, an accuracy, a log, a report. The command line, Rust programs and Python all make their runs here,
+//! so that results cannot differ.
 //!
 //! ```text
 //!     file ─ world.rs ─▶ Loaded ─ loaded.rs ─▶ state on its loops ─┐

@@ -1,4 +1,4 @@
-//! A model as programs hold it: what was read from a file, to be run many times.
+//! A model in the library: read from a file once, run many times.
 
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::kinematics::body_states;
@@ -13,7 +13,7 @@ use nalgebra::{Rotation3, Translation3};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-/// A robot or scene, ready to be simulated. Cheap to clone; nothing about it changes.
+/// A robot or scene, ready to be simulated. It is cheap to clone and never changes.
 ///
 /// ```
 /// use catena::prelude::*;
@@ -35,11 +35,11 @@ struct Shared {
     coordinates: Coordinates,
     path: PathBuf,
     world: World,
-    /// What its file says, without the numbers that are set; read when somebody asks for other numbers.
+    /// The scene of the file with its own numbers; read when other numbers are first requested.
     scene: OnceLock<Arc<Scene>>,
 }
 
-/// How a file is to be read: where its robot stands, and what is left out. Nothing said is as in the file.
+/// Options for reading a file: the pose of its robot, gravity, contact, parts to leave out. The default is the file as it is.
 #[derive(Clone, Debug, Default)]
 pub struct Loader {
     world: World,
@@ -53,42 +53,42 @@ impl Loader {
         self
     }
 
-    /// Where that root link is in the world: x, y, z, roll, pitch, yaw [m, rad].
+    /// Sets the pose of that root link in the world: x, y, z, roll, pitch, yaw [m, rad].
     #[must_use]
     pub fn base_pose(mut self, pose: [f64; 6]) -> Self {
         self.world.base_pose = Some(pose);
         self
     }
 
-    /// Acceleration of gravity in the world [m/s²].
+    /// Sets the acceleration of gravity in the world [m/s²].
     #[must_use]
     pub fn gravity(mut self, gravity: [f64; 3]) -> Self {
         self.world.gravity = Some(gravity);
         self
     }
 
-    /// Leaves something out that the files say.
+    /// Leaves out a part of the file.
     #[must_use]
     pub fn without(mut self, left: Left) -> Self {
         self.world.without.push(left);
         self
     }
 
-    /// A floor under everything at this height (m).
+    /// Adds a floor at this height (m).
     #[must_use]
     pub fn floor(mut self, height: f64) -> Self {
         self.world.floor = Some(height);
         self
     }
 
-    /// Which collision shapes may touch.
+    /// Sets which collision shapes may touch.
     #[must_use]
     pub fn contact(mut self, touching: Touching) -> Self {
         self.world.contact = Some(touching);
         self
     }
 
-    /// The folder of a ROS package.
+    /// Sets the folder of a ROS package.
     #[must_use]
     pub fn package(mut self, name: &str, folder: impl Into<PathBuf>) -> Self {
         self.world.packages.push((name.to_string(), folder.into()));
@@ -105,7 +105,7 @@ impl Loader {
     /// Reads a `.urdf`, or a scene `.toml`.
     ///
     /// # Errors
-    /// What is wrong with the file, naming file, line, and link, joint or key.
+    /// An invalid file; the error names file, line, and link, joint or key.
     pub fn load(self, path: impl AsRef<Path>) -> Result<Model, Error> {
         let path = path.as_ref();
         let loaded = self.world.load(path)?;
@@ -114,15 +114,15 @@ impl Loader {
 }
 
 impl Model {
-    /// Reads a `.urdf`, or a scene `.toml`, as it stands: with a fixed base, gravity and contact as the file says.
+    /// Reads a `.urdf`, or a scene `.toml`, without changes: with a fixed base, gravity and contact as in the file.
     ///
     /// # Errors
-    /// What is wrong with the file, naming file, line, and link, joint or key.
+    /// An invalid file; the error names file, line, and link, joint or key.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
         Loader::default().load(path)
     }
 
-    /// Reads a file otherwise than it stands.
+    /// Options for reading a file.
     pub fn loader() -> Loader {
         Loader::default()
     }
@@ -132,11 +132,11 @@ impl Model {
         Model { shared: Arc::new(Shared { loaded, coordinates, path, world, scene: OnceLock::new() }) }
     }
 
-    /// The same with other numbers, by their key paths: `link7.mass`, `spring.band.stiffness`, `gravity.z` (`catena model INPUT --parameters`
-    /// lists them). The file is read again, once for all models that come of this one.
+    /// The same model with other numbers, by their key paths: `link7.mass`, `spring.band.stiffness`, `gravity.z` (`catena model INPUT --parameters`
+    /// lists them). The file is read again, once for all models made from this one.
     ///
     /// # Errors
-    /// Keys that do not exist or mean several numbers, and numbers that the file could not say.
+    /// Keys that do not exist or mean several numbers, and numbers that a file could not contain.
     pub fn with_params<K: Into<String>>(&self, numbers: impl IntoIterator<Item = (K, f64)>) -> Result<Self, Error> {
         let mut world = self.world().clone();
         world.set.extend(numbers.into_iter().map(|(key, number)| (key.into(), number)));
@@ -149,17 +149,17 @@ impl Model {
         Ok(model)
     }
 
-    /// What the file says.
+    /// The scene of the file.
     fn scene(&self) -> Result<Arc<Scene>, Error> {
         if let Some(scene) = self.shared.scene.get() {
             return Ok(scene.clone());
         }
         let scene = Arc::new(self.world().scene(self.path())?);
-        // Another thread may have read it meanwhile: the first counts.
+        // If another thread has read it meanwhile, the first result is used.
         Ok(self.shared.scene.get_or_init(|| scene).clone())
     }
 
-    /// All numbers that have a key path, and what the files say of them (nothing where neither does).
+    /// All numbers that have a key path, and their values in the files (`None` where no file has one).
     ///
     /// # Errors
     /// As of [`Model::load`].
@@ -168,7 +168,7 @@ impl Model {
         Ok(scene.parameters().into_iter().map(|one| (one.key().to_string(), one.said())).collect())
     }
 
-    /// Names of the joints that move, in the order of q and v.
+    /// Names of the movable joints, in the order of q and v.
     pub fn joint_names(&self) -> Vec<&str> {
         self.coordinates().joints().iter().map(|joint| joint.name.as_str()).collect()
     }
@@ -178,17 +178,17 @@ impl Model {
         self.description().links.iter().map(|link| link.name.as_str()).collect()
     }
 
-    /// What was left out, and why, and what else is worth knowing.
+    /// Warnings: parts left out and their reasons, and oddities of the file.
     pub fn warnings(&self) -> Vec<String> {
         self.description().warning_lines().collect()
     }
 
-    /// Where the coordinates of each joint are in q and v.
+    /// The entries of each joint in q and v.
     pub fn coordinates(&self) -> &Coordinates {
         &self.shared.coordinates
     }
 
-    /// q and v where the file starts it, on all loops.
+    /// q and v of the file's start, on all loops.
     ///
     /// # Errors
     /// Loops that cannot be closed.
@@ -228,7 +228,7 @@ impl Model {
         })
     }
 
-    /// What is simulated, part by part.
+    /// The parts of the model.
     #[doc(hidden)]
     pub fn description(&self) -> &crate::model::Model {
         &self.shared.loaded.model
@@ -239,7 +239,7 @@ impl Model {
         &self.shared.loaded
     }
 
-    /// The same with more warnings, where there are any.
+    /// The same model with more warnings, if there are any.
     pub(crate) fn warned(&self, warnings: Vec<Warning>) -> Self {
         if warnings.is_empty() {
             return self.clone();
@@ -249,7 +249,7 @@ impl Model {
         Model { shared: Arc::new(shared) }
     }
 
-    /// The file it was read from, as it was given.
+    /// The path of the file, as given.
     pub fn path(&self) -> &Path {
         &self.shared.path
     }

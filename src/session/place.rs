@@ -1,4 +1,4 @@
-//! Where a run may write: never over what it is made from, and only where a file can be.
+//! Checks that a run may write its log to a path: not over its own input, and only to a possible path.
 
 #[cfg(feature = "log")]
 use crate::model::Model;
@@ -11,20 +11,20 @@ fn refuse(path: &Path, reason: String) -> Error {
     Error::Output { path: path.to_path_buf(), reason }
 }
 
-/// Whether what is at a path is a pipe or device, which keeps what was written.
+/// Whether a path is a pipe or device, to which bytes are written for good.
 pub fn is_special(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file())
 }
 
-/// The folder that a path is in.
+/// The folder of a path.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether a file can be at this place.
+/// Checks that a file can be created at this path.
 ///
 /// # Errors
-/// [`Error::Output`] if there is no folder for it, or it is one.
+/// [`Error::Output`] if its folder does not exist, or if it is a folder.
 pub fn check_place(output: &Path) -> Result<(), Error> {
     let folder = folder_of(output);
     if output.as_os_str().to_string_lossy().ends_with(std::path::is_separator) {
@@ -39,11 +39,10 @@ pub fn check_place(output: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether a log of so many seconds may be at this place: neither it nor its file while the run has not finished may replace what the run is
-/// made from.
+/// Checks that a log of this duration (s) may be written to this path. Neither the log nor its unfinished file may replace an input of the run.
 ///
 /// # Errors
-/// [`Error::Output`] if it would, [`Error::TooLong`] if it cannot count its nanoseconds.
+/// [`Error::Output`] if it would, [`Error::TooLong`] if its times in nanoseconds overflow.
 #[cfg(feature = "log")]
 pub fn check_log(output: &Path, model: &Model, duration: f64, options: &LogOptions) -> Result<(), Error> {
     let wanted = output.canonicalize().unwrap_or_else(|_| output.to_path_buf());

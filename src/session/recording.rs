@@ -1,4 +1,4 @@
-//! The observer that keeps a run in memory, and can show it again to any other: to a log, for instance.
+//! An observer that keeps a run in memory and can replay it to another observer, such as a log.
 
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
@@ -15,13 +15,13 @@ pub struct Recording {
     pub positions: Vec<f64>,
     /// Joint velocities of the state, sample after sample.
     pub velocities: Vec<f64>,
-    /// The ends of steps in which there are samples.
+    /// The ends of those steps that contain samples.
     pub steps: Vec<StepEnd>,
-    /// Which of them each sample is in.
+    /// The index of the step of each sample.
     step_of: Vec<usize>,
-    /// Events, and before which sample they were.
+    /// Events, each with the index of the next sample.
     events: Vec<(usize, Event)>,
-    /// Contacts, and of which sample they are.
+    /// Contacts, each with the index of its sample.
     contacts: Vec<(usize, Vec<ContactPoint>)>,
 }
 
@@ -35,7 +35,7 @@ impl Recording {
         (&self.positions[part(&self.positions)], &self.velocities[part(&self.velocities)])
     }
 
-    /// The end of the step that a sample is in.
+    /// The end of the step that contains a sample.
     pub fn step_of(&self, number: usize) -> &StepEnd {
         &self.steps[self.step_of[number]]
     }
@@ -45,10 +45,10 @@ impl Recording {
         self.events.iter().map(|(_, event)| event)
     }
 
-    /// Shows the run to another observer, as it was.
+    /// Replays the run to another observer.
     ///
     /// # Errors
-    /// Whatever the observer fails with.
+    /// Any error of the observer.
     pub fn show_to(&self, observer: &mut dyn Observer) -> Result<(), ObserverError> {
         let (mut events, mut contacts) = (self.events.iter().peekable(), self.contacts.iter().peekable());
         for number in 0..=self.times.len() {
@@ -98,12 +98,12 @@ impl Observer for Recording {
     }
 }
 
-/// A recording that is looked at from outside.
+/// A recording that other code can read during the run.
 #[derive(Clone, Debug, Default)]
 pub struct SharedRecording(Arc<Mutex<Recording>>);
 
 impl SharedRecording {
-    /// Takes out what was recorded.
+    /// Moves the recording out.
     pub fn take(&self) -> Recording {
         std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }

@@ -1,6 +1,6 @@
-//! Many runs of one model from many starts, side by side.
+//! Many runs of one model from many starts, in parallel.
 //!
-//! Each run is one that [`Simulation`](crate::session::Simulation) makes from the same start, and has the same bits, whatever the number of threads.
+//! Each run is bit-identical to that of [`Simulation`](crate::session::Simulation) from the same start, for any number of threads.
 
 use crate::mechanism::motion::integrator::MethodDescription;
 use crate::model::Start;
@@ -12,36 +12,36 @@ use crate::simulation::{Observer, ObserverError, RunError, Sample, Simulation, S
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// What all runs have in common.
+/// The options of all runs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rollout<'r> {
-    /// Simulated time (s); by default that of the file, or 10.
+    /// Simulated time (s); by default that of the file, or 10 s.
     pub duration: Option<f64>,
-    /// Wanted accuracy of positions (m); by default that of the file, or 1e-6.
+    /// Wanted accuracy of positions (m); by default that of the file, or 1e-6 m.
     pub tolerance: Option<f64>,
     /// Stages and length of steps (s), instead of a tolerance.
     pub fixed: Option<(usize, f64)>,
-    /// Samples per simulated second; without it only the start and the end.
+    /// Samples per simulated second; `None` for the start and the end only.
     pub rate: Option<f64>,
-    /// How many threads share the runs; 0 takes all cores.
+    /// Number of threads; 0 for all cores.
     pub threads: usize,
-    /// Set from outside to end all runs.
+    /// A flag that ends all runs when it is set.
     pub interrupt: Option<&'r AtomicBool>,
 }
 
-/// What the runs have done.
+/// The results of the runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Trajectories {
-    /// How many runs there are.
+    /// Number of runs.
     pub runs: usize,
     /// Times of the samples (s), the same for all runs.
     pub times: Vec<f64>,
-    /// q of every sample of every run (runs × samples × length of q); not a number after a run has failed.
+    /// q of every sample of every run (runs × samples × length of q); NaN after the failure of a run.
     pub q: Vec<f64>,
-    /// v of every sample of every run (runs × samples × length of v).
+    /// v of every sample of every run (runs × samples × length of v); NaN after the failure of a run.
     pub v: Vec<f64>,
-    /// Runs that failed, and why.
+    /// Runs that failed, and their errors.
     pub failures: Vec<(usize, String)>,
 }
 
@@ -60,8 +60,8 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// Wrong lengths, numbers that are not finite, options that cannot be, an interruption. A run that fails is in
-    /// [`Trajectories::failures`], and the others go on.
+    /// Wrong lengths, numbers that are not finite, invalid options, an interruption. A run that fails is listed in [`Trajectories::failures`], and
+    /// the others continue.
     pub fn rollout(&self, q0: &[f64], v0: &[f64], options: &Rollout) -> Result<Trajectories, Error> {
         let Rollout { duration, tolerance, fixed, rate, threads, interrupt } = *options;
         let settled =
@@ -137,14 +137,14 @@ impl Model {
     }
 }
 
-/// Times of samples as a run has them: `k/rate`, and its end.
+/// Sample times of a run: `k/rate`, and its end.
 fn sample_times(duration: f64, rate: Option<f64>) -> Vec<f64> {
     let Some(rate) = rate else { return vec![0.0, duration] };
     let inside = (0_u64..).map(|k| k as f64 / rate).take_while(|&time| time < duration);
     inside.chain([duration]).collect()
 }
 
-/// Where the samples of a run go.
+/// The destination of a run's samples.
 struct Rows<'r> {
     model: &'r Model,
     q: &'r mut [f64],

@@ -25,36 +25,36 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// What a run is to be.
+/// The settings of a run.
 pub(crate) struct Course<'c> {
     pub model: Model,
     pub settled: Settled,
-    /// Where it starts, and what was counted of the closures there.
+    /// The start, and the ranks of the closures there.
     pub state: State,
     pub counted: Option<Arc<Counted>>,
-    /// Rules that leave nothing out.
+    /// Disabled simplification rules.
     pub kept: Vec<Rule>,
     pub interrupt: Arc<AtomicBool>,
-    /// Who watches it.
+    /// Observers.
     pub others: Vec<Box<dyn Observer>>,
-    /// Whether a program drives it.
+    /// Whether a program controls the run.
     pub driven: bool,
-    /// Along the velocities of the state.
+    /// Efforts along the velocities of the state.
     pub efforts: Option<&'c [f64]>,
     pub log: Option<(PathBuf, LogOptions)>,
     pub origin: Origin,
 }
 
-/// A run that has begun and not ended.
+/// A run between its first step and its end.
 pub(crate) struct Running {
     pub engine: Engine,
     begun: Begun,
     origin: Origin,
-    /// When it ends (s).
+    /// The end of the run (s).
     pub end: f64,
 }
 
-/// A run that has ended.
+/// A finished run.
 pub(crate) struct Finish {
     pub report: Report,
     pub told: Told,
@@ -66,19 +66,19 @@ impl Running {
     /// Makes the simulation and its log.
     ///
     /// # Errors
-    /// Steps that cannot be, efforts that cannot be, a log that cannot be created.
+    /// Invalid steps or efforts, or a log that cannot be created.
     pub fn begin(course: Course) -> Result<Self, Error> {
         let Course { model, settled, state, counted, kept, interrupt, others, driven, efforts, log, origin } = course;
         let Settled { duration, choice, rate } = settled;
         let start = state.time;
         let mut begun = None;
         let watch = Watch { recorder: None, speeds: SpeedWatch::new(model.description()), others };
-        // What joints carry follows from a state and the model alone, not from the efforts of a program.
+        // Reactions follow from a state and the model alone, without the efforts of a program.
         let log = log.map(|(path, options)| match driven {
             true => (path, options.without("/reactions")),
             false => (path, options),
         });
-        // What a program has seen of a run, or a pipe taken, cannot restart.
+        // A run cannot restart if a program has seen a part of it, or if its log is a pipe.
         let at_once = origin.driven.is_none() && !log.as_ref().is_some_and(|(path, _)| is_special(path));
         let held = Held { model, kept, interrupt: interrupt.clone(), watch: MutBorrow::new(watch) };
         let engine = Engine::try_new(held, |held| {
@@ -120,7 +120,7 @@ impl Running {
     /// # Errors
     /// A step, an observer, the log or the controller that fails.
     pub fn proceed(&mut self, model: &Model, control: Option<&mut Control>, until: f64) -> Result<(), Error> {
-        // Only what goes to the end in one go can restart.
+        // Only a run that proceeds to its end in one call can restart.
         let to_the_end = until >= self.end;
         let until = until.min(self.end);
         self.engine
@@ -141,7 +141,7 @@ impl Running {
             .unwrap_or(Ok(()))
     }
 
-    /// Ends the run as it has `ended`, and completes its log at `output`; joints carry what they do under these efforts.
+    /// Ends the run with the outcome `ended`, and completes its log at `output`; reactions include these efforts.
     pub fn close(
         self,
         ended: Result<(), Error>,
@@ -161,7 +161,7 @@ impl Running {
     }
 }
 
-/// The model with efforts as loads, so that what its joints carry is worked out under them.
+/// The model with the efforts as loads, so that reactions include them.
 fn under_efforts<'m>(model: &'m Model, efforts: Option<&[f64]>) -> Cow<'m, crate::model::Model> {
     let description = model.description();
     let acting = || efforts.into_iter().flatten().enumerate().filter(|(_, effort)| **effort != 0.0);

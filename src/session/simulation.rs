@@ -1,4 +1,4 @@
-//! A run of a model, as programs make it: a start, an accuracy, steps, and a report.
+//! A run of a model in the library: a start, an accuracy, steps, and a report.
 
 use crate::mechanism::description::rules::Rule;
 use crate::output::log::LogOptions;
@@ -22,10 +22,10 @@ use std::sync::atomic::AtomicBool;
 
 mod now;
 
-/// Of runs that step by step a program has made.
+/// The log entry of runs that a program made step by step.
 const STEPPED: &str = "a program has stepped it";
 
-/// A run of a model. First it is told what to be; with its first step it begins.
+/// A run of a model. Its settings come first; the first step begins the run.
 ///
 /// ```
 /// use catena::prelude::*;
@@ -40,8 +40,8 @@ const STEPPED: &str = "a program has stepped it";
 /// # Ok::<(), catena::session::Error>(())
 /// ```
 ///
-/// What changes between steps goes through the run: [`set_efforts`](Simulation::set_efforts) and
-/// [`set_controller`](Simulation::set_controller). The model it runs cannot be changed.
+/// Between steps only [`set_efforts`](Simulation::set_efforts) and [`set_controller`](Simulation::set_controller) change the run. Its model cannot
+/// change.
 pub struct Simulation {
     model: Model,
     asked: Asked,
@@ -53,14 +53,14 @@ pub struct Simulation {
     observers: Vec<Box<dyn Observer>>,
     interrupt: Arc<AtomicBool>,
     control: Option<Control>,
-    /// Along the velocities of the state.
+    /// Efforts along the velocities of the state.
     efforts: Option<Vec<f64>>,
     started: OnceCell<Assembled>,
     running: Option<Running>,
     ended: Option<Finish>,
 }
 
-/// A number, or several, for a joint.
+/// One number or several numbers for a joint.
 pub trait JointValue {
     /// The numbers.
     fn numbers(self) -> Vec<f64>;
@@ -85,7 +85,7 @@ impl<const N: usize> JointValue for [f64; N] {
 }
 
 impl Simulation {
-    /// A run of a model, as its file says or else with 10 s at a tolerance of 1e-6 m.
+    /// A run with the settings of the model's file, or else 10 s at a tolerance of 1e-6 m.
     pub fn new(model: &Model) -> Self {
         Simulation {
             model: model.clone(),
@@ -105,42 +105,43 @@ impl Simulation {
         }
     }
 
-    /// The wanted accuracy of positions (m): stages and steps are chosen from it.
+    /// Sets the wanted accuracy of positions (m), from which stages and steps are chosen.
     #[must_use]
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         (self.asked.tolerance, self.asked.fixed) = (Some(tolerance), None);
         self
     }
 
-    /// Steps of this length (s), of the scheme with so many stages.
+    /// Sets fixed steps of this length (s) with this number of stages.
     #[must_use]
     pub fn fixed(mut self, stages: usize, step: f64) -> Self {
         (self.asked.tolerance, self.asked.fixed) = (None, Some((stages, step)));
         self
     }
 
-    /// Simulated time (s).
+    /// Sets the simulated time (s).
     #[must_use]
     pub fn duration(mut self, duration: f64) -> Self {
         self.asked.duration = Some(duration);
         self
     }
 
-    /// Samples per simulated second, for the log and other observers.
+    /// Sets the samples per simulated second, for the log and other observers.
     #[must_use]
     pub fn rate(mut self, rate: f64) -> Self {
         self.asked.rate = Some(rate);
         self
     }
 
-    /// Switches off a rule that leaves something out of the computation.
+    /// Disables a simplification rule.
     #[must_use]
     pub fn keep(mut self, rule: Rule) -> Self {
         self.kept.push(rule);
         self
     }
 
-    /// Positions of joints at the start, as many numbers as each has coordinates (rad, m); the others are as the file says. Loops are closed from there.
+    /// Sets positions of joints at the start, one number per coordinate of the joint (rad, m). The other joints start as in the file. Loops are
+    /// then closed.
     ///
     /// # Errors
     /// Joints that do not exist or do not move, wrong counts of numbers, numbers that are not finite, loops that do not close.
@@ -153,7 +154,7 @@ impl Simulation {
         self.start_at(given, velocities)
     }
 
-    /// Velocities of joints at the start [rad/s, m/s]; the others are as the file says.
+    /// Sets velocities of joints at the start [rad/s, m/s]. The other joints start as in the file.
     ///
     /// # Errors
     /// As of [`Simulation::start`].
@@ -166,7 +167,7 @@ impl Simulation {
         self.start_at(positions, given)
     }
 
-    /// All of q and v at the start ([`Coordinates`](crate::session::Coordinates)).
+    /// Sets all of q and v at the start ([`Coordinates`](crate::session::Coordinates)).
     ///
     /// # Errors
     /// As of [`Simulation::start`].
@@ -189,7 +190,7 @@ impl Simulation {
         Ok(self)
     }
 
-    /// The time at which it starts (s), for runs that go on where another ended.
+    /// Sets the time of the start (s), to continue another run.
     #[must_use]
     pub fn begin_at(mut self, time: f64) -> Self {
         self.begin = time;
@@ -197,14 +198,14 @@ impl Simulation {
         self
     }
 
-    /// Writes the run to an MCAP file, from its first step on. A log that is there is replaced only when it is sure that it will be one.
+    /// Writes the run to an MCAP file, from its first step on. An existing log is replaced only by a complete one.
     #[cfg(feature = "log")]
     #[must_use]
     pub fn log(self, path: impl Into<PathBuf>) -> Self {
         self.log_with(path, LogOptions::default())
     }
 
-    /// The same with a choice of topics, meshes and size.
+    /// Writes a log with options for topics, meshes and size.
     #[cfg(feature = "log")]
     #[must_use]
     pub fn log_with(mut self, path: impl Into<PathBuf>, options: LogOptions) -> Self {
@@ -212,22 +213,23 @@ impl Simulation {
         self
     }
 
-    /// Somebody watches the run.
+    /// Adds an observer.
     #[must_use]
     pub fn observe(mut self, observer: impl Observer + 'static) -> Self {
         self.observers.push(Box::new(observer));
         self
     }
 
-    /// A flag that ends the run after its current step once somebody sets it.
+    /// A flag that ends the run after its current step when it is set.
     pub fn interrupt(&self) -> Arc<AtomicBool> {
         self.interrupt.clone()
     }
 
-    /// Efforts on the joints from now on, along v, besides the forces of the model [N m or N]. Those on ball and floating joints turn with the child.
+    /// Sets efforts on the joints from now on, along v, besides the forces of the model [N m or N]. Those on ball and floating joints turn with the
+    /// child.
     ///
     /// # Errors
-    /// [`Error::Input`] for another number of efforts and for what is not finite; [`Error::Over`] when the run is.
+    /// [`Error::Input`] for a wrong number of efforts and for numbers that are not finite; [`Error::Over`] after the end of the run.
     pub fn set_efforts(&mut self, efforts: &[f64]) -> Result<(), Error> {
         let places = self.model.coordinates();
         let wanted = places.v_count();
@@ -254,11 +256,11 @@ impl Simulation {
         Ok(())
     }
 
-    /// Somebody decides on efforts from now on: asked now and after every `period` (s), for efforts along v that are held in between; they are zero
-    /// unless they are written. The same state must give the same efforts for a run to be the same twice.
+    /// Sets a controller, called now and after every `period` (s). It writes efforts along v, which are held until the next call; entries that it
+    /// does not write are zero. For a reproducible run it must give the same efforts for the same state.
     ///
     /// # Errors
-    /// [`Error::Option`] for a period that is none.
+    /// [`Error::Option`] for an invalid period.
     pub fn set_controller(
         &mut self,
         period: f64,
@@ -270,7 +272,7 @@ impl Simulation {
         })
     }
 
-    /// The same, for controllers that may fail, which ends the run.
+    /// Sets a controller that may fail; its error ends the run.
     ///
     /// # Errors
     /// As of [`Simulation::set_controller`].
@@ -287,8 +289,8 @@ impl Simulation {
     /// Makes steps until `time` (s), exactly.
     ///
     /// # Errors
-    /// A time behind the run or beyond its end; what is wrong with how the run is to be made; a step, an observer, the log or a controller that
-    /// fails. The log is complete up to there, and the run over.
+    /// A time before the present or after the end of the run; invalid settings; an error of a step, an observer, the log or a controller. After an
+    /// error the run has ended, and its log is complete up to there.
     pub fn step_to(&mut self, time: f64) -> Result<(), Error> {
         self.begin(STEPPED)?;
         let (now, end) = (self.time(), self.end());
@@ -307,16 +309,16 @@ impl Simulation {
         self.proceed(f64::INFINITY)
     }
 
-    /// Ends the run where it is, completes its log, and says what became of it.
+    /// Ends the run at the present time, completes its log, and returns its report.
     ///
     /// # Errors
-    /// A run that cannot begin, and a log that cannot be completed.
+    /// Invalid settings, or a log that cannot be completed.
     pub fn finish(mut self) -> Result<Report, Error> {
         self.end_here()?;
         self.ended.take().map(|over| over.report).ok_or(Error::Over(self.begin))
     }
 
-    /// The same, with what a log of the run would say, and the model with all warnings.
+    /// As [`Simulation::finish`], with the entries of a log of the run, and the model with all warnings.
     #[doc(hidden)]
     pub fn finish_told(mut self) -> Result<(Report, Told, Model), Error> {
         self.end_here()?;
@@ -332,7 +334,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// What was made of the start.
+    /// The assembled start.
     fn started(&self) -> Result<&Assembled, Error> {
         if let Some(started) = self.started.get() {
             return Ok(started);
@@ -342,7 +344,7 @@ impl Simulation {
         Ok(self.started.get_or_init(|| started))
     }
 
-    /// Begins the run if it has not, `driven` by what its log cannot tell unless that is empty.
+    /// Begins the run if it has not begun. `driven` names inputs that the log does not contain; empty if there are none.
     fn begin(&mut self, driven: &str) -> Result<(), Error> {
         if let Some(over) = &self.ended {
             return Err(Error::Over(over.state.time));
@@ -384,7 +386,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// How this run can be made again.
+    /// The origin of this run, from which it can be made again.
     fn origin(&self, driven: &str) -> Origin {
         let Simulation { model, asked, kept, positions, velocities, .. } = self;
         let mut arguments = words(model.path(), model.world(), asked, kept, positions, velocities);
@@ -396,7 +398,7 @@ impl Simulation {
         Origin { command_line, arguments, driven: (!driven.is_empty()).then(|| driven.to_string()) }
     }
 
-    /// Makes steps until `until` (s) or the end of the run, under the controller; what fails ends the run.
+    /// Makes steps until `until` (s) or the end of the run, under the controller; an error ends the run.
     fn proceed(&mut self, until: f64) -> Result<(), Error> {
         let Simulation { model, running, control, begin, .. } = self;
         let running = running.as_mut().ok_or(Error::Over(*begin))?;
@@ -422,11 +424,11 @@ impl Simulation {
 }
 
 impl Drop for Simulation {
-    /// A run that nobody finished has a log that is complete up to there, and says that it was interrupted.
+    /// A dropped run has a log that is complete up to there and says that the run was interrupted.
     fn drop(&mut self) {
         if self.running.is_some() {
             let time = self.time();
-            // Nobody is left to be told.
+            // The error cannot be returned from `drop`.
             let _ = self.close(Err(Error::Run(RunError::Interrupted { time })));
         }
     }

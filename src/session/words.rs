@@ -1,4 +1,4 @@
-//! A run as the words of the `catena simulate` that makes it again: what its log keeps, and `catena replay` and pages read.
+//! The arguments of the `catena simulate` that makes a run again. Logs contain them; `catena replay` and pages read them.
 //!
 //! Numbers have all their digits.
 
@@ -12,7 +12,7 @@ fn listed(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
 }
 
-/// What is asked of a run, word by word, from the name of the verb on.
+/// The arguments of a run, word by word, from the subcommand on.
 pub(crate) fn words(
     input: &Path,
     world: &World,

@@ -1,4 +1,4 @@
-//! From a file to what is simulated: a URDF or a scene, and the options of the user.
+//! From a file to a model: a URDF or a scene, with the user's options.
 //!
 //! Options override the scene file, and the scene file overrides the defaults ([`World::load`]).
 
@@ -12,7 +12,7 @@ use crate::session::loaded::Loaded;
 use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::{Path, PathBuf};
 
-/// What is said of a robot or scene besides its file; what is not said is as in the file.
+/// The user's options for a robot or scene. An option that is not given is as in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct World {
     /// Whether the root link of the only robot is fixed in the world or floats.
@@ -21,13 +21,13 @@ pub struct World {
     pub base_pose: Option<[f64; 6]>,
     /// Acceleration of gravity in the world [m/s²].
     pub gravity: Option<[f64; 3]>,
-    /// What is left out of the simulation although the files say it.
+    /// Parts of the files that are left out of the simulation.
     pub without: Vec<Left>,
-    /// Height of a floor under everything (m).
+    /// Height of a floor (m).
     pub floor: Option<f64>,
     /// Which collision shapes may touch.
     pub contact: Option<Touching>,
-    /// Numbers that are set, by their key paths ([`crate::scene::Scene::parameters`]).
+    /// Numbers to set, by their key paths ([`crate::scene::Scene::parameters`]).
     pub set: Vec<(String, f64)>,
     /// Names of ROS packages and their folders.
     pub packages: Vec<(String, PathBuf)>,
@@ -42,7 +42,7 @@ impl World {
     /// Reads and reduces a robot or scene.
     ///
     /// # Errors
-    /// What is wrong with the file, naming file, line, and link, joint or key.
+    /// An invalid file; the error names file, line, and link, joint or key.
     pub fn load(&self, input: &Path) -> Result<Loaded, Error> {
         let packages = self.packages()?;
         if is_scene(input) {
@@ -52,10 +52,10 @@ impl World {
         }
     }
 
-    /// Reads a scene, or a robot as the only one of a scene, whose numbers have key paths; those of the file, whatever is set.
+    /// Reads a scene, or a robot as a scene with one robot, so that its numbers have key paths. The numbers are those of the file.
     ///
     /// # Errors
-    /// What is wrong with the file, naming file, line, and link, joint or key.
+    /// An invalid file; the error names file, line, and link, joint or key.
     pub fn scene(&self, input: &Path) -> Result<Scene, Error> {
         let packages = self.packages()?;
         Ok(if is_scene(input) { read_scene(input, &packages)? } else { Scene::of_robot(read_urdf(input, &packages)?) })
@@ -79,10 +79,10 @@ impl World {
         Ok(scene.set(&numbers)?)
     }
 
-    /// Reduces a robot that was read.
+    /// Reduces a robot that was read to a model.
     ///
     /// # Errors
-    /// What cannot be simulated.
+    /// A robot that cannot be simulated.
     pub fn place_robot(&self, robot: Robot) -> Result<Loaded, Error> {
         self.check()?;
         if !self.set.is_empty() {
@@ -101,7 +101,7 @@ impl World {
         Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default(), counted: None })
     }
 
-    /// Reduces what [`World::scene`] has read of an input; numbers are set.
+    /// Reduces the result of [`World::scene`] to a model. Its numbers are set.
     ///
     /// # Errors
     /// As of [`World::load`].
@@ -109,18 +109,18 @@ impl World {
         if is_scene(input) { self.place_scene(scene) } else { self.place_only(scene) }
     }
 
-    /// Reduces a robot as the only one of a scene.
+    /// Reduces the only robot of a scene to a model.
     fn place_only(&self, scene: Scene) -> Result<Loaded, Error> {
         let mut loaded = self.place_scene(scene)?;
-        // Its file is the URDF, of which no scene was read.
+        // The file is the URDF; no scene file was read.
         loaded.model.scene = None;
         Ok(loaded)
     }
 
-    /// Reduces a scene that was read.
+    /// Reduces a scene to a model.
     ///
     /// # Errors
-    /// What cannot be simulated, and options that are for one robot where there are several.
+    /// A scene that cannot be simulated, and options for one robot where there are several.
     pub fn place_scene(&self, mut scene: Scene) -> Result<Loaded, Error> {
         self.check()?;
         self.set_numbers(&mut scene)?;
@@ -131,7 +131,7 @@ impl World {
             [only] => {
                 if let Some(base) = self.base {
                     only.floating = base == Base::Floating;
-                    // A velocity of the base is lost with its freedom.
+                    // A base that is fixed loses its velocity.
                     only.velocity = only.velocity.filter(|_| only.floating);
                 }
                 only.pose = self.base_pose.map_or(only.pose, pose);
@@ -149,7 +149,7 @@ impl World {
         Ok(Loaded { model, start, simulation: scene.simulation, counted: None })
     }
 
-    /// Numbers that are none, which no command line lets through.
+    /// Refuses invalid numbers, which the command line never passes on.
     fn check(&self) -> Result<(), Error> {
         let gravity = self.gravity.iter().flatten().map(|&value| ("gravity", value));
         let pose = self.base_pose.iter().flatten().map(|&value| ("base pose", value));
@@ -160,7 +160,7 @@ impl World {
         }
     }
 
-    /// What is said of contact here, or else in the scene; with all that is left out of the simulation.
+    /// The user's contact settings, or else those of the scene, with all parts that are left out of the simulation.
     fn contact_settings(&self, mut settings: ContactSettings) -> Result<ContactSettings, Error> {
         let without = self.without.contains(&Left::Contact);
         if let Some(touching) = self.contact {
@@ -176,14 +176,14 @@ impl World {
             settings.obstacles.push(Obstacle::floor(height));
         }
         if without {
-            // Files that only contact needs are not looked for.
+            // Without contact, its files are not read.
             settings.touching = Touching::None;
         }
         Ok(settings)
     }
 }
 
-/// A warning of a robot without bodies, all of whose mass is fixed in the world, which `remedy` would let move.
+/// A warning for a robot without moving bodies, all of whose mass is fixed in the world; `remedy` is the option that would let it move.
 fn nothing_moves(model: &Model, remedy: &str) -> Option<Warning> {
     let robot = model.robots.iter().find(|placed| !placed.robot.root_is_world())?;
     let has_mass = model.links[robot.links.clone()].iter().any(|link| link.mass > 0.0);

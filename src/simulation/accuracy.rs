@@ -1,30 +1,28 @@
-//! From a wanted accuracy to the local accuracy that gives it: trial runs.
+//! Finds the local accuracy of steps that gives a wanted accuracy of the run, by trial runs.
 //!
-//! An error made at a step is amplified by the motion until the end of the run, by 10² for a pendulum over seconds,
-//! by 10⁶ for a falling arm, without bound for chaos. Two trial runs, with iteration stops `ε` and `ε/30`, show it: where
-//! they are `d` apart, the coarser is wrong by about `d`, and because errors are proportional to the stop, the stop that
-//! keeps every error near a tenth of the wanted accuracy `E` is
+//! The motion amplifies the error of a step until the end of the run: by 10² for a pendulum over seconds, by 10⁶ for a falling arm, without bound
+//! for chaos. Two trial runs with iteration stops `ε` and `ε/30` measure this. Where their distance is `d`, the error of the coarser one is about
+//! `d`. Errors are proportional to the stop. So the stop that keeps every error near a tenth of the wanted accuracy `E` is
 //!
 //! ```text
 //!     ε_run = ε E / (10 max_t d(t))
 //! ```
 //!
-//! with the distance of [`crate::mechanism::motion::distance`], seen at up to 32 instants where steps of the coarser trial run end. That has the coarsest stop
-//! that a run is given, however calm its motion. Trial runs that are apart by more than a hundredth of the mechanism's size have parted and say
-//! nothing; then the finer one is the coarser of the next pair, unless they parted so early that this one would part, too. If the finest
-//! pair cannot hold the accuracy to the end, the calibration says until when it is held; where it parted long before, after another look at the
-//! time until then.
+//! with the distance of [`crate::mechanism::motion::distance`], computed at up to 32 instants where steps of the coarser trial run end. Its stop is
+//! the coarsest that any run gets. Trial runs whose distance exceeds a hundredth of the mechanism's size have parted and give no estimate. Then the
+//! finer one becomes the coarser of the next pair, unless it would part early, too. If the finest pair cannot hold the accuracy to the end, the
+//! calibration gives the time until which it holds; if the pair parted long before the end, more instants before that time are compared.
 //!
-//! A coarse trial run may be right by luck, a hundred times nearer than its stop lets expect in one of fifty runs of a chain of ten links. So
-//! where `ε_run` would be about as coarse as its stop, a third trial run tries it, and the finer one of the pair says how far off that is. Where
-//! it would be that very stop, because no run gets a coarser one, the trial run has tried it, and luck would have to be more than a
-//! hundredfold before the run were ten times further off than is wanted.
+//! A coarse trial run may be accurate by luck: in one of fifty runs of a chain of ten links, a hundred times more than its stop suggests. So if
+//! `ε_run` is nearly as coarse as its stop, a third trial run with `ε_run` is compared with the finer one of the pair. If `ε_run` is that very
+//! stop, the coarser trial run is this test. Then the run misses the tolerance tenfold only if luck made the trial run more than a hundred times
+//! too accurate.
 //!
-//! Roundings do not fall with the stop. Where `ε_run` is near them, and the coarser trial run was further off than is wanted, one more trial run with
-//! `ε_run` shows what they leave.
+//! Rounding errors do not fall with the stop. If `ε_run` is near rounding, and the coarser trial run missed the tolerance, one more trial run with
+//! `ε_run` measures them.
 //!
-//! Trial runs have the number of stages of the run ([`crate::stepping::stage_choice`]), later pairs that of a tolerance that would begin with them. A pair
-//! with few stages whose first steps are limited by stability, and not by accuracy, restarts with more.
+//! Trial runs have the number of stages of the run ([`crate::stepping::stage_choice`]); later pairs that of a tolerance that would begin with them.
+//! A pair with few stages whose first steps are limited by stability, not by accuracy, restarts with more stages.
 
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -44,28 +42,29 @@ use std::sync::Arc;
 
 /// Ratio of the stops of the two trial runs of a pair.
 const RATIO: f64 = 30.0;
-/// The finest stop: rounding.
+/// The finest stop, at rounding.
 const FINEST: f64 = 1e-16;
-/// The finest stop of the next pair, over that of one that has parted.
+/// The finest stop of the next pair, over the finest of a pair that has parted.
 const REFINEMENT: f64 = 1e-6;
-/// The coarsest stop of a first pair: what is coarser shows a motion that has little to do with the true one.
+/// The coarsest stop of a first pair: a coarser one would give a motion that is far from the true one.
 const COARSEST: f64 = 1e-3;
-/// The run stops at no more than this part of the tolerance, however calm the motion: the energy has to be kept as well,
+/// The run stops at no more than this part of the tolerance, however calm the motion, so that its energy is accurate too,
 const CALM: f64 = 0.03;
-/// and balanced where forces take part in it, which costs a digit.
+/// and at this part if forces exchange energy, which costs a digit.
 const CALM_WITH_FORCES: f64 = 0.01;
-/// What trial runs may change the energy by, over their stops, at least: with that of the run the coarse ones would take more steps than it.
+/// The least energy change that trial runs may make, over their stops. With the bound of the run, coarse trial runs would take more steps than the
+/// run.
 const ENERGY: f64 = 300.0;
-/// The run aims at this part of the tolerance: two runs of one motion, with other steps, differ by some such factor.
+/// The run aims at this part of the tolerance, because two runs of one motion with different steps differ by about this factor.
 const AIM: f64 = 10.0;
-/// Runs with a stop above this part of that of the coarser trial run are tried first.
+/// A run with a stop above this part of the coarser trial run's stop is tested by a third trial run.
 const LUCKY: f64 = 0.25;
-/// Runs with a finer stop than this may be off by rounding.
+/// Runs with a finer stop than this may be limited by rounding.
 const ROUNDED: f64 = 1e-13;
-/// Trial runs that are apart by this share of the mechanism's size have parted and say nothing about smaller errors.
+/// Trial runs have parted if their distance exceeds this share of the mechanism's size; then they give no estimate of smaller errors.
 const SATURATED: f64 = 1e-2;
 
-/// Finest trial runs that have parted before so many of the instants at which they were compared are looked at more closely.
+/// If the finest trial runs have parted before this many instants of comparison, they are compared at more instants.
 const CLOSELY: usize = 8;
 
 /// Why the accuracy of a run is not known.
@@ -77,45 +76,46 @@ pub enum UnknownAccuracy {
     /// The run has made no step yet.
     #[error("the run ended before its error could be estimated")]
     NotYet,
-    /// Efforts from outside act, which what tells the accuracy does not feel.
+    /// External efforts act, which the companion of the error estimate does not have.
     #[error("a program sets efforts on the joints, and the error estimate does not know its law")]
     Driven,
-    /// A trial run failed, as the run will.
+    /// A trial run failed, and the run will fail for the same reason.
     #[error("a trial run failed: {0}")]
     TrialFailed(StepError),
 }
 
-/// What the trial runs found, or the run itself.
+/// The result of the trial runs, or of the run's own estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
     /// The iteration stop to run with.
     pub stop: f64,
-    /// The number of stages it is for.
+    /// The number of stages for this stop.
     pub stages: StageChoice,
-    /// The error to expect at the end of the worst step of the run (m).
+    /// The estimated error at the end of the worst step of the run (m).
     pub estimate: f64,
-    /// The last instant up to which the wanted accuracy is expected to hold (s); the end of the run if it is reached.
+    /// The last instant up to which the estimated error meets the tolerance (s); the end of the run if it always does.
     pub holds_until: f64,
-    /// Whether the finest trial runs part before the end, so that nothing finer would help.
+    /// Whether the finest trial runs part before the end, so that finer steps would not help.
     pub parted: bool,
-    /// Where the accuracy does not hold to the end, the first instant (s) from which the finest trial runs meet other events: impacts, sticking, bounds of motors.
+    /// If the accuracy does not hold to the end: the first instant (s) from which the finest trial runs meet different events (impacts, sticking,
+    /// bounds of motors).
     pub events_differ: Option<f64>,
-    /// Number of trial runs: none where the run itself has told its accuracy.
+    /// Number of trial runs: zero if the run itself estimated its error.
     pub pilots: usize,
-    /// How often the run has begun.
+    /// How many times the run was begun.
     pub begun: usize,
 }
 
 impl Calibration {
-    /// The integrator that was calibrated, for the same smooth mechanism and tolerance (m).
+    /// The calibrated integrator, for the same smooth mechanism and tolerance (m).
     pub fn integrator(&self, mechanism: &Mechanism, tolerance: f64) -> Lobatto {
         Lobatto::adaptive_with_stages(mechanism, tolerance, self.stop, self.stages)
     }
 
-    /// The integrator of a run that was calibrated, for the same mechanism, tolerance (m) and rules.
+    /// The calibrated integrator of a run, for the same mechanism, tolerance (m) and rules.
     ///
     /// # Errors
-    /// [`MethodError`]: none of what was calibrated.
+    /// [`MethodError`]: never for values that were calibrated.
     pub(crate) fn run_integrator(
         &self,
         mechanism: &Mechanism,
@@ -126,10 +126,10 @@ impl Calibration {
     }
 }
 
-/// Finds the iteration stop with which a run of `duration` from `state` is accurate to `tolerance` (m), with these rules switched off.
+/// Finds the iteration stop with which a run of `duration` from `state` is accurate to `tolerance` (m), with these rules disabled.
 ///
 /// # Errors
-/// [`CalibrationError`] if a trial run fails or `go_on`, which sees the time and the outcome of every step of the trial runs, says no.
+/// [`CalibrationError`] if a trial run fails, or if `go_on` returns false. `go_on` gets the time and the outcome of every step of the trial runs.
 pub fn calibrate(
     mechanism: &Mechanism,
     state: &State,
@@ -141,7 +141,7 @@ pub fn calibrate(
     calibrate_counted(mechanism, state, None, duration, tolerance, kept, go_on)
 }
 
-/// The same where the closures were counted already.
+/// The same with ranks of closures that were computed before.
 ///
 /// # Errors
 /// As of [`calibrate`].
@@ -161,7 +161,7 @@ pub(crate) fn calibrate_counted(
         Search { mechanism, state, counted, tolerance, coarsest: calm * tolerance, kept, course, pilots: 0 };
     let Couple { coarse, fine, parted } = search.couple(go_on)?;
 
-    // Errors below rounding cannot be seen and need not be.
+    // Errors below rounding cannot be measured and do not matter.
     let mut amplification = coarse.worst().max(1e-16 * size) / coarse.stop;
     let mut apart: Vec<f64> = coarse.apart.iter().map(|apart| apart / coarse.stop).collect();
     let tried = search.stop_for(amplification);
@@ -169,7 +169,7 @@ pub(crate) fn calibrate_counted(
         let trial = search.trial(tried, &fine, go_on);
         let found = match &trial {
             Ok(trial) => trial.worst() / tried,
-            // What fails so coarsely may do as the coarser trial run did.
+            // If so coarse a run fails, the coarser trial run's error is used.
             Err(CalibrationError::Step(_)) => tolerance / (AIM * coarse.stop),
             Err(CalibrationError::Method(error)) => return Err(CalibrationError::Method(error.clone())),
             Err(CalibrationError::Interrupted) => return Err(CalibrationError::Interrupted),
@@ -184,7 +184,7 @@ pub(crate) fn calibrate_counted(
     let mut worst = amplification * stop;
     if !parted && stop < ROUNDED && coarse.worst() > tolerance {
         let trial = search.trial(stop, &fine, go_on)?;
-        // With the stop of the finer trial run it is the same run, and shows nothing.
+        // With the stop of the finer trial run it is the same run, so it gives no estimate.
         let seen = if trial.worst() > 0.0 { &trial } else { &coarse };
         worst = worst.max(seen.worst());
         for (error, &seen) in errors.iter_mut().zip(&seen.apart) {
@@ -193,7 +193,7 @@ pub(crate) fn calibrate_counted(
     }
     let held = errors.iter().take_while(|&&error| error <= tolerance).count();
     let holds_until = if held == 0 { state.time } else { coarse.trail[held - 1].0 };
-    // Where other events change next to nothing they are none of the user's business.
+    // Different events that change almost nothing are not reported.
     let compared = if errors.len() > held { coarse.trail.get(coarse.apart.len() - 1) } else { None };
     let differ = compared.and_then(|&(end, _)| {
         let until =
@@ -203,7 +203,7 @@ pub(crate) fn calibrate_counted(
     Ok(Calibration {
         stop,
         stages: coarse.stages,
-        // What has parted ends as far apart as the mechanism is large.
+        // Runs that have parted may end at any distance up to the size of the mechanism.
         // No position is known better than it is rounded.
         estimate: if parted { size } else { worst.max(f64::EPSILON * size) },
         holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
@@ -214,7 +214,7 @@ pub(crate) fn calibrate_counted(
     })
 }
 
-/// What is looked for, and by what.
+/// The arguments of the search.
 struct Search<'s> {
     mechanism: &'s Mechanism,
     state: &'s State,
@@ -228,16 +228,16 @@ struct Search<'s> {
     pilots: usize,
 }
 
-/// The pair that tells how errors grow.
+/// The pair of trial runs that measures the growth of errors.
 struct Couple<'s> {
     coarse: TrialRun<'s>,
     fine: TrialRun<'s>,
-    /// Whether it has parted, though there is no finer one.
+    /// Whether it has parted and no finer pair exists.
     parted: bool,
 }
 
 impl<'s> Search<'s> {
-    /// A trial run at the start of the run.
+    /// Starts a trial run.
     fn pilot(&mut self, stop: f64, stages: StageChoice) -> Result<TrialRun<'s>, CalibrationError> {
         self.pilots += 1;
         let energy = self.tolerance.max(ENERGY * stop);
@@ -255,13 +255,13 @@ impl<'s> Search<'s> {
         })
     }
 
-    /// The stop of a run whose errors are amplified so much.
+    /// The stop of a run with this amplification of errors.
     fn stop_for(&self, amplification: f64) -> f64 {
         (self.tolerance / (AIM * amplification)).min(self.coarsest).clamp(FINEST, COARSEST_STOP)
     }
 
-    /// The stop with which a pair that has parted would not have, if errors go on to grow as they did: exponentially, between the times
-    /// up to which the pair `before` and this one have lasted, or, where there was none, from the start.
+    /// The stop with which a pair would not have parted, if errors grow exponentially as before: between the times up to which the pair `before`
+    /// and this one lasted, or from the start if there was none before.
     fn enough(&self, stop: f64, lasted: f64, before: Option<(f64, f64)>) -> f64 {
         let Course { start, end, apart } = self.course;
         match before {
@@ -280,7 +280,7 @@ impl<'s> Search<'s> {
             let finest = if coarse.stop > FINEST * RATIO { FINEST * RATIO } else { FINEST };
             let mut fine = self.pilot((coarse.stop / RATIO).max(finest), coarse.stages)?;
             let pair = match coarse.accompany(&mut fine, self.course, go_on) {
-                // So coarse a trial run may fail where a finer one does not.
+                // So coarse a trial run may fail although a finer one succeeds.
                 Err(CalibrationError::Step(_)) if coarse.stop == first && fine.stop > FINEST => Pair::Parted,
                 pair => pair?,
             };
@@ -308,7 +308,7 @@ impl<'s> Search<'s> {
         }
     }
 
-    /// The same pair up to where it was seen to have parted, compared at instants that are nearer to each other.
+    /// Repeats the pair up to the instant at which it had parted, with more instants of comparison.
     fn closer(&mut self, parted: Couple<'s>, go_on: GoOn) -> Result<Couple<'s>, CalibrationError> {
         let end = parted.coarse.trail.last().map_or(self.course.end, |&(time, _)| time);
         let course = Course { end, ..self.course };

@@ -6,13 +6,13 @@
 //!     forecast of e at the end            ───────▶ go on, or restart with a finer stop                      forecast.rs
 //! ```
 //!
-//! Trees carry their companion through their own steps, for a half of what these cost: it has the errors out of it that iterations leave
-//! ([`crate::stepping::companion`]), and `y − x` is what they have grown to. Closed loops leave next to nothing to iterations, their errors are
-//! those of the length of the steps; and events happen to two motions at two times. There the companion is a run of its own, with a stop that is
-//! [`RATIO`] times coarser and steps of its own, and errors are proportional to the stop. What is further apart than a hundredth of the size of
-//! the mechanism has parted and says nothing.
+//! A tree integrates its companion with its own steps, for half of their cost. The companion has the errors that iterations leave removed
+//! ([`crate::stepping::companion`]), and `y − x` is the accumulated error. In closed loops the errors of iterations are negligible beside those of
+//! the step length; and with events two motions meet them at two times. There the companion is a separate run with its own steps and a stop that is
+//! [`RATIO`] times coarser; errors are proportional to the stop. Motions further apart than a hundredth of the mechanism's size have parted and
+//! give no estimate.
 //!
-//! At the finest stop nothing restarts: the run goes on, and tells until when the accuracy holds.
+//! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds.
 
 use crate::lobatto::numbers::lanes::Isa;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -32,38 +32,38 @@ use crate::stepping::control::COARSEST_STOP;
 use crate::stepping::integrator::MethodError;
 use crate::stepping::stage_choice::StageChoice;
 
-/// The wanted accuracy over the stop of a run that begins for the first time, of a smooth motion,
+/// The wanted accuracy over the first stop of a smooth run,
 const OPTIMISTIC: f64 = 100.0;
-/// and of one with events, which cost the more the later it restarts.
+/// and of a run with events, because a late restart costs more.
 const CAREFUL: f64 = 1000.0;
-/// Errors of runs are that of the companion over [`RATIO`], and larger by up to so much: a companion may be right by luck.
+/// The error of a run is at most this times that of the companion over [`RATIO`], because a companion may be accurate by luck.
 const LUCK: f64 = 3.0;
-/// Roundings of two motions that round each in its own way.
+/// Factor for the rounding errors of two motions that round independently.
 const OWN_ROUNDINGS: f64 = 2.0;
-/// Motions that are apart by this share of the mechanism's size have parted.
+/// Motions have parted if their distance exceeds this share of the mechanism's size.
 const PARTED: f64 = 1e-2;
-/// Number of looks at a run that carries its companion, and at one with a run beside it.
+/// Number of estimates in a run with a carried companion, and in one with a separate companion.
 const LOOKS: [f64; 2] = [128.0, 32.0];
-/// However long a run is, the next look is after this part more of the time at the last.
+/// However long a run is, the next estimate is made when its time has grown by this factor at most.
 const LATER: f64 = 1.25;
-/// Steps between two looks, at least.
+/// Least number of steps between two estimates.
 const STRIDE: usize = 4;
-/// A run whose steps fail with a coarse stop restarts with one that is finer by this.
+/// A run whose steps fail with a coarse stop restarts with a stop smaller by this factor.
 const AFTER_FAILURE: f64 = 1e-3;
-/// In this first part of the run stability decides on the stages: what is stiff is so from the start, and to restart later is dear.
+/// In this first part of the run stability may change the stages: stiffness shows from the start, and a later restart is expensive.
 const EARLY: f64 = 1.0 / 16.0;
 
-/// What the error of a run is told by.
+/// How the error of a run is estimated.
 enum By {
-    /// A motion that is carried through the run's own steps.
+    /// From a companion that is integrated with the run's own steps.
     Carried,
-    /// A coarser run.
+    /// From a separate coarser run.
     Beside(Box<Beside>),
-    /// Nothing any more.
+    /// Not any more.
     Nothing,
 }
 
-/// The integrator of a run that knows how far it is off.
+/// An integrator that estimates its own error.
 pub struct Assessed {
     terms: Terms,
     stop: f64,
@@ -71,34 +71,34 @@ pub struct Assessed {
     run: RunIntegrator,
     by: By,
     forecast: Forecast,
-    /// How often the run has begun.
+    /// How many times the run was begun.
     begun: usize,
     /// Whether it may restart.
     may_begin_again: bool,
-    /// With what it is to restart.
+    /// The stop and stages of the restart.
     next: Option<(f64, StageChoice)>,
-    /// Where the run begins, and the size of the mechanism there (m).
+    /// The start of the run, and the size of the mechanism there (m).
     origin: Option<State>,
     size: f64,
     steps: usize,
-    /// Steps at the last look, and when the next is due (s).
+    /// Number of steps at the last estimate, and the time of the next one (s).
     looked: usize,
     due: f64,
-    /// The largest error so far at each look (s, m).
+    /// The largest error so far at each estimate (s, m).
     trail: Vec<(f64, f64)>,
     parted: bool,
-    /// What has happened, and from when on the run beside this one has met other events, if they have parted (s).
+    /// The events so far, and the time from which the separate run has met different ones (s), if any.
     events: Vec<Event>,
     differ: Option<f64>,
-    /// Whether efforts from outside have acted, which no companion has felt.
+    /// Whether external efforts have acted, which the companion does not have.
     driven: bool,
 }
 
 impl Assessed {
-    /// For a run under these terms.
+    /// An integrator with these settings.
     ///
     /// # Errors
-    /// [`MethodError`] for steps that cannot be.
+    /// [`MethodError`] for invalid steps.
     pub(crate) fn new(mechanism: &Mechanism, terms: Terms) -> Result<Self, MethodError> {
         let smooth = mechanism.nonsmooth.is_empty();
         let part = if smooth { OPTIMISTIC } else { CAREFUL };
@@ -131,15 +131,15 @@ impl Assessed {
         Ok(assessed)
     }
 
-    /// Goes on to the end, however far off it is.
+    /// Forbids restarts, whatever the error.
     pub(crate) fn settle(&mut self) {
         self.may_begin_again = false;
     }
 
-    /// Prepares the next beginning: finer if this part of the run is why there is one, and otherwise as before.
+    /// Prepares the next beginning: finer if this island caused the restart, and otherwise as before.
     ///
     /// # Errors
-    /// [`MethodError`] for steps that cannot be.
+    /// [`MethodError`] for invalid steps.
     pub(crate) fn begin_again(&mut self, mechanism: &Mechanism) -> Result<(), MethodError> {
         self.begun += usize::from(self.next.is_some());
         (self.stop, self.stages) = self.next.take().unwrap_or((self.stop, self.stages));
@@ -153,18 +153,18 @@ impl Assessed {
         Ok(())
     }
 
-    /// Carries a companion where that tells the errors; one that runs by itself begins with the first step.
+    /// Starts a carried companion if it can estimate the error; a separate one starts with the first step.
     fn accompany(&mut self, mechanism: &Mechanism) {
         self.by = if self.run.accompany(mechanism) { By::Carried } else { By::Nothing };
     }
 
-    /// The coarser run beside this one, from a state on.
+    /// A separate coarser run from a state on.
     fn beside(&self, mechanism: &Mechanism, state: &State) -> By {
         let beside = Beside::new(mechanism, &self.terms, self.stop, self.stages, state);
         beside.map_or(By::Nothing, |beside| By::Beside(Box::new(beside)))
     }
 
-    /// Before the first step.
+    /// Prepares the estimate before the first step.
     fn begin(&mut self, mechanism: &Mechanism, state: &State) {
         self.origin = Some(state.clone());
         self.size = size(mechanism, state);
@@ -182,7 +182,7 @@ impl Assessed {
         self.trail.last().map_or(0.0, |&(_, worst)| worst)
     }
 
-    /// How far the run is off now (m); infinite if that cannot be told any more.
+    /// The present error (m); infinite if it cannot be estimated any more.
     fn error(&mut self, mechanism: &Mechanism, state: &State) -> f64 {
         let mut there = state.clone();
         if matches!(self.by, By::Carried) && !self.run.place_companion(&mut there) {
@@ -193,7 +193,7 @@ impl Assessed {
             By::Carried if self.stop < ROUNDED => OWN_ROUNDINGS,
             By::Carried => 1.0,
             By::Beside(beside) => {
-                // So coarse a run may fail where a finer one does not.
+                // So coarse a run may fail although a finer one succeeds.
                 if beside.advance(mechanism, state.time).is_err() {
                     return f64::INFINITY;
                 }
@@ -202,11 +202,11 @@ impl Assessed {
             }
         };
         let apart = distance(&probes(mechanism, &there), &probes(mechanism, state));
-        // What is not a number is as far apart as what has parted.
+        // NaN counts as parted.
         if apart <= PARTED * self.size { apart * share } else { f64::INFINITY }
     }
 
-    /// Looks how far the run is off, and decides whether it goes on.
+    /// Estimates the error, and decides whether the run continues.
     fn look(&mut self, mechanism: &Mechanism, state: &State) {
         if self.parted || matches!(self.by, By::Nothing) {
             return;
@@ -230,16 +230,16 @@ impl Assessed {
         }
     }
 
-    /// When the run and the one beside it meet other events for the first time (s).
+    /// When the run and its separate companion first meet different events (s).
     fn difference(&self) -> Option<f64> {
         let By::Beside(beside) = &self.by else { return None };
         first_difference(&self.events, &beside.events)
     }
 
-    /// What the run has shown of its accuracy up to this state, where it ends.
+    /// The estimated accuracy of the run up to this state, its end.
     ///
     /// # Errors
-    /// [`UnknownAccuracy`] where efforts from outside have acted, and before the first step.
+    /// [`UnknownAccuracy`] if external efforts have acted, and before the first step.
     pub(crate) fn accuracy(&mut self, mechanism: &Mechanism, state: &State) -> Result<Calibration, UnknownAccuracy> {
         if self.driven {
             return Err(UnknownAccuracy::Driven);
@@ -253,12 +253,12 @@ impl Assessed {
         }
         let held = self.trail.iter().take_while(|&&(_, error)| error <= self.terms.tolerance).last();
         let holds_until = held.map_or(self.terms.start, |&(time, _)| time);
-        // Where other events change next to nothing they are none of the user's business.
+        // Different events that change almost nothing are not reported.
         let differ = if holds_until < state.time { self.differ.or_else(|| self.difference()) } else { None };
         Ok(Calibration {
             stop: self.stop,
             stages: self.stages,
-            // What has parted ends as far apart as the mechanism is large. No position is known better than it is rounded.
+            // Runs that have parted may end at any distance up to the size of the mechanism. No position is more accurate than its rounding.
             estimate: if self.parted { self.size } else { self.worst().max(f64::EPSILON * self.size) },
             holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
             parted: self.parted,
@@ -291,7 +291,7 @@ impl Integrator for Assessed {
             self.run.leave_companion();
         }
         let outcome = match self.run.step(mechanism, inputs, state, until) {
-            // What fails with a coarse stop may do with a finer one.
+            // Steps that fail with a coarse stop may succeed with a finer one.
             Err(_) if self.may_begin_again && self.begun == 1 => {
                 self.next = Some(((self.stop * AFTER_FAILURE).max(FINEST), self.stages));
                 return Ok(StepOutcome::default());

@@ -11,10 +11,10 @@ use crate::stepping::stage_choice::StageChoice;
 
 /// Stop of this run over that of the run.
 pub(crate) const RATIO: f64 = 30.0;
-/// What may change the energy, over the stop, at least: with what the run may change it by a coarse companion would take more steps than it.
+/// The least energy change that may be made, over the stop. With the bound of the run, a coarse companion would take more steps than the run.
 const ENERGY: f64 = 300.0;
 
-/// A coarser run, and where it is.
+/// A separate coarser run, and its state.
 pub(crate) struct Beside {
     run: RunIntegrator,
     pub(crate) state: State,
@@ -22,7 +22,7 @@ pub(crate) struct Beside {
 }
 
 impl Beside {
-    /// For a run under these terms with this stop, from a state on; `None` for steps that cannot be.
+    /// A run with these settings and this stop, from a state on; `None` for invalid steps.
     pub(crate) fn new(
         mechanism: &Mechanism,
         terms: &Terms,
@@ -41,7 +41,7 @@ impl Beside {
         Some(Beside { run, state: state.clone(), events: Vec::new() })
     }
 
-    /// Goes to a time (s), where a step ends: that its steps are cut there, and those of the finer run are not, is why the two are not the same.
+    /// Advances to a time (s), where a step ends. Because its steps end there and those of the finer run do not, the steps of the two runs differ.
     pub(crate) fn advance(&mut self, mechanism: &Mechanism, until: f64) -> Result<(), StepError> {
         while self.state.time < until {
             self.run.advance(mechanism, &mut self.state, until)?;

@@ -4,8 +4,9 @@
 //!     τ(t) = u(t, q, v)         along m of n degrees of freedom [N m or N]
 //! ```
 //!
-//! The efforts are those of the scheme at each stage, so its order is kept, and the derivatives are in the matrix of Newton's method together with the mass matrix of the
-//! whole: stiff gains cost iterations, not steps ([`Feedback`]). A controller that acts at fixed instants is a [`Controller`](crate::simulation::Controller).
+//! The efforts are those at each stage, so the order of the scheme is kept. Newton's matrix contains their derivatives and the mass matrix of the
+//! whole mechanism, so stiff gains cost iterations, not steps ([`Feedback`]). A controller that acts at fixed instants is a
+//! [`Controller`](crate::simulation::Controller).
 
 use crate::instant::response::Response;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -17,19 +18,19 @@ use crate::simulation::run::Simulation;
 use nalgebra::DMatrix;
 use std::cell::RefCell;
 
-/// Decides on the efforts of a run at every instant.
+/// Computes the efforts of a run at every instant.
 ///
-/// The same state has to give the same efforts; it is asked for states at stages of steps that are tried and thrown away.
+/// The same state must give the same efforts. The states are those at stages, also of steps that are rejected later.
 pub trait ContinuousController {
-    /// The degrees of freedom that it drives, each once: coordinates of lengths and angles, not the rotations of ball joints.
+    /// The degrees of freedom that it controls, each once: coordinates of lengths and angles, not the rotations of ball joints.
     fn freedoms(&self, mechanism: &Mechanism) -> Vec<usize>;
 
-    /// The efforts along these freedoms in a state, which has its time [N m or N] (m); zero unless they are written.
+    /// The efforts along these freedoms in a state with its time [N m or N] (m). Entries that are not written are zero.
     fn efforts(&self, mechanism: &Mechanism, state: &State, efforts: &mut [f64]);
 
-    /// The derivatives of the efforts by positions and by velocities (m × n each), zero unless they are written: a column a degree of freedom, those of ball
-    /// joints by rotations about their axes. Coarse derivatives cost iterations; without them steps converge only where the gains are gentle, and
-    /// are shortened elsewhere.
+    /// The derivatives of the efforts with respect to positions and to velocities (m × n each): one column per degree of freedom, those of ball
+    /// joints for rotations about their axes. Entries that are not written are zero. Inaccurate derivatives cost iterations. Without derivatives
+    /// steps converge only if the gains are small, and are shortened otherwise.
     fn derivatives(
         &self,
         mechanism: &Mechanism,
@@ -39,7 +40,7 @@ pub trait ContinuousController {
     );
 }
 
-/// The law of a controller on one mechanism, with the workspace for its answer.
+/// The law of a controller on one mechanism, with a workspace for its results.
 struct Law<'l> {
     mechanism: &'l Mechanism,
     controller: &'l dyn ContinuousController,
@@ -67,10 +68,10 @@ impl Feedback for Law<'_> {
 }
 
 impl Simulation<'_> {
-    /// Makes steps to the end of the run under the efforts of a controller that follows the state at every instant.
+    /// Makes steps to the end of the run under a controller that acts at every instant.
     ///
-    /// Limits, dry friction, motors and contacts act as in every run. Where everything is held, a controller that lets go for less than a fifth of a
-    /// millisecond may be missed. A tolerance is that of single steps here: trial runs were made without the controller.
+    /// Limits, dry friction, motors and contacts act as in every run. While everything is held, a release by the controller of less than a fifth of
+    /// a millisecond may be missed. Here a tolerance is that of single steps, because trial runs are made without the controller.
     ///
     /// ```
     /// # use catena::mechanism::description::joint::{Joint, JointKind, Pose};
@@ -104,7 +105,7 @@ impl Simulation<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`ControlError`]: the run fails, a freedom cannot be driven, or a run in several parts has begun.
+    /// [`ControlError`]: the run fails, a freedom cannot be controlled, or a run of several islands has begun.
     pub fn run_under_continuous(&mut self, controller: &dyn ContinuousController) -> Result<(), ControlError> {
         let mechanism = self.mechanism();
         let freedoms = controller.freedoms(mechanism);
@@ -115,7 +116,7 @@ impl Simulation<'_> {
             }
         }
         let law = Law { mechanism, controller, freedoms, response: RefCell::new(Response::new(mechanism)) };
-        // Its efforts may connect what nothing else does.
+        // The efforts may connect islands.
         if !self.join_islands()? {
             return Err(ControlError::Begun);
         }

@@ -4,9 +4,10 @@
 //!     t_k = t₀ + k T,   τ(t) = u(t_k, q_k, v_k)   for t_k ≤ t < t_{k+1}         T: the period (s)
 //! ```
 //!
-//! Steps end at the instants exactly, and the state there is that of the end of a step: not one of the dense output, whose order is lower. The efforts are
-//! constant in between, so that every piece is smooth and the order of the scheme is kept. A law that acts at every instant
-//! is a [`ContinuousController`](crate::simulation::ContinuousController), or along one coordinate a [`Motor`](crate::mechanism::description::nonsmooth::Motor).
+//! Steps end at these instants exactly, and the state there is that of the end of a step, not of the dense output, whose order is lower. Between
+//! them the efforts are constant. So every piece is smooth, and the order of the scheme is kept. A law that acts at every instant is a
+//! [`ContinuousController`](crate::simulation::ContinuousController), or along one coordinate a
+//! [`Motor`](crate::mechanism::description::nonsmooth::Motor).
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
@@ -14,49 +15,49 @@ use crate::simulation::course::RunError;
 use crate::simulation::run::{InputError, Simulation};
 use crate::stepping::integrator::MethodError;
 
-/// Decides on the efforts of a run.
+/// Computes the efforts of a run at fixed instants.
 ///
-/// The same state has to give the same efforts for a run to be the same twice.
+/// For a reproducible run the same state must give the same efforts.
 pub trait Controller {
     /// How long efforts are held (s): greater than zero.
     fn period(&self) -> f64;
 
-    /// The efforts from this state on, one entry a degree of freedom [N m or N]; zero unless they are written.
+    /// The efforts from this state on, one entry per degree of freedom [N m or N]. Entries that are not written are zero.
     fn efforts(&mut self, mechanism: &Mechanism, state: &State, efforts: &mut [f64]);
 }
 
-/// Why a controlled run has ended early.
+/// Why a controlled run ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum ControlError {
-    /// The run.
+    /// The run failed.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// The efforts.
+    /// The efforts are invalid.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The period.
+    /// The period is invalid.
     #[error("a controller's period of {0} s: give a finite time that is longer than zero")]
     Period(f64),
-    /// The steps of a run with another choice.
+    /// The run cannot be made with other steps.
     #[error(transparent)]
     Method(#[from] MethodError),
-    /// A freedom that a continuous controller cannot drive.
+    /// A continuous controller cannot control this degree of freedom.
     #[error(
         "a continuous controller drives degree of freedom {freedom} of {count}: name lengths and angles, each once, and no rotation of a ball joint"
     )]
     Freedom {
         /// The freedom, from 0.
         freedom: usize,
-        /// Of so many.
+        /// The number of degrees of freedom.
         count: usize,
     },
-    /// Parts of the run have been made apart.
+    /// Islands of the run have already been integrated separately.
     #[error("independent parts of the mechanism already run separately; start the continuous controller with the run")]
     Begun,
 }
 
 impl Simulation<'_> {
-    /// Makes steps to the end of the run under the efforts of a controller, which is asked now and after each of its periods.
+    /// Makes steps to the end of the run under a controller, called now and after each of its periods.
     ///
     /// ```
     /// # use catena::mechanism::description::joint::{Joint, JointKind, Pose};
@@ -87,7 +88,7 @@ impl Simulation<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`ControlError`]: the run fails, an effort is not finite, or the period is none.
+    /// [`ControlError`]: the run fails, an effort is not finite, or the period is invalid.
     pub fn run_under(&mut self, controller: &mut dyn Controller) -> Result<(), ControlError> {
         let (begin, period) = (self.state().time, controller.period());
         if !(period > 0.0 && period.is_finite()) {

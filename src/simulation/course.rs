@@ -1,4 +1,4 @@
-//! The loop of a run: it makes steps, takes samples inside them, and shows both to the observers.
+//! The loop of a run: it makes steps, takes samples inside them, and passes both to the observers.
 
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -15,36 +15,36 @@ use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// What to run and how to watch it.
+/// The duration and the sampling of a run.
 pub struct RunOptions<'o> {
     /// Simulated time to run (s).
     pub duration: f64,
     /// Samples per simulated second, `None` for the first and the last instant only.
     pub rate: Option<f64>,
-    /// Set from outside to end the run after the current step.
+    /// A flag that ends the run after the current step when it is set.
     pub interrupt: Option<&'o AtomicBool>,
 }
 
 /// How a run ended.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The integrator gave up.
+    /// The integrator failed.
     #[error(transparent)]
     Step(#[from] StepError),
-    /// An observer gave up.
+    /// An observer failed.
     #[error(transparent)]
     Observer(ObserverError),
     /// The interrupt flag was set.
     #[error("interrupted at t = {time} s")]
     Interrupted { time: f64 },
-    /// The steps were too coarse: the run restarts from its start with finer ones, which [`Simulation::run`](crate::simulation::Simulation::run) does.
+    /// The steps were too coarse: [`Simulation::run`](crate::simulation::Simulation::run) restarts the run with finer ones.
     #[error("at t = {time} s the estimated error exceeds the tolerance")]
     BeginsAgain { time: f64 },
 }
 
-/// Runs `integrator` from `state` for `options.duration` and shows it to the observers.
+/// Runs `integrator` from `state` for `options.duration` and calls the observers.
 ///
-/// The summary is filled in up to where the run ended, also when it ended in an error.
+/// The summary is filled in up to the end of the run, also after an error.
 pub fn run(
     mechanism: &Mechanism,
     state: &mut State,
@@ -59,7 +59,7 @@ pub fn run(
     (course.summary(), ended)
 }
 
-/// Where a run goes before it is halted.
+/// Where a run is halted.
 #[derive(Clone, Copy)]
 pub(crate) struct Aim {
     /// Until a step ends at or after this time (s).
@@ -69,30 +69,30 @@ pub(crate) struct Aim {
 }
 
 impl Aim {
-    /// To the end of the run.
+    /// No halt before the end of the run.
     pub const END: Aim = Aim { horizon: f64::INFINITY, until: f64::INFINITY };
 }
 
-/// A run that can be halted between steps and taken up again.
+/// A run that can be halted between steps and continued.
 pub(crate) struct Course {
     start: f64,
     end: f64,
     rate: Option<f64>,
-    /// Samples shown so far.
+    /// Number of samples so far.
     sampled: u64,
     position: Vec<f64>,
     velocity: Vec<f64>,
     bodies: Vec<BodyState>,
-    /// Whether figures are wanted: energies, constraint errors and times of steps.
+    /// Whether figures are computed: energies, constraint errors and times of steps.
     figures: bool,
-    /// Time on the wall that the steps of a call of [`Course::proceed`] took.
+    /// Wall time of the steps in a call of [`Course::proceed`].
     solving: Duration,
     bookkeeper: Bookkeeper,
     /// The events of the last step.
     happened: Vec<Event>,
-    /// The first ones of the run.
+    /// The first events of the run.
     events: Vec<Event>,
-    /// The state of a sample, where there are pairs of shapes that may touch, and its contacts.
+    /// The state of a sample, if there are pairs of shapes that may touch, and its contacts.
     sampled_state: Option<State>,
     contacts: Vec<ContactPoint>,
 }
@@ -118,7 +118,7 @@ impl Course {
         }
     }
 
-    /// Nobody asks for figures: those of steps, which observers see, stay as they are at the start.
+    /// Disables the figures: those of steps that observers receive keep their values at the start.
     pub(crate) fn without_figures(self) -> Self {
         Course { figures: false, ..self }
     }
@@ -128,7 +128,7 @@ impl Course {
         self.bookkeeper.summary
     }
 
-    /// The k-th sample is start + k/rate, never an accumulated sum; the last one is the end itself.
+    /// The k-th sample is at start + k/rate, never at an accumulated sum; the last one is the end itself.
     fn sample_time(&self, k: u64) -> f64 {
         match self.rate {
             Some(rate) => (self.start + k as f64 / rate).min(self.end),
@@ -137,20 +137,20 @@ impl Course {
         }
     }
 
-    /// Shows the start.
+    /// Passes the start to the observers.
     pub(crate) fn begin(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         self.sampled = 1;
         self.show(self.start, observers)
     }
 
-    /// The next sample is the first after `time` (s), of a part of the run that begins to move only then.
+    /// Sets the next sample to the first after `time` (s), for an island that starts to move only then.
     pub(crate) fn skip_to(&mut self, time: f64) {
         while self.sample_time(self.sampled) <= time && self.sample_time(self.sampled) < self.end {
             self.sampled += 1;
         }
     }
 
-    /// Makes steps under these inputs from `state`, where the last call left it, as far as the aim or to the end of the run.
+    /// Makes steps under these inputs from `state`, where the last call stopped, to the aim or the end of the run.
     #[expect(clippy::too_many_arguments, reason = "what is constant, what changes and who watches are apart")]
     pub(crate) fn proceed(
         &mut self,
@@ -173,7 +173,7 @@ impl Course {
         ended
     }
 
-    /// [`Course::proceed`], with the time spent in the integrator added to `solving`.
+    /// As [`Course::proceed`]; adds the time spent in the integrator to `solving`.
     #[expect(clippy::too_many_arguments, reason = "what is constant, what changes and who watches are apart")]
     fn steps(
         &mut self,
@@ -222,7 +222,7 @@ impl Course {
         Ok(())
     }
 
-    /// Counts what a step has done, and what is right and wrong at its end.
+    /// Adds the figures of a step to the summary.
     fn count(&mut self, mechanism: &Mechanism, state: &State, integrator: &dyn Integrator, outcome: StepOutcome) {
         place_bodies(mechanism, state, &mut self.bodies);
         self.bookkeeper.record(mechanism, state, &self.bodies, outcome);
@@ -233,7 +233,7 @@ impl Course {
         }
     }
 
-    /// Counts the events of the last step, and shows them.
+    /// Counts the events of the last step, and passes them to the observers.
     fn see_events(&mut self, integrator: &mut dyn Integrator, observers: &mut [&mut dyn Observer]) {
         self.happened.clear();
         integrator.take_events(&mut self.happened);
@@ -246,7 +246,7 @@ impl Course {
         }
     }
 
-    /// Shows the contacts at the instant of a sample.
+    /// Passes the contacts at the instant of a sample to the observers.
     fn see_contacts(
         &mut self,
         mechanism: &Mechanism,

@@ -1,13 +1,12 @@
-//! Whether two runs of one motion meet the same events: for each joint and each pair that touches the same kinds in the same order.
+//! Whether two runs of one motion meet the same events: the same kinds in the same order, for each joint and each pair of shapes.
 //!
-//! Instants differ by the errors of the runs, and so does the number of impacts that accumulate: those of a joint in a row count once
-//! while they become weaker. The order of events of
-//! different joints is not compared, because independent parts have no common order.
+//! Instants differ by the errors of the runs, and so does the number of accumulating impacts: successive impacts of a joint count once while they
+//! become weaker. The order of events of different joints is not compared, because independent islands have no common order.
 
 use crate::mechanism::motion::event::{Event, EventKind};
 use std::collections::BTreeMap;
 
-/// When the first event is that only one of the runs meets (s).
+/// When the first event happens that only one of the runs meets (s).
 pub(crate) fn first_difference(one: &[Event], other: &[Event]) -> Option<f64> {
     let [one, other] = [one, other].map(by_joint);
     let nothing = Vec::new();
@@ -20,7 +19,7 @@ pub(crate) fn first_difference(one: &[Event], other: &[Event]) -> Option<f64> {
     differences.min_by(f64::total_cmp)
 }
 
-/// The events of each joint and pair, impacts in a row that become weaker as one.
+/// The events of each joint and pair; successive impacts that become weaker count as one.
 fn by_joint(events: &[Event]) -> BTreeMap<(usize, Option<usize>), Vec<Event>> {
     let mut joints: BTreeMap<(usize, Option<usize>), Vec<Event>> = BTreeMap::new();
     for event in events {
@@ -45,7 +44,7 @@ mod tests {
 
     #[test]
     fn events_are_the_same_whatever_their_number_of_accumulating_impacts_and_other_where_a_kind_is() {
-        // The later an impact, the weaker.
+        // Later impacts are weaker.
         let list = |events: &[(f64, EventKind, usize)]| -> Vec<Event> {
             let event = |&(time, kind, body)| Event { time, kind, body, pair: None, impulse: Some(2.0 - time) };
             events.iter().map(event).collect()

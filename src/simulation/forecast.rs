@@ -1,7 +1,8 @@
 //! Forecasts the error at the end of a run from its growth so far, and how much finer the steps must be to meet the tolerance.
 //!
-//! A run iterates its steps until increments are below a stop `ε`, and computes its error so far along with the motion: `e(t)`, the largest. Errors are proportional to the stop,
-//! and grow by a factor from step to step, which a motion has as it has its frequencies. With `n` steps until `t` and `N = n T/t` until the end,
+//! A run iterates its steps until increments are below a stop `ε`, and estimates its largest error so far, `e(t)`, during the run. Errors are
+//! proportional to the stop, and grow by a factor per step that is characteristic of the motion. With `n` steps until `t` and `N = n T/t` until the
+//! end,
 //!
 //! ```text
 //!     g = (log₁₀(e/ε) + M g₀) / (n + M)        growth a step, drawn to what is usual, g₀ = 0.04, as if M = 100 steps had been seen before
@@ -9,56 +10,56 @@
 //!     ε ← min(ε/10, ε E/(30 ê))                where e > E/2, or where ê > 300 E at T/16, T/8, T/4 or T/2
 //! ```
 //!
-//! with the wanted accuracy `E`. Below a stop of 1e-13 there are only roundings: from the second time on the finest follows.
+//! with the wanted accuracy `E`. Below a stop of 1e-13 there are only rounding errors; so the second restart uses the finest stop.
 
-/// The finest stop: rounding.
+/// The finest stop, at rounding.
 pub(crate) const FINEST: f64 = 1e-16;
-/// Below this stop errors are roundings.
+/// Below this stop errors are rounding errors.
 pub(crate) const ROUNDED: f64 = 1e-13;
-/// The usual growth of errors a step, in powers of ten,
+/// The prior: a growth of errors per step in powers of ten,
 const USUAL: f64 = 0.04;
-/// and as if after how many steps it had been seen.
+/// with the weight of this many observed steps.
 const SEEN: f64 = 100.0;
-/// A run is forecast to be too coarse if it would be off by so many times what is wanted.
+/// A run is too coarse if its forecast error exceeds the tolerance by this factor.
 const TOO_COARSE: f64 = 300.0;
-/// What restarts aims at the wanted accuracy over this.
+/// A restarted run aims at the wanted accuracy over this.
 const AIM: f64 = 30.0;
-/// What has parted from its companion restarts with a stop that is finer by this.
+/// A run that has parted from its companion restarts with a stop smaller by this factor.
 const PARTED: f64 = 1e-4;
-/// Runs of fewer steps are not forecast: little is lost if they are too coarse.
+/// Runs of fewer steps are not forecast, because restarting them would save little.
 const FEWEST: f64 = 80.0;
-/// When runs are forecast, over their duration.
+/// Times of the forecasts, over the duration.
 const INSTANTS: [f64; 4] = [1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0];
 
-/// What is known of a run and wanted of it.
+/// The data and the target of a forecast.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wanted {
-    /// The accuracy (m).
+    /// The wanted accuracy (m).
     pub accuracy: f64,
     /// The iteration stop.
     pub stop: f64,
     /// When the run begins and ends (s).
     pub start: f64,
     pub end: f64,
-    /// Whether its errors grow like those of all motions but the simplest: one freedom knows no chaos.
+    /// Whether its errors may grow exponentially. Motions with one degree of freedom are not chaotic.
     pub grows: bool,
 }
 
-/// Looks at a run now and then.
+/// Forecasts of a run at a few instants.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Forecast {
     wanted: Wanted,
-    /// How many of the instants are over.
+    /// Number of instants that have passed.
     looked: usize,
 }
 
 impl Forecast {
-    /// Before the first step.
+    /// A forecast before the first step.
     pub fn new(wanted: Wanted) -> Self {
         Forecast { wanted, looked: 0 }
     }
 
-    /// The error at the end (m) if the run is to restart, from its error at a time (s), after so many steps.
+    /// The forecast error at the end (m) if the run must restart, from its error at a time (s) after this many steps.
     pub fn too_coarse(&mut self, time: f64, steps: usize, error: f64) -> Option<f64> {
         let Wanted { accuracy, stop, start, end, grows } = self.wanted;
         let (passed, whole, steps) = (time - start, end - start, steps as f64);
@@ -73,10 +74,10 @@ impl Forecast {
         (is_over || will_be).then_some(predicted)
     }
 
-    /// The stop to restart with, from the error at the end that is forecast (m), for the second time or the first.
+    /// The stop of the restarted run, from the forecast error at the end (m); `again` for a second restart.
     pub fn finer(&self, predicted: f64, again: bool) -> f64 {
         let Wanted { accuracy, stop, .. } = self.wanted;
-        // What has parted says no more than that it was much too coarse.
+        // A run that has parted only shows that it was much too coarse.
         let wanted = if predicted.is_finite() { stop * accuracy / (AIM * predicted) } else { PARTED * stop };
         let stop = wanted.min(0.1 * stop).max(FINEST);
         if again && stop < ROUNDED { FINEST } else { stop }
@@ -125,7 +126,7 @@ mod tests {
         let once = forecast.finer(1e-4, false);
         assert!((once / (1e-13 / 30.0) - 1.0).abs() < 1e-12, "{once:e}");
         assert_eq!(forecast.finer(f64::INFINITY, false), 1e-4 * 1e-11);
-        // However small the error, what restarts is finer.
+        // A restarted run is always finer, however small the error.
         assert!((forecast.finer(1e-12, false) / 1e-12 - 1.0).abs() < 1e-12);
     }
 }

@@ -19,63 +19,63 @@ use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// About what a trial run takes for each body and simulated second (s): no less than that, for want of knowing it.
+/// A lower bound of the CPU time of a trial run for each body and simulated second (s).
 const TRIAL_SECONDS: f64 = 5e-6;
 
-/// Islands of fewer bodies are run together, where their steps are the same and where each would have its own
-/// (`cargo bench --bench islands`).
+/// Islands of fewer bodies are integrated together: where their steps would be the same, and where each would have its own (`cargo bench --bench
+/// islands`).
 const SMALLEST: usize = 20;
 const SMALLEST_OF_OWN_STEPS: usize = 10;
 
 /// Why a run cannot begin.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulationError {
-    /// The stages or the step.
+    /// The stages or the step are invalid.
     #[error(transparent)]
     Method(#[from] MethodError),
     /// The run was interrupted during the trial runs for its accuracy.
     #[error(transparent)]
     Interrupted(CalibrationError),
-    /// The mechanism.
+    /// The mechanism is invalid.
     #[error(transparent)]
     Mechanism(#[from] MechanismError),
 }
 
-/// What makes the steps.
+/// The integrators.
 pub(crate) enum Integrators {
     Whole(Making),
     Islands {
         islands: Islands,
-        /// What stands for the method where all sleep.
+        /// The description of the method while all islands sleep.
         idle: Box<MethodDescription>,
     },
 }
 
-/// What trial runs have found: one entry for each integrator.
+/// The results of calibration: one entry per integrator.
 pub(crate) type Calibrations = Vec<Result<Calibration, UnknownAccuracy>>;
 
-/// What is wanted of the steps of a run.
+/// The settings of the steps of a run.
 pub(crate) struct Wanted<'w> {
     pub choice: StepChoice,
     /// Simulated time (s).
     pub duration: f64,
-    /// Is told the simulated time that a trial run has reached (s).
+    /// Receives the simulated time that a trial run has reached (s).
     pub reached: &'w (dyn Fn(f64) + Sync),
-    /// Set from outside to end trial runs.
+    /// A flag that ends trial runs when it is set.
     pub interrupt: Option<&'w AtomicBool>,
-    /// What was counted of the closures of the whole at the start.
+    /// The ranks of the closures of the whole mechanism at the start.
     pub counted: Option<Arc<Counted>>,
-    /// Whether the run tells its accuracy as it goes along, and may restart; otherwise trial runs tell it before.
+    /// Whether the run estimates its error itself and may restart; otherwise trial runs do before it.
     pub at_once: bool,
-    /// CPU time that trial runs have taken (s).
+    /// CPU time of trial runs (s).
     pub spent: Mutex<f64>,
 }
 
 impl Integrators {
-    /// Chooses the integrators and calibrates a tolerance for the motions at hand.
+    /// Chooses the integrators, and calibrates them for a tolerance.
     ///
     /// # Errors
-    /// [`SimulationError`] for stages and steps that cannot be, and when interrupted.
+    /// [`SimulationError`] for invalid stages and steps, and when interrupted.
     pub fn new(
         mechanism: &Mechanism,
         state: &State,
@@ -104,7 +104,7 @@ impl Integrators {
         Ok((Integrators::Islands { islands, idle }, found))
     }
 
-    /// Does something with each integrator that tells how far it is off, and where it is.
+    /// Calls a function with each integrator that estimates its error, and its state.
     fn each_telling(
         &mut self,
         mechanism: &Mechanism,
@@ -119,10 +119,10 @@ impl Integrators {
         }
     }
 
-    /// Prepares all of a run that is to restart from a state: the same steps but where they were too coarse.
+    /// Prepares a restart from a state: finer steps for the islands that were too coarse, and the same steps for the others.
     ///
     /// # Errors
-    /// [`MethodError`] for steps that cannot be.
+    /// [`MethodError`] for invalid steps.
     pub fn begin_again(&mut self, mechanism: &Mechanism, state: &State) -> Result<(), MethodError> {
         let mut prepared = Ok(());
         self.each_telling(mechanism, state, |mechanism, _, assessed| {
@@ -133,19 +133,19 @@ impl Integrators {
         prepared
     }
 
-    /// Whatever the errors, the run does not restart from now on.
+    /// Forbids restarts from now on, whatever the errors.
     pub fn settle(&mut self, mechanism: &Mechanism, state: &State) {
         self.each_telling(mechanism, state, |_, _, assessed| assessed.settle());
     }
 
-    /// What the run itself has told of its accuracy up to a state: one entry for each integrator that was to.
+    /// The run's own error estimates up to a state: one entry per integrator.
     pub fn told(&mut self, mechanism: &Mechanism, state: &State) -> Calibrations {
         let mut all = Vec::new();
         self.each_telling(mechanism, state, |mechanism, state, assessed| all.push(assessed.accuracy(mechanism, state)));
         all
     }
 
-    /// How steps are made, and how they have gone so far.
+    /// The method of the steps and its figures so far.
     pub fn description(&self) -> MethodDescription {
         match self {
             Integrators::Whole(integrator) => integrator.description(),
@@ -155,7 +155,7 @@ impl Integrators {
 }
 
 impl Wanted<'_> {
-    /// The one place where an integrator is chosen; a tolerance is calibrated for the motion at hand.
+    /// Chooses an integrator (the only place that does); calibrates it if there is a tolerance.
     fn integrator(
         &self,
         mechanism: &Mechanism,
@@ -163,7 +163,7 @@ impl Wanted<'_> {
         kept: &[Rule],
         counted: Option<Arc<Counted>>,
     ) -> Result<(Making, Result<Calibration, UnknownAccuracy>), SimulationError> {
-        // Events hold joints, which leaves other mechanisms.
+        // Events hold joints, which changes the mechanism.
         let counts = mechanism.has_closures() && mechanism.nonsmooth.is_empty();
         let counted = counted.or_else(|| counts.then(|| Arc::new(Counted::at(mechanism, state))));
         let uncalibrated = || Ok::<_, MethodError>(self.choice.integrator(mechanism, kept)?.counted(counted.clone()));
@@ -187,7 +187,7 @@ impl Wanted<'_> {
             Ok(found) => Ok((found.run_integrator(mechanism, tolerance, kept)?.counted(counted).into(), Ok(found))),
             Err(interrupted @ CalibrationError::Interrupted) => Err(SimulationError::Interrupted(interrupted)),
             Err(CalibrationError::Method(error)) => Err(SimulationError::Method(error)),
-            // The run will fail where the trial run did, and leave its log up to there.
+            // The run will fail where the trial run did, with a log up to there.
             Err(CalibrationError::Step(error)) => {
                 Ok((uncalibrated()?.into(), Err(UnknownAccuracy::TrialFailed(error))))
             }

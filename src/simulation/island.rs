@@ -11,25 +11,25 @@ use crate::simulation::making::Making;
 use crate::simulation::{Course, Observer, ObserverError, RunError, RunOptions, Sample, StepEnd};
 use std::collections::VecDeque;
 
-/// An island and how it is run.
+/// An island and its run.
 pub(crate) struct IslandRun {
     pub(crate) island: Island,
     pub(crate) state: State,
-    /// Efforts that drive its joints from outside [N m or N]; none, or one a degree of freedom.
+    /// External efforts on its joints [N m or N]: empty, or one per degree of freedom.
     pub(crate) efforts: Vec<f64>,
     /// `None` if it sleeps.
     pub(crate) awake: Option<Making>,
     pub(crate) course: Option<Course>,
-    /// What it has shown and nobody has taken yet.
+    /// Samples and steps that have not been taken over yet.
     pub(crate) shown: Shown,
-    /// Its kinetic energy, and what its energy balance is off by, at the last step that was taken (J).
+    /// Its kinetic energy, and the error of its energy balance, at the last step taken over (J).
     pub(crate) kinetic: f64,
     pub(crate) deviation: f64,
     /// Its total energy at the start (J).
     initial: f64,
-    /// Energy dissipated since the start of the run, and work put in, up to that step (J).
+    /// Energy dissipated since the start of the run, and work of external efforts, up to that step (J).
     pub(crate) exchange: Exchange,
-    /// Steps that were taken, and their iterations.
+    /// Steps taken over, and their iterations.
     pub(crate) steps: usize,
     pub(crate) iterations: usize,
     failed: Option<RunError>,
@@ -94,7 +94,7 @@ impl IslandRun {
         }
     }
 
-    /// Prepares a run from where it is.
+    /// Prepares a run from the present state.
     pub(crate) fn begin(&mut self, duration: f64, rate: f64) -> Result<(), RunError> {
         if self.awake.is_none() {
             return Ok(());
@@ -109,7 +109,7 @@ impl IslandRun {
         Ok(())
     }
 
-    /// Makes steps as far as the aim; a failure is kept.
+    /// Makes steps as far as the aim, and keeps an error.
     pub(crate) fn proceed(&mut self, aim: Aim, options: &RunOptions) {
         let IslandRun { island, state, efforts, awake: Some(integrator), course: Some(course), shown, failed, .. } =
             self
@@ -131,7 +131,7 @@ impl IslandRun {
     }
 }
 
-/// Up to where all islands that are awake have come (s).
+/// The time that all awake islands have reached (s).
 pub(crate) fn frontier(awake: &[&mut IslandRun]) -> f64 {
     awake.iter().map(|part| part.state.time).fold(f64::INFINITY, f64::min)
 }

@@ -1,16 +1,16 @@
-//! Runs of independent mechanisms side by side: each island with its own integrator, and those at rest not at all.
+//! Runs of independent mechanisms in parallel: each island with its own integrator. Islands at rest are not integrated.
 //!
-//! Nothing couples the islands ([`crate::mechanism::structure::islands`]), so each is run as if it were alone, by the same loop
-//! ([`crate::simulation`]), with its own steps; what they show is put together afterwards in order of time:
+//! Nothing couples the islands ([`crate::mechanism::structure::islands`]). So each has its own loop ([`crate::simulation`]) and steps, as if it
+//! were alone. Afterwards their results are merged in order of time:
 //!
-//! - a sample of the whole is one of every island at the same instant, from its own dense output;
+//! - a sample of the whole consists of the samples of all islands at the same instant, from their own dense outputs;
 //! - the figures of a run add up over the ends of all steps of all islands: the energy balance at an instant is the sum of the
 //!   balances at each island's last step;
-//! - the figures that go with a sample are of that instant, because no step of all islands ends there.
+//! - the figures of a sample are those at its instant, because the islands have no common end of a step.
 //!
-//! Small islands are better run together ([`Plan::grouped`](crate::simulation::partition::Plan::grouped)). Islands advance in windows of simulated time, several at once on as
-//! many threads as there are. An island sees neither the windows nor the others, and the order of putting together is that of time
-//! and number; so every result is the same, bit for bit, whatever the windows and the number of threads.
+//! Small islands are faster together ([`Plan::grouped`](crate::simulation::partition::Plan::grouped)). Islands advance in windows of simulated
+//! time, in parallel on the available threads. An island depends neither on the windows nor on the others, and merging is in order of time and
+//! number. So every result is bit-identical, whatever the windows and the number of threads.
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
@@ -34,23 +34,23 @@ use std::time::Instant;
 
 /// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
 const WINDOW: f64 = 0.02;
-/// Where nobody wants samples the run is sampled so often all the same, so that one that fails has a last state.
+/// Without samples for observers the run still takes so many, so that a failed run has a last state.
 const CHECKPOINTS: f64 = 16.0;
 
 /// The integrators of all islands of a mechanism.
 pub struct Islands {
     parts: Vec<IslandRun>,
     threads: Threads,
-    /// The window of simulated time that the islands advance in at once, and what the last one took on the wall (s).
+    /// The window of simulated time for all islands, and the wall time of the last one (s).
     window: f64,
     took: f64,
     kept: Vec<Rule>,
 }
 
-/// What a run did, for the report.
+/// The figures of an island in a run, for the report.
 #[derive(Clone, Debug)]
 pub struct IslandFigures {
-    /// The bodies of it that hang on the world.
+    /// The bodies that are jointed to the world.
     pub roots: Vec<String>,
     /// Number of its bodies.
     pub bodies: usize,
@@ -62,12 +62,12 @@ pub struct IslandFigures {
     pub iterations: usize,
 }
 
-/// An island, whether it sleeps, and what came of making its integrator.
+/// An island, whether it sleeps, and the result of making its integrator.
 type Job<N, E> = (IslandRun, bool, Option<Result<N, E>>);
 
 impl Islands {
-    /// Makes the integrators of the islands that are awake, each with a note for the caller; the notes are in the order of these
-    /// islands. `expected` is about how long that will take (s), which decides whether it is done on several threads.
+    /// Makes the integrators of the awake islands, each with a note for the caller, in the order of these islands. `expected` is the expected time
+    /// (s); it decides whether several threads are used.
     ///
     /// # Errors
     /// The first error of `make`, in the order of the islands.
@@ -101,9 +101,9 @@ impl Islands {
         Ok((Islands { parts, threads, window: 0.0, took: 0.0, kept }, notes))
     }
 
-    /// What the islands that are awake are integrated with, together; `None` if all sleep.
+    /// The combined method of the awake islands; `None` if all sleep.
     ///
-    /// Stages are the most that any has, the step is the mean over all, and the nearest to the limit of stability counts.
+    /// It has the largest number of stages, the mean step, and the smallest margin of stability of all islands.
     pub fn description(&self) -> Option<MethodDescription> {
         let mut all = self.parts.iter().filter_map(|part| Some((part.awake.as_ref()?.description(), part.steps)));
         let (mut together, mut steps) = all.next()?;
@@ -124,7 +124,7 @@ impl Islands {
         Some(together)
     }
 
-    /// What the joint of each body of the whole is up to.
+    /// The status of each body's joint (free, held, on a limit).
     pub(crate) fn joint_statuses(&self, bodies: usize) -> Vec<JointStatus> {
         let mut statuses = vec![JointStatus::default(); bodies];
         for IslandRun { island, state, awake, .. } in &self.parts {
@@ -145,7 +145,7 @@ impl Islands {
         out.sort_by_key(|point| point.pair);
     }
 
-    /// Does something with each island that tells how far it is off, and where it is.
+    /// Calls a function with each island that estimates its error, and its state.
     pub(crate) fn each_telling(&mut self, mut work: impl FnMut(&Mechanism, &State, &mut Assessed)) {
         for IslandRun { island, state, awake, .. } in &mut self.parts {
             if let Some(assessed) = awake.as_mut().and_then(Making::telling) {
@@ -154,7 +154,7 @@ impl Islands {
         }
     }
 
-    /// What each island did.
+    /// The figures of each island.
     pub fn figures(&self) -> impl Iterator<Item = IslandFigures> {
         self.parts.iter().map(|part| IslandFigures {
             roots: part.island.roots().map(str::to_string).collect(),
@@ -165,7 +165,7 @@ impl Islands {
         })
     }
 
-    /// Runs all islands from where they are for `options.duration`, and shows the whole to the observers.
+    /// Runs all islands from their present states for `options.duration`, and calls the observers.
     ///
     /// `state` is moved to the end of the run, or, if it ends early, to the last sample that all islands have reached. The summary
     /// is filled in up to there.
@@ -184,7 +184,7 @@ impl Islands {
         (whole.summary, ended)
     }
 
-    /// Begins a run from a state, and shows it.
+    /// Begins a run from a state, and passes it to the observers.
     pub(crate) fn begin(
         &mut self,
         mechanism: &Mechanism,
@@ -205,7 +205,7 @@ impl Islands {
         observers: &mut [&mut dyn Observer],
         whole: &mut MergedRun,
     ) -> Result<(), RunError> {
-        // At first one step each: nobody knows yet how long that takes.
+        // The first window is one step of each island, to measure its time.
         (self.window, self.took) = (0.0, 0.0);
         for part in &mut self.parts {
             part.state = part.island.state(state);
@@ -218,7 +218,7 @@ impl Islands {
         whole.take(mechanism, &mut awake, observers)
     }
 
-    /// Hands each island the efforts on its joints, and wakes those that slept until something drove them.
+    /// Sets the external efforts on each island, and wakes sleeping islands on which efforts act.
     pub(crate) fn wake(
         &mut self,
         inputs: Inputs,
@@ -248,10 +248,10 @@ impl Islands {
         Ok(())
     }
 
-    /// Moves `state` to where the run is: to where all islands are, or, if it has ended early, to the last sample that all have reached.
+    /// Moves `state` to the present time of the run, or, after an error, to the last sample that all islands have reached.
     pub(crate) fn settle(&mut self, mechanism: &Mechanism, state: &mut State, whole: &mut MergedRun, together: bool) {
         let times = self.parts.iter().filter_map(|part| Some(part.course.as_ref()?.summary().solve_cpu_seconds));
-        // A sum of nothing would be −0.
+        // The sum starts from 0, because an empty sum would be −0.
         whole.summary.solve_cpu_seconds = times.fold(0.0, |sum, time| sum + time);
         for part in self.parts.iter().filter_map(|part| part.course.as_ref()) {
             whole.summary.contact.include(&part.summary().contact);
@@ -271,7 +271,7 @@ impl Islands {
         whole.summary.final_energy = energy_with_forces(mechanism, &state.position, &whole.bodies);
     }
 
-    /// Makes steps until all islands are at `until` (s) or at the end of the run, and shows the whole to the observers.
+    /// Makes steps until all islands are at `until` (s) or at the end of the run, and calls the observers with merged results.
     pub(crate) fn proceed(
         &mut self,
         mechanism: &Mechanism,
@@ -290,7 +290,7 @@ impl Islands {
             let aim = Aim { horizon: (begin + self.window).max(begin.next_up()), until };
             let clock = Instant::now();
             let threads = self.threads.for_work_of(self.took);
-            // The largest first, so that none of them is left for the end.
+            // The largest island comes first, because a large one started last would delay the end.
             awake.sort_by_key(|part| std::cmp::Reverse(part.island.mechanism.bodies.len()));
             spread(&mut awake, threads, |part| part.proceed(aim, options));
             awake.sort_by_key(|part| part.island.pieces.first().map(|piece| piece.bodies.start));

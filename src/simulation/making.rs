@@ -10,11 +10,11 @@ use crate::simulation::assessed::Assessed;
 use crate::simulation::run_integrator::RunIntegrator;
 use crate::stepping::integrator::Lobatto;
 
-/// What makes the steps.
+/// The integrator.
 pub enum Making {
     /// An integrator alone.
     Alone(RunIntegrator),
-    /// One that tells how far it is off, and may restart.
+    /// With an estimate of its error; it may restart.
     Telling(Box<Assessed>),
 }
 
@@ -31,7 +31,7 @@ impl From<Lobatto> for Making {
 }
 
 impl Making {
-    /// The one that tells how far it is off, if it is one.
+    /// The integrator with an estimate of its error, if it is one.
     pub(crate) fn telling(&mut self) -> Option<&mut Assessed> {
         match self {
             Making::Telling(assessed) => Some(assessed),

@@ -1,4 +1,4 @@
-//! The run of the whole, put together from those of the islands in order of time.
+//! The run of the whole mechanism, merged from the runs of the islands in order of time.
 
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -15,28 +15,28 @@ use crate::simulation::summary::KEPT_EVENTS;
 use crate::simulation::{Counts, Observer, RunError, RunOptions, Sample, StepEnd, Summary, show};
 use std::sync::atomic::Ordering;
 
-/// The run of the whole, put together from those of the islands.
+/// The run of the whole mechanism, merged from those of the islands.
 pub(crate) struct MergedRun {
     pub(crate) start: f64,
     pub(crate) end: f64,
-    /// Whether samples inside the run are wanted.
+    /// Whether observers want samples inside the run.
     sampled: bool,
-    /// The last sample. Samples are without what rounding has cut off their positions.
+    /// The last sample. Its positions are without the rounded-off parts.
     pub(crate) state: State,
     pub(crate) bodies: Vec<BodyState>,
     pub(crate) summary: Summary,
-    /// Sums over the islands at the last step that was taken (J).
+    /// Sums over the islands at the last step taken over (J).
     kinetic: f64,
     deviation: f64,
     exchange: Exchange,
     largest_kinetic: f64,
     largest_deviation: f64,
-    /// What the steps since the last sample have cost together, and how many steps had been made up to there.
+    /// Total cost of the steps since the last sample, and the number of steps before it.
     since: StepOutcome,
     steps_before: usize,
-    /// Steps to be taken, with the numbers of their islands.
+    /// Steps to be merged, with the numbers of their islands.
     waiting: Vec<(StepEnd, usize)>,
-    /// Samples after the first that were shown while nothing moved.
+    /// Number of samples after the first that were shown while nothing moved.
     rested: u64,
     /// The first events.
     pub(crate) events: Vec<Event>,
@@ -74,7 +74,7 @@ impl MergedRun {
         }
     }
 
-    /// Takes everything up to where all islands have come, in order of time.
+    /// Merges everything up to the time that all islands have reached, in order of time.
     pub(crate) fn take(
         &mut self,
         mechanism: &Mechanism,
@@ -105,7 +105,7 @@ impl MergedRun {
         }
     }
 
-    /// Takes all events up to `until`, and shows them.
+    /// Merges all events up to `until`, and passes them to the observers.
     fn take_events(&mut self, awake: &mut [&mut IslandRun], until: f64, observers: &mut [&mut dyn Observer]) {
         let mut happened = Vec::new();
         for IslandRun { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
@@ -123,7 +123,7 @@ impl MergedRun {
         self.events.extend(happened.into_iter().take(room));
     }
 
-    /// Takes all steps that end at or before `until`.
+    /// Merges all steps that end at or before `until`.
     fn take_steps(&mut self, awake: &mut [&mut IslandRun], until: f64) {
         for (number, part) in awake.iter_mut().enumerate() {
             let steps = &mut part.shown.steps;
@@ -148,7 +148,7 @@ impl MergedRun {
             self.since.rejected += end.outcome.rejected;
             self.since.exchange.dissipated += end.outcome.exchange.dissipated;
             self.since.exchange.work += end.outcome.exchange.work;
-            // Balances belong together when all that end at the same time have been taken.
+            // The energy balance is complete when all steps that end at the same time are merged.
             if self.waiting.get(index + 1).is_none_or(|(next, _)| next.time > end.time) {
                 self.largest_kinetic = self.largest_kinetic.max(self.kinetic);
                 self.summary.largest_kinetic = self.largest_kinetic;
@@ -161,7 +161,7 @@ impl MergedRun {
         self.summary.exchange = self.exchange;
     }
 
-    /// Shows the last sample, if it is wanted, with the figures of its instant.
+    /// Passes the last sample to the observers, if they want it, with the figures of its instant.
     pub(crate) fn show(&mut self, mechanism: &Mechanism, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         let time = self.state.time;
         let wanted = self.sampled || time == self.start || time == self.end;
@@ -188,7 +188,7 @@ impl MergedRun {
         show(observers, &Sample { time, position, velocity, step: &step }).map_err(RunError::Observer)
     }
 
-    /// Shows a run in which nothing moves, up to `until` (s).
+    /// Passes samples of a run without motion to the observers, up to `until` (s).
     pub(crate) fn show_rest(
         &mut self,
         mechanism: &Mechanism,

@@ -1,17 +1,16 @@
-//! A run: [`Simulation`] holds the mechanism, its state, what acts on it from outside, the integrators of its islands, the accuracy to expect,
-//! and who watches.
+//! A run: [`Simulation`] holds the mechanism, its state, external efforts, the integrators of its islands, the error estimate, and the observers.
 //!
-//! An [`Integrator`](crate::mechanism::motion::integrator::Integrator) makes steps and can be asked for any instant of its last one; [`Observer`]s
-//! see samples at a fixed rate (the log) and the end of every step (energy, constraint and solver figures). The loop under it ([`run`]) is the
-//! same for the Lobatto scheme and for the reduced-coordinate comparators, so that charts compare like with like.
+//! An [`Integrator`](crate::mechanism::motion::integrator::Integrator) makes steps and interpolates within its last one. [`Observer`]s receive
+//! samples at a fixed rate (the log) and the end of every step (energy, constraint and solver figures). The Lobatto scheme and the
+//! reduced-coordinate comparators share the loop ([`run`]), so that charts compare like with like.
 //!
 //! | what | where |
 //! |---|---|
 //! | the run as an object | `run`, `integrators`, `making`, `run_integrator`, `step_choice` |
-//! | who decides on efforts | `controller`, `continuous` |
+//! | controllers, which set efforts | `controller`, `continuous` |
 //! | one mechanism, step by step | `course`, `summary`, `observer` |
-//! | independent parts side by side | `partition`, `islands`, `island`, `merged`, `threads` |
-//! | the accuracy that a tolerance means | `assessed`, `beside`, `terms`, `forecast` (the run tells it as it goes along), `accuracy`, `trial_run` (trial runs do before), `event_order` |
+//! | islands in parallel | `partition`, `islands`, `island`, `merged`, `threads` |
+//! | error estimates for a tolerance | `assessed`, `beside`, `terms`, `forecast` (during runs), `accuracy`, `trial_run` (before), `event_order` |
 
 #[doc(hidden)]
 pub mod accuracy;

@@ -1,4 +1,4 @@
-//! What watches a run: samples at a fixed rate, and the figures at the end of every step.
+//! The interface of observers: samples at a fixed rate, and the figures at the end of every step.
 
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
@@ -25,43 +25,43 @@ pub struct StepEnd {
     pub time: f64,
     /// Energy there.
     pub energy: Energy,
-    /// Energy dissipated since the start of the run, and work put in (J).
+    /// Energy dissipated since the start of the run, and work of external efforts (J).
     pub exchange: Exchange,
     /// Constraint violation there.
     pub violation: Violation,
     /// What the step cost.
     pub outcome: StepOutcome,
-    /// Accepted steps, their iterations and attempts thrown away, from the start of the run to here.
+    /// Accepted steps, their iterations and rejected attempts, from the start of the run to here.
     pub so_far: Counts,
 }
 
-/// What a run, or a part of it, has cost.
+/// The cost of a run or of a part of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Accepted steps.
     pub steps: usize,
     /// Iterations of all steps.
     pub iterations: usize,
-    /// Attempts thrown away.
+    /// Rejected attempts.
     pub rejected: usize,
 }
 
-/// Anything an observer may fail with (a full disk, a closed pipe).
+/// Any error of an observer (a full disk, a closed pipe).
 pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Sees a run as it goes along.
+/// Receives the samples, steps and events of a run.
 pub trait Observer: Send {
     /// A sample of the motion, in order of time, the first at the start and the last at the end of the run.
     ///
     /// # Errors
-    /// Whatever stops the run, for instance a disk that is full.
+    /// Any error that stops the run, such as a full disk.
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError>;
 
-    /// The run restarts from its start, because its steps were too coarse: what was shown so far is void. The
-    /// first sample comes again, and all others of steps that are made by this method.
+    /// The run restarts from its start, because its steps were too coarse: everything received so far is void. The samples come again from the
+    /// first one, from steps made by this method.
     ///
     /// # Errors
-    /// Whatever stops the run.
+    /// Any error that stops the run.
     fn begin_again(&mut self, _method: &MethodDescription) -> Result<(), ObserverError> {
         Ok(())
     }
@@ -69,15 +69,15 @@ pub trait Observer: Send {
     /// The end of a step, before the samples inside it.
     fn step(&mut self, _end: &StepEnd) {}
 
-    /// An event, before the end of the step at whose end it happened. Parts of a run that nothing connects hand over theirs between two samples of
-    /// the whole; those of one instant come in the order of the parts.
+    /// An event, before the end of the step at whose end it happened. Independent islands pass on their events between two samples of the whole;
+    /// those of one instant come in the order of the islands.
     fn event(&mut self, _event: &Event) {}
 
     /// The closed contacts at the instant of the next sample, in the order of their pairs; only where a mechanism has pairs of shapes that may touch.
     fn contacts(&mut self, _points: &[ContactPoint]) {}
 }
 
-/// Shows a sample to every observer.
+/// Passes a sample to every observer.
 pub(crate) fn show(observers: &mut [&mut dyn Observer], sample: &Sample) -> Result<(), ObserverError> {
     observers.iter_mut().try_for_each(|observer| observer.sample(sample))
 }

@@ -1,7 +1,7 @@
-//! The islands of a mechanism: which of them rest in equilibrium, and which small ones step together.
+//! The islands of a mechanism: which of them rest in equilibrium, and which small ones are integrated together.
 //!
-//! A step has a cost of its own. Small islands share it where they step together; those that move in parallel planes stay among themselves,
-//! because a plane takes less than space.
+//! Each step has a fixed cost, which small islands share if they are integrated together. Those in parallel planes are grouped among themselves,
+//! because planar steps are cheaper than spatial ones.
 
 use crate::instant::rest::is_at_rest_counted;
 use crate::lobatto::coupled::counted::Counted;
@@ -12,22 +12,22 @@ use crate::mechanism::structure::islands::{Island, islands};
 use crate::mechanism::structure::plane::Plane;
 use std::sync::Arc;
 
-/// What a mechanism falls into.
+/// The islands of a mechanism after grouping.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The islands, and whether each sleeps.
     pub islands: Vec<(Island, bool)>,
-    /// The rules that are switched off.
+    /// The disabled rules.
     pub kept: Vec<Rule>,
 }
 
 impl Plan {
-    /// Applies the rules, except for those that are switched off.
+    /// Applies the rules that are not disabled.
     pub fn new(mechanism: &Mechanism, state: &State, switched_off: &[Rule]) -> Self {
         Self::from_counted(mechanism, state, switched_off, None)
     }
 
-    /// The same where the closures of the whole were counted already.
+    /// The same with ranks of the closures that were computed before.
     pub fn from_counted(
         mechanism: &Mechanism,
         state: &State,
@@ -38,7 +38,7 @@ impl Plan {
             if switched_off.contains(&Rule::Islands) { vec![Island::whole(mechanism)] } else { islands(mechanism) };
         let of_all = counted.filter(|_| all.len() == 1);
         let sleeps = |island: &Island| {
-            // Motors change their minds, and their efforts are not among the forces.
+            // The efforts of motors can change, and are not among the forces that decide on equilibrium.
             let driven = !island.mechanism.nonsmooth.motors.is_empty();
             !switched_off.contains(&Rule::Sleep)
                 && !driven
@@ -51,9 +51,9 @@ impl Plan {
         Plan { islands: all.into_iter().map(with_sleep).collect(), kept: switched_off.to_vec() }
     }
 
-    /// Puts islands that move and have fewer bodies than `smallest` together until they have as many: a step has a cost of its own,
-    /// which small islands share when they step together. What is left over joins the last that were put together. Those that move
-    /// in parallel planes stay among themselves, trees and closed loops each, if they are enough.
+    /// Groups awake islands with fewer than `smallest` bodies until each group has as many, so that they share the fixed cost of a step. The rest
+    /// joins the last group. Islands in parallel planes are grouped among themselves, and so are trees and closed loops, if they have enough
+    /// bodies.
     pub fn grouped(self, mechanism: &Mechanism, smallest: usize) -> Self {
         let (small, mut parts): (Vec<_>, Vec<_>) =
             self.islands.into_iter().partition(|(island, asleep)| !asleep && island.mechanism.bodies.len() < smallest);
@@ -73,7 +73,7 @@ impl Plan {
         self.awake().filter(|island| Plane::of(&island.mechanism).is_some())
     }
 
-    /// The islands that move in space, or are `kept` from their planes.
+    /// The awake islands in space, and those whose planes are `kept` from use.
     pub fn spatial(&self, kept: &[Rule]) -> impl Iterator<Item = &Island> {
         let planes = !kept.contains(&Rule::Planar);
         self.awake().filter(move |island| !planes || Plane::of(&island.mechanism).is_none())
@@ -83,7 +83,7 @@ impl Plan {
         self.islands.iter().filter(|(_, asleep)| !asleep).map(|(island, _)| island)
     }
 
-    /// Whether no rule applies: the mechanism is one, and it moves.
+    /// Whether no rule applies: there is one island, and it is awake.
     pub fn is_whole(&self) -> bool {
         self.islands.len() < 2 && self.sleeping() == 0
     }
@@ -94,8 +94,8 @@ impl Plan {
     }
 }
 
-/// Islands that are best put together with each other alone: those in parallel planes, trees apart from closed loops, whose steps are
-/// dearer, where they have `smallest` bodies; and all others.
+/// Islands that are grouped only with each other: those in parallel planes, trees apart from closed loops (whose steps cost more), if they have
+/// `smallest` bodies; and all others.
 fn alike(islands: Vec<Island>, smallest: usize, kept: &[Rule]) -> Vec<Vec<Island>> {
     if kept.contains(&Rule::Planar) {
         return vec![islands];

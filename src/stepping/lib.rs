@@ -1,13 +1,13 @@
-//! The integrator: how long each step is, whether it is accepted, and what is monitored during a run.
+//! The integrator: the length of each step, its acceptance, and monitoring during a run.
 //!
 //! | what | where |
 //! |---|---|
 //! | the integrator | [`integrator`], [`stepper`] |
 //! | the length of a step | [`fixed`], [`control`] and [`acceptance`], [`reversible`]; how many stages: [`stage_choice`] |
-//! | what is looked at now and then | [`watch`], [`modes`], [`fastest_mode`], [`dynamics`], [`jerks`], [`linearised`] |
+//! | monitoring every few steps | [`watch`], [`modes`], [`fastest_mode`], [`dynamics`], [`jerks`], [`linearised`] |
 //! | instants inside a step | [`sampling`], `stage_motion` |
 //! | on another spanning tree than the file's | [`other_tree`] |
-//! | efforts that follow the state | `feedback` |
+//! | efforts of a controller that follow the state | `feedback` |
 
 #![deny(unsafe_code)]
 

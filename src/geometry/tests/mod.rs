@@ -1,4 +1,4 @@
-//! Tests of the room: what a reviewer asks of distances, places and borders.
+//! Tests of distances, places and borders of features.
 
 mod certificates;
 mod manifolds;

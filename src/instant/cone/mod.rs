@@ -4,10 +4,10 @@
 //!     u = D r + b        D (m × m) symmetric, positive semidefinite
 //! ```
 //!
-//! `problem.rs` says what is asked, `scaled.rs` takes the units out. `laws.rs` has the equations of the laws and `newton.rs` solves them. They
-//! start from `sweeps.rs` (with `single.rs`, one contact), `interior.rs` (with `jordan.rs`, products in cones) or, last, `oracle.rs` (clarabel);
-//! `cascade.rs` has their order and `settling.rs` the states that follow. On top: `least_compliance.rs` (which forces are reported), `margin.rs`
-//! (whether all contacts can stay) and `impact.rs` (restitution).
+//! `problem.rs` defines the problem, `scaled.rs` makes it dimensionless. `laws.rs` has the equations of the laws and `newton.rs` solves them. The
+//! first guess comes from `sweeps.rs` (with `single.rs`, one contact), `interior.rs` (with `jordan.rs`, products in cones) or, last, `oracle.rs`
+//! (clarabel). `cascade.rs` has their order and `settling.rs` the resulting states. Based on these: `least_compliance.rs` (which forces are
+//! reported), `margin.rs` (whether all contacts can stay closed) and `impact.rs` (restitution).
 
 pub(crate) mod bounded;
 mod cascade;

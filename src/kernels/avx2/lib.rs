@@ -1,4 +1,4 @@
-//! The kernels compiled for AVX2: a crate of its own, so that both halves of a small machine compile, and each as one unit.
+//! The kernels compiled for AVX2: a separate crate, because two cores then compile kernels in parallel, each crate as one unit.
 
 #![cfg(target_arch = "x86_64")]
 #![deny(unsafe_code)]
@@ -18,7 +18,7 @@ pub fn precise_step(make: MakePrecise) -> Option<Box<dyn Step>> {
     eight_in_avx2(make)
 }
 
-/// What looks at eight instants at once in these vectors. `None` where the processor has none.
+/// Computes eight instants at once in these vectors. `None` where the processor has none.
 pub fn instants(make: MakeInstants) -> Option<Box<dyn Instants>> {
     eight_in_avx2(make)
 }

@@ -1,4 +1,4 @@
-//! The kernels compiled for every processor: a crate of its own, so that both halves of a small machine compile, and each as one unit.
+//! The kernels compiled for every processor: a separate crate, because two cores then compile kernels in parallel, each crate as one unit.
 
 #![deny(unsafe_code)]
 
@@ -17,7 +17,7 @@ pub fn precise_step(make: MakePrecise) -> Box<dyn Step> {
     wide_in_portable(make)
 }
 
-/// What looks at eight instants at once in these vectors.
+/// Computes eight instants at once in these vectors.
 pub fn instants(make: MakeInstants) -> Box<dyn Instants> {
     eight_in_portable(make)
 }

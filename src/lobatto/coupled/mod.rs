@@ -1,14 +1,15 @@
-//! The exact Newton step, with all stages and all closures coupled, and the projections that are made with it.
+//! The exact Newton step, which couples all stages and all closures, and the projections that use the same matrix.
 //!
 //! ```text
 //!     Σ_i D_ki η_i − J_kᵀ dλ_k = −(E_k − J_kᵀ λ_k)          bodies, projected on the joint axes at the rows' stages
 //!     J_i η_i + ε Σ_k Â_ik dλ_k = −g_i                      closures; ε acts on increments alone
 //! ```
 //!
-//! [`mod@system`] has the symbols; [`front`] and [`operations`] eliminate after the order of [`crate::plan::elimination`]; [`space`] is the geometry in space
-//! ([`crate::planar::geometry`] that in a plane), with the contacts of [`touching`]; [`newton`] iterates; [`projection`] and [`closing`] bring states and velocities onto the closures.
-//! Once, at the start of a run, [`deciding`] decides from what was [`counted`] what is [`known`] of them: which [`equations`] are empty or implied, which freedoms are still, and
-//! what light ones are [`lent`].
+//! [`mod@system`] defines the symbols. [`front`] and [`operations`] eliminate in the order of [`crate::plan::elimination`]. [`space`] is the
+//! geometry in space ([`crate::planar::geometry`] that in a plane), with the contacts of [`touching`]. [`newton`] iterates. [`projection`] and
+//! [`closing`] project states and velocities onto the closures. Once, at the start of a run, [`deciding`] classifies the closures from the ranks
+//! [`counted`]: which [`equations`] are empty or redundant, which freedoms cannot move ([`known`]), and which inertia is [`lent`] to light
+//! freedoms.
 
 pub mod closing;
 pub mod counted;

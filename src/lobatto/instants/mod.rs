@@ -1,7 +1,7 @@
-//! Where links are and what joints carry at eight instants of a motion at once: one instant a lane. For logs.
+//! Poses of links and wrenches of joints at eight instants of a motion at once, one instant per lane. Logs use them.
 //!
-//! [`snapshot`] says what is asked for; [`tree`] is the recursion over the bodies, [`constants`] and [`joints`] are what it reads, [`quaternion`] is its
-//! rotations.
+//! [`snapshot`] defines the input and the result. [`tree`] is the recursion over the bodies, [`constants`] and [`joints`] are its data,
+//! [`quaternion`] its rotations.
 
 pub mod constants;
 pub mod joints;

@@ -1,4 +1,5 @@
-//! The scheme word for word, in twelve coordinates a body: the oracle of the tests. It shares no code with the fast one but the tableau.
+//! The scheme as published, with twelve coordinates per body: the reference of the tests. It shares no code with the fast scheme except the
+//! tableau.
 //!
 //! ```text
 //!     Q_i = q₀ + h Σ_j a_ij M⁻¹ P_j,   P_i = p₀ + h Σ_j ā_ij (F(Q_j) − Dg(Q_j)ᵀ Λ_j),   g(Q_i) = 0          (2.5.11)

@@ -1,4 +1,4 @@
-//! Plans that depend on the mechanism alone, made once before its first step.
+//! Plans that depend only on the mechanism, made once before its first step.
 //!
 //! ```text
 //!     tree           for every body: parent, first freedom, which terms of its equations vanish       [`tree`]

@@ -1,8 +1,7 @@
-//! The equations for mechanisms that move in a plane: three coordinates a body instead of six.
+//! The equations for mechanisms that move in a plane: three coordinates per body instead of six.
 //!
-//! The kernel ([`crate::step::kernel`]), the exact Newton method ([`crate::coupled::newton`]), projections, loops
-//! ([`crate::equations::loops`]) and springs ([`crate::equations::springs`]) are the same code in space and in a plane. What is here is another
-//! algorithm than in space:
+//! The kernel ([`crate::step::kernel`]), the exact Newton method ([`crate::coupled::newton`]), projections, loops ([`crate::equations::loops`]) and
+//! springs ([`crate::equations::springs`]) are the same code in space and in a plane. This folder has the algorithms that differ:
 //!
 //! | here | in space | what differs |
 //! |---|---|---|

@@ -1,4 +1,4 @@
-//! The workspace of a step: its start, the poses and rows of all stages, the first guess, and what the sweeps leave.
+//! The workspace of a step: its start, the poses and rows of all stages, the first guess, and the results of the sweeps.
 //!
 //! | symbol | what | unit | where |
 //! |---|---|---|---|
@@ -10,8 +10,8 @@
 //! | `H`, `α` | articulated inertias and the factors that the way back needs | kg, kg m² | [`articulated`], [`factors`] |
 //! | `F_k` | forces at the stages | N, N m | [`forces`], [`force_motion`] |
 //!
-//! The guess of the next step is [`predictor`]'s, from the step before by [`extrapolation`] and [`predictor_balls`]; what an attempt is asked for and what
-//! became of it is in [`attempt`].
+//! [`predictor`] guesses the next step from the last one by [`extrapolation`] and [`predictor_balls`]. [`attempt`] has the inputs and the outcome
+//! of an attempt.
 
 pub mod articulated;
 pub mod attempt;

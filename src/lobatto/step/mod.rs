@@ -4,8 +4,9 @@
 //!     begin(state) → attempt(h) → finish: velocities at the end → accept: the end is the next start
 //! ```
 //!
-//! [`interface`] is what those see who string steps together. [`kernel`] and [`kernel_step`] make it, over a [`workspace`] in space ([`spatial`]) or in a plane
-//! ([`planar`]); [`carrying`] moves a second motion through it, which is [`carried`]; [`precise`] and [`precise_start`] solve it to 32 digits; [`make`] hands the vectors out.
+//! [`interface`] is the interface for the integrator. [`kernel`] and [`kernel_step`] make the step, over a [`workspace`] in space ([`spatial`]) or
+//! in a plane ([`planar`]). [`carrying`] integrates a second motion with the same factorisation; [`carried`] is that motion. [`precise`] and
+//! [`precise_start`] solve the step to 32 digits; [`make`] chooses the vectors.
 
 pub(crate) mod carried;
 pub(crate) mod carrying;

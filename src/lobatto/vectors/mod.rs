@@ -27,7 +27,7 @@ macro_rules! operators {
     };
 }
 
-/// The items of [`Lanes`] for vectors to which single precision brings nothing.
+/// The items of [`Lanes`] for vectors that have no faster form in single precision.
 macro_rules! double_alone {
     () => {
         type Single = Self;
@@ -55,15 +55,15 @@ mod single;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod pair;
 
-/// Work that is done in the vectors it is given.
+/// Work that is generic over the vector type.
 pub trait InVectors {
-    /// What comes of it.
+    /// The result of the work.
     type Output;
-    /// Does it with the lanes of `V`.
+    /// Runs the work with the lanes of `V`.
     fn with<V: Lanes>(self) -> Self::Output;
 }
 
-/// Does work in the narrowest AVX-512 vectors that hold so many `lanes`; `None` where the processor has none, or where narrower vectors hold them.
+/// Runs work in the narrowest AVX-512 vectors with at least this many `lanes`; `None` without AVX-512, or where narrower vectors suffice.
 #[cfg(target_arch = "x86_64")]
 pub fn in_avx512<W: InVectors>(lanes: usize, work: W) -> Option<W::Output> {
     if Isa::detect() != Isa::Avx512 {
@@ -76,13 +76,13 @@ pub fn in_avx512<W: InVectors>(lanes: usize, work: W) -> Option<W::Output> {
     }
 }
 
-/// Does work in eight lanes of AVX-512; `None` where the processor has none.
+/// Runs work in eight lanes of AVX-512; `None` where the processor has none.
 #[cfg(target_arch = "x86_64")]
 pub fn eight_in_avx512<W: InVectors>(work: W) -> Option<W::Output> {
     (Isa::detect() == Isa::Avx512).then(|| work.with::<x86::Avx512>())
 }
 
-/// Does work in the narrowest AVX2 vectors that hold so many `lanes`; `None` where the processor has none.
+/// Runs work in the narrowest AVX2 vectors with at least this many `lanes`; `None` without AVX2.
 #[cfg(target_arch = "x86_64")]
 pub fn in_avx2<W: InVectors>(lanes: usize, work: W) -> Option<W::Output> {
     use pair::Pair;
@@ -97,14 +97,14 @@ pub fn in_avx2<W: InVectors>(lanes: usize, work: W) -> Option<W::Output> {
     })
 }
 
-/// Does work in eight lanes of AVX2; `None` where the processor has none.
+/// Runs work in eight lanes of AVX2; `None` where the processor has none.
 #[cfg(target_arch = "x86_64")]
 pub fn eight_in_avx2<W: InVectors>(work: W) -> Option<W::Output> {
     (Isa::detect() != Isa::Portable).then(|| work.with::<pair::Pair<x86::Avx256, 8>>())
 }
 
-/// Does work in the narrowest vectors of every processor that hold so many `lanes`. On x86-64 two types do for all: few processors of this
-/// kind lack AVX2, and every type takes a share of the build.
+/// Runs work in the narrowest vectors of every processor with at least this many `lanes`. On x86-64 there are only two types: few processors lack
+/// AVX2, and each type adds to the build time.
 pub fn in_portable<W: InVectors>(lanes: usize, work: W) -> W::Output {
     match lanes {
         #[cfg(target_arch = "x86_64")]
@@ -119,13 +119,13 @@ pub fn in_portable<W: InVectors>(lanes: usize, work: W) -> W::Output {
     }
 }
 
-/// Does work in eight lanes of every processor.
+/// Runs work in eight lanes on any processor.
 pub fn eight_in_portable<W: InVectors>(work: W) -> W::Output {
     work.with::<portable::Portable<8>>()
 }
 
-/// Does work in the vectors of many stages of every processor, of which at least eight lanes are in use. On x86-64 that is a type that steps of
-/// many stages have anyway, so that it takes no further share of the build.
+/// Runs work with at least eight lanes on any processor. On x86-64 this uses a type that steps of many stages need anyway, so that it adds no build
+/// time.
 pub fn wide_in_portable<W: InVectors>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     type Wide = portable::Portable<16>;
@@ -177,7 +177,7 @@ mod tests {
     fn keeps_nan<N: Numbers>() {
         let [nan, two, minus_three] = [f64::NAN, 2.0, -3.0].map(N::splat);
         assert_eq!([minus_three.max_abs(two), two.max_abs(-minus_three)].map(N::largest), [3.0, 3.0]);
-        // The NaN of 0/0 has a sign on some processors.
+        // On some processors the NaN of 0/0 has a sign.
         for nan in [nan, -nan] {
             assert!(nan.max_abs(two).largest().is_nan(), "the value");
             assert!(two.max_abs(nan.max_abs(two)).largest().is_nan(), "one before it");
@@ -231,7 +231,7 @@ mod tests {
                 let square = V::splat((FEW * f64::from(part) / 100.0).powi(2));
                 let (few, all) = (half_angle_of_few(square), half_angle(square));
                 for (few, all) in [(few.0, all.0), (few.1, all.1)] {
-                    // One rounding of numbers of size one; the first term left out is 2e-17.
+                    // The bound is one rounding of numbers of size one; the first neglected term is 2e-17.
                     let off = (few - all).max_abs(V::zero()).largest();
                     assert!(off <= f64::EPSILON, "{part} % of {FEW} rad: {off:e}");
                 }

@@ -1,4 +1,4 @@
-//! The mechanism as it was built: bodies, joints, closures and forces. All of it is constant.
+//! The mechanism as built: bodies, joints, closures and forces. All of it is constant during a run.
 
 pub mod body_state;
 pub mod closure;

@@ -1,4 +1,4 @@
-//! The physics of each force, and all of them together ([`total`]). The data is in [`crate::description::forces`].
+//! The equations of each force, and their sum ([`total`]). The data is in [`crate::description::forces`].
 
 #[cfg(test)]
 mod differences;

@@ -1,4 +1,5 @@
-//! The state, and what follows from it at one instant: poses, gaps of the closures and contacts, energy and momentum, distances; and what an integrator is.
+//! The state, and its functions at one instant: poses, gaps of closures and contacts, energy and momentum, distances; and the interface of
+//! integrators.
 
 pub mod contact_geometry;
 pub mod contact_point;

@@ -1,4 +1,4 @@
-//! Where a run is now: time, coordinates, links, energy. Before its first step that is its start, and after its end its end.
+//! The present state of a run: time, coordinates, links, energy. Before the first step it is the start; after the end, the end.
 
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::motion::energy::{Energy, energy_with_forces};
@@ -19,7 +19,7 @@ impl Simulation {
         }
     }
 
-    /// When it ends (s).
+    /// The end of the run (s).
     pub fn end(&self) -> f64 {
         match &self.running {
             Some(running) => running.end,
@@ -27,59 +27,59 @@ impl Simulation {
         }
     }
 
-    /// q and v now ([`Coordinates`](crate::session::Coordinates)).
+    /// The present q and v ([`Coordinates`](crate::session::Coordinates)).
     ///
     /// # Errors
-    /// A start that cannot be.
+    /// An invalid start.
     pub fn coordinates(&self) -> Result<(Vec<f64>, Vec<f64>), Error> {
         self.look(|state| self.model.flat(state))
     }
 
-    /// Position of a joint now: as many numbers as a report gives (rad, m).
+    /// The present position of a joint: one number per coordinate, as in reports (rad, m).
     ///
     /// # Errors
-    /// An unknown joint, and a start that cannot be.
+    /// An unknown joint, or an invalid start.
     pub fn position(&self, joint: &str) -> Result<Vec<f64>, Error> {
         let place = self.place(joint)?;
         Ok(self.coordinates()?.0[place].to_vec())
     }
 
-    /// Velocity of a joint now [rad/s, m/s].
+    /// The present velocity of a joint [rad/s, m/s].
     ///
     /// # Errors
-    /// An unknown joint, and a start that cannot be.
+    /// An unknown joint, or an invalid start.
     pub fn velocity(&self, joint: &str) -> Result<Vec<f64>, Error> {
         self.place(joint)?;
         let place = self.model.coordinates().joint(joint).map_or(0..0, |place| place.v.clone());
         Ok(self.coordinates()?.1[place].to_vec())
     }
 
-    /// Pose of a link frame in the world now.
+    /// The present pose of a link frame in the world.
     ///
     /// # Errors
-    /// An unknown link, and a start that cannot be.
+    /// An unknown link, or an invalid start.
     pub fn pose(&self, link: &str) -> Result<Pose, Error> {
         self.link(link).map(|link| pose_of(&link))
     }
 
-    /// Pose and motion of a link in the world now.
+    /// The present pose and velocity of a link in the world.
     ///
     /// # Errors
-    /// An unknown link, and a start that cannot be.
+    /// An unknown link, or an invalid start.
     pub fn link(&self, link: &str) -> Result<LinkState, Error> {
         self.look(|state| self.model.link_at(link, state))?
     }
 
-    /// The energy now (J).
+    /// The present energy (J).
     ///
     /// # Errors
-    /// A start that cannot be.
+    /// An invalid start.
     pub fn energy(&self) -> Result<Energy, Error> {
         let mechanism = &self.model.description().mechanism;
         self.look(|state| energy_with_forces(mechanism, &state.position, &body_states(mechanism, state)))
     }
 
-    /// Looks at the state of now.
+    /// Calls a function with the present state.
     pub(super) fn look<R>(&self, look: impl FnOnce(&State) -> R) -> Result<R, Error> {
         match (&self.running, &self.ended) {
             (Some(running), _) => {

@@ -1,9 +1,9 @@
 //! Work–precision charts: CPU time against error, of catena and of the comparators, for any scene.
 //!
-//! A [`Scene`] is run by every [`Method`] down a ladder of settings ([`ladder`]); each run gives a [`Measurement`] of
-//! CPU seconds per simulated second ([`timing`]) and of the distance of its end from a [`Reference`] that two
-//! formulations agree on ([`crate::mechanism::motion::distance`], [`mod@reference`]). Out of the measurements come the ratios at fixed accuracies
-//! ([`ratio`]), the pictures ([`work_precision`], [`energy`]), the CSV ([`table`]) and the page ([`page`]).
+//! Every [`Method`] runs a [`Scene`] with a range of settings ([`ladder`]). Each run gives a [`Measurement`] of CPU seconds per simulated second
+//! ([`timing`]) and of the distance of its end from a [`Reference`] on which two formulations agree ([`crate::mechanism::motion::distance`],
+//! [`mod@reference`]). The measurements give the ratios at fixed accuracies ([`ratio`]), the pictures ([`work_precision`], [`energy`]), the CSV
+//! ([`table`]) and the page ([`page`]).
 //!
 //! ```text
 //!     Scene → reference → measure (method × ladder → timing → distance) → ratio ─┐

@@ -1,9 +1,9 @@
 //! Stability maps: for which steps and difficulties each method finishes, and whether its result is right.
 //!
-//! A [`Problem`] is a family of mechanisms that become harder ([`problems`]); each is run by every [`Method`] over a range of steps or
-//! tolerances ([`runner`]; [`baumgarte`] is the integrator of the textbooks, `regularised` the comparators on limits, friction and motors), and every run is a [`Cell`] with a
-//! [`Verdict`] against a right answer ([`truth`]). No cell can hold up the others: its work is bounded, and a failure is a
-//! result like any other.
+//! A [`Problem`] is a family of mechanisms of increasing difficulty ([`problems`]). Every [`Method`] runs it over a range of steps or tolerances
+//! ([`runner`]; [`baumgarte`] is the integrator of the textbooks, `regularised` the comparators on limits, friction and motors). Each run is a
+//! [`Cell`] with a [`Verdict`] by comparison with a correct result ([`truth`]). The work of a cell is bounded, so that none delays the others, and
+//! a failure is a result like any other.
 //!
 //! ```text
 //!     Problem → Case ┬→ Answer ──────────┐

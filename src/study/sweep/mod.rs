@@ -1,4 +1,4 @@
-//! Sweeps: many runs of one scene, in which numbers vary; a row of a table for each.
+//! Sweeps: many runs of one scene with varied numbers; one table row per run.
 //!
 //! ```text
 //!     sweep.toml ─ definition ─▶ Sweep: scene, variation (index → numbers), kept quantities
@@ -10,17 +10,17 @@
 //!              ─ merge ─▶ the folders of all shards as one
 //! ```
 //!
-//! What a row says depends on the sweep and its index alone: not on threads, on the order of work, on shards, or on how often it was stopped. So do
-//! the files, byte for byte.
+//! A row depends only on the sweep and its index: not on threads, the order of work, shards, or interruptions. The same holds for the files, byte
+//! for byte.
 //!
 //! A folder of a sweep holds
 //!
 //! | file | what it is |
 //! |---|---|
-//! | `sweep.json` | which sweep it is, written first |
-//! | `sweep.lock` | held by the process that writes |
+//! | `sweep.json` | the definition of the sweep, written first |
+//! | `sweep.lock` | locked by the process that writes |
 //! | `rows-FIRST-LAST.csv` or `.parquet` | rows of a range of indices, complete; never changed again |
-//! | `rows-FIRST-LAST.journal` | rows of a range that is being worked on, in the order in which they came |
+//! | `rows-FIRST-LAST.journal` | rows of an unfinished range, in order of completion |
 
 pub mod definition;
 pub mod error;

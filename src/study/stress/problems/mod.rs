@@ -1,4 +1,4 @@
-//! The problems, one file each, and the parts they are built of.
+//! The problems, one file each, and the parts of their mechanisms.
 
 pub mod chain_length;
 pub mod contact_masses;
@@ -58,7 +58,7 @@ impl Problem {
 /// Standard gravity downwards [m/s²].
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
-/// A frame at `place` (m) whose z axis, the axis of the joint, points along `axis`.
+/// A frame at `place` (m) whose z axis (the joint axis) points along `axis`.
 fn frame(place: Vector3<f64>, axis: Vector3<f64>) -> Pose {
     let turn = Rotation3::rotation_between(&Vector3::z(), &axis)
         .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
@@ -71,8 +71,8 @@ fn box_inertia(mass: f64, size: Vector3<f64>) -> Vector3<f64> {
     Vector3::new(square.y + square.z, square.z + square.x, square.x + square.y) * (mass / 12.0)
 }
 
-/// A chain of `count` equal boxes of `length` (m), side `width` (m) and `mass` (kg), each along `along` from its hinge; the
-/// hinges turn about the two `axes` by turns.
+/// A chain of `count` equal boxes of `length` (m), side `width` (m) and `mass` (kg), each extending along `along` from its hinge. The hinges turn
+/// about the two `axes` alternately.
 fn chain(count: usize, length: f64, width: f64, mass: f64, along: Vector3<f64>, axes: [Vector3<f64>; 2]) -> Vec<Body> {
     let half = along * (0.5 * length);
     let size = along.abs() * (length - width) + Vector3::repeat(width);
@@ -133,7 +133,7 @@ fn put(mechanism: &Mechanism, state: &mut State, body: usize, at: Vector3<f64>, 
     state.velocity[joint.velocity_range()][..3].copy_from_slice(velocity.as_slice());
 }
 
-/// The coordinate of a body's joint of one freedom.
+/// The coordinate of a body's joint with one degree of freedom.
 fn only_coordinate(mechanism: &Mechanism, body: usize) -> Coordinate {
     let joint = &mechanism.bodies[body].joint;
     Coordinate { body, position: joint.position_index, freedom: joint.velocity_index }
@@ -145,10 +145,10 @@ fn upward(x: f64) -> Pose {
     Pose::from_parts(Translation3::new(x, 0.0, 0.0), turn)
 }
 
-/// `count` parallelograms of uniform rods (1 m, 1 kg) in a row, closed by revolute joints: five equations each, three of which the
-/// others imply. The cranks stand upright and their tips move at 1 m/s. Benchmark A02 of the IFToMM library.
+/// `count` parallelograms of uniform rods (1 m, 1 kg) in a row, closed by revolute joints. Each loop has five equations, three of them redundant.
+/// The cranks start upright and their tips move at 1 m/s. Benchmark A02 of the IFToMM library.
 fn four_bars(count: usize) -> Result<(Mechanism, State), MechanismError> {
-    // A rod is 4 cm thick: its inertia about its own axis takes no part, but methods that invert it need it.
+    // A rod is 4 cm thick. Its inertia about its own axis has no effect, but methods that invert it need it.
     let rod = |name: String, parent: Option<usize>, hinge_at: f64| Body {
         parent,
         mass: 1.0,
@@ -212,8 +212,7 @@ fn bricard() -> Result<(Mechanism, State), MechanismError> {
     Ok((mechanism, state))
 }
 
-/// Turns the ball joint of the last body to a pose and spin given in the world, its parent being the world and its frames
-/// having the axes of world and body.
+/// Sets the ball joint of the last body to a pose and spin in world axes. Its parent is the world, and its frames have the axes of world and body.
 fn set_ball(state: &mut State, quaternion: [f64; 4], spin: Vector3<f64>) {
     state.position.copy_from_slice(&quaternion);
     state.velocity.copy_from_slice(spin.as_slice());
