@@ -50,8 +50,8 @@ fn surface(triangles: impl Iterator<Item = [Vector3<f64>; 3]>, scale: &Vector3<f
     if surface.triangles.is_empty() { Err(MeshError::Empty) } else { Ok(surface) }
 }
 
-/// The vertices of each connected part of a surface, in the order of their first vertices.
-pub fn connected_parts(surface: &Surface) -> Vec<Vec<Vector3<f64>>> {
+/// The connected parts of a surface, in the order of their first vertices.
+pub fn connected_parts(surface: &Surface) -> Vec<Surface> {
     let mut above: Vec<u32> = (0..surface.vertices.len() as u32).collect();
     fn root(above: &mut [u32], mut vertex: u32) -> u32 {
         while above[vertex as usize] != vertex {
@@ -68,14 +68,21 @@ pub fn connected_parts(surface: &Surface) -> Vec<Vec<Vector3<f64>>> {
         }
     }
     let mut number_of: HashMap<u32, usize> = HashMap::new();
-    let mut parts: Vec<Vec<Vector3<f64>>> = Vec::new();
-    for (vertex, place) in surface.vertices.iter().enumerate() {
+    let mut parts: Vec<Surface> = Vec::new();
+    // Part and number in the part of each vertex.
+    let mut places: Vec<(usize, u32)> = Vec::with_capacity(surface.vertices.len());
+    for (vertex, point) in surface.vertices.iter().enumerate() {
         let root = root(&mut above, vertex as u32);
-        let number = *number_of.entry(root).or_insert_with(|| {
-            parts.push(Vec::new());
+        let part = *number_of.entry(root).or_insert_with(|| {
+            parts.push(Surface::default());
             parts.len() - 1
         });
-        parts[number].push(*place);
+        places.push((part, parts[part].vertices.len() as u32));
+        parts[part].vertices.push(*point);
+    }
+    for corners in &surface.triangles {
+        let part = places[corners[0] as usize].0;
+        parts[part].triangles.push(corners.map(|corner| places[corner as usize].1));
     }
     parts
 }
@@ -138,8 +145,13 @@ mod tests {
         let both = [tetrahedron(0.0), tetrahedron(5.0)].concat();
         let surface = surface(both.into_iter(), &Vector3::repeat(1.0)).unwrap();
         let parts = connected_parts(&surface);
-        assert_eq!(parts.iter().map(Vec::len).collect::<Vec<_>>(), [4, 4]);
-        assert!(parts[0].iter().all(|point| point.x < 2.0) && parts[1].iter().all(|point| point.x > 2.0));
+        for (part, at) in parts.iter().zip([0.0, 5.0]) {
+            assert_eq!((part.vertices.len(), part.triangles.len()), (4, 4));
+            assert!(part.vertices.iter().all(|point| (at..=at + 1.0).contains(&point.x)));
+            // Their triangles name their own vertices.
+            assert_eq!(volume(part), 1.0);
+        }
+        assert_eq!(parts.len(), 2);
     }
 
     #[test]

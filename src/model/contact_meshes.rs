@@ -1,5 +1,6 @@
 //! The collision shapes of links as shapes of the mechanism: sizes checked, meshes read.
 
+use crate::geometry::decompose;
 use crate::mechanism::description::contact::Shape;
 use crate::meshes::{MeshError, collision_surface, connected_parts, is_flat};
 use crate::model::coupling_error::{CouplingError, CouplingProblem};
@@ -9,6 +10,9 @@ use crate::scene::{
 };
 use nalgebra::Vector3;
 use std::sync::Arc;
+
+/// Most convex pieces of a connected part of a mesh.
+const MOST_PIECES: u32 = 16;
 
 /// Reads the collision shapes of links.
 #[derive(Default)]
@@ -78,7 +82,11 @@ impl ShapeReader {
         let surface =
             collision_surface(std::path::Path::new(&mesh.path), &source.bytes, &mesh.scale).map_err(unusable)?;
         let parts: Vec<Vec<Vector3<f64>>> = match choice {
-            LinkShapes::Decompose => connected_parts(&surface),
+            LinkShapes::Decompose => {
+                let parts = connected_parts(&surface);
+                let pieces: Result<Vec<_>, _> = parts.iter().map(|part| decompose(part, MOST_PIECES)).collect();
+                pieces.map_err(|error| format!("cannot be used: {error}"))?.concat()
+            }
             LinkShapes::Hull | LinkShapes::None => vec![surface.vertices],
         };
         if parts.iter().any(|part| is_flat(part)) {

@@ -106,7 +106,7 @@ pub enum LinkShapes {
     /// The convex hull of each.
     #[default]
     Hull,
-    /// The convex hull of each of their connected parts.
+    /// Convex pieces of each of their connected parts.
     Decompose,
     /// Nothing: no collision shape of the link touches.
     None,

@@ -104,6 +104,14 @@ fn an_angle_falls_into_convex_pieces_that_leave_its_inside_corner_free() {
 }
 
 #[test]
+fn a_convex_surface_is_its_own_piece_to_the_last_bit() {
+    // The long limb of the angle: a box.
+    let mut surface = angle();
+    surface.vertices.iter_mut().for_each(|vertex| vertex.y = vertex.y.min(0.0));
+    assert_eq!(decompose(&surface, 8), Ok(vec![surface.vertices.clone()]));
+}
+
+#[test]
 fn a_ball_over_a_flat_valley_is_near_both_sides_before_it_touches_the_second() {
     // Sides that rise by 0.05: their normals differ by 0.1 rad, and both places have the centre of the ball as the point of its core.
     let valley = pair(floor(8, 0.1, |x, _| 0.05 * x.abs()), Shape::Sphere { radius: 0.05 });

@@ -1,10 +1,11 @@
 //! What scene files say of contact becomes colliders and pairs: where shapes lie, which may touch, and how.
 
 use super::{ONE, build, folder};
-use catena::mechanism::description::contact::Shape;
+use catena::geometry::PairGeometry;
+use catena::mechanism::description::contact::{Collider, Shape};
 use catena::mechanism::motion::kinematics::body_states;
 use catena::model::{Left, Model, NeverTouch, ReductionRule};
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use std::path::{Path, PathBuf};
 
 /// A trunk with a foot that is fixed to it, a leg that turns, and a shelf that the world holds.
@@ -210,6 +211,43 @@ fn meshes_of_links_are_hulls_or_the_hulls_of_their_parts_or_nothing() {
     assert_eq!(hulls(&link("hull")), [8]);
     assert_eq!(hulls(&link("decompose")), [4, 4]);
     assert_eq!(hulls(&link("none")), [0; 0]);
+}
+
+#[test]
+fn a_decomposed_hook_has_room_for_a_ball_inside() {
+    let folder = with_walker("hook");
+    // An L of three by three by one: limbs one thick, the inner corner at the origin.
+    let outline = [(-1, -1), (2, -1), (2, 0), (0, 0), (0, 2), (-1, 2)];
+    let mut text: String =
+        outline.iter().map(|(x, y)| format!("v {x} {y} 0\nv {x} {y} 1\n")).collect::<Vec<_>>().concat();
+    for side in 0..6 {
+        let (here, next) = (2 * side + 1, 2 * ((side + 1) % 6) + 1);
+        text += &format!("f {here} {next} {} {}\n", next + 1, here + 1);
+    }
+    text += "f 2 4 6\nf 2 6 8\nf 2 8 10\nf 2 10 12\nf 1 5 3\nf 1 7 5\nf 1 9 7\nf 1 11 9\n";
+    std::fs::write(folder.join("hook.obj"), text).expect("written");
+    let meshed = std::fs::read_to_string(folder.join("meshed.urdf")).expect("there");
+    std::fs::write(folder.join("hooked.urdf"), meshed.replace("twins.obj", "hook.obj")).expect("written");
+    // The mesh is scaled by two, so there is room for a ball that touches no limb.
+    let place = IsometryMatrix3::translation(1.0, 1.0, 1.0);
+    let distances = |choice: &str| -> Vec<f64> {
+        let text = format!("{FLOATING}{FLOOR}[[link]]\nname = \"leg\"\ncollision = \"{choice}\"\n");
+        let model = model(&folder, &text.replace("walker", "hooked"));
+        let colliders = model.mechanism.nonsmooth.colliders.iter().filter(|collider| collider.name == "leg");
+        let distance = |collider: &Collider| {
+            let hook = Collider { pose: IsometryMatrix3::identity(), ..collider.clone() };
+            let ball = Collider { shape: Shape::Sphere { radius: 0.9 }, ..hook.clone() };
+            let pair = PairGeometry::new(&hook, &ball).expect("a pair");
+            pair.distance(&IsometryMatrix3::identity(), &place).distance
+        };
+        colliders.map(distance).collect()
+    };
+    let hull = distances("hull");
+    assert!(hull.len() == 1 && hull[0] < 0.0, "the hull fills the corner: {hull:?}");
+    // The ball is 0.1 from each limb; voxels are a 64th of six metres.
+    let pieces = distances("decompose");
+    assert!(pieces.len() >= 2 && pieces.iter().all(|distance| *distance > 0.1 - 6.0 / 64.0), "{pieces:?}");
+    assert!(pieces.iter().any(|distance| *distance < 0.1 + 6.0 / 64.0), "{pieces:?}");
 }
 
 #[test]
