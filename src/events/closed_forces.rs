@@ -117,8 +117,24 @@ pub(crate) fn closed_forces(
     found
 }
 
-/// When the first contact that slides, or all of a pair together, would stop if slips went on falling as they do in this state (s); infinite if none falls.
-pub(crate) fn time_to_stop(at: &Present, response: &mut Response, state: &State, efforts: &[f64], unique: bool) -> f64 {
+/// How slips go on from a state, if their rates stay as they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Slipping {
+    /// When the first contact that slides, or all of a pair together, would stop (s); infinite if none falls.
+    pub stops: f64,
+    /// When the first slip that is faster than rest would have turned by half a right angle (s).
+    pub turns: f64,
+}
+
+/// The same, for a rest [m/s].
+pub(crate) fn slipping(
+    at: &Present,
+    response: &mut Response,
+    state: &State,
+    efforts: &[f64],
+    unique: bool,
+    rest: f64,
+) -> Slipping {
     let bodies = body_states(at.whole, state);
     let blocks = blocks(at, &bodies);
     let rows = Rows::of(response, state, &blocks);
@@ -127,12 +143,17 @@ pub(crate) fn time_to_stop(at: &Present, response: &mut Response, state: &State,
     let rates = &rows.square * DVector::from_vec(forces) + DVector::from_vec(offset);
     // Where forces are not unique those of one pair stop together.
     let mut stops: Vec<(usize, f64, f64)> = Vec::new();
+    let mut turns = f64::INFINITY;
     let mut row = 0;
     for block in &blocks {
         if let (Of::Contact(index), Law::Sliding { direction: [x, y], .. }) = (block.of, block.law) {
             let Contact { pair, joint, .. } = &at.mode.contacts[index].contact;
             let speed = touch_motion(joint, &bodies).slip.norm();
             let falls = -(x * rates[row + 1] + y * rates[row + 2]);
+            let across = (x * rates[row + 2] - y * rates[row + 1]).abs();
+            if speed > rest && across > 0.0 {
+                turns = turns.min(speed / across);
+            }
             match stops.iter_mut().find(|(of, ..)| !unique && of == pair) {
                 Some((_, all, fall)) => (*all, *fall) = (*all + speed, *fall + falls),
                 None => stops.push((*pair, speed, falls)),
@@ -141,7 +162,7 @@ pub(crate) fn time_to_stop(at: &Present, response: &mut Response, state: &State,
         row += block.rows.len();
     }
     let time = |&(_, speed, falls): &(usize, f64, f64)| if falls > 0.0 { speed / falls } else { f64::INFINITY };
-    stops.iter().map(time).fold(f64::INFINITY, f64::min)
+    Slipping { stops: stops.iter().map(time).fold(f64::INFINITY, f64::min), turns }
 }
 
 /// b: what the rows of the blocks are accelerated by without what is held.

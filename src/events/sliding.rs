@@ -6,7 +6,7 @@
 //!
 //! Beyond the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
-use crate::events::closed_forces::time_to_stop;
+use crate::events::closed_forces::{Slipping, slipping};
 use crate::events::integrator::Eventful;
 use crate::events::present::Present;
 use crate::mechanism::motion::inputs::Inputs;
@@ -17,6 +17,11 @@ use crate::mechanism::motion::touches::touch_motion;
 
 /// A step goes beyond the stop of a slip by this factor: there it is found, and further on the slip has no direction.
 const BEYOND: f64 = 1.05;
+/// A step is no longer than this part of the time in which a slip turns by half a right angle: a slip that is slow turns faster than the polynomials
+/// through the stages can follow.
+const TURNS: f64 = 2.0;
+/// Slips below this part of the fastest that a body has been are none.
+const NO_SLIP: f64 = 1e-10;
 /// It is no shorter than this for it (s).
 const SOONEST: f64 = 1e-8;
 /// A step in which slips cannot be solved is shortened by this factor.
@@ -40,7 +45,9 @@ impl Eventful {
         let mut all = vec![0.0; efforts.len()];
         mode.efforts_at(elements, inputs, since, state, &mut all);
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
-        since + BEYOND * time_to_stop(&present, response, state, &all, holding.is_unique()).max(SOONEST)
+        let rest = NO_SLIP * self.memory.fastest;
+        let Slipping { stops, turns } = slipping(&present, response, state, &all, holding.is_unique(), rest);
+        since + (BEYOND * stops).min(TURNS * turns).max(SOONEST)
     }
 
     /// Makes the step; a shorter one where contacts are closed and a long one cannot be solved.
@@ -82,7 +89,7 @@ impl Eventful {
             let begins = closed.slides.unwrap_or_default();
             let slip = touch_motion(&closed.contact.joint, &self.bodies).slip;
             // Slower than rest it has no direction of its own.
-            let moving = slip.norm() > 1e-10 * self.memory.fastest;
+            let moving = slip.norm() > NO_SLIP * self.memory.fastest;
             self.slips.push(slip.try_normalize(0.0).filter(|_| moving).unwrap_or(begins));
         }
     }

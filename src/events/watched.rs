@@ -12,7 +12,7 @@
 //! | pressure of a closed contact | `λ_N` | it parts |
 //! | what a contact that sticks can still bear | `μ λ_N − |λ_T|` | it slides |
 //! | slip of a contact along its direction where the step starts | `u_T · t₀` | friction decides anew |
-//! | slips of the contacts of a pair, where their forces are not unique | mean of `u_T · t₀` | the same |
+//! | slips of the contacts of a pair together, where their forces are not unique | mean of `u_T · t₀` | the same |
 //! | how far inside its features a contact is | distance to the nearest side (m) | other features touch |
 
 use crate::events::holding::Holding;
@@ -87,21 +87,22 @@ impl Watched {
         let mut all = Vec::new();
         let mut holds = !mode.contacts.is_empty();
         all.extend((0..touching.pairs.len()).filter(|&pair| apart(pair)).map(Watched::Approach));
+        let slide = |pair: usize| {
+            mode.contacts.iter().filter(|closed| closed.contact.pair == pair && closed.slides.is_some()).count()
+        };
         for (index, closed) in mode.contacts.iter().enumerate() {
-            let rubs = touching.pairs[closed.contact.pair].friction > 0.0;
+            let pair = closed.contact.pair;
+            let rubs = touching.pairs[pair].friction > 0.0;
             let own = [
                 (unique, Watched::Presses(index)),
                 (unique && rubs && closed.slides.is_none(), Watched::Grips(index)),
-                (unique && rubs && closed.slides.is_some(), Watched::Slips(index)),
-                (apart(closed.contact.pair), Watched::Feature(index)),
+                (rubs && closed.slides.is_some() && (unique || slide(pair) > 1), Watched::Slips(index)),
+                (apart(pair), Watched::Feature(index)),
             ];
             all.extend(own.into_iter().filter(|(is, _)| *is).map(|(_, watched)| watched));
         }
-        // Where one of several stops alone depends on forces that are not known.
-        let slides = |pair: &usize| {
-            let own = mode.contacts.iter().filter(|closed| closed.contact.pair == *pair);
-            touching.pairs[*pair].friction > 0.0 && own.into_iter().any(|closed| closed.slides.is_some())
-        };
+        // Those of one pair stop together but for what is not known of their forces; one of them alone where the bodies turn about it.
+        let slides = |pair: &usize| touching.pairs[*pair].friction > 0.0 && slide(*pair) > 0;
         if !unique {
             all.extend((0..touching.pairs.len()).filter(slides).map(Watched::SlipsTogether));
         }

@@ -42,6 +42,13 @@ pub enum Part {
 }
 
 impl Part {
+    /// Makes a line point the other way.
+    pub fn reverse(&mut self) {
+        if let Part::Line(ends, _) = self {
+            ends.reverse();
+        }
+    }
+
     /// The same in another frame.
     pub fn moved(self, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
         let point = |point: Vector3<f64>| rotation * point + translation;

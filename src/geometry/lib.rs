@@ -12,6 +12,7 @@
 //! | `both`, `best`, `nearest` | the distance of two convex shapes with its certificate |
 //! | `manifold` | all places where they touch |
 //! | `beyond` | how far the rest of two shapes is from each other while they touch |
+//! | `crossing` | which form the gap of an edge across a rim has |
 //! | `place`, `pair` | answers |
 //! | `decompose` | convex pieces of a surface |
 //!
@@ -23,6 +24,7 @@ mod best;
 mod beyond;
 mod both;
 mod convex;
+mod crossing;
 mod decompose;
 mod error;
 mod feature;

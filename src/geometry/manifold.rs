@@ -8,7 +8,7 @@
 
 use crate::both::{Both, Candidate};
 use crate::convex::Core;
-use crate::feature::{FeatureId, Part, across, contact_features, inside, lies_near, part};
+use crate::feature::{FeatureId, Part, across, contact_features, features, inside, lies_near, part};
 use crate::meet::{Guess, meet};
 use crate::nearest::{nearest, spans_plane};
 use nalgebra::{Matrix3, Vector3};
@@ -48,24 +48,40 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
     let sharp = closest.distance() <= 1e-9 * size;
     let outside = if sharp { -(near.abs().min(1e-3 * size) + rounding) } else { -1e-9 * size };
     let mut found = Vec::new();
-    for one in contact_features(a, &normal, depth).filter(|&feature| touches(a, feature, &normal, least_a)) {
+    let of_a: Vec<FeatureId> = contact_features(a, &normal, depth).collect();
+    let of_b: Vec<FeatureId> = contact_features(b, &-own, depth).collect();
+    let rims_of_b: Vec<FeatureId> = flat_rims(b, &of_b).collect();
+    let within_a = |feature: &FeatureId| touches(a, *feature, &normal, least_a);
+    let within_b = |feature: &FeatureId| touches(b, *feature, &-own, least_b);
+    for one in of_a.iter().copied().chain(flat_rims(a, &of_a)).filter(within_a) {
         let on_a = part(a, one);
-        for other in contact_features(b, &-own, depth).filter(|&feature| touches(b, feature, &-own, least_b)) {
+        for other in of_b.iter().chain(&rims_of_b).copied().filter(within_b) {
+            let crosses = matches!(
+                (one, other),
+                (FeatureId::Rim(_), FeatureId::Edge(_)) | (FeatureId::Edge(_), FeatureId::Rim(_))
+            );
+            if !crosses && (rims_of_b.contains(&other) || !of_a.contains(&one)) {
+                continue;
+            }
             let on_b = part(b, other).moved(&both.rotation, &both.translation);
             if sharp && !spans_plane(&on_a, &on_b) {
                 continue;
             }
-            let guess = Guess { normal, point: closest.points[1] };
-            let Some((direction, points)) = meet(&on_a, &on_b, &guess) else { continue };
-            let far = direction.dot(&(points[1] - points[0])) - radii >= near || direction.dot(&normal) < 0.5;
-            let place = both.rotation.tr_mul(&(points[1] - both.translation));
-            if far || inside(a, one, &points[0]) < outside || inside(b, other, &place) < outside {
-                continue;
-            }
-            let separation = both.separation(&direction);
-            let candidate = Candidate { normal: direction, points, features: [one, other], separation };
-            if candidate.distance() - separation <= tolerance {
-                found.push(candidate);
+            for guess in guesses(&on_a, &on_b, closest).into_iter().flatten() {
+                let Some((mut direction, points)) = meet(&on_a, &on_b, &guess) else { continue };
+                if guess.normal != normal && direction.dot(&normal) < 0.0 {
+                    direction = -direction;
+                }
+                let far = direction.dot(&(points[1] - points[0])) - radii >= near || direction.dot(&normal) < 0.5;
+                let place = both.rotation.tr_mul(&(points[1] - both.translation));
+                if far || inside(a, one, &points[0]) < outside || inside(b, other, &place) < outside {
+                    continue;
+                }
+                let separation = both.separation(&direction);
+                let candidate = Candidate { normal: direction, points, features: [one, other], separation };
+                if candidate.distance() - separation <= tolerance {
+                    found.push(candidate);
+                }
             }
         }
     }
@@ -74,6 +90,24 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
         !candidate.features.iter().any(|name| matches!(name, FeatureId::Face(_) | FeatureId::Cap(_)))
     });
     found
+}
+
+/// The rims that lie flat, for which points stand among these features: edges cross them still.
+fn flat_rims(core: &Core, others: &[FeatureId]) -> impl Iterator<Item = FeatureId> {
+    features(core).filter(move |feature| matches!(feature, FeatureId::Rim(_)) && !others.contains(feature))
+}
+
+/// Where the places of two features are looked for: at the closest points. An edge crosses a rim twice, and is looked for from both its ends, too.
+fn guesses(a: &Part, b: &Part, closest: &Candidate) -> [Option<Guess>; 3] {
+    let at = |normal: Vector3<f64>, point: Vector3<f64>| Some(Guess { normal, point });
+    let first = at(closest.normal, closest.points[1]);
+    match (a, b) {
+        (Part::Line(ends, 0.0), Part::Circle(_, axis, _)) | (Part::Circle(_, axis, _), Part::Line(ends, 0.0)) => {
+            // A normal along the axis says nothing of where on the rim.
+            [first, at(*axis, ends[0]), at(*axis, ends[1])]
+        }
+        _ => [first, None, None],
+    }
 }
 
 /// Whether a feature reaches into the slab below a support plane.

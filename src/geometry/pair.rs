@@ -5,6 +5,7 @@
 use crate::beyond::{height_of_moved, is_flat};
 use crate::both::{Both, Candidate};
 use crate::convex::{Convex, Core, kind};
+use crate::crossing::off_crossing;
 use crate::error::GeometryError;
 use crate::feature::{FeatureId, inside, off_neighbours, part};
 use crate::half_space::HalfSpace;
@@ -150,6 +151,7 @@ impl PairGeometry {
         let guess = Guess { normal: first.rotation.inverse() * place.normal * side, point };
         let Some((_, points)) = meet(&of_first, &on_second, &guess) else { return f64::NEG_INFINITY };
         let own = |point: &Vector3<f64>| rotation.tr_mul(&(point - translation));
+        let crosses = off_crossing(&place.features, names, [&of_first, &on_second], &points);
         // The planes to neighbours count where a rounded partner rolls over an edge; of sharp ones the neighbours' own gaps tell.
         let rounded = radius + self.second.radius > 0.0;
         let off = |core: &Core, feature: FeatureId, point: &Vector3<f64>| match core {
@@ -164,7 +166,11 @@ impl PairGeometry {
             }
         };
         let second = &self.second.core;
-        of_first.min(inside(second, names[1], &own(&points[1]))).min(off(second, names[1], &own(&points[0])))
+        crosses.min(of_first).min(inside(second, names[1], &own(&points[1]))).min(off(
+            second,
+            names[1],
+            &own(&points[0]),
+        ))
     }
 
     /// How far what is not part of `closed` features is from the tangent plane of one of these places, which has this normal, from collider a to

@@ -1,6 +1,7 @@
 //! A place where two colliders touch, or nearly: features with their frames in the body frames, ready to be a joint.
 
 use crate::both::Candidate;
+use crate::crossing::crossing;
 use crate::feature::{FeatureId, Part, across};
 use catena_mechanism::description::contact::Feature;
 use catena_mechanism::description::joint::Pose;
@@ -22,7 +23,7 @@ pub struct TouchPlace {
     pub identity: PlaceId,
     /// In the order that a joint wants; see `swapped`.
     pub features: [Feature; 2],
-    /// On which side of the first line the second is, where both are lines: n = side · (z₁ × z₂)/|z₁ × z₂|.
+    /// The sign of n, where both are lines, n = side · (z₁ × z₂)/|z₁ × z₂|, or a line and a rim.
     pub side: f64,
     /// The frames of the features, each in the frame of its body, in the order of `features`.
     pub frames: [Pose; 2],
@@ -90,9 +91,23 @@ pub fn place(
     let normal = candidate.normal;
     let radii = [bearers[0].radius, bearers[1].radius];
     let surface = [candidate.points[0] + normal * radii[0], candidate.points[1] - normal * radii[1]];
-    let (of_a, frame_a) = feature_frame(&bearers[0].part, radii[0]);
-    let (of_b, frame_b) = feature_frame(&bearers[1].part, radii[1]);
-    let known = order(&[of_a, of_b]);
+    let gap = candidate.distance() - radii[0] - radii[1];
+    let [part_a, mut part_b] = bearers.map(|bearer| bearer.part);
+    let mut part_a = part_a;
+    let across = if radii == [0.0; 2] {
+        crossing([&part_a, &part_b.moved(rotation, translation)], &surface, &normal, gap)
+    } else {
+        None
+    };
+    if across.is_some_and(|across| across.reversed) {
+        [&mut part_a, &mut part_b].into_iter().for_each(Part::reverse);
+    }
+    let (of_a, frame_a) = feature_frame(&part_a, radii[0]);
+    let (of_b, frame_b) = feature_frame(&part_b, radii[1]);
+    let known = match across {
+        Some(across) => Some(across.line_first != matches!(of_a, Feature::Line { .. })),
+        None => order(&[of_a, of_b]),
+    };
     let (features, frames, swapped) = match known {
         Some(false) => ([of_a, of_b], [frame_a, frame_b], false),
         Some(true) => ([of_b, of_a], [frame_b, frame_a], true),
@@ -104,7 +119,11 @@ pub fn place(
     };
     let lines = matches!(features, [Feature::Line { .. }, Feature::Line { .. }]);
     let axes = (frames[0].rotation * Vector3::z(), rotation * (frames[1].rotation * Vector3::z()));
-    let side = if lines && axes.0.cross(&axes.1).dot(&normal) < 0.0 { -1.0 } else { 1.0 };
+    let side = match across {
+        Some(across) => across.side,
+        None if lines && axes.0.cross(&axes.1).dot(&normal) < 0.0 => -1.0,
+        None => 1.0,
+    };
     let world = |point: Vector3<f64>| a.rotation * point + a.translation.vector;
     TouchPlace {
         identity: PlaceId { a: candidate.features[0], b: candidate.features[1] },
@@ -112,7 +131,7 @@ pub fn place(
         side,
         frames,
         swapped,
-        gap: candidate.distance() - radii[0] - radii[1],
+        gap,
         normal: a.rotation * normal,
         points: surface.map(world),
         exact: known.is_some() && !candidate.features.iter().any(|name| matches!(name, FeatureId::RimPoint(_))),

@@ -112,12 +112,13 @@ fn throws(seeds: impl Iterator<Item = u64>) {
 
 #[test]
 fn no_body_that_is_thrown_gains_energy_or_leaves_its_cone_or_overlaps() {
-    throws((0..40).filter(|seed| seed % 4 != 0));
+    // In the 68th the edge of a box comes down flat on the cap of a cylinder and slides over its rim; in the 16th corners of a box that slides stop one
+    // after the other.
+    throws((0..40).filter(|seed| seed % 4 != 0).chain([16, 68]));
 }
 
 #[test]
 #[ignore = "a minute: cargo test --release --test events thrown -- --ignored --nocapture"]
 fn neither_do_more_that_are_thrown_and_pairs_of_them() {
-    // In one throw of the hundred the edge of a box gets 1e-4 m into the rim of a cylinder before steps of first order take it out again.
-    throws((0..100).filter(|&seed| seed != 68));
+    throws(0..100);
 }

@@ -43,6 +43,21 @@ fn gap(place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
             place.side * z.cross(&w).normalize().dot(&(q - p)) - r - s
         }
         [Feature::Plane, Feature::Rim { radius }] => z.dot(&(q - p)) - radius * w.cross(&z).norm(),
+        // An edge across a rim, which it meets at m from the axis: the height of one over the other along what is square to both.
+        [Feature::Line { .. }, Feature::Rim { radius }] => {
+            let through = p + z * (w.dot(&(q - p)) / w.dot(&z));
+            let out = (through - q).normalize();
+            place.side * (out * w.dot(&z) - w * out.dot(&z)).normalize().dot(&(q + out * radius - through))
+        }
+        [Feature::Rim { radius }, Feature::Line { .. }] => {
+            let level = |vector: Vector3<f64>| vector - z * z.dot(&vector);
+            let (off, along) = (level(q - p), level(w));
+            let half = off.dot(&along) / along.norm_squared();
+            let root = (half * half - (off.norm_squared() - radius * radius) / along.norm_squared()).sqrt();
+            let through = q + w * (root - half);
+            let out = level(through - p) / radius;
+            place.side * (out * z.dot(&w) - z * out.dot(&w)).normalize().dot(&(through - p - out * radius))
+        }
         other => panic!("{other:?} is no pair of a joint"),
     }
 }
@@ -121,15 +136,44 @@ fn the_frames_of_a_place_give_its_gap_and_its_normal_also_after_the_bodies_have_
                         "{one}-{other}: {said:e} for {:e}, {place:?}",
                         place.gap
                     );
-                    // Moved along the normal, every gap grows as much: the frames belong to the bodies and the normal is theirs.
-                    let moved = Translation3::from(place.normal * 1e-6) * of_b;
+                    // Moved along the normal, every gap grows as much: the frames belong to the bodies and the normal is theirs. The gap of an edge and a rim
+                    // is a distance to first order only.
+                    let crosses = matches!(
+                        place.features,
+                        [Feature::Line { radius: 0.0 }, Feature::Rim { .. }]
+                            | [Feature::Rim { .. }, Feature::Line { .. }]
+                    );
+                    let far = if crosses { 1e-9 } else { 1e-6 };
+                    let moved = Translation3::from(place.normal * far) * of_b;
                     let grown = gap(place, &of_a, &moved) - said;
-                    assert!((grown - 1e-6).abs() <= 1e-13, "{one}-{other}: {grown:e}, {place:?}");
+                    assert!((grown - far).abs() <= 1e-13, "{one}-{other}: {grown:e}, {place:?}");
                 }
             }
         }
     }
     assert!(stand_ins * 4 < count, "{stand_ins} of {count} places are stand-ins");
+}
+
+#[test]
+fn an_edge_across_the_rim_of_a_cylinder_crosses_it_twice() {
+    // A box whose edge lies on the cap of a standing cylinder, along a chord, and an end of it inside of the rim.
+    let tipped = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_4);
+    let pair = pair(Shape::Cylinder { radius: 0.1, half: 0.2 }, cuboid(0.3, 0.02, 0.02));
+    let over = |x: f64, y: f64| Pose::from_parts(Translation3::new(x, y, 0.2 + 0.02 * 2f64.sqrt()), tipped);
+    let chord = pair.touches(&Pose::identity(), &over(0.0, 0.03), 1e-9);
+    let mut places: Vec<f64> = chord.iter().map(|place| place.points[0].x).collect();
+    places.sort_by(f64::total_cmp);
+    let half = (0.1f64.powi(2) - 0.03f64.powi(2)).sqrt();
+    assert_eq!(places.len(), 2, "{chord:?}");
+    assert!((places[0] + half).abs() < 1e-12 && (places[1] - half).abs() < 1e-12, "{places:?}");
+    // Whichever way the edge goes on beyond its end over the cap, it crosses the rim once.
+    for end in [-0.05, -0.01, 0.04, 0.09] {
+        let chord = pair.touches(&Pose::identity(), &over(end + 0.3, 0.03), 1e-9);
+        let mut places: Vec<f64> = chord.iter().map(|place| place.points[0].x).collect();
+        places.sort_by(f64::total_cmp);
+        assert_eq!(places.len(), 2, "{chord:?}");
+        assert!((places[0] - end).abs() < 1e-12 && (places[1] - half).abs() < 1e-12, "{places:?}");
+    }
 }
 
 #[test]

@@ -227,7 +227,7 @@ impl<V: Lanes> SpatialTouch<V> {
     fn roll(&mut self, bodies: [Option<BodySides<V>>; 2]) {
         let AtStages { normal, point, .. } = self.at[0];
         let arm = match self.pairing {
-            Some(Pairing { cores: Cores::PlaneRim(_), .. }) => point.minus(self.center),
+            Some(Pairing { cores: Cores::PlaneRim(_) | Cores::LineRim(_), .. }) => point.minus(self.center),
             Some(Pairing { radius, .. }) => normal.times(V::splat(-radius)),
             None => Vector::zero(),
         };

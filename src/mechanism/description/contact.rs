@@ -135,9 +135,10 @@ pub enum Grip {
 /// The features of a contact, on the first and on the second body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim.
+    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim; line–rim for an edge that goes through the plane of the rim, and
+    /// rim–line for one that goes out of the rim along it.
     pub features: [Feature; 2],
-    /// On which side of a the second line is, where both are lines: n = side · (z_a × z_b)/|z_a × z_b|.
+    /// The sign of n: of two lines `n = side · (z_a × z_b)/|z_a × z_b|`, of a line and a rim as [`crate::motion::contact_geometry`] says.
     pub side: f64,
     /// Its friction.
     pub grip: Grip,
@@ -167,6 +168,10 @@ pub enum Cores {
     Lines,
     /// A plane and a circle of this radius (m).
     PlaneRim(f64),
+    /// A line and a circle of this radius (m), whose plane the line goes through.
+    LineRim(f64),
+    /// A circle of this radius (m) and a line, which goes through the cylinder above it, outwards.
+    RimLine(f64),
 }
 
 impl Touch {
@@ -178,6 +183,8 @@ impl Touch {
             [Feature::Line { radius: a }, Feature::Point { radius }] => (Cores::LinePoint, a + radius, radius),
             [Feature::Line { radius: a }, Feature::Line { radius }] => (Cores::Lines, a + radius, radius),
             [Feature::Plane, Feature::Rim { radius }] => (Cores::PlaneRim(radius), 0.0, 0.0),
+            [Feature::Line { radius: 0.0 }, Feature::Rim { radius }] => (Cores::LineRim(radius), 0.0, 0.0),
+            [Feature::Rim { radius }, Feature::Line { radius: 0.0 }] => (Cores::RimLine(radius), 0.0, 0.0),
             _ => return None,
         };
         Some(Pairing { cores, reach, radius })

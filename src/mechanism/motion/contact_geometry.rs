@@ -13,6 +13,18 @@
 //!
 //! where `b + t z_b` is the point of the second line that is nearest to the first: `t = ((d·z_a) e − d·z_b)/(1 − e²)`, `e = z_a·z_b`.
 //! n points from a to b. A rim that lies flat in the plane (m = 0) touches in all its points; p is its centre then.
+//!
+//! A line along f and a circle about k with the centre c and the radius ρ: where the line goes through the plane of the circle, or through the
+//! cylinder above it, at w, the circle is next to it in the direction m from its axis. Across the line and the circle there
+//!
+//! ```text
+//!     n = side (m (k·f) − k (m·f))/|…|
+//!     line–rim:      w = a + s f, k·(w − c) = 0                       φ = (ρ − |w − c|) n·m      p = c + ρ m
+//!     rim–line:      w = b + s f, |w − c − (k·(w − c)) k| = ρ, m·f > 0    φ = k·(w − c) n·k          p = w
+//! ```
+//!
+//! Zero where the two touch, and with the gradient of the distance there: a gap of a contact that is closed. The first form is for lines that are
+//! steep to the plane of the circle, the second for flat ones.
 
 use crate::description::contact::{Cores, Pairing};
 use crate::forces::point_spring::NO_LENGTH;
@@ -71,7 +83,35 @@ pub fn contact<S: Smooth>(pairing: Pairing, side: f64, a: Placed<S>, b: Placed<S
             let point = b.origin.minus(down.times(rim * length.reciprocal()));
             Contact { gap: apart.dot(normal) - rim * length, normal, point }
         }
+        Cores::LineRim(rim) => {
+            let (along, axis, rim) = (a.axis, b.axis, S::constant(rim));
+            let arm = along.times(apart.dot(axis) * along.dot(axis).reciprocal()).minus(apart);
+            let reached = length(arm);
+            let out = arm.times(reached.reciprocal());
+            let normal = across_rim(axis, along, out, side);
+            Contact { gap: (rim - reached) * normal.dot(out), normal, point: b.origin.plus(out.times(rim)) }
+        }
+        Cores::RimLine(rim) => {
+            let (along, axis, rim) = (b.axis, a.axis, S::constant(rim));
+            let level = |vector: Triple<S>| vector.minus(axis.times(vector.dot(axis)));
+            let (flat, off) = (level(along), level(apart));
+            // The larger root of |off + s flat| = ρ: where the line goes outwards.
+            let (square, half) = (flat.dot(flat), off.dot(flat));
+            let root = (half * half - square * (off.dot(off) - rim * rim)).square_root();
+            let arm = apart.plus(along.times((root - half) * square.reciprocal()));
+            let height = arm.dot(axis);
+            let out = arm.minus(axis.times(height)).times(rim.reciprocal());
+            let normal = across_rim(axis, along, out, side);
+            Contact { gap: height * normal.dot(axis), normal, point: a.origin.plus(arm) }
+        }
     }
+}
+
+/// The unit normal across a line and the tangent of a circle about an axis, at a point in a direction out of the axis.
+#[inline(always)]
+fn across_rim<S: Smooth>(axis: Triple<S>, along: Triple<S>, out: Triple<S>, side: f64) -> Triple<S> {
+    let normal = out.times(axis.dot(along)).minus(axis.times(out.dot(along)));
+    normal.times(length(normal).reciprocal() * S::constant(side))
 }
 
 /// The length of a vector, never zero.
