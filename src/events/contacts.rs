@@ -10,7 +10,8 @@
 //!
 //! Source: F. Génot, B. Brogliato, New results on Painlevé paradoxes, European Journal of Mechanics A 18 (1999).
 
-use crate::events::decision::{Candidate, Scene, Yielding};
+use crate::events::decision::{Candidate, Decided, Scene, Yielding};
+use crate::events::flat_ends::Asked;
 use crate::events::impact::Meeting;
 use crate::events::memory::Found;
 use crate::events::mode::{Closed, Mode};
@@ -22,9 +23,10 @@ use crate::instant::cone::impact::impulse_without_collision;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::touching::Contact;
 use crate::mechanism::description::body_state::BodyState;
-use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::description::contact::TouchJoint;
+use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, body_states};
 use crate::mechanism::motion::state::State;
-use crate::mechanism::motion::touches::touch_motion;
+use crate::mechanism::motion::touches::{tangents, touch_accelerations, touch_motion};
 use nalgebra::Vector3;
 
 /// Features this near to each other, relative to the size of their pair, touch.
@@ -43,6 +45,9 @@ const TOGETHER: f64 = 100.0;
 const STOPPED: f64 = 1e4;
 /// So is this [m/s].
 const SLOWEST: f64 = 1e-13;
+
+/// Points of a flat end whose gaps fall with less than this part of the largest acceleration do not: laws are solved to 1e-10.
+const LOWEST: f64 = 1e-9;
 
 /// The contacts of an event.
 pub(crate) struct Contacts {
@@ -66,12 +71,14 @@ impl Contacts {
         let speeds = bodies.iter().map(|body| body.velocity.norm());
         contacts.rest = SLOWEST.max(REST * speeds.fold(fastest, f64::max));
         for (pair, size) in touching.pairs.iter().map(|pair| pair.size).enumerate() {
+            let closed = || before.contacts.iter().enumerate().filter(|(_, closed)| closed.contact.pair == pair);
             let happens = |trigger: &Watched| match *trigger {
                 Watched::Approach(of) => of == pair,
                 Watched::Feature(contact) => before.contacts[contact].contact.pair == pair,
+                // A flat end is looked at without the points that its load has needed before.
+                Watched::Margin => closed().any(|(_, closed)| closed.contact.flat_end().is_some()),
                 _ => false,
             };
-            let closed = || before.contacts.iter().enumerate().filter(|(_, closed)| closed.contact.pair == pair);
             if found.anew || found.triggers.iter().any(happens) {
                 let within = size * if found.anew { TOUCHED_AT_START } else { TOUCHED };
                 for (contact, _) in touching.near(pair, &bodies, within) {
@@ -85,6 +92,16 @@ impl Contacts {
             }
         }
         contacts
+    }
+
+    /// Whether some are at the rim of an end that lies flat.
+    pub fn has_flat_ends(&self) -> bool {
+        self.all.iter().any(|contact| contact.flat_end().is_some())
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.all.len()
     }
 
     /// The pair of a block, where it is one of a contact.
@@ -208,6 +225,49 @@ impl Contacts {
         rows.add(&pushes, &mut change);
         still.iter().for_each(|&freedom| change[freedom] = 0.0);
         state.displace(scene.whole, &change);
+    }
+
+    /// Adds the points that flat ends lack after an impact; `holding` are the normal impulses that would hold all. Whether there are any.
+    pub fn complete_impact(&mut self, scene: &Scene, state: &State, holding: &[f64]) -> bool {
+        let bodies = body_states(scene.whole, state);
+        let value = |joint: &TouchJoint| touch_motion(joint, &bodies).rate;
+        let asked = Asked { touching: scene.touching, bodies: &bodies, value, least: -self.rest, pressed: false };
+        let lacking = asked.lacking(&self.all.iter().collect::<Vec<_>>(), holding);
+        self.known.extend(lacking.iter().map(|_| None));
+        let any = !lacking.is_empty();
+        self.all.extend(lacking);
+        any
+    }
+
+    /// Adds the points that flat ends lack that have been decided to stay; `pressed` asks for those towards the centres of pressure in any case. Whether
+    /// there are any.
+    pub fn complete_decision(&mut self, scene: &Scene, state: &State, decided: &Decided, pressed: bool) -> bool {
+        if !self.candidates.iter().any(|candidate| candidate.contact.flat_end().is_some()) {
+            return false;
+        }
+        let bodies = body_states(scene.whole, state);
+        let mut accelerations = vec![BodyAcceleration::default(); bodies.len()];
+        body_accelerations(scene.whole, &bodies, &state.velocity, &decided.accelerations, &mut accelerations);
+        let largest = decided.accelerations.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        // What has begun to tilt touches at one point, whatever its accelerations.
+        let value = |joint: &TouchJoint| {
+            let touch = touch_motion(joint, &bodies);
+            let tilts = touch.rate.abs() > TOGETHER * self.rest;
+            if tilts { 0.0 } else { touch_accelerations(joint, &bodies, &accelerations, &tangents(&touch.normal))[0] }
+        };
+        let least = -LOWEST * (scene.whole.gravity.norm() + largest).max(f64::MIN_POSITIVE);
+        let asked = Asked { touching: scene.touching, bodies: &bodies, value, least, pressed };
+        let contacts: Vec<&Contact> = self.candidates.iter().map(|candidate| &candidate.contact).collect();
+        let lacking = asked.lacking(&contacts, &decided.pressures);
+        for contact in &lacking {
+            let own = |candidate: &&Candidate| candidate.contact.pair == contact.pair;
+            let slips = self.candidates.iter().filter(own).any(|candidate| candidate.slip != Vector3::zeros());
+            let slip = if slips { touch_motion(&contact.joint, &bodies).slip } else { Vector3::zeros() };
+            self.candidates.push(Candidate { contact: contact.clone(), slip, slides: false, opens: false });
+            self.known.push(None);
+            self.all.push(contact.clone());
+        }
+        !lacking.is_empty()
     }
 
     /// Keeps all candidates closed, those that slip sliding: what is done where the law could not be solved.

@@ -15,10 +15,11 @@
 //!
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 
+use crate::events::closed_forces::Chosen;
 use crate::events::mode::{Closed, JointMode, Mode};
 use crate::events::watched::Watched;
 use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
-use crate::instant::cone::problem::{BlockState, Law, Problem, Unsolved};
+use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
 use crate::instant::cone::solve;
 use crate::instant::elements::Elements;
 use crate::instant::response::Response;
@@ -38,6 +39,8 @@ const ROUNDING: f64 = 1e-10;
 const DIFFERENCE: f64 = 1e-14;
 /// The part by which a joint that has been seen to reach the end of what holds it is held less.
 const LESS: f64 = 1e-9;
+/// A point of a flat end that tips over another carries nothing if it carries less than this part of what the other carries.
+const UNLOADED: f64 = 1e-9;
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
 const IMMOBILE: f64 = 1e-10;
 
@@ -106,8 +109,18 @@ pub(crate) enum Undecided {
     Unsolved,
 }
 
-/// Decides the joints whose rate is zero and the contacts that touch; `efforts` are those from outside and of motors. Whether the law was solved to its
-/// accuracy; if not the best that was found is taken.
+/// What the decided accelerations are of.
+#[derive(Clone, Debug)]
+pub(crate) struct Decided {
+    /// Whether the law was solved to its accuracy; if not the best that was found is taken.
+    pub exact: bool,
+    /// One entry a degree of freedom.
+    pub accelerations: Vec<f64>,
+    /// λ_N of every candidate (N) that would hold all of them; zero where none is at the rim of a flat end.
+    pub pressures: Vec<f64>,
+}
+
+/// Decides the joints whose rate is zero and the contacts that touch; `efforts` are those from outside and of motors.
 pub(crate) fn decide(
     scene: &mut Scene,
     mode: &mut Mode,
@@ -115,7 +128,7 @@ pub(crate) fn decide(
     efforts: &[f64],
     yielding: &Yielding,
     candidates: &[Candidate],
-) -> Result<bool, Undecided> {
+) -> Result<Decided, Undecided> {
     let Scene { whole, elements, touching, response } = scene;
     let (whole, elements, touching) = (*whole, *elements, *touching);
     let mut blocks: Vec<Block> = Vec::new();
@@ -150,10 +163,11 @@ pub(crate) fn decide(
         let rows = rows_of_contact(whole, &bodies, joint, friction > 0.0);
         blocks.push(Block { of: Of::Contact(index), law, rows });
     }
-    if blocks.is_empty() {
-        return Ok(true);
-    }
     let mut free = vec![0.0; state.velocity.len()];
+    let mut pressures = vec![0.0; candidates.len()];
+    if blocks.is_empty() {
+        return Ok(Decided { exact: true, accelerations: free, pressures });
+    }
     response.accelerations(state, &efforts, &mut free);
     let rows = Rows::of(response, state, &blocks);
     let offset =
@@ -175,6 +189,8 @@ pub(crate) fn decide(
         }
         row += block.rows.len();
     }
+    let is_flat = candidates.iter().any(|candidate| candidate.contact.flat_end().is_some());
+    let holding = is_flat.then(|| Chosen::new(&blocks).solve(&rows.square, &offset, false));
     let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
     let (found, exact) = match solve(&Problem { mobility: &rows.square, free: &offset, laws: &laws }, None) {
         Ok(found) => (found, true),
@@ -189,14 +205,18 @@ pub(crate) fn decide(
     };
     // Each acceleration is a difference of others.
     let largest = free.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let moves = |row: usize| {
+        let terms: f64 =
+            (0..offset.len()).map(|column| (rows.square[(row, column)] * found.forces[column]).abs()).sum();
+        found.rates[row].abs() > ROUNDING * (terms + offset[row].abs()) + DIFFERENCE * (1.0 + largest)
+    };
+    let ends = if is_flat { tipping_ends(&blocks, &found, candidates, moves) } else { Vec::new() };
     let mut first = 0;
     for (block, is) in blocks.iter().zip(&found.states) {
         let row = first;
         first += block.rows.len();
         let rate = found.rates[row];
-        let terms: f64 =
-            (0..offset.len()).map(|column| (rows.square[(row, column)] * found.forces[column]).abs()).sum();
-        let moves = rate.abs() > ROUNDING * (terms + offset[row].abs()) + DIFFERENCE * (1.0 + largest);
+        let moves = moves(row);
         match block.of {
             Of::Joint(index) => {
                 let joint = &elements.joints[index];
@@ -206,8 +226,17 @@ pub(crate) fn decide(
                 }
             }
             Of::Contact(index) => {
+                if let Some(holding) = &holding {
+                    pressures[index] = holding[row];
+                }
                 let Candidate { contact, slip, .. } = &candidates[index];
                 if matches!(is, BlockState::Open | BlockState::AtLower) && moves {
+                    continue;
+                }
+                // Points next to the one over which a flat end tips leave too slowly to be told.
+                let end = contact.flat_end().map(|end| (contact.pair, end));
+                let most = ends.iter().find(|(of, _)| Some(*of) == end).map(|(_, most)| *most);
+                if most.is_some_and(|most| found.forces[row] <= UNLOADED * most) {
                     continue;
                 }
                 let [along, across] = tangents(&touch_motion(&contact.joint, &bodies).normal);
@@ -222,7 +251,33 @@ pub(crate) fn decide(
             }
         }
     }
-    Ok(exact)
+    rows.add(&found.forces, &mut free);
+    Ok(Decided { exact, accelerations: free, pressures })
+}
+
+/// The flat ends of which a point leaves, with the largest of the forces at their points (N).
+fn tipping_ends(
+    blocks: &[Block],
+    found: &Answer,
+    candidates: &[Candidate],
+    moves: impl Fn(usize) -> bool,
+) -> Vec<((usize, (bool, u32)), f64)> {
+    let mut ends: Vec<((usize, (bool, u32)), f64, bool)> = Vec::new();
+    let mut row = 0;
+    for (block, is) in blocks.iter().zip(&found.states) {
+        if let Of::Contact(index) = block.of
+            && let Some(end) = candidates[index].contact.flat_end()
+        {
+            let of = (candidates[index].contact.pair, end);
+            let leaves = matches!(is, BlockState::Open | BlockState::AtLower) && moves(row);
+            match ends.iter_mut().find(|(known, ..)| *known == of) {
+                Some((_, most, any)) => (*most, *any) = (most.max(found.forces[row]), *any || leaves),
+                None => ends.push((of, found.forces[row], leaves)),
+            }
+        }
+        row += block.rows.len();
+    }
+    ends.into_iter().filter(|(_, _, leaves)| *leaves).map(|(of, most, _)| (of, most)).collect()
 }
 
 /// The direction of a slip in the tangents of a contact; none where it does not slip.

@@ -11,6 +11,7 @@
 //!
 //! Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics" (1988).
 
+use crate::events::closed_forces::Chosen;
 use crate::events::decision::Scene;
 use crate::instant::blocks::{Block, Of, Rows};
 use crate::instant::cone::impact::impact;
@@ -45,6 +46,19 @@ pub(crate) struct Impulses {
     pub normal: Vec<f64>,
     /// Kinetic energy that was lost (J).
     pub lost: f64,
+}
+
+/// The normal impulses that would hold everything that is met (N s), the least ones: where they press says where a flat end begins to tip.
+pub(crate) fn holding_impulses(scene: &mut Scene, state: &State, meetings: &[Meeting]) -> Vec<f64> {
+    let blocks: Vec<Block> = meetings.iter().map(|meeting| meeting.block.clone()).collect();
+    let rows = Rows::of(scene.response, state, &blocks);
+    let impulses = Chosen::new(&blocks).solve(&rows.square, &rows.rates(&state.velocity), false);
+    let mut row = 0;
+    let normal = |block: &Block| {
+        row += block.rows.len();
+        impulses[row - block.rows.len()]
+    };
+    blocks.iter().map(normal).collect()
 }
 
 /// Changes the velocities of a state so that nothing approaches; rates of limits that end at rest are exactly zero.

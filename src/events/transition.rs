@@ -13,7 +13,7 @@
 
 use crate::events::contacts::Contacts;
 use crate::events::decision::{Scene, Undecided, Yielding, decide};
-use crate::events::impact::{Impulses, Meeting, collide};
+use crate::events::impact::{Impulses, Meeting, collide, holding_impulses};
 use crate::events::memory::{Done, Found, Memory};
 use crate::events::mode::{JointMode, Mode, MotorMode};
 use crate::events::noted::{Met, note_bound, note_impacts, note_joints, note_pairs};
@@ -34,6 +34,9 @@ const SLOWEST: f64 = 1e-14;
 const BEYOND: f64 = 1e-12;
 /// Rounds in which limits that kick each other open are brought to rest.
 const CALMING: usize = 8;
+
+/// Points that are added to flat ends, at most.
+const COMPLETING: usize = 48;
 
 /// Carries out an event; `efforts` writes the efforts from outside and of motors for a mode and state.
 pub(crate) fn transit(
@@ -63,15 +66,28 @@ pub(crate) fn transit(
     stop_slow_joints(elements, state, &rests, false);
     let mut contacts = Contacts::gather(scene, &before, state, found, memory.fastest);
     let lifted = contacts.move_apart(scene, state);
-    let (meetings, ends) = meetings(scene, state, memory, found, &rests, &contacts);
-    let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&state.velocity)).collect();
-    let mut impulses = match collide(scene, state, &meetings) {
-        Ok(impulses) => impulses,
-        Err(_) => {
-            done.unsolved += 1;
-            bring_to_rest(scene, state, &meetings)
+    let velocity = state.velocity.clone();
+    let (mut meetings, mut ends) = gather_meetings(scene, state, memory, found, &rests, &contacts);
+    let mut collided = collide(scene, state, &meetings);
+    for _ in 0..COMPLETING {
+        if collided.is_err() || !contacts.has_flat_ends() {
+            break;
         }
-    };
+        let after = std::mem::replace(&mut state.velocity, velocity.clone());
+        let holding = holding_impulses(scene, state, &meetings[meetings.len() - contacts.count()..]);
+        state.velocity = after;
+        if !contacts.complete_impact(scene, state, &holding) {
+            break;
+        }
+        state.velocity.copy_from_slice(&velocity);
+        (meetings, ends) = gather_meetings(scene, state, memory, found, &rests, &contacts);
+        collided = collide(scene, state, &meetings);
+    }
+    let mut impulses = collided.unwrap_or_else(|_| {
+        done.unsolved += 1;
+        bring_to_rest(scene, state, &meetings)
+    });
+    let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&velocity)).collect();
     done.lost = settled + lifted + impulses.lost;
     for _ in 0..CALMING {
         let known = efforts(mode, state);
@@ -99,9 +115,17 @@ pub(crate) fn transit(
     for _ in 0..CALMING {
         done.lost += contacts.come_to_rest(scene, state, &yielding);
         let known = efforts(mode, state);
-        match decide(scene, mode, state, &known, &yielding, &contacts.candidates) {
-            Ok(exact) => {
-                done.unsolved += usize::from(!exact);
+        let mut decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);
+        for round in 0..COMPLETING {
+            let Ok(found) = &decided else { break };
+            if !contacts.complete_decision(scene, state, found, round == 0) {
+                break;
+            }
+            decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);
+        }
+        match decided {
+            Ok(decided) => {
+                done.unsolved += usize::from(!decided.exact);
                 break;
             }
             Err(Undecided::Inconsistent(candidate)) => match contacts.seize(scene, state, candidate) {
@@ -251,7 +275,7 @@ fn jump_to_bounds(elements: &Elements, mode: &mut Mode, state: &State, done: &mu
 }
 
 /// Everything that is met: limits, then contacts; and where impacts end here, when the last of infinitely many would be (s).
-fn meetings(
+fn gather_meetings(
     scene: &Scene,
     state: &State,
     memory: &mut Memory,

@@ -8,6 +8,7 @@
 use crate::convex::{Core, Cylinder};
 use crate::polytope::Polytope;
 use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::TAU;
 
 /// Name of a feature of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -22,8 +23,13 @@ pub enum FeatureId {
     Side,
     /// The edge of an end of a cylinder.
     Rim(u32),
-    /// One of the points that stand for the rim of an end that lies flat: 4 · end + number.
-    RimPoint(u32),
+    /// A point that stands for the rim of an end that lies flat, together with others.
+    RimPoint {
+        /// 0 at −z, 1 at z.
+        end: u32,
+        /// The bits of its angle in turns, from 0 to 1.
+        turn: u64,
+    },
     /// A vertex of a polytope or a mesh, the centre of a sphere, the end of a capsule's core.
     Vertex(u32),
 }
@@ -78,17 +84,30 @@ pub fn part(core: &Core, feature: FeatureId) -> Part {
         (Core::Cylinder(cylinder), FeatureId::Rim(end)) => {
             Part::Circle(cylinder.rim_centre(end as usize), cylinder.axis, cylinder.radius)
         }
-        (Core::Cylinder(cylinder), FeatureId::RimPoint(number)) => Part::Point(rim_point(cylinder, number)),
+        (Core::Cylinder(cylinder), FeatureId::RimPoint { end, turn }) => {
+            Part::Point(rim_point(cylinder, end as usize, f64::from_bits(turn)))
+        }
         (Core::Cylinder(cylinder), _) => Part::Line([cylinder.rim_centre(0), cylinder.rim_centre(1)], cylinder.radius),
         (Core::Polytope(polytope), _) => Part::Point(polytope.vertices[0]),
     }
 }
 
-/// One of the four points of a rim that stand for it when it lies flat (m).
-fn rim_point(cylinder: &Cylinder, number: u32) -> Vector3<f64> {
+/// The point of a rim at an angle in turns (m); at quarters of a turn exactly square to each other.
+fn rim_point(cylinder: &Cylinder, end: usize, turn: f64) -> Vector3<f64> {
     let (x, y) = across(&cylinder.axis);
-    let arm = [x, y, -x, -y][number as usize % 4];
-    cylinder.rim_centre(number as usize / 4) + arm * cylinder.radius
+    let quarter = (4.0 * turn).floor();
+    let (x, y) = [(x, y), (y, -x), (-x, -y), (-y, x)][quarter as usize % 4];
+    let (sine, cosine) = (TAU * (turn - 0.25 * quarter)).sin_cos();
+    let arm = if sine == 0.0 { x } else { x * cosine + y * sine };
+    cylinder.rim_centre(end) + arm * cylinder.radius
+}
+
+/// The name of the point of a rim towards a direction in the frame of the body.
+pub fn rim_point_towards(cylinder: &Cylinder, end: u32, direction: &Vector3<f64>) -> FeatureId {
+    let (x, y) = across(&cylinder.axis);
+    let turn = (y.dot(direction).atan2(x.dot(direction)) / TAU).rem_euclid(1.0);
+    // What is a rounding below zero is a whole turn.
+    FeatureId::RimPoint { end, turn: (if turn < 1.0 { turn } else { 0.0 }).to_bits() }
 }
 
 /// Two unit vectors that make a right-handed frame with a third one as its z axis.
@@ -124,7 +143,8 @@ pub fn contact_features(core: &Core, normal: &Vector3<f64>, depth: f64) -> impl 
         }
         Core::Polytope(_) => (None, false),
     };
-    let points = low.into_iter().flat_map(|end| (4 * end..4 * end + 4).map(FeatureId::RimPoint));
+    let point = |end, quarter| FeatureId::RimPoint { end, turn: (0.25 * f64::from(quarter)).to_bits() };
+    let points = low.into_iter().flat_map(move |end| (0..4u8).map(move |quarter| point(end, quarter)));
     let rim = move |feature: &FeatureId| !(flat && matches!(feature, FeatureId::Rim(_)));
     features(core).filter(rim).chain(points)
 }

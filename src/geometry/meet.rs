@@ -37,7 +37,8 @@ pub fn meet(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Vector3
         (Part::Plane(at, normal), Part::Point(q)) => Some((*normal, [q - normal * normal.dot(&(q - at)), *q])),
         (Part::Plane(at, normal), Part::Circle(centre, axis, radius)) => {
             // Flat on the plane any point of the circle will do: the one next to where the contact is thought to be.
-            let slant = normal - axis * axis.dot(normal);
+            // By cross products, because 1 − (k · n)² loses half of the digits near the axis, and the height of q with them.
+            let slant = axis.cross(&normal.cross(axis));
             let towards = guess.point - centre;
             let inward =
                 slant.try_normalize(1e-12).or_else(|| (axis * axis.dot(&towards) - towards).try_normalize(0.0));

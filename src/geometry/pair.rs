@@ -7,7 +7,7 @@ use crate::both::{Both, Candidate};
 use crate::convex::{Convex, Core, kind};
 use crate::crossing::off_crossing;
 use crate::error::GeometryError;
-use crate::feature::{FeatureId, inside, off_neighbours, part};
+use crate::feature::{FeatureId, inside, off_neighbours, part, rim_point_towards};
 use crate::half_space::HalfSpace;
 use crate::manifold::manifold;
 use crate::meet::{Guess, meet};
@@ -201,6 +201,40 @@ impl PairGeometry {
         Some(least)
     }
 
+    /// The place of another point of the same rim, next to a direction in the world, if this one is a point of a rim that lies flat on a plane.
+    /// `None` if it is not. The other point may lie beside the face: [`PairGeometry::margin`] tells.
+    pub fn rim_place(&self, known: &TouchPlace, towards: &Vector3<f64>, a: &Pose, b: &Pose) -> Option<TouchPlace> {
+        let (first, in_first) = self.relative(a, b);
+        let (rotation, translation) = &in_first;
+        let mut names = [known.identity.a, known.identity.b];
+        if self.exchanged {
+            names.reverse();
+        }
+        let own = first.rotation.inverse() * towards;
+        let on_second = |core: &Core| rim_point(core, names[1], &rotation.tr_mul(&own));
+        if let Some(name) = on_second(&self.second.core) {
+            names[1] = name;
+        } else if let First::Convex(convex) = &self.first {
+            names[0] = rim_point(&convex.core, names[0], &own)?;
+        } else {
+            return None;
+        }
+        let (of_first, radius) = match &self.first {
+            First::HalfSpace(half_space) => (half_space.part(), 0.0),
+            First::Mesh(mesh) => (mesh.part(names[0]), 0.0),
+            First::Convex(convex) => (part(&convex.core, names[0]), convex.radius),
+        };
+        let of_second = part(&self.second.core, names[1]);
+        let moved = of_second.moved(rotation, translation);
+        let normal = first.rotation.inverse() * known.normal * if self.exchanged { -1.0 } else { 1.0 };
+        let (normal, points) = meet(&of_first, &moved, &Guess { normal, point: *translation })?;
+        let separation = normal.dot(&(points[1] - points[0]));
+        let candidate = Candidate { normal, points, features: names, separation };
+        let bearers = [Bearer { part: of_first, radius }, Bearer { part: of_second, radius: self.second.radius }];
+        let found = place(&candidate, bearers, &in_first, first);
+        Some(if self.exchanged { found.exchanged() } else { found })
+    }
+
     /// Pose of the first body, and rotation and translation of the second in it.
     fn relative<'p>(&self, a: &'p Pose, b: &'p Pose) -> (&'p Pose, (Matrix3<f64>, Vector3<f64>)) {
         let (first, second) = if self.exchanged { (b, a) } else { (a, b) };
@@ -218,6 +252,14 @@ impl First {
             First::Mesh(mesh) => mesh.reach(),
             First::Convex(convex) => convex.reach(),
         }
+    }
+}
+
+/// The name of another point of the same rim, if this is the name of one.
+fn rim_point(core: &Core, name: FeatureId, towards: &Vector3<f64>) -> Option<FeatureId> {
+    match (core, name) {
+        (Core::Cylinder(cylinder), FeatureId::RimPoint { end, .. }) => Some(rim_point_towards(cylinder, end, towards)),
+        _ => None,
     }
 }
 

@@ -134,7 +134,7 @@ pub fn place(
         gap,
         normal: a.rotation * normal,
         points: surface.map(world),
-        exact: known.is_some() && !candidate.features.iter().any(|name| matches!(name, FeatureId::RimPoint(_))),
+        exact: known.is_some() && !candidate.features.iter().any(|name| matches!(name, FeatureId::RimPoint { .. })),
     }
 }
 

@@ -3,14 +3,14 @@
 //! A pair is asked for its distance while it is open, and for its contacts, pairs of features, where it is nearly closed. Poses are those of the
 //! bodies; the world has its own.
 
-use crate::geometry::{PairGeometry, PlaceId, TouchPlace};
+use crate::geometry::{FeatureId, PairGeometry, PlaceId, TouchPlace};
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::contact::{Grip, Touch, TouchJoint};
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::touches::{TouchMotion, touch_motion};
-use nalgebra::{Rotation3, Translation3};
+use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// The pairs of a mechanism.
 #[derive(Default)]
@@ -52,6 +52,15 @@ impl Contact {
     pub fn is_swapped(&self) -> bool {
         self.place.swapped
     }
+
+    /// The end of a cylinder that lies flat, if it is at a point of its rim: on which collider of the pair, and which end.
+    pub fn flat_end(&self) -> Option<(bool, u32)> {
+        match (self.features.a, self.features.b) {
+            (FeatureId::RimPoint { end, .. }, _) => Some((false, end)),
+            (_, FeatureId::RimPoint { end, .. }) => Some((true, end)),
+            _ => None,
+        }
+    }
 }
 
 impl Touching {
@@ -79,18 +88,14 @@ impl Touching {
     pub fn near(&self, pair: usize, bodies: &[BodyState], within: f64) -> Vec<(Contact, f64)> {
         let Pair { geometry, bodies: of, .. } = &self.pairs[pair];
         let places = geometry.touches(&pose(of[0], bodies), &pose(of[1], bodies), within);
-        let contact = |place: TouchPlace| {
-            let touch = Touch { features: place.features, side: place.side, grip: Grip::Rolls };
-            let [a, b] = if place.swapped { [of[1], of[0]] } else { *of };
-            let joint = TouchJoint {
-                touch,
-                a: Attachment { body: a, frame: place.frames[0] },
-                b: Attachment { body: b, frame: place.frames[1] },
-            };
-            let gap = place.gap;
-            (Contact { pair, features: place.identity, joint, place }, gap)
-        };
-        places.into_iter().map(contact).collect()
+        places.into_iter().map(|place| (place.gap, place)).map(|(gap, place)| (contact(pair, of, place), gap)).collect()
+    }
+
+    /// The contact at the point of the same rim towards a direction in the world, if this one is at a point of a rim that lies flat.
+    pub fn on_rim(&self, known: &Contact, towards: &Vector3<f64>, bodies: &[BodyState]) -> Option<Contact> {
+        let Pair { geometry, bodies: of, .. } = &self.pairs[known.pair];
+        let place = geometry.rim_place(&known.place, towards, &pose(of[0], bodies), &pose(of[1], bodies))?;
+        Some(contact(known.pair, of, place))
     }
 
     /// How far from overlapping the rest of a pair is that is closed at these contacts (m), as far as `within`.
@@ -121,6 +126,18 @@ impl Touching {
         let Pair { geometry, bodies: [a, b], .. } = &self.pairs[contact.pair];
         geometry.margin(&contact.place, &pose(*a, bodies), &pose(*b, bodies))
     }
+}
+
+/// The contact of a pair between these bodies at a place.
+fn contact(pair: usize, of: &[Option<usize>; 2], place: TouchPlace) -> Contact {
+    let touch = Touch { features: place.features, side: place.side, grip: Grip::Rolls };
+    let [a, b] = if place.swapped { [of[1], of[0]] } else { *of };
+    let joint = TouchJoint {
+        touch,
+        a: Attachment { body: a, frame: place.frames[0] },
+        b: Attachment { body: b, frame: place.frames[1] },
+    };
+    Contact { pair, features: place.identity, joint, place }
 }
 
 /// The pose of a body, or of the world.

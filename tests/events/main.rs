@@ -7,6 +7,7 @@ mod closed;
 mod contacts;
 mod contacts_bowl;
 mod contacts_cradle;
+mod contacts_disc;
 mod contacts_orders;
 mod contacts_pairs;
 mod contacts_pressed;

@@ -208,7 +208,7 @@ fn four_points_stand_for_the_rim_of_a_cylinder_only_while_it_is_flat_on_the_plan
         let height = 0.2 * angle.cos() + 0.05 * angle.sin();
         pair.touches(&Pose::identity(), &turned(0.0, 0.0, height, Vector3::x() * angle), 1e-9)
     };
-    assert!(tilted(0.0).iter().all(|place| matches!(place.identity.b, FeatureId::RimPoint(_))));
+    assert!(tilted(0.0).iter().all(|place| matches!(place.identity.b, FeatureId::RimPoint { .. })));
     let slanted = tilted(1e-6);
     assert_eq!(slanted.len(), 1);
     assert_eq!((slanted[0].identity.b, slanted[0].exact), (FeatureId::Rim(0), true));

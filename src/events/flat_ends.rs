@@ -1,0 +1,128 @@
+//! Ends of cylinders that lie flat: the rim touches where it would go below its plane.
+//!
+//! A plane carries a disc with any force whose centre of pressure is in the disc, `|(M_x, M_y)| ≤ r N`: the wrenches of all points of its rim together. A few
+//! points of the rim stand for it. Rates and accelerations of the gaps of a flat rim are
+//!
+//! ```text
+//!     φ̇(θ), φ̈(θ) = c + A cos(θ − θ₀)            θ along the rim; least at θ₀ + π:  c − |A|
+//! ```
+//!
+//! Where an impact, or a decision, leaves the least of them below zero, the answer for these points is not that for the disc: another point is added, and
+//! the problem solved anew. The point is the one towards the centre of pressure of what would hold the disc, because that is where it begins to tip, or, if
+//! there is one already, the one with the least value. So the disc is exact, with as many points as it needs.
+//!
+//! Source: R. Hettich, K. O. Kortanek, Semi-infinite programming: theory, methods, and applications, SIAM Review 35 (1993), section 7 (exchange methods).
+
+use crate::instant::touching::{Contact, Touching};
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::contact::TouchJoint;
+use crate::mechanism::motion::touches::{tangents, touch_motion};
+use nalgebra::Vector3;
+
+/// Points of a rim nearer than this to each other are one, relative to its radius.
+const SAME: f64 = 1e-6;
+/// Centres of pressure nearer than this to a point of the rim that is there are at that point, relative to the radius.
+const THERE: f64 = 1e-3;
+/// Where the centre of pressure is nearer than this to the middle of the disc the disc is far from tipping, relative to the radius.
+const MIDDLE: f64 = 0.3;
+
+/// A flat end, and what is known of it.
+struct FlatEnd<'c> {
+    /// Contacts at points of its rim.
+    points: Vec<&'c Contact>,
+    /// Of the disc, in the world (m), and its radius (m).
+    centre: Vector3<f64>,
+    radius: f64,
+    tangents: [Vector3<f64>; 2],
+}
+
+/// What the rims of a list of contacts are asked for.
+pub(crate) struct Asked<'s, V: Fn(&TouchJoint) -> f64> {
+    pub touching: &'s Touching,
+    pub bodies: &'s [BodyState],
+    /// φ̇ or φ̈ of a point.
+    pub value: V,
+    /// Values down to this are zero.
+    pub least: f64,
+    /// Whether the point towards the centre of pressure is wanted in any case.
+    pub pressed: bool,
+}
+
+impl<V: Fn(&TouchJoint) -> f64> Asked<'_, V> {
+    /// The points that the rims of these contacts lack, whose normal forces are known; none if the answer is that of the discs.
+    pub fn lacking(&self, contacts: &[&Contact], pressures: &[f64]) -> Vec<Contact> {
+        let mut ends: Vec<(usize, (bool, u32))> = Vec::new();
+        for contact in contacts {
+            ends.extend(contact.flat_end().map(|end| (contact.pair, end)).filter(|end| !ends.contains(end)));
+        }
+        let of = |end: &(usize, (bool, u32))| {
+            let own = |contact: &&Contact| contact.pair == end.0 && contact.flat_end() == Some(end.1);
+            let with_pressures = contacts.iter().copied().zip(pressures.iter().copied());
+            with_pressures.filter(|(contact, _)| own(contact)).collect::<Vec<_>>()
+        };
+        ends.iter().filter_map(|end| self.lacking_point(&of(end))).collect()
+    }
+
+    fn lacking_point(&self, points: &[(&Contact, f64)]) -> Option<Contact> {
+        let Asked { touching, bodies, .. } = *self;
+        let end = FlatEnd::new(points.iter().map(|(contact, _)| *contact).collect(), touching, bodies)?;
+        let arms: Vec<Vector3<f64>> = (0..3).map(|third| end.arm(f64::from(third) / 3.0)).collect();
+        let values = arms.iter().map(|arm| Some((self.value)(&touching.on_rim(end.points[0], arm, bodies)?.joint)));
+        let values: Vec<f64> = values.collect::<Option<_>>()?;
+        let slope: Vector3<f64> = arms.iter().zip(&values).map(|(arm, value)| arm * (value * 2.0 / 3.0)).sum();
+        let lowest = values.iter().sum::<f64>() / 3.0 - slope.norm();
+        let pressed = end.towards_pressure(points, bodies);
+        let wanted = if lowest < self.least {
+            let new = pressed.filter(|towards| !end.has(towards, THERE, bodies));
+            new.or_else(|| (-slope).try_normalize(0.0))?
+        } else if self.pressed {
+            pressed?
+        } else {
+            return None;
+        };
+        if end.has(&wanted, SAME, bodies) {
+            return None;
+        }
+        // Of a mesh another triangle may be below.
+        let found = end.points.iter().filter_map(|known| touching.on_rim(known, &wanted, bodies));
+        found.into_iter().find(|contact| touching.margin(contact, bodies) >= 0.0)
+    }
+}
+
+impl<'c> FlatEnd<'c> {
+    fn new(points: Vec<&'c Contact>, touching: &Touching, bodies: &[BodyState]) -> Option<Self> {
+        let first = *points.first()?;
+        let normal = touch_motion(&first.joint, bodies).normal;
+        let tangents = tangents(&normal);
+        let at = |towards: &Vector3<f64>| {
+            touching.on_rim(first, towards, bodies).map(|contact| touch_motion(&contact.joint, bodies).point)
+        };
+        let (one, other) = (at(&tangents[0])?, at(&-tangents[0])?);
+        Some(FlatEnd { points, centre: 0.5 * (one + other), radius: 0.5 * (one - other).norm(), tangents })
+    }
+
+    /// The direction of a point of the rim, from its angle in turns.
+    fn arm(&self, turn: f64) -> Vector3<f64> {
+        let (sine, cosine) = (std::f64::consts::TAU * turn).sin_cos();
+        self.tangents[0] * cosine + self.tangents[1] * sine
+    }
+
+    /// Whether there is a point in this direction, to within a part of the radius.
+    fn has(&self, towards: &Vector3<f64>, within: f64, bodies: &[BodyState]) -> bool {
+        let place = self.centre + towards * self.radius;
+        let near =
+            |contact: &&Contact| (touch_motion(&contact.joint, bodies).point - place).norm() <= within * self.radius;
+        self.points.iter().any(near)
+    }
+
+    /// The direction of the centre of pressure of its points; none if nothing presses, or near the middle.
+    fn towards_pressure(&self, points: &[(&Contact, f64)], bodies: &[BodyState]) -> Option<Vector3<f64>> {
+        let sum: f64 = points.iter().map(|(_, pressure)| pressure).sum();
+        let arm = |contact: &Contact| {
+            let arm = touch_motion(&contact.joint, bodies).point - self.centre;
+            self.tangents.iter().map(|along| along * along.dot(&arm)).sum::<Vector3<f64>>()
+        };
+        let moment: Vector3<f64> = points.iter().map(|(contact, pressure)| arm(contact) * *pressure).sum();
+        (sum > 0.0 && moment.norm() > MIDDLE * self.radius * sum).then(|| moment.normalize())
+    }
+}
