@@ -23,7 +23,7 @@ use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
 use crate::instant::cone::solve;
 use crate::instant::elements::Elements;
 use crate::instant::response::Response;
-use crate::instant::touching::{Contact, Touching};
+use crate::instant::touching::{Contact, RimOf, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::description::mechanism::Mechanism;
@@ -234,7 +234,7 @@ pub(crate) fn decide(
                     continue;
                 }
                 // Points next to the one over which a flat end tips leave too slowly to be told.
-                let end = contact.flat_end().map(|end| (contact.pair, end));
+                let end = contact.flat_end();
                 let most = ends.iter().find(|(of, _)| Some(*of) == end).map(|(_, most)| *most);
                 if most.is_some_and(|most| found.forces[row] <= UNLOADED * most) {
                     continue;
@@ -261,23 +261,26 @@ fn tipping_ends(
     found: &Answer,
     candidates: &[Candidate],
     moves: impl Fn(usize) -> bool,
-) -> Vec<((usize, (bool, u32)), f64)> {
-    let mut ends: Vec<((usize, (bool, u32)), f64, bool)> = Vec::new();
+) -> Vec<(RimOf, f64)> {
+    let mut ends: Vec<(RimOf, f64)> = Vec::new();
+    let mut leaving: Vec<RimOf> = Vec::new();
     let mut row = 0;
     for (block, is) in blocks.iter().zip(&found.states) {
         if let Of::Contact(index) = block.of
             && let Some(end) = candidates[index].contact.flat_end()
         {
-            let of = (candidates[index].contact.pair, end);
-            let leaves = matches!(is, BlockState::Open | BlockState::AtLower) && moves(row);
-            match ends.iter_mut().find(|(known, ..)| *known == of) {
-                Some((_, most, any)) => (*most, *any) = (most.max(found.forces[row]), *any || leaves),
-                None => ends.push((of, found.forces[row], leaves)),
+            match ends.iter_mut().find(|(known, _)| *known == end) {
+                Some((_, most)) => *most = most.max(found.forces[row]),
+                None => ends.push((end, found.forces[row])),
+            }
+            if matches!(is, BlockState::Open | BlockState::AtLower) && moves(row) {
+                leaving.push(end);
             }
         }
         row += block.rows.len();
     }
-    ends.into_iter().filter(|(_, _, leaves)| *leaves).map(|(of, most, _)| (of, most)).collect()
+    ends.retain(|(end, _)| leaving.contains(end));
+    ends
 }
 
 /// The direction of a slip in the tangents of a contact; none where it does not slip.

@@ -13,7 +13,7 @@
 //!
 //! Source: R. Hettich, K. O. Kortanek, Semi-infinite programming: theory, methods, and applications, SIAM Review 35 (1993), section 7 (exchange methods).
 
-use crate::instant::touching::{Contact, Touching};
+use crate::instant::touching::{Contact, RimOf, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
@@ -51,12 +51,12 @@ pub(crate) struct Asked<'s, V: Fn(&TouchJoint) -> f64> {
 impl<V: Fn(&TouchJoint) -> f64> Asked<'_, V> {
     /// The points that the rims of these contacts lack, whose normal forces are known; none if the answer is that of the discs.
     pub fn lacking(&self, contacts: &[&Contact], pressures: &[f64]) -> Vec<Contact> {
-        let mut ends: Vec<(usize, (bool, u32))> = Vec::new();
+        let mut ends: Vec<RimOf> = Vec::new();
         for contact in contacts {
-            ends.extend(contact.flat_end().map(|end| (contact.pair, end)).filter(|end| !ends.contains(end)));
+            ends.extend(contact.flat_end().filter(|end| !ends.contains(end)));
         }
-        let of = |end: &(usize, (bool, u32))| {
-            let own = |contact: &&Contact| contact.pair == end.0 && contact.flat_end() == Some(end.1);
+        let of = |end: &RimOf| {
+            let own = |contact: &&Contact| contact.flat_end() == Some(*end);
             let with_pressures = contacts.iter().copied().zip(pressures.iter().copied());
             with_pressures.filter(|(contact, _)| own(contact)).collect::<Vec<_>>()
         };

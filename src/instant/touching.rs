@@ -53,14 +53,26 @@ impl Contact {
         self.place.swapped
     }
 
-    /// The end of a cylinder that lies flat, if it is at a point of its rim: on which collider of the pair, and which end.
-    pub fn flat_end(&self) -> Option<(bool, u32)> {
-        match (self.features.a, self.features.b) {
-            (FeatureId::RimPoint { end, .. }, _) => Some((false, end)),
-            (_, FeatureId::RimPoint { end, .. }) => Some((true, end)),
-            _ => None,
-        }
+    /// The flat end of a cylinder at whose rim this contact has a point, if there is one.
+    pub fn flat_end(&self) -> Option<RimOf> {
+        let (of_second, end) = match (self.features.a, self.features.b) {
+            (FeatureId::RimPoint { end, .. }, _) => (false, end),
+            (_, FeatureId::RimPoint { end, .. }) => (true, end),
+            _ => return None,
+        };
+        Some(RimOf { pair: self.pair, of_second, end })
     }
+}
+
+/// The rim of an end of a cylinder in a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RimOf {
+    /// The pair.
+    pub pair: usize,
+    /// Whether the cylinder is the second collider of the pair.
+    pub of_second: bool,
+    /// 0 or 1.
+    pub end: u32,
 }
 
 impl Touching {
