@@ -21,7 +21,7 @@ use crate::model::coupling_builder::{Builder, End, Stand};
 use crate::model::coupling_error::CouplingProblem;
 use crate::model::joint_frame::axis_rotation;
 use crate::model::model_error::ModelError;
-use crate::scene::{Element, LinkReference, LoopEnd, LoopType, SceneLoop};
+use crate::scene::{Element, LinkReference, LoopEnd, LoopType, SceneLoop, UrdfLoopEnd};
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
 /// A loop is closed if its gap [m, rad] is below this: far above rounding, far below what anyone can build.
@@ -39,9 +39,9 @@ impl Builder<'_> {
                     element: Element::Loop(closing.name.clone()),
                 };
                 let turn = axis_rotation(&closing.axis);
-                let end = |&(link, frame): &(Option<usize>, Pose)| match link {
-                    Some(link) => self.end(LinkReference::Link { robot: number, link }, &(frame * turn), &stand),
-                    None => self.end(LinkReference::World, &(placed.base_pose * frame * turn), &stand),
+                let end = |end: &UrdfLoopEnd| match end.link {
+                    Some(link) => self.end(LinkReference::Link { robot: number, link }, &(end.origin * turn), &stand),
+                    None => self.end(LinkReference::World, &(placed.base_pose * end.origin * turn), &stand),
                 };
                 let name = if self.model.robots.len() > 1 {
                     format!("{}/{}", placed.name, closing.name)

@@ -8,10 +8,10 @@ use crate::scene::contact_settings::{ContactSettings, MeshSource, Obstacle, Pair
 use crate::scene::coupling::LinkReference;
 use crate::scene::coupling_reader::CouplingReader;
 use crate::scene::error::{Element, Problem, SceneError};
-use crate::scene::numbers::normalised;
+use crate::scene::numbers::{normalised, turn, turn_of_z};
 use crate::scene::robot::Pose;
 use crate::scene::scene_files::SceneFiles;
-use crate::scene::scene_numbers::{PoseTable, Positive};
+use crate::scene::scene_numbers::{Finite, PoseTable, Positive};
 use crate::scene::scene_schema::vector;
 use crate::scene::schema::WORLD_LINK;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -73,6 +73,9 @@ impl CouplingReader<'_> {
                 let first_line = first.line.unwrap_or_default();
                 return Err(self.text.error(&place, Some(owner), Problem::DuplicateName { first_line }));
             }
+            let given = |numbers: &Option<Spanned<[Finite; 3]>>| numbers.as_ref().map(|given| vector(given.get_ref()));
+            let normal = given(&shape.get_ref().normal).unwrap_or(Vector3::z());
+            let scale = given(&shape.get_ref().scale).unwrap_or(Vector3::repeat(1.0));
             let (shape, turn, mesh) = self.shape(shape, &owner, files)?;
             obstacles.push(Obstacle {
                 name,
@@ -80,9 +83,11 @@ impl CouplingReader<'_> {
                 pose: placed(&pose) * turn,
                 rpy: pose.rpy.map(|angle| angle.0),
                 turn,
+                normal,
                 friction: friction.map(|friction| friction.0),
                 restitution: restitution.map(|restitution| restitution.0),
                 mesh,
+                scale,
                 line,
             });
         }
@@ -210,13 +215,5 @@ fn half_of(number: &Positive) -> f64 {
 }
 
 fn placed(table: &PoseTable) -> Pose {
-    let [roll, pitch, yaw] = table.rpy.map(|number| number.0);
-    let turn = Rotation3::from_euler_angles(roll, pitch, yaw);
-    Pose::from_parts(Translation3::from(vector(&table.position)), turn)
-}
-
-/// The rotation that takes z to a unit vector, by the shortest way.
-fn turn_of_z(unit: &Vector3<f64>) -> Rotation3<f64> {
-    let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-    Rotation3::rotation_between(&Vector3::z(), unit).unwrap_or_else(half_turn)
+    Pose::from_parts(Translation3::from(vector(&table.position)), turn(table.rpy.map(|number| number.0)))
 }

@@ -5,7 +5,7 @@
 use crate::mechanism::description::contact::Shape;
 use crate::scene::coupling::LinkReference;
 use crate::scene::robot::Pose;
-use nalgebra::{Rotation3, Translation3};
+use nalgebra::{Rotation3, Translation3, Vector3};
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -23,12 +23,16 @@ pub struct Obstacle {
     pub rpy: [f64; 3],
     /// The rotation that takes z to the normal of a half space; none for all other shapes.
     pub turn: Rotation3<f64>,
+    /// The normal of a half space in the frame of the obstacle as given, of any length but zero; of no use for other shapes.
+    pub normal: Vector3<f64>,
     /// μ with everything, if given.
     pub friction: Option<f64>,
     /// e with everything, if given.
     pub restitution: Option<f64>,
     /// The mesh that it was read from.
     pub mesh: Option<MeshSource>,
+    /// Scale of that mesh along x, y, z.
+    pub scale: Vector3<f64>,
     /// Its line; `None` for the floor of the command line.
     pub line: Option<usize>,
 }
@@ -167,9 +171,11 @@ impl Obstacle {
             pose: Pose::from_parts(Translation3::new(0.0, 0.0, height), Rotation3::identity()),
             rpy: [0.0; 3],
             turn: Rotation3::identity(),
+            normal: Vector3::z(),
             friction: None,
             restitution: None,
             mesh: None,
+            scale: Vector3::repeat(1.0),
             line: None,
         }
     }

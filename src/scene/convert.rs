@@ -5,14 +5,14 @@ use crate::scene::element::CleanElement;
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::inertia::impossible_inertia;
 use crate::scene::mesh_files::MeshFiles;
-use crate::scene::numbers::{normalised, unit};
+use crate::scene::numbers::{normalised, turn, unit};
 use crate::scene::robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Shape, UrdfJoint, UrdfJointKind,
-    UrdfLoop,
+    UrdfLoop, UrdfLoopEnd,
 };
 use crate::scene::schema::WORLD_LINK;
 use crate::scene::warning::{Warning, WarningGroup};
-use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3, Vector4};
+use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3, Vector4};
 use std::path::Path;
 
 /// What all conversions need.
@@ -38,15 +38,15 @@ impl Converter<'_> {
         let mut visuals = Vec::new();
         for (visual, element) in link.visual.iter().zip(element.children_named("visual")) {
             let color = visual.material.as_ref().and_then(|material| self.color(material));
-            let origin = self.origin(&visual.origin, element, &owner)?;
+            let (origin, rpy) = self.origin(&visual.origin, element, &owner)?;
             let geometry = self.geometry(&visual.geometry);
-            visuals.push(Shape { name: visual.name.clone(), origin, geometry, color, line: element.line });
+            visuals.push(Shape { name: visual.name.clone(), origin, rpy, geometry, color, line: element.line });
         }
         let mut collisions = Vec::new();
         for (collision, element) in link.collision.iter().zip(element.children_named("collision")) {
-            let origin = self.origin(&collision.origin, element, &owner)?;
-            let geometry = self.geometry(&collision.geometry);
-            collisions.push(Shape { name: collision.name.clone(), origin, geometry, color: None, line: element.line });
+            let (origin, rpy) = self.origin(&collision.origin, element, &owner)?;
+            let (name, geometry) = (collision.name.clone(), self.geometry(&collision.geometry));
+            collisions.push(Shape { name, origin, rpy, geometry, color: None, line: element.line });
         }
         Ok(Link { name: link.name.clone(), inertial, visuals, collisions, line: element.line })
     }
@@ -79,13 +79,16 @@ impl Converter<'_> {
             let problem = Problem::NegativeFriction(friction);
             return Err(error_at(self.file, line_of("dynamics"), Some(owner), problem));
         }
+        let (origin, rpy) = self.origin(&joint.origin, element, &owner)?;
         Ok(UrdfJoint {
             name: joint.name.clone(),
             kind,
             parent: joint.parent.link.clone(),
             child: joint.child.link.clone(),
-            origin: self.origin(&joint.origin, element, &owner)?,
+            origin,
+            rpy,
             axis,
+            given_axis: Vector3::from(joint.axis.xyz.0),
             limit,
             dynamics: joint.dynamics.as_ref().map(|d| Dynamics { damping: d.damping, friction: d.friction }),
             mimic: joint.mimic.as_ref().map(|mimic| Mimic {
@@ -114,11 +117,12 @@ impl Converter<'_> {
                 return Err(error_at(self.file, element.line, Some(owner), problem));
             }
         };
-        let axis = match element.child("axis").and_then(|axis| Some((axis.line, axis.numbers("xyz")?))) {
+        let (axis, given_axis) = match element.child("axis").and_then(|axis| Some((axis.line, axis.numbers("xyz")?))) {
             Some((line, numbers)) if kind.needs_axes() => {
-                self.unit_axis(&Vector3::from_column_slice(&numbers), line, &owner)?
+                let given = Vector3::from_column_slice(&numbers);
+                (self.unit_axis(&given, line, &owner)?, given)
             }
-            _ => Vector3::x(),
+            _ => (Vector3::x(), Vector3::x()),
         };
         let damping = element.child("dynamics").and_then(|dynamics| dynamics.numbers("damping"));
         if damping.is_some_and(|damping| damping[0] != 0.0) {
@@ -128,7 +132,7 @@ impl Converter<'_> {
         }
         let a = self.closing_end(element, "link1", links, &owner)?;
         let b = self.closing_end(element, "link2", links, &owner)?;
-        Ok(UrdfLoop { name, kind, axis, a, b, line: element.line })
+        Ok(UrdfLoop { name, kind, axis, given_axis, a, b, line: element.line })
     }
 
     /// The link of one end of a loop, and the frame in it.
@@ -138,7 +142,7 @@ impl Converter<'_> {
         role: &'static str,
         links: &[Link],
         owner: &Element,
-    ) -> Result<(Option<usize>, Pose), SceneError> {
+    ) -> Result<UrdfLoopEnd, SceneError> {
         // The schema requires both.
         let end = element.child(role).unwrap_or(element);
         let name = end.attribute("link").unwrap_or_default();
@@ -147,10 +151,12 @@ impl Converter<'_> {
             let problem = Problem::UnknownLink { role, name: name.to_string() };
             return Err(error_at(self.file, end.line, Some(owner.clone()), problem));
         }
-        let numbers = |attribute| end.numbers(attribute).unwrap_or_else(|| vec![0.0; 3]);
+        let numbers = |attribute| {
+            let given = end.numbers(attribute);
+            given.map_or([0.0; 3], |given| [given[0], given[1], given[2]])
+        };
         let (xyz, rpy) = (numbers("xyz"), numbers("rpy"));
-        let turn = Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]);
-        Ok((link, Pose::from_parts(Translation3::new(xyz[0], xyz[1], xyz[2]), turn)))
+        Ok(UrdfLoopEnd { link, origin: Pose::from_parts(Translation3::from(xyz), turn(rpy)), rpy })
     }
 
     /// The axis, of length one.
@@ -193,7 +199,8 @@ impl Converter<'_> {
         let i = &inertial.inertia;
         let inertia = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
         self.check_inertia(mass, &inertia, element, owner);
-        Ok(Inertial { origin: self.origin(&inertial.origin, element, owner)?, mass, inertia, line: element.line })
+        let (origin, rpy) = self.origin(&inertial.origin, element, owner)?;
+        Ok(Inertial { origin, rpy, mass, inertia, line: element.line })
     }
 
     /// Warns of an inertia that no rigid body has, and of one without mass.
@@ -208,15 +215,20 @@ impl Converter<'_> {
         }
     }
 
-    /// The `<origin>` of an element; without one, the identity.
-    fn origin(&mut self, pose: &urdf_rs::Pose, parent: &CleanElement, owner: &Element) -> Result<Pose, SceneError> {
-        let translation = Translation3::new(pose.xyz[0], pose.xyz[1], pose.xyz[2]);
-        let rpy = Rotation3::from_euler_angles(pose.rpy[0], pose.rpy[1], pose.rpy[2]);
-        let Some(origin) = parent.child("origin") else { return Ok(Pose::from_parts(translation, rpy)) };
-        let Some(q) = origin.numbers("quat_xyzw") else { return Ok(Pose::from_parts(translation, rpy)) };
+    /// The `<origin>` of an element, and its roll, pitch and yaw (rad); without one, the identity.
+    fn origin(
+        &mut self,
+        pose: &urdf_rs::Pose,
+        parent: &CleanElement,
+        owner: &Element,
+    ) -> Result<(Pose, [f64; 3]), SceneError> {
+        let translation = Translation3::from(pose.xyz.0);
+        let by_angles = (Pose::from_parts(translation, turn(pose.rpy.0)), pose.rpy.0);
+        let Some(origin) = parent.child("origin") else { return Ok(by_angles) };
+        let Some(q) = origin.numbers("quat_xyzw") else { return Ok(by_angles) };
         if !self.quaternions {
             self.warn(origin.line, owner, "quat_xyzw is ignored: it needs <robot version=\"1.1\">".to_string());
-            return Ok(Pose::from_parts(translation, rpy));
+            return Ok(by_angles);
         }
         let refuse = |reason: &str| {
             let problem = Problem::Number {
@@ -234,7 +246,8 @@ impl Converter<'_> {
         match normalised(&Vector4::from_column_slice(&q)) {
             Some(xyzw) => {
                 let rotation = UnitQuaternion::new_unchecked(Quaternion::from(xyzw)).to_rotation_matrix();
-                Ok(Pose::from_parts(translation, rotation))
+                let (roll, pitch, yaw) = rotation.euler_angles();
+                Ok((Pose::from_parts(translation, rotation), [roll, pitch, yaw]))
             }
             None => refuse("the quaternion is zero"),
         }

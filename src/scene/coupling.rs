@@ -41,6 +41,8 @@ pub struct LoopEnd {
     pub point: Point,
     /// The unit axis in the link frame, if given.
     pub axis: Option<Vector3<f64>>,
+    /// The axis as given, of any length but zero.
+    pub given_axis: Option<Vector3<f64>>,
 }
 
 /// A `[[loop]]`.

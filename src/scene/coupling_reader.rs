@@ -138,15 +138,16 @@ impl CouplingReader<'_> {
                 let problem = Problem::Keys("both ends of this type of loop need an axis");
                 return Err(self.text.error(&table.span(), Some(owner.clone()), problem));
             }
-            return Ok(LoopEnd { point, axis: None });
+            return Ok(LoopEnd { point, axis: None, given_axis: None });
         };
         let refuse = || self.text.error(&given.span(), Some(owner.clone()), Problem::ZeroAxis);
-        let (axis, warning) = unit(&vector(given.get_ref())).ok_or_else(refuse)?;
+        let given_axis = vector(given.get_ref());
+        let (axis, warning) = unit(&given_axis).ok_or_else(refuse)?;
         if let Some(message) = warning {
             let line = Some(self.text.line(&given.span()));
             self.warnings.push(Warning::odd(self.text.file, line, Some(owner.clone()), message));
         }
-        Ok(LoopEnd { point, axis: Some(axis) })
+        Ok(LoopEnd { point, axis: Some(axis), given_axis: Some(given_axis) })
     }
 
     /// A point of the link of a name.

@@ -50,12 +50,13 @@ impl CouplingReader<'_> {
                 }
                 (MotorKind::Effort, None, None) => MotorLaw::Effort,
             };
-            let target = self.target(&table.target, table.interpolation.into(), &owner, files, read)?;
+            let (target, given) = self.target(&table.target, table.interpolation.into(), &owner, files, read)?;
             motors.push(SceneMotor {
                 joint,
                 on,
                 law,
                 target,
+                table: given,
                 max_effort: table.max_effort.map(|bound| bound.0),
                 period: table.period.map_or(0.0, |period| period.0),
                 line: self.text.line(&table.joint.span()),

@@ -3,7 +3,7 @@
 //! Units: m, rad, N, N m, s.
 
 use crate::mechanism::description::nonsmooth::MotorLaw;
-use crate::mechanism::description::target::Target;
+use crate::mechanism::description::target::{Interpolation, Target, TargetError};
 use crate::scene::coupling::JointReference;
 use std::path::PathBuf;
 
@@ -18,12 +18,23 @@ pub struct SceneMotor {
     pub law: MotorLaw,
     /// Its target over time.
     pub target: Target,
+    /// The table that the target was read from; none of one that is a number.
+    pub table: Option<TargetTable>,
     /// The bound of its effort, if given; infinite where the file says that there is none.
     pub max_effort: Option<f64>,
     /// Time between two evaluations of its effort (s); zero if it is continuous.
     pub period: f64,
     /// The line of its `joint`.
     pub line: usize,
+}
+
+/// The target of a motor as a table of the scene file or a CSV file gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TargetTable {
+    /// Time (s) and value of each entry.
+    pub points: Vec<(f64, f64)>,
+    /// How values between them come about.
+    pub interpolation: Interpolation,
 }
 
 /// A `[[joint]]`: replaces what the URDF says; what is `None` stays as it is there.
@@ -61,6 +72,30 @@ pub struct TableFile {
     pub path: PathBuf,
     /// Its text.
     pub text: String,
+}
+
+impl TargetTable {
+    /// The target that it gives.
+    ///
+    /// # Errors
+    /// The entry that is wrong, counted from 0, if it is one, and what is wrong with it.
+    pub(crate) fn target(&self) -> Result<Target, (Option<usize>, String)> {
+        let target = Target::table(&self.points, self.interpolation).map_err(|error| {
+            let entry = match error {
+                TargetError::Empty => None,
+                TargetError::NotFinite { index, .. } | TargetError::Order { index, .. } => index.checked_sub(1),
+            };
+            (entry, format!("its target: {error}"))
+        })?;
+        for (before, pair) in self.points.windows(2).enumerate() {
+            let middle = 0.5 * pair[0].0 + 0.5 * pair[1].0;
+            if !target.value(middle).is_finite() || !target.rate(middle).is_finite() {
+                let reason = "its target changes so much from the entry before that its rate is infinite".to_string();
+                return Err((Some(before + 1), reason));
+            }
+        }
+        Ok(target)
+    }
 }
 
 impl LimitChoice {

@@ -69,14 +69,14 @@ pub use coupling::{
 pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, SimulationSettings};
 pub(crate) use error::quoted;
 pub use error::{Element, Problem, SceneError};
-pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile};
+pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile, TargetTable};
 #[cfg(not(feature = "scene"))]
 pub use no_scene_file::read_scene;
 pub use package_path::PackagePath;
 pub use parameters::Parameter;
 pub use robot::{
     Dynamics, Geometry, Inertial, Limit, Link, LoopType, MeshFile, Mimic, Pose, Robot, Shape, UrdfJoint, UrdfJointKind,
-    UrdfLoop,
+    UrdfLoop, UrdfLoopEnd,
 };
 #[cfg(feature = "scene")]
 pub(crate) use scene_file::simulation;

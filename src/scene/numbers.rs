@@ -1,6 +1,6 @@
-//! The numbers in an attribute: the right count, finite, separated by spaces; and directions.
+//! The numbers in an attribute: the right count, finite, separated by spaces; directions and turns.
 
-use nalgebra::{SVector, Vector3};
+use nalgebra::{Rotation3, SVector, Vector3};
 
 /// The numbers of an attribute as separate texts, and whether commas stood between them; or what is wrong.
 pub(crate) fn numbers(value: &str, count: usize, infinite_allowed: bool) -> Result<(Vec<String>, bool), String> {
@@ -49,6 +49,17 @@ pub(crate) fn normalised<const N: usize>(given: &SVector<f64, N>) -> Option<SVec
     // The largest entry is divided out first, so that neither 1e-200 nor 1e200 is taken for zero or infinity.
     let largest = given.amax();
     (largest != 0.0).then(|| if given.norm() == 1.0 { *given } else { (given / largest).normalize() })
+}
+
+/// The rotation with this roll, pitch and yaw (rad).
+pub(crate) fn turn([roll, pitch, yaw]: [f64; 3]) -> Rotation3<f64> {
+    Rotation3::from_euler_angles(roll, pitch, yaw)
+}
+
+/// The rotation that takes z to a unit vector, by the shortest way.
+pub(crate) fn turn_of_z(unit: &Vector3<f64>) -> Rotation3<f64> {
+    let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+    Rotation3::rotation_between(&Vector3::z(), unit).unwrap_or_else(half_turn)
 }
 
 /// A piece of the file as messages show it: on one line and not endless.

@@ -67,6 +67,8 @@ pub struct Link {
 pub struct Inertial {
     /// The inertial frame in the link frame: its origin is the centre of mass.
     pub origin: Pose,
+    /// Roll, pitch and yaw of that frame, as given (rad); of a quaternion, those of its rotation.
+    pub rpy: [f64; 3],
     /// Mass (kg), not negative.
     pub mass: f64,
     /// Inertia about the centre of mass, in the axes of the inertial frame [kg m²].
@@ -82,6 +84,8 @@ pub struct Shape {
     pub name: Option<String>,
     /// The shape's frame in the link frame.
     pub origin: Pose,
+    /// Roll, pitch and yaw of that frame, as given (rad); of a quaternion, those of its rotation.
+    pub rpy: [f64; 3],
     /// Its geometry.
     pub geometry: Geometry,
     /// Colour (red, green, blue, opacity in 0..1) from the material, if given.
@@ -182,8 +186,12 @@ pub struct UrdfJoint {
     pub child: String,
     /// The joint frame, which is the child's link frame at zero displacement, in the parent's link frame.
     pub origin: Pose,
+    /// Roll, pitch and yaw of that frame, as given (rad); of a quaternion, those of its rotation.
+    pub rpy: [f64; 3],
     /// Unit axis in the joint frame.
     pub axis: Vector3<f64>,
+    /// The axis as given, of any length but zero.
+    pub given_axis: Vector3<f64>,
     /// Limits, if given.
     pub limit: Option<Limit>,
     /// Damping and friction, if given.
@@ -211,12 +219,32 @@ pub struct UrdfLoop {
     pub kind: LoopType,
     /// Unit axis in the frames of both ends.
     pub axis: Vector3<f64>,
-    /// The link of `<link1>`, by index (`None` is the undeclared world), and the joint frame in it.
-    pub a: (Option<usize>, Pose),
-    /// The same of `<link2>`.
-    pub b: (Option<usize>, Pose),
+    /// The axis as given, of any length but zero.
+    pub given_axis: Vector3<f64>,
+    /// The end of `<link1>`.
+    pub a: UrdfLoopEnd,
+    /// The end of `<link2>`.
+    pub b: UrdfLoopEnd,
     /// Line of the `<loop_joint>` element.
     pub line: usize,
+}
+
+impl UrdfLoop {
+    /// The end of `<link2>`, or that of `<link1>`.
+    pub(crate) fn end_mut(&mut self, b: bool) -> &mut UrdfLoopEnd {
+        if b { &mut self.b } else { &mut self.a }
+    }
+}
+
+/// One end of a `<loop_joint>`.
+#[derive(Clone, Debug)]
+pub struct UrdfLoopEnd {
+    /// The link, by index; `None` is the undeclared world.
+    pub link: Option<usize>,
+    /// The joint frame in it.
+    pub origin: Pose,
+    /// Roll, pitch and yaw of that frame, as given (rad).
+    pub rpy: [f64; 3],
 }
 
 /// What a joint that closes a loop leaves free.

@@ -23,6 +23,7 @@ use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::package_path::PackagePath;
 use crate::scene::robot::Pose;
 use crate::scene::scene_files::{FilesOnDisk, SceneFiles};
+use crate::scene::scene_numbers::STAGES;
 use crate::scene::scene_schema::{BaseKey, FileTable, JointNumbers, RobotTable, SimulationTable, vector};
 use crate::scene::schema::WORLD_LINK;
 use crate::scene::text::read_text;
@@ -171,7 +172,7 @@ pub(crate) fn simulation(text: &TomlText, table: &Spanned<SimulationTable>) -> R
         (Some(stages), None, _) => return refuse(stages.span(), "simulation.stages needs a step"),
         (None, Some(step), _) => return refuse(step.span(), "simulation.step needs stages"),
         (Some(stages), Some(step), None) => {
-            if !(2..=16).contains(stages.get_ref()) {
+            if !STAGES.contains(stages.get_ref()) {
                 return refuse(stages.span(), "simulation.stages must be 2 to 16");
             }
             Some((*stages.get_ref(), step.get_ref().0))

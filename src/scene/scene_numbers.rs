@@ -1,5 +1,8 @@
 //! The numbers of scene files and poses of them, each number refused with its reason where it is read.
 
+/// What the number of stages may be.
+pub(crate) const STAGES: std::ops::RangeInclusive<usize> = 2..=16;
+
 /// A finite number.
 #[derive(Clone, Copy, Default, serde::Deserialize)]
 #[serde(try_from = "f64")]

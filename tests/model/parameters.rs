@@ -8,17 +8,24 @@ use std::path::Path;
 /// A robot and a scene in which every number that has a key path is written `<key=number>`.
 const ROBOT: &str = r#"<robot name="arm">
   <link name="base"/>
-  <link name="upper"><inertial><origin xyz="<link.upper.center_of_mass.x=0.1> 0 -0.5"/><mass value="<link.upper.mass=1.5>"/>
+  <link name="upper"><inertial><origin xyz="<link.upper.center_of_mass.x=0.1> 0 -0.5" rpy="0 0.1 <link.upper.inertia.yaw=0.2>"/><mass value="<link.upper.mass=1.5>"/>
     <inertia ixx="<link.upper.inertia.ixx=0.2>" iyy="0.2" izz="0.15" ixy="<link.upper.inertia.ixy=0.01>" ixz="0" iyz="0"/></inertial></link>
   <link name="lower"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
     <inertia ixx="0.1" iyy="0.1" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
-    <collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+    <collision><origin xyz="<link.lower.collision.1.origin.x=0.5> 0 0"/>
+      <geometry><sphere radius="<link.lower.collision.1.radius=0.1>"/></geometry></collision>
+    <collision><origin rpy="0.1 <link.lower.collision.2.origin.pitch=0.2> 0"/>
+      <geometry><capsule radius="<link.lower.collision.2.radius=0.1>" length="<link.lower.collision.2.length=0.75>"/></geometry></collision></link>
   <link name="bob"><inertial><origin xyz="0 0 -0.2"/><mass value="1"/>
     <inertia ixx="0.1" iyy="0.1" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="finger"><inertial><origin xyz="0 0 -0.1"/><mass value="0.5"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/></joint>
-  <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0 0 <joint.elbow.origin.z=-1>"/>
-    <axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="9" velocity="0"/><dynamics friction="0.1" damping="0.3"/></joint>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0 0 <joint.elbow.origin.z=-1>" rpy="0 <joint.elbow.origin.pitch=0.1> 0.3"/>
+    <axis xyz="0 1 <joint.elbow.axis.z=0.7>"/><limit lower="-2" upper="2" effort="<joint.elbow.limit.effort=9>" velocity="<joint.elbow.limit.velocity=3>"/><dynamics friction="0.1" damping="0.3"/></joint>
   <joint name="ball" type="spherical"><parent link="lower"/><child link="bob"/><origin xyz="0 0 -1"/></joint>
+  <joint name="finger" type="continuous"><parent link="upper"/><child link="finger"/><axis xyz="1 0 0"/>
+    <mimic joint="shoulder" multiplier="<joint.finger.mimic.multiplier=0.5>" offset="<joint.finger.mimic.offset=0.1>"/></joint>
 </robot>"#;
 
 const SCENE: &str = r#"
@@ -35,6 +42,21 @@ urdf = "box.urdf"
 base = "floating"
 pose = { position = [5, 0, 3] }
 velocity = { linear = [0, 0, <robot.free.velocity.linear.z=1>], angular = [<robot.free.velocity.angular.x=2>, 0, 0] }
+[[robot]]
+name = "puck"
+urdf = "puck.urdf"
+base = "floating"
+pose = { position = [-5, 0, 3] }
+[[robot]]
+name = "disc"
+urdf = "disc.urdf"
+base = "floating"
+pose = { position = [-9, 0, 3] }
+[[loop]]
+name = "hinge"
+type = "revolute"
+a = { link = "disc/disc", position = [0, 0, <loop.hinge.a.position.z=0.25>], axis = [0, <loop.hinge.a.axis.y=0.3>, 1] }
+b = { link = "world", position = [-9, 0, 3], axis = [<loop.hinge.b.axis.x=0.2>, 0, 1] }
 [[spring]]
 name = "band"
 a = { link = "arm/lower", position = [0, <spring.band.a.position.y=0.25>, 0] }
@@ -65,6 +87,12 @@ kp = <motor.arm/shoulder.kp=10>
 kd = <motor.arm/shoulder.kd=1>
 max_effort = <motor.arm/shoulder.max_effort=20>
 period = <motor.arm/shoulder.period=0.01>
+[[motor]]
+joint = "arm/elbow"
+kind = "position"
+target = [[0, 0.1], [<motor.arm/elbow.target.2.time=0.5>, 0.3], [2, <motor.arm/elbow.target.3.value=0.2>]]
+interpolation = "cubic"
+kp = 5
 [[joint]]
 name = "arm/elbow"
 limit = [<joint.arm/elbow.limit.lower=-1.5>, <joint.arm/elbow.limit.upper=1.5>]
@@ -73,7 +101,7 @@ friction = <joint.arm/elbow.friction=0.25>
 damping = <joint.arm/elbow.damping=0.125>
 [[obstacle]]
 name = "slope"
-shape = { type = "half_space", normal = [0, 1, 1] }
+shape = { type = "half_space", normal = [0, <obstacle.slope.shape.normal.y=0.9>, 1] }
 pose = { position = [0, 0, <obstacle.slope.pose.position.z=-9>], rpy = [0.1, 0, <obstacle.slope.pose.rpy.yaw=0.2>] }
 friction = <obstacle.slope.friction=0.5>
 restitution = <obstacle.slope.restitution=0.5>
@@ -85,6 +113,10 @@ pose = { position = [9, 0, 0] }
 name = "crate"
 shape = { type = "box", size = [1, <obstacle.crate.shape.size.y=2>, 1] }
 pose = { position = [0, 9, 0] }
+[[obstacle]]
+name = "wedge"
+shape = { type = "mesh", file = "wedge.obj", scale = [1, <obstacle.wedge.shape.scale.y=2>, 1] }
+pose = { position = [0, -9, 0] }
 [contact]
 friction = <contact.friction=0.4>
 restitution = <contact.restitution=0.1>
@@ -101,7 +133,19 @@ rate = <simulation.rate=50>
 
 const BOX: &str = r#"<robot name="box"><link name="box"><inertial><origin xyz="0 0.1 0"/><mass value="<link.free/box.mass=2>"/>
   <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
-  <collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>"#;
+  <collision><geometry><box size="1 <link.free/box.collision.1.size.y=1> 1"/></geometry></collision>
+  <collision><geometry><mesh filename="wedge.obj" scale="1 1 <link.free/box.collision.2.scale.z=0.5>"/></geometry></collision></link></robot>"#;
+
+const PUCK: &str = r#"<robot name="puck"><link name="puck"><inertial><mass value="1"/>
+  <inertia ixx="0.1" iyy="0.2" izz="0.3" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <loop_joint name="slide" type="planar"><axis xyz="0 <loop.puck/slide.axis.y=0.2> 1"/>
+    <link1 link="puck" xyz="0 0 <loop.puck/slide.a.position.z=0.5>" rpy="0 <loop.puck/slide.a.rpy.pitch=0.1> 0"/>
+    <link2 link="world" xyz="0 <loop.puck/slide.b.position.y=0.3> 0.5" rpy="<loop.puck/slide.b.rpy.roll=0.1> 0 0"/></loop_joint></robot>"#;
+
+const DISC: &str = r#"<robot name="disc"><link name="disc"><inertial><mass value="1"/>
+  <inertia ixx="0.1" iyy="0.2" izz="0.3" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+
+const WEDGE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
 
 /// The text with all numbers, but for one key the other one; and all keys with their numbers.
 fn filled(template: &str, other: Option<(&str, f64)>) -> (String, Vec<(String, f64)>) {
@@ -138,7 +182,9 @@ fn scene(folder: &Path, other: Option<(&str, f64)>) -> Scene {
         filled(&ROBOT.replace("link.", "link.arm/").replace("joint.", "joint.arm/"), other).0,
     )
     .unwrap();
-    std::fs::write(folder.join("box.urdf"), filled(BOX, other).0).unwrap();
+    for (file, template) in [("box.urdf", BOX), ("puck.urdf", PUCK), ("disc.urdf", DISC), ("wedge.obj", WEDGE)] {
+        std::fs::write(folder.join(file), filled(template, other).0).unwrap();
+    }
     let text = filled(SCENE, other).0;
     scene_from_text(&text, &folder.join("scene.toml"), &mut FilesOnDisk(&PackagePath::default()))
         .unwrap_or_else(|error| panic!("{error}"))
@@ -154,9 +200,10 @@ fn meaning(scene: &Scene) -> String {
 #[test]
 fn a_number_set_by_its_key_path_is_that_of_a_file_that_says_it() {
     let folder = command::folder("parameters_set");
-    let templates = [ROBOT.replace("link.", "link.arm/").replace("joint.", "joint.arm/"), BOX.into(), SCENE.into()];
+    let templates =
+        [ROBOT.replace("link.", "link.arm/").replace("joint.", "joint.arm/"), BOX.into(), PUCK.into(), SCENE.into()];
     let keys: Vec<(String, f64)> = templates.iter().flat_map(|template| filled(template, None).1).collect();
-    assert_eq!(keys.len(), 50, "all of them were found");
+    assert_eq!(keys.len(), 76, "all of them were found");
     let base = scene(&folder, None);
     let all = base.parameters();
     for (key, said) in keys {
@@ -185,10 +232,10 @@ fn an_unknown_key_path_is_named_with_the_nearest_and_a_short_one_must_mean_one_n
     assert_eq!(scene.parameter("gravity.z").unwrap().key(), "scene.gravity.z");
     assert_eq!(scene.parameter("positions.shoulder").unwrap().key(), "robot.arm.positions.shoulder");
     assert_eq!(scene.parameter("arm/upper.mass").unwrap().key(), "link.arm/upper.mass");
-    let both = refused("pose.position.x");
+    let both = refused("velocity.linear.x");
     assert!(
         both.ends_with(
-            r#""pose.position.x" may mean "robot.arm.pose.position.x", "robot.free.pose.position.x"; write it whole"#
+            r#""velocity.linear.x" may mean "robot.free.velocity.linear.x", "robot.puck.velocity.linear.x", "robot.disc.velocity.linear.x"; write it whole"#
         ),
         "{both}"
     );
@@ -208,7 +255,7 @@ fn a_number_that_cannot_be_is_refused_with_file_line_and_reason() {
     );
     assert_eq!(
         refused(&[("spring.band.stiffness", f64::NAN)]),
-        "scene.toml:15: spring \"band\": spring.band.stiffness = NaN: NaN is not finite"
+        "scene.toml:30: spring \"band\": spring.band.stiffness = NaN: NaN is not finite"
     );
     assert!(refused(&[("joint.arm/elbow.restitution", 1.5)]).ends_with("1.5 must be from 0 to 1"));
     assert!(refused(&[("simulation.duration", 0.0)]).ends_with("0 must be greater than zero"));
@@ -220,6 +267,68 @@ fn a_number_that_cannot_be_is_refused_with_file_line_and_reason() {
     let (lower, upper) = ("joint.arm/elbow.limit.lower", "joint.arm/elbow.limit.upper");
     let numbers = [(scene.parameter(lower).unwrap(), 1.75), (scene.parameter(upper).unwrap(), 2.0)];
     assert!(scene.clone().set(&numbers).is_ok());
+}
+
+#[test]
+fn numbers_that_belong_together_are_looked_at_when_all_are_set() {
+    let folder = command::folder("parameters_together");
+    let scene = scene(&folder, None);
+    let set = |numbers: &[(&str, f64)]| {
+        let numbers: Vec<_> = numbers.iter().map(|&(key, number)| (scene.parameter(key).unwrap(), number)).collect();
+        let mut set = scene.clone();
+        set.set(&numbers)
+            .map(|()| set)
+            .map_err(|error| error.to_string().replace(&format!("{}/", folder.display()), ""))
+    };
+    // An axis is turned through zero by its numbers one after the other, and its length does not count.
+    let axis = ["joint.arm/elbow.axis.x", "joint.arm/elbow.axis.y", "joint.arm/elbow.axis.z"];
+    let turned = set(&[(axis[1], 0.0), (axis[2], 0.0), (axis[0], 3.0)]).unwrap();
+    let elbow = turned.robots[0].robot.joints.iter().find(|joint| joint.name == "elbow").unwrap();
+    assert_eq!(elbow.axis.as_slice(), [1.0, 0.0, 0.0]);
+    let refused = set(&[(axis[1], 0.0), (axis[2], 0.0)]).unwrap_err();
+    assert_eq!(
+        refused,
+        "arm.urdf:16: joint \"elbow\": joint.arm/elbow.axis.y = 0: the axis is zero, so the joint has no direction to move in"
+    );
+    // The times of a table must increase, all of them taken together.
+    let times = ["motor.arm/elbow.target.2.time", "motor.arm/elbow.target.3.time"];
+    assert!(set(&[(times[0], 2.5), (times[1], 3.0)]).is_ok());
+    let refused = set(&[(times[0], 2.5)]).unwrap_err();
+    assert!(refused.starts_with("scene.toml:"), "{refused}");
+    assert!(
+        refused.contains("motor.arm/elbow.target.2.time = 2.5: its target: the time 2 s of entry 3 is not after 2.5 s"),
+        "{refused}"
+    );
+    for (key, number, reason) in [
+        ("obstacle.wedge.shape.scale.y", 0.0, "the scale of a mesh must not be zero"),
+        ("link.free/box.collision.2.scale.z", 0.0, "the scale of a mesh must not be zero"),
+        ("link.arm/lower.collision.1.radius", 0.0, "0 must be greater than zero"),
+        ("joint.arm/elbow.limit.effort", -1.0, "-1 must not be negative; write inf for no bound"),
+        ("joint.arm/finger.mimic.multiplier", f64::INFINITY, "inf is not finite"),
+    ] {
+        let refused = set(&[(key, number)]).unwrap_err();
+        assert!(refused.contains(&format!("{key} = {number}")) && refused.ends_with(reason), "{refused}");
+    }
+}
+
+#[test]
+fn the_number_of_stages_is_a_whole_number() {
+    let folder = command::folder("parameters_stages");
+    std::fs::write(folder.join("box.urdf"), filled(BOX, None).0).unwrap();
+    std::fs::write(folder.join("wedge.obj"), WEDGE).unwrap();
+    let text = "[[robot]]\nurdf = \"box.urdf\"\nbase = \"floating\"\n[simulation]\nstages = 4\nstep = 0.01\n";
+    let read = scene_from_text(text, &folder.join("scene.toml"), &mut FilesOnDisk(&PackagePath::default())).unwrap();
+    let stages = read.parameter("simulation.stages").unwrap();
+    assert_eq!(stages.said(), Some(4.0));
+    let set = |number: f64| {
+        let mut set = read.clone();
+        set.set(&[(stages.clone(), number)]).map(|()| set.simulation.fixed)
+    };
+    assert_eq!(set(5.0).unwrap(), Some((5, 0.01)));
+    for number in [1.0, 17.0, 4.5, -4.0, f64::NAN, 1e300] {
+        let refused = set(number).unwrap_err().to_string();
+        assert!(refused.ends_with("must be a whole number from 2 to 16"), "{refused}");
+    }
 }
 
 #[test]

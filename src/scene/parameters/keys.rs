@@ -4,9 +4,9 @@ use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::nonsmooth::MotorLaw;
 use crate::scene::coupling::{JointReference, LoadKind, SpringPlace};
 use crate::scene::description::{Scene, SceneRobot};
-use crate::scene::parameters::place::{MotorNumber, Place, SpringNumber};
+use crate::scene::parameters::place::{MotorNumber, Place, ShapeNumber, SpringNumber};
 use crate::scene::parameters::{Parameter, Range};
-use crate::scene::robot::{LoopType, UrdfJointKind};
+use crate::scene::robot::{Geometry, LoopType, UrdfJointKind};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const ANGLES: [&str; 3] = ["roll", "pitch", "yaw"];
@@ -21,6 +21,7 @@ pub(super) fn all(scene: &Scene) -> Vec<Parameter> {
         keys.start(index, robot);
         keys.links(index, robot);
         keys.joints(index, robot);
+        keys.urdf_loops(index, robot);
     }
     keys.drives(scene);
     keys.couplings(scene);
@@ -28,6 +29,7 @@ pub(super) fn all(scene: &Scene) -> Vec<Parameter> {
     keys.contact(scene);
     keys.put("simulation", "duration", Range::Positive, Place::Duration);
     if scene.simulation.fixed.is_some() {
+        keys.put("simulation", "stages", Range::Stages, Place::Stages);
         keys.put("simulation", "step", Range::Positive, Place::Step);
     } else {
         keys.put("simulation", "tolerance", Range::Positive, Place::Tolerance);
@@ -58,6 +60,24 @@ impl Keys {
         for (index, angle) in ANGLES.iter().enumerate() {
             self.put(head, &format!("{rest}.{angle}"), Range::Finite, place(index));
         }
+    }
+
+    /// The radius of a sphere; of a cylinder or capsule the length, too.
+    fn round(&mut self, head: &str, rest: &str, long: bool, place: impl Fn(ShapeNumber) -> Place) {
+        self.put(head, &format!("{rest}.radius"), Range::Positive, place(ShapeNumber::Radius));
+        if long {
+            self.put(head, &format!("{rest}.length"), Range::Positive, place(ShapeNumber::Length));
+        }
+    }
+
+    /// The edges of a box.
+    fn sizes(&mut self, head: &str, rest: &str, place: impl Fn(ShapeNumber) -> Place) {
+        self.vector(head, &format!("{rest}.size"), Range::Positive, |axis| place(ShapeNumber::Size(axis)));
+    }
+
+    /// The scale of a mesh.
+    fn scales(&mut self, head: &str, rest: &str, place: impl Fn(ShapeNumber) -> Place) {
+        self.vector(head, &format!("{rest}.scale"), Range::Finite, |axis| place(ShapeNumber::Scale(axis)));
     }
 
     /// The name of a link or joint as scene files write it.
@@ -101,6 +121,20 @@ impl Keys {
                 let place = Place::Inertia { robot, link, row, column };
                 self.put("link", &format!("{name}.inertia.{moment}"), Range::Finite, place);
             }
+            self.angles("link", &format!("{name}.inertia"), |angle| Place::InertiaTurn { robot, link, angle });
+            for (shape, given) in one.collisions.iter().enumerate() {
+                let head = format!("{name}.collision.{}", shape + 1);
+                let place = |what| Place::Collision { robot, link, shape, what };
+                match given.geometry {
+                    Geometry::Sphere { .. } => self.round("link", &head, false, place),
+                    Geometry::Cylinder { .. } | Geometry::Capsule { .. } => self.round("link", &head, true, place),
+                    Geometry::Box { .. } => self.sizes("link", &head, place),
+                    Geometry::Mesh(_) => self.scales("link", &head, place),
+                }
+                let origin = format!("{head}.origin");
+                self.vector("link", &origin, Range::Finite, |axis| place(ShapeNumber::Position(axis)));
+                self.angles("link", &origin, |angle| place(ShapeNumber::Turn(angle)));
+            }
         }
     }
 
@@ -108,15 +142,44 @@ impl Keys {
         for (joint, one) in of.robot.joints.iter().enumerate() {
             let name = self.name(of, &one.name);
             self.vector("joint", &format!("{name}.origin"), Range::Finite, |axis| Place::Origin { robot, joint, axis });
+            self.angles("joint", &format!("{name}.origin"), |angle| Place::OriginTurn { robot, joint, angle });
+            if one.kind.has_axis() {
+                self.vector("joint", &format!("{name}.axis"), Range::Finite, |axis| Place::Axis { robot, joint, axis });
+            }
+            if one.mimic.is_some() {
+                let (multiplier, offset) =
+                    (Place::MimicMultiplier { robot, joint }, Place::MimicOffset { robot, joint });
+                self.put("joint", &format!("{name}.mimic.multiplier"), Range::Finite, multiplier);
+                self.put("joint", &format!("{name}.mimic.offset"), Range::Finite, offset);
+            }
             if coordinates(one.kind).0.len() != 1 {
                 continue;
             }
+            self.put("joint", &format!("{name}.limit.effort"), Range::Bound, Place::EffortBound { robot, joint });
+            self.put("joint", &format!("{name}.limit.velocity"), Range::Bound, Place::SpeedBound { robot, joint });
             let reference = || JointReference { robot, joint: one.name.clone() };
             self.put("joint", &format!("{name}.limit.lower"), Range::Limit, Place::LowerLimit(reference()));
             self.put("joint", &format!("{name}.limit.upper"), Range::Limit, Place::UpperLimit(reference()));
             self.put("joint", &format!("{name}.restitution"), Range::Fraction, Place::Restitution(reference()));
             self.put("joint", &format!("{name}.friction"), Range::NotNegative, Place::Friction(reference()));
             self.put("joint", &format!("{name}.damping"), Range::NotNegative, Place::Damping(reference()));
+        }
+    }
+
+    /// The loops of a robot's own file.
+    fn urdf_loops(&mut self, robot: usize, of_robot: &SceneRobot) {
+        for (of, one) in of_robot.robot.loops.iter().enumerate() {
+            let name = self.name(of_robot, &one.name);
+            if one.kind.needs_axes() {
+                let place = |axis| Place::UrdfLoopAxis { robot, of, axis };
+                self.vector("loop", &format!("{name}.axis"), Range::Finite, place);
+            }
+            for (end, b) in [("a", false), ("b", true)] {
+                let place = |axis| Place::UrdfLoopEnd { robot, of, b, axis };
+                self.vector("loop", &format!("{name}.{end}.position"), Range::Finite, place);
+                let place = |angle| Place::UrdfLoopTurn { robot, of, b, angle };
+                self.angles("loop", &format!("{name}.{end}.rpy"), place);
+            }
         }
     }
 
@@ -131,11 +194,16 @@ impl Keys {
             if matches!(one.law, MotorLaw::Position { .. } | MotorLaw::Velocity { .. }) {
                 put("kd", Range::NotNegative, MotorNumber::Kd);
             }
-            if one.target.is_constant() {
+            if one.table.is_none() {
                 put("target", Range::Finite, MotorNumber::Target);
             }
             put("max_effort", Range::Bound, MotorNumber::MaxEffort);
             put("period", Range::NotNegative, MotorNumber::Period);
+            for entry in 0..one.table.as_ref().map_or(0, |table| table.points.len()) {
+                let called = |what: &str| format!("{}.target.{}.{what}", one.on, entry + 1);
+                self.put("motor", &called("time"), Range::Finite, Place::TargetTime { motor, entry });
+                self.put("motor", &called("value"), Range::Finite, Place::TargetValue { motor, entry });
+            }
         }
     }
 
@@ -163,6 +231,10 @@ impl Keys {
             for (end, b) in [("a", false), ("b", true)] {
                 let rest = format!("{}.{end}.position", one.name);
                 self.vector("loop", &rest, Range::Finite, |axis| Place::LoopEnd { of, b, axis });
+                if (if b { &one.b } else { &one.a }).axis.is_some() {
+                    let rest = format!("{}.{end}.axis", one.name);
+                    self.vector("loop", &rest, Range::Finite, |axis| Place::LoopAxis { of, b, axis });
+                }
             }
         }
     }
@@ -201,16 +273,15 @@ impl Keys {
             let place = |axis| Place::ObstaclePosition { obstacle, axis };
             self.vector("obstacle", &called("pose.position"), Range::Finite, place);
             self.angles("obstacle", &called("pose.rpy"), |angle| Place::ObstacleTurn { obstacle, angle });
-            let (radius, length) = (Place::ObstacleRadius(obstacle), Place::ObstacleLength(obstacle));
+            let (head, place) = (called("shape"), |what| Place::ObstacleShape { obstacle, what });
             match &one.shape {
-                Shape::Sphere { .. } => self.put("obstacle", &called("shape.radius"), Range::Positive, radius),
-                Shape::Capsule { .. } | Shape::Cylinder { .. } => {
-                    self.put("obstacle", &called("shape.radius"), Range::Positive, radius);
-                    self.put("obstacle", &called("shape.length"), Range::Positive, length);
-                }
-                Shape::Box { .. } => {
-                    let place = |axis| Place::ObstacleSize { obstacle, axis };
-                    self.vector("obstacle", &called("shape.size"), Range::Positive, place);
+                Shape::Sphere { .. } => self.round("obstacle", &head, false, place),
+                Shape::Capsule { .. } | Shape::Cylinder { .. } => self.round("obstacle", &head, true, place),
+                Shape::Box { .. } => self.sizes("obstacle", &head, place),
+                Shape::Mesh(_) => self.scales("obstacle", &head, place),
+                Shape::HalfSpace => {
+                    let place = |axis| Place::ObstacleNormal { obstacle, axis };
+                    self.vector("obstacle", &called("shape.normal"), Range::Finite, place);
                 }
                 _ => {}
             }

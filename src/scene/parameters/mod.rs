@@ -10,30 +10,37 @@
 //! | `link.NAME.mass`                                                      | kg                                                          |
 //! | `link.NAME.center_of_mass.x`                                          | in the link frame (m)                                       |
 //! | `link.NAME.inertia.ixx` (`ixy`, `ixz`, `iyy`, `iyz`, `izz`)           | about the centre of mass, in the inertial frame [kg m²]     |
-//! | `joint.NAME.origin.x`                                                 | of the joint frame in its parent link (m)                   |
+//! | `link.NAME.inertia.roll` (`pitch`, `yaw`)                             | turn of the inertial frame in the link frame (rad)          |
+//! | `link.NAME.collision.1.radius`, `.length`, `.size.x`, `.scale.x`      | size of a collision shape (m), scale of its mesh; from 1    |
+//! | `link.NAME.collision.1.origin.x`, `.origin.roll`                      | its frame in the link frame [m, rad]                        |
+//! | `joint.NAME.origin.x`, `joint.NAME.origin.roll`                       | of the joint frame in its parent link [m, rad]              |
+//! | `joint.NAME.axis.x`                                                   | axis in the joint frame; its length does not count          |
+//! | `joint.NAME.limit.effort`, `.limit.velocity`                          | bound of a motor's effort, speed that is watched            |
+//! | `joint.NAME.mimic.multiplier`, `.mimic.offset`                        | of a joint that follows another                             |
 //! | `joint.NAME.limit.lower` (`upper`), `.restitution`, `.friction`, `.damping` | as `[[joint]]` of a scene file                        |
 //! | `motor.JOINT.kp`, `.kd`, `.target`, `.max_effort`, `.period`          | as `[[motor]]`; a target that is one number                 |
+//! | `motor.JOINT.target.1.time`, `motor.JOINT.target.1.value`             | an entry of the table of a target, from 1 [s; rad, m, …]    |
 //! | `spring.NAME.stiffness`, `.damping`, `.rest_length`, `.rest`, `.a.position.x` | as `[[spring]]`                                     |
-//! | `loop.NAME.length`, `.a.position.x`                                   | as `[[loop]]`                                               |
+//! | `loop.NAME.length`, `.a.position.x`, `.a.axis.x`                      | as `[[loop]]`                                               |
+//! | `loop.NAME.axis.x`, `.a.position.x`, `.a.rpy.roll`                    | of a `<loop_joint>`: its axis, and frames in its links      |
 //! | `load.JOINT.effort`, `load.LINK.force.x`, `.torque.x`, `.position.x`  | as `[[load]]`; several on one are numbered: `load.2.effort` |
-//! | `obstacle.NAME.friction`, `.restitution`, `.pose.position.x`, `.pose.rpy.roll`, `.shape.radius`, `.shape.length`, `.shape.size.x` | as `[[obstacle]]` |
+//! | `obstacle.NAME.friction`, `.restitution`, `.pose.position.x`, `.pose.rpy.roll`, `.shape.radius`, `.shape.length`, `.shape.size.x`, `.shape.normal.x`, `.shape.scale.x` | as `[[obstacle]]` |
 //! | `contact.friction`, `contact.restitution`, `contact.pair.1.friction`  | as `[contact]` and its pairs, from 1                        |
-//! | `simulation.duration`, `.tolerance`, `.step`, `.rate`                 | as `[simulation]`                                           |
+//! | `simulation.duration`, `.tolerance`, `.stages`, `.step`, `.rate`      | as `[simulation]`                                           |
 //!
 //! The first word may be left out, of robots the first two, where one number remains: `link7.mass`, `positions.joint1`, `gravity.z`. Where a scene
-//! has several robots, links and joints are called `robot/name`. Numbers without a key path: directions of axes and normals, turns of frames in a URDF,
-//! shapes of links, mimic relations, tables of targets, scales of meshes, and the number of stages.
+//! has several robots, links and joints are called `robot/name`. Shapes and colours for viewers have no key path.
 
 mod keys;
 mod place;
+mod reach;
+mod settle;
 mod slot;
 mod stand;
 
 use crate::scene::description::Scene;
-use crate::scene::error::{Element, Problem, SceneError};
-use crate::scene::inertia::impossible_inertia;
-use crate::scene::joint_settings::LimitChoice;
-use crate::scene::scene_numbers::{Bound, Finite, Fraction, NotNegative, Positive};
+use crate::scene::error::{Problem, SceneError};
+use crate::scene::scene_numbers::{Bound, Finite, Fraction, NotNegative, Positive, STAGES};
 use place::Place;
 
 /// A number of a scene: where it is, what it may be, and what the files say it is.
@@ -58,6 +65,8 @@ enum Range {
     Fraction,
     /// A limit of a joint, perhaps infinite; both are checked together when all numbers are set.
     Limit,
+    /// A number of stages.
+    Stages,
 }
 
 impl Range {
@@ -70,6 +79,8 @@ impl Range {
             Range::Bound => Bound::try_from(number).err(),
             Range::Fraction => Fraction::try_from(number).err(),
             Range::Limit => number.is_nan().then(|| "a limit must not be NaN".to_string()),
+            Range::Stages => (number.fract() != 0.0 || !STAGES.contains(&(number as usize)))
+                .then(|| format!("{number} must be a whole number from {} to {}", STAGES.start(), STAGES.end())),
         }
     }
 }
@@ -153,7 +164,7 @@ impl Scene {
         Err(SceneError { file: self.path.clone(), line: None, element: None, problem: Box::new(problem) })
     }
 
-    /// Sets numbers, each checked as if its file said it; those that belong together (both limits of a joint, a mass and its inertia) are looked at
+    /// Sets numbers, each checked as if its file said it; those that belong together (both limits of a joint, the numbers of an axis) are looked at
     /// when all are set. The texts of the files stay as they are. After an error the scene is of no use.
     ///
     /// # Errors
@@ -163,7 +174,7 @@ impl Scene {
             self.set_one(parameter, *number)?;
         }
         for (parameter, number) in numbers {
-            self.check_together(parameter, *number)?;
+            parameter.place.settle(self).map_err(|reason| self.refusal(parameter, *number, reason))?;
         }
         Ok(())
     }
@@ -175,37 +186,6 @@ impl Scene {
         match parameter.place.slot(self) {
             Some(mut slot) => slot.write(number),
             None => return Err(self.refusal(parameter, number, "this scene has no such number".to_string())),
-        }
-        Ok(())
-    }
-
-    /// What numbers say together.
-    fn check_together(&mut self, parameter: &Parameter, number: f64) -> Result<(), SceneError> {
-        parameter.place.settle(self);
-        match &parameter.place {
-            Place::LowerLimit(of) | Place::UpperLimit(of) => {
-                let said = self.joints.iter().find(|joint| joint.joint == *of).and_then(|joint| joint.limit);
-                if let Some(LimitChoice::Range(lower, upper)) = said
-                    && let Err(reason) = LimitChoice::between(lower, upper)
-                {
-                    return Err(self.refusal(parameter, number, reason));
-                }
-            }
-            Place::Mass { robot, link } | Place::Inertia { robot, link, .. } => {
-                let robot = &mut self.robots[*robot].robot;
-                let link = &robot.links[*link];
-                let warning = link.inertial.as_ref().and_then(|inertial| {
-                    impossible_inertia(
-                        &robot.path,
-                        inertial.line,
-                        &Element::Link(link.name.clone()),
-                        inertial.mass,
-                        &inertial.inertia,
-                    )
-                });
-                robot.warnings.extend(warning.filter(|warning| !robot.warnings.contains(warning)));
-            }
-            _ => {}
         }
         Ok(())
     }

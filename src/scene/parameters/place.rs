@@ -1,13 +1,6 @@
-//! Where a number of a scene is: one name for each kind of place, and how to reach the number there.
+//! Where a number of a scene is: one name for each kind of place.
 
-use crate::mechanism::description::contact::Shape;
-use crate::mechanism::description::nonsmooth::MotorLaw;
-use crate::scene::coupling::{JointReference, LoadKind, Point, SpringPlace};
-use crate::scene::description::{JointValues, STANDARD_GRAVITY, Scene};
-use crate::scene::joint_settings::{LimitChoice, SceneJoint};
-use crate::scene::parameters::slot::Slot;
-use crate::scene::robot::{Inertial, Pose, UrdfJoint};
-use nalgebra::{Matrix3, Rotation3};
+use crate::scene::coupling::JointReference;
 
 /// A place of a number. Robots, links and all tables are counted from 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,10 +46,49 @@ pub(super) enum Place {
         row: usize,
         column: usize,
     },
+    /// Of the axes in which the inertia of a link is given.
+    InertiaTurn {
+        robot: usize,
+        link: usize,
+        angle: usize,
+    },
+    /// Of a collision shape.
+    Collision {
+        robot: usize,
+        link: usize,
+        shape: usize,
+        what: ShapeNumber,
+    },
     Origin {
         robot: usize,
         joint: usize,
         axis: usize,
+    },
+    OriginTurn {
+        robot: usize,
+        joint: usize,
+        angle: usize,
+    },
+    Axis {
+        robot: usize,
+        joint: usize,
+        axis: usize,
+    },
+    EffortBound {
+        robot: usize,
+        joint: usize,
+    },
+    SpeedBound {
+        robot: usize,
+        joint: usize,
+    },
+    MimicMultiplier {
+        robot: usize,
+        joint: usize,
+    },
+    MimicOffset {
+        robot: usize,
+        joint: usize,
     },
     LowerLimit(JointReference),
     UpperLimit(JointReference),
@@ -66,6 +98,15 @@ pub(super) enum Place {
     Motor {
         motor: usize,
         what: MotorNumber,
+    },
+    /// The time of an entry of a motor's table.
+    TargetTime {
+        motor: usize,
+        entry: usize,
+    },
+    TargetValue {
+        motor: usize,
+        entry: usize,
     },
     Spring {
         spring: usize,
@@ -81,6 +122,29 @@ pub(super) enum Place {
         of: usize,
         b: bool,
         axis: usize,
+    },
+    LoopAxis {
+        of: usize,
+        b: bool,
+        axis: usize,
+    },
+    /// Of a `<loop_joint>`, as the two that follow.
+    UrdfLoopAxis {
+        robot: usize,
+        of: usize,
+        axis: usize,
+    },
+    UrdfLoopEnd {
+        robot: usize,
+        of: usize,
+        b: bool,
+        axis: usize,
+    },
+    UrdfLoopTurn {
+        robot: usize,
+        of: usize,
+        b: bool,
+        angle: usize,
     },
     LoadEffort(usize),
     LoadForce {
@@ -105,9 +169,11 @@ pub(super) enum Place {
         obstacle: usize,
         angle: usize,
     },
-    ObstacleRadius(usize),
-    ObstacleLength(usize),
-    ObstacleSize {
+    ObstacleShape {
+        obstacle: usize,
+        what: ShapeNumber,
+    },
+    ObstacleNormal {
         obstacle: usize,
         axis: usize,
     },
@@ -117,6 +183,7 @@ pub(super) enum Place {
     PairRestitution(usize),
     Duration,
     Tolerance,
+    Stages,
     Step,
     Rate,
 }
@@ -139,205 +206,17 @@ pub(super) enum SpringNumber {
     Rest,
 }
 
-impl Place {
-    /// The number at this place of a scene; what the files leave out is put there as it is without them. `None` in a scene without the place.
-    pub fn slot<'s>(&self, scene: &'s mut Scene) -> Option<Slot<'s>> {
-        use Slot::{Half, Number, Optional};
-        Some(match self {
-            Place::Gravity(axis) => Number(scene.gravity.get_or_insert(STANDARD_GRAVITY).get_mut(*axis)?),
-            Place::BasePosition { robot, axis } => {
-                Number(scene.robots.get_mut(*robot)?.pose.translation.vector.get_mut(*axis)?)
-            }
-            Place::BaseTurn { robot, angle } => Number(scene.robots.get_mut(*robot)?.rpy.get_mut(*angle)?),
-            Place::BaseVelocity { robot, number } => {
-                let robot = scene.robots.get_mut(*robot)?;
-                Number(robot.velocity.get_or_insert(([0.0; 6], robot.line)).0.get_mut(*number)?)
-            }
-            Place::Position { robot, joint, number, count } => {
-                let robot = scene.robots.get_mut(*robot)?;
-                Number(values(&mut robot.positions, joint, *count, robot.line)?.get_mut(*number)?)
-            }
-            Place::Velocity { robot, joint, number, count } => {
-                let robot = scene.robots.get_mut(*robot)?;
-                Number(values(&mut robot.velocities, joint, *count, robot.line)?.get_mut(*number)?)
-            }
-            Place::Mass { robot, link } => Number(&mut inertial(scene, *robot, *link)?.mass),
-            Place::CenterOfMass { robot, link, axis } => {
-                Number(inertial(scene, *robot, *link)?.origin.translation.vector.get_mut(*axis)?)
-            }
-            Place::Inertia { robot, link, row, column } => {
-                let matrix = &mut inertial(scene, *robot, *link)?.inertia;
-                Slot::Symmetric { matrix, row: *row, column: *column }
-            }
-            Place::Origin { robot, joint, axis } => {
-                let joint = scene.robots.get_mut(*robot)?.robot.joints.get_mut(*joint)?;
-                Number(joint.origin.translation.vector.get_mut(*axis)?)
-            }
-            Place::LowerLimit(of) => Number(limits(scene, of)?.0),
-            Place::UpperLimit(of) => Number(limits(scene, of)?.1),
-            Place::Restitution(of) => Optional(&mut settings(scene, of)?.0.restitution),
-            Place::Friction(of) => {
-                let (said, urdf) = settings(scene, of)?;
-                said.friction = said.friction.or(urdf.dynamics.map(|dynamics| dynamics.friction));
-                Optional(&mut said.friction)
-            }
-            Place::Damping(of) => {
-                let (said, urdf) = settings(scene, of)?;
-                said.damping = said.damping.or(urdf.dynamics.map(|dynamics| dynamics.damping));
-                Optional(&mut said.damping)
-            }
-            Place::Motor { motor, what } => {
-                let motor = scene.motors.get_mut(*motor)?;
-                match (what, &mut motor.law) {
-                    (MotorNumber::Kp, MotorLaw::Position { kp, .. }) => Number(kp),
-                    (MotorNumber::Kd, MotorLaw::Position { kd, .. } | MotorLaw::Velocity { kd }) => Number(kd),
-                    (MotorNumber::Target, _) => Slot::Target(&mut motor.target),
-                    (MotorNumber::MaxEffort, _) => Optional(&mut motor.max_effort),
-                    (MotorNumber::Period, _) => Number(&mut motor.period),
-                    _ => return None,
-                }
-            }
-            Place::Spring { spring, what } => {
-                let spring = scene.springs.get_mut(*spring)?;
-                match (what, &mut spring.place) {
-                    (SpringNumber::Stiffness, _) => Number(&mut spring.stiffness),
-                    (SpringNumber::Damping, _) => Number(&mut spring.damping),
-                    (SpringNumber::Rest, SpringPlace::Points { rest_length, .. }) => Number(rest_length),
-                    (SpringNumber::Rest, SpringPlace::Joint { rest, .. }) => Number(rest),
-                }
-            }
-            Place::SpringEnd { spring, b, axis } => match &mut scene.springs.get_mut(*spring)?.place {
-                SpringPlace::Points { a, b: end, .. } => at(if *b { end } else { a }, *axis)?,
-                SpringPlace::Joint { .. } => return None,
-            },
-            Place::LoopLength(of) => Optional(&mut scene.loops.get_mut(*of)?.length),
-            Place::LoopEnd { of, b, axis } => {
-                let closing = scene.loops.get_mut(*of)?;
-                at(&mut if *b { &mut closing.b } else { &mut closing.a }.point, *axis)?
-            }
-            Place::LoadEffort(load) => match &mut scene.loads.get_mut(*load)?.kind {
-                LoadKind::Joint { effort, .. } => Number(effort),
-                LoadKind::Link { .. } => return None,
-            },
-            Place::LoadForce { load, axis } => match &mut scene.loads.get_mut(*load)?.kind {
-                LoadKind::Link { force, .. } => Number(force.get_mut(*axis)?),
-                LoadKind::Joint { .. } => return None,
-            },
-            Place::LoadTorque { load, axis } => match &mut scene.loads.get_mut(*load)?.kind {
-                LoadKind::Link { torque, .. } => Number(torque.get_mut(*axis)?),
-                LoadKind::Joint { .. } => return None,
-            },
-            Place::LoadPosition { load, axis } => match &mut scene.loads.get_mut(*load)?.kind {
-                LoadKind::Link { point, .. } => at(point, *axis)?,
-                LoadKind::Joint { .. } => return None,
-            },
-            Place::ObstacleFriction(of) => Optional(&mut scene.contact.obstacles.get_mut(*of)?.friction),
-            Place::ObstacleRestitution(of) => Optional(&mut scene.contact.obstacles.get_mut(*of)?.restitution),
-            Place::ObstaclePosition { obstacle, axis } => {
-                Number(scene.contact.obstacles.get_mut(*obstacle)?.pose.translation.vector.get_mut(*axis)?)
-            }
-            Place::ObstacleTurn { obstacle, angle } => {
-                Number(scene.contact.obstacles.get_mut(*obstacle)?.rpy.get_mut(*angle)?)
-            }
-            Place::ObstacleRadius(of) => match &mut scene.contact.obstacles.get_mut(*of)?.shape {
-                Shape::Sphere { radius } | Shape::Capsule { radius, .. } | Shape::Cylinder { radius, .. } => {
-                    Number(radius)
-                }
-                _ => return None,
-            },
-            Place::ObstacleLength(of) => match &mut scene.contact.obstacles.get_mut(*of)?.shape {
-                Shape::Capsule { half, .. } | Shape::Cylinder { half, .. } => Half(half),
-                _ => return None,
-            },
-            Place::ObstacleSize { obstacle, axis } => match &mut scene.contact.obstacles.get_mut(*obstacle)?.shape {
-                Shape::Box { half } => Half(half.get_mut(*axis)?),
-                _ => return None,
-            },
-            Place::ContactFriction => Number(&mut scene.contact.friction),
-            Place::ContactRestitution => Number(&mut scene.contact.restitution),
-            Place::PairFriction(rule) => Optional(&mut scene.contact.rules.get_mut(*rule)?.friction),
-            Place::PairRestitution(rule) => Optional(&mut scene.contact.rules.get_mut(*rule)?.restitution),
-            Place::Duration => Optional(&mut scene.simulation.duration),
-            Place::Tolerance => Optional(&mut scene.simulation.tolerance),
-            Place::Step => Number(&mut scene.simulation.fixed.as_mut()?.1),
-            Place::Rate => Optional(&mut scene.simulation.rate),
-        })
-    }
-
-    /// What follows from the numbers, once all are set: rotations from their angles.
-    pub fn settle(&self, scene: &mut Scene) {
-        let turn = |[roll, pitch, yaw]: [f64; 3]| Rotation3::from_euler_angles(roll, pitch, yaw);
-        match self {
-            Place::BaseTurn { robot, .. } => {
-                let robot = &mut scene.robots[*robot];
-                robot.pose.rotation = turn(robot.rpy);
-            }
-            Place::ObstacleTurn { obstacle, .. } => {
-                let obstacle = &mut scene.contact.obstacles[*obstacle];
-                obstacle.pose.rotation = turn(obstacle.rpy) * obstacle.turn;
-            }
-            _ => {}
-        }
-    }
-}
-
-fn at(point: &mut Point, axis: usize) -> Option<Slot<'_>> {
-    point.position.get_mut(axis).map(Slot::Number)
-}
-
-/// The numbers of a joint that are given last, which count; zeros where none are.
-fn values<'v>(given: &'v mut Vec<JointValues>, joint: &str, count: usize, line: usize) -> Option<&'v mut Vec<f64>> {
-    let index = given.iter().rposition(|one| one.joint == joint).unwrap_or_else(|| {
-        given.push(JointValues { joint: joint.to_string(), values: vec![0.0; count], line });
-        given.len() - 1
-    });
-    given.get_mut(index).map(|one| &mut one.values)
-}
-
-/// Mass and inertia of a link; of one without, zeros at the origin of its frame.
-fn inertial(scene: &mut Scene, robot: usize, link: usize) -> Option<&mut Inertial> {
-    let link = scene.robots.get_mut(robot)?.robot.links.get_mut(link)?;
-    let line = link.line;
-    Some(link.inertial.get_or_insert_with(|| Inertial {
-        origin: Pose::identity(),
-        mass: 0.0,
-        inertia: Matrix3::zeros(),
-        line,
-    }))
-}
-
-/// The `[[joint]]` of a joint, made if there is none, and the joint of the URDF.
-fn settings<'s>(scene: &'s mut Scene, of: &JointReference) -> Option<(&'s mut SceneJoint, &'s UrdfJoint)> {
-    let robot = scene.robots.get(of.robot)?;
-    let urdf = robot.robot.joints.iter().find(|joint| joint.name == of.joint)?;
-    let index = scene.joints.iter().position(|said| said.joint == *of).unwrap_or_else(|| {
-        let (joint, name, line) = (of.clone(), of.joint.clone(), robot.line);
-        scene.joints.push(SceneJoint {
-            joint,
-            name,
-            limit: None,
-            restitution: None,
-            friction: None,
-            damping: None,
-            line,
-        });
-        scene.joints.len() - 1
-    });
-    Some((scene.joints.get_mut(index)?, urdf))
-}
-
-/// The limits of a joint; infinite where there are none.
-fn limits<'s>(scene: &'s mut Scene, of: &JointReference) -> Option<(&'s mut f64, &'s mut f64)> {
-    let (said, urdf) = settings(scene, of)?;
-    let limit = said.limit.get_or_insert_with(|| {
-        let (lower, upper) = urdf.own_limits().unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-        LimitChoice::Range(lower, upper)
-    });
-    if *limit == LimitChoice::Unlimited {
-        *limit = LimitChoice::Range(f64::NEG_INFINITY, f64::INFINITY);
-    }
-    match limit {
-        LimitChoice::Range(lower, upper) => Some((lower, upper)),
-        LimitChoice::Unlimited => None,
-    }
+/// The numbers of a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum ShapeNumber {
+    Radius,
+    Length,
+    /// Along an axis.
+    Size(usize),
+    /// Of a mesh, along an axis.
+    Scale(usize),
+    /// Where it is in the frame of its link, along an axis.
+    Position(usize),
+    /// One of the roll, pitch and yaw of its frame in that of its link.
+    Turn(usize),
 }

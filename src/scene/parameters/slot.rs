@@ -16,6 +16,8 @@ pub(super) enum Slot<'s> {
         column: usize,
     },
     Target(&'s mut Target),
+    /// A whole number.
+    Count(&'s mut usize),
 }
 
 impl Slot<'_> {
@@ -27,6 +29,7 @@ impl Slot<'_> {
             Slot::Half(half) => Some(2.0 * **half),
             Slot::Symmetric { matrix, row, column } => Some(matrix[(*row, *column)]),
             Slot::Target(target) => target.is_constant().then(|| target.value(0.0)),
+            Slot::Count(count) => Some(**count as f64),
         }
     }
 
@@ -41,6 +44,7 @@ impl Slot<'_> {
                 matrix[(*column, *row)] = wanted;
             }
             Slot::Target(target) => **target = Target::constant(wanted),
+            Slot::Count(count) => **count = wanted as usize,
         }
     }
 }

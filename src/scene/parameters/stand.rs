@@ -12,13 +12,25 @@ impl Place {
         match self {
             Place::Mass { robot, link }
             | Place::CenterOfMass { robot, link, .. }
+            | Place::InertiaTurn { robot, link, .. }
             | Place::Inertia { robot, link, .. } => {
                 let robot = &scene.robots[*robot].robot;
                 let link = &robot.links[*link];
                 let line = link.inertial.as_ref().map_or(link.line, |inertial| inertial.line);
                 (robot.path.clone(), Some(line), Some(Element::Link(link.name.clone())))
             }
-            Place::Origin { robot, joint, .. } => {
+            Place::Collision { robot, link, shape, .. } => {
+                let robot = &scene.robots[*robot].robot;
+                let link = &robot.links[*link];
+                (robot.path.clone(), Some(link.collisions[*shape].line), Some(Element::Link(link.name.clone())))
+            }
+            Place::Origin { robot, joint, .. }
+            | Place::OriginTurn { robot, joint, .. }
+            | Place::Axis { robot, joint, .. }
+            | Place::EffortBound { robot, joint }
+            | Place::SpeedBound { robot, joint }
+            | Place::MimicMultiplier { robot, joint }
+            | Place::MimicOffset { robot, joint } => {
                 of_joint(scene, *robot, &scene.robots[*robot].robot.joints[*joint].name)
             }
             Place::Position { robot, joint, .. } | Place::Velocity { robot, joint, .. } => {
@@ -33,14 +45,21 @@ impl Place {
                 let robot = &scene.robots[*robot];
                 here(robot.line, Element::Robot(robot.name.clone()))
             }
-            Place::Motor { motor, .. } => {
+            Place::Motor { motor, .. } | Place::TargetTime { motor, .. } | Place::TargetValue { motor, .. } => {
                 here(scene.motors[*motor].line, Element::Motor(scene.motors[*motor].on.clone()))
             }
             Place::Spring { spring, .. } | Place::SpringEnd { spring, .. } => {
                 here(scene.springs[*spring].line, Element::Spring(scene.springs[*spring].name.clone()))
             }
-            Place::LoopLength(of) | Place::LoopEnd { of, .. } => {
+            Place::LoopLength(of) | Place::LoopEnd { of, .. } | Place::LoopAxis { of, .. } => {
                 here(scene.loops[*of].line, Element::Loop(scene.loops[*of].name.clone()))
+            }
+            Place::UrdfLoopAxis { robot, of, .. }
+            | Place::UrdfLoopEnd { robot, of, .. }
+            | Place::UrdfLoopTurn { robot, of, .. } => {
+                let robot = &scene.robots[*robot].robot;
+                let closing = &robot.loops[*of];
+                (robot.path.clone(), Some(closing.line), Some(Element::Loop(closing.name.clone())))
             }
             Place::LoadEffort(load)
             | Place::LoadForce { load, .. }
@@ -50,11 +69,10 @@ impl Place {
             }
             Place::ObstacleFriction(obstacle)
             | Place::ObstacleRestitution(obstacle)
-            | Place::ObstacleRadius(obstacle)
-            | Place::ObstacleLength(obstacle)
             | Place::ObstaclePosition { obstacle, .. }
             | Place::ObstacleTurn { obstacle, .. }
-            | Place::ObstacleSize { obstacle, .. } => {
+            | Place::ObstacleShape { obstacle, .. }
+            | Place::ObstacleNormal { obstacle, .. } => {
                 let obstacle = &scene.contact.obstacles[*obstacle];
                 (scene.path.clone(), obstacle.line, Some(Element::Obstacle(obstacle.name.clone())))
             }
@@ -66,6 +84,7 @@ impl Place {
             | Place::ContactRestitution
             | Place::Duration
             | Place::Tolerance
+            | Place::Stages
             | Place::Step
             | Place::Rate => (scene.path.clone(), None, None),
         }

@@ -1,0 +1,125 @@
+//! What follows from the numbers of a scene, worked out once all that are set are in their places.
+//!
+//! A rotation follows from its roll, pitch and yaw, a unit axis from the axis as given, the target of a motor from its table, the surface of a mesh
+//! from its scale: each as the reader of the file works it out, so that the bits are the same.
+
+use crate::mechanism::description::contact::Shape;
+use crate::meshes::collision_surface;
+use crate::scene::contact_settings::Obstacle;
+use crate::scene::description::Scene;
+use crate::scene::error::{Element, Problem};
+use crate::scene::inertia::impossible_inertia;
+use crate::scene::joint_settings::LimitChoice;
+use crate::scene::numbers::{normalised, turn, turn_of_z};
+use crate::scene::parameters::place::{Place, ShapeNumber};
+use crate::scene::robot::Geometry;
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+impl Place {
+    /// Works out what follows from the number at this place and those beside it.
+    ///
+    /// # Errors
+    /// Why these numbers cannot be together.
+    pub fn settle(&self, scene: &mut Scene) -> Result<(), String> {
+        match *self {
+            Place::BaseTurn { robot, .. } => {
+                let robot = &mut scene.robots[robot];
+                robot.pose.rotation = turn(robot.rpy);
+            }
+            Place::Mass { robot, link } | Place::Inertia { robot, link, .. } => warn_of_inertia(scene, robot, link),
+            Place::InertiaTurn { robot, link, .. } => {
+                if let Some(inertial) = &mut scene.robots[robot].robot.links[link].inertial {
+                    inertial.origin.rotation = turn(inertial.rpy);
+                }
+            }
+            Place::Collision { robot, link, shape, what } => {
+                let shape = &mut scene.robots[robot].robot.links[link].collisions[shape];
+                match (what, &shape.geometry) {
+                    (ShapeNumber::Turn(_), _) => shape.origin.rotation = turn(shape.rpy),
+                    (ShapeNumber::Scale(_), Geometry::Mesh(mesh)) => check_scale(&mesh.scale)?,
+                    _ => {}
+                }
+            }
+            Place::OriginTurn { robot, joint, .. } => {
+                let joint = &mut scene.robots[robot].robot.joints[joint];
+                joint.origin.rotation = turn(joint.rpy);
+            }
+            Place::Axis { robot, joint, .. } => {
+                let joint = &mut scene.robots[robot].robot.joints[joint];
+                joint.axis = unit(&joint.given_axis)?;
+            }
+            Place::LowerLimit(ref of) | Place::UpperLimit(ref of) => {
+                let said = scene.joints.iter().find(|joint| joint.joint == *of).and_then(|joint| joint.limit);
+                if let Some(LimitChoice::Range(lower, upper)) = said {
+                    LimitChoice::between(lower, upper)?;
+                }
+            }
+            Place::TargetTime { motor, .. } | Place::TargetValue { motor, .. } => {
+                let motor = &mut scene.motors[motor];
+                if let Some(table) = &motor.table {
+                    motor.target = table.target().map_err(|(_, reason)| reason)?;
+                }
+            }
+            Place::LoopAxis { of, b, .. } => {
+                let closing = &mut scene.loops[of];
+                let end = if b { &mut closing.b } else { &mut closing.a };
+                end.axis = end.given_axis.as_ref().map(unit).transpose()?;
+            }
+            Place::UrdfLoopAxis { robot, of, .. } => {
+                let closing = &mut scene.robots[robot].robot.loops[of];
+                closing.axis = unit(&closing.given_axis)?;
+            }
+            Place::UrdfLoopTurn { robot, of, b, .. } => {
+                let end = scene.robots[robot].robot.loops[of].end_mut(b);
+                end.origin.rotation = turn(end.rpy);
+            }
+            Place::ObstacleNormal { obstacle, .. } => {
+                let obstacle = &mut scene.contact.obstacles[obstacle];
+                let normal = normalised(&obstacle.normal).ok_or("the normal of a half space must not be zero")?;
+                obstacle.turn = turn_of_z(&normal);
+                obstacle.pose.rotation = turn(obstacle.rpy) * obstacle.turn;
+            }
+            Place::ObstacleTurn { obstacle, .. } => {
+                let obstacle = &mut scene.contact.obstacles[obstacle];
+                obstacle.pose.rotation = turn(obstacle.rpy) * obstacle.turn;
+            }
+            Place::ObstacleShape { obstacle, what: ShapeNumber::Scale(_) } => {
+                read_again(&mut scene.contact.obstacles[obstacle])?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+/// The unit vector along an axis.
+fn unit(given: &Vector3<f64>) -> Result<Vector3<f64>, String> {
+    normalised(given).ok_or_else(|| Problem::ZeroAxis.to_string())
+}
+
+fn check_scale(scale: &Vector3<f64>) -> Result<(), String> {
+    let zero = scale.iter().any(|factor| *factor == 0.0);
+    if zero { Err("the scale of a mesh must not be zero".to_string()) } else { Ok(()) }
+}
+
+/// The mesh of an obstacle with its scale.
+fn read_again(obstacle: &mut Obstacle) -> Result<(), String> {
+    check_scale(&obstacle.scale)?;
+    if let Some(mesh) = &obstacle.mesh {
+        let surface = collision_surface(&mesh.path, &mesh.bytes, &obstacle.scale).map_err(|error| error.to_string())?;
+        obstacle.shape = Shape::Mesh(Arc::new(surface));
+    }
+    Ok(())
+}
+
+/// Adds the warning about an inertia that no body has.
+fn warn_of_inertia(scene: &mut Scene, robot: usize, link: usize) {
+    let robot = &mut scene.robots[robot].robot;
+    let link = &robot.links[link];
+    let warning = link.inertial.as_ref().and_then(|inertial| {
+        let owner = Element::Link(link.name.clone());
+        impossible_inertia(&robot.path, inertial.line, &owner, inertial.mass, &inertial.inertia)
+    });
+    robot.warnings.extend(warning.filter(|warning| !robot.warnings.contains(warning)));
+}
