@@ -51,50 +51,82 @@
 //! | `parquet` | rows of sweeps as Apache Parquet | no |
 //!
 //! Without these features (`default-features = false`) the library reads URDF files, runs them, gives reports, and calls an
-//! [`Observer`](simulation::Observer) during runs.
+//! [`Observer`](observing::Observer) during runs.
 //!
-//! The library has layers. A layer imports only layers to its left:
-//!
-//! ```text
-//!     URDF, scene file → scene → model → mechanism → lobatto → stepping → instant → events → simulation → output → session → study
-//!                                            └→ reduced (joint coordinates: the comparator and a test oracle)
-//! ```
-//!
-//! | layer | what it is |
+//! | module | what is in it |
 //! |---|---|
-//! | [`mechanism`] | bodies, joints, closures, forces (constant); state, kinematics, energy (functions of time) |
-//! | [`scene`] | the user's files, validated |
-//! | [`model`] | builds a mechanism from a scene |
-//! | [`reduced`] | the same mechanism in joint coordinates, for comparison |
-//! | [`stepping`] | the integrator: a sequence of steps ([`Lobatto`](stepping::Lobatto)) |
-//! | [`instant`] | problems at one instant: assembly of loops, reactions, forces that hold joints, equilibrium |
-//! | [`events`] | steps that end at events: limits, dry friction, motors, contacts |
-//! | [`simulation`] | a run: [`Simulation`](simulation::Simulation), its observers |
-//! | [`output`] | logs, reports and pages |
-//! | [`session`] | runs with all their options: the base of the command line, of Rust programs and of Python |
+//! | [`prelude`] | the names that most programs need |
+//! | [`session`] | models, runs, and many runs at once |
+//! | [`report`] | the report of a run: the JSON of `catena simulate --json` as structures |
+//! | [`observing`] | samples, steps, events and contacts during a run |
+//! | [`errors`] | the causes that an [`Error`](session::Error) may hold |
 //!
-//! The step itself (`lobatto`, and `kernels`, its code for each instruction set), charts and stability maps (`study`) and the drawing functions are
-//! public only for the programs of this repository: they change without notice. `doc/architecture.md` describes the source.
+//! All other modules are hidden in this documentation. They are public for the binary, the Python package and the tests of this repository, and change
+//! without notice. `doc/architecture.md` describes the source.
 
 #![deny(unsafe_code)]
 
 // The binary refers to this library by its name, as other programs do.
 extern crate self as catena;
 
+pub mod prelude;
+pub mod session;
+
+/// The report of a run: [`Report`](report::Report) and its parts.
+pub mod report {
+    pub use crate::output::report::{
+        AccuracyReport, ConstraintReport, ContactReport, ContactsReport, EnergyParts, EnergyReport, EventEntry,
+        EventReport, FrequencyReport, IslandReport, JointReport, JointStatusReport, KindCounts, LinkReport, LoopReport,
+        MethodReport, ModelReport, Numbers, Report, StepErrorReport,
+    };
+}
+
+/// Watching a run: an [`Observer`](observing::Observer) receives samples at a fixed rate, the end of each step, events and contacts.
+pub mod observing {
+    pub use crate::mechanism::forces::total::Exchange;
+    pub use crate::mechanism::motion::contact_point::ContactPoint;
+    pub use crate::mechanism::motion::energy::{Energy, Violation};
+    pub use crate::mechanism::motion::event::{Event, EventKind};
+    pub use crate::mechanism::motion::integrator::{MethodDescription, StepOutcome};
+    pub use crate::session::{Recording, SharedRecording};
+    pub use crate::simulation::{Counts, Observer, ObserverError, Sample, StepEnd};
+}
+
+/// The causes that an [`Error`](session::Error) may hold.
+pub mod errors {
+    pub use crate::instant::assembly::AssemblyError;
+    pub use crate::mechanism::description::mechanism::MechanismError;
+    pub use crate::mechanism::motion::step_error::StepError;
+    pub use crate::model::{CouplingError, CouplingProblem, ModelError};
+    pub use crate::output::log::LogError;
+    pub use crate::scene::{Element, Problem, SceneError};
+    pub use crate::session::{ControllerFailure, Error};
+    pub use crate::simulation::{CalibrationError, InputError, RunError, SimulationError};
+    pub use crate::stepping::integrator::MethodError;
+}
+
+/// Vectors and matrices in the arguments and results of this library.
+pub use nalgebra;
+
+// These modules are public for the binary, the Python package and the tests of this repository only.
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
 #[doc(hidden)]
 pub mod drawing;
+#[doc(hidden)]
 pub mod events;
+#[doc(hidden)]
 pub mod instant;
 #[doc(hidden)]
 pub mod meshes;
+#[doc(hidden)]
 pub mod model;
+#[doc(hidden)]
 pub mod output;
-pub mod prelude;
+#[doc(hidden)]
 pub mod scene;
-pub mod session;
+#[doc(hidden)]
 pub mod simulation;
 #[doc(hidden)]
 pub mod study;
@@ -105,8 +137,9 @@ pub use catena_geometry as geometry;
 pub use catena_kernels as kernels;
 #[doc(hidden)]
 pub use catena_lobatto as lobatto;
+#[doc(hidden)]
 pub use catena_mechanism as mechanism;
+#[doc(hidden)]
 pub use catena_reduced as reduced;
+#[doc(hidden)]
 pub use catena_stepping as stepping;
-/// Vectors and matrices of what this library takes and gives.
-pub use nalgebra;

@@ -1,4 +1,4 @@
-//! A picture as data: axes, curves, shaded regions and legend. Drawing it is [`mod@crate::drawing::render`]'s.
+//! A picture as data: axes, curves, shaded regions and legend. Drawing it is `render`'s.
 
 use crate::drawing::style::Look;
 

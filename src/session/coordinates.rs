@@ -42,7 +42,7 @@ pub struct Coordinates {
 
 impl Coordinates {
     /// The coordinates of a model.
-    pub fn of(model: &Model) -> Self {
+    pub(crate) fn of(model: &Model) -> Self {
         let mechanism = &model.mechanism;
         let mut records: Vec<(usize, usize)> =
             model.joints.iter().enumerate().filter_map(|(record, joint)| Some((joint.body?, record))).collect();
@@ -85,6 +85,7 @@ impl Coordinates {
     }
 
     /// Writes q and v of positions and velocities of a state. Does not allocate.
+    #[doc(hidden)]
     pub fn write(&self, model: &Model, position: &[f64], velocity: &[f64], q: &mut [f64], v: &mut [f64]) {
         for joint in &self.joints {
             let given = model.joint_coordinates(joint.record, position, velocity);
@@ -97,7 +98,7 @@ impl Coordinates {
     ///
     /// # Errors
     /// Wrong lengths and numbers that are not finite.
-    pub fn state(&self, model: &Model, q: &[f64], v: &[f64]) -> Result<State, Error> {
+    pub(crate) fn state(&self, model: &Model, q: &[f64], v: &[f64]) -> Result<State, Error> {
         self.check("q", q, self.q_count(), |joint| &joint.q)?;
         self.check("v", v, self.v_count(), |joint| &joint.v)?;
         let mut state = model.zero_state();

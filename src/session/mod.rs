@@ -25,6 +25,12 @@ mod simulation;
 mod words;
 mod world;
 
+// What is chosen for models and runs.
+pub use crate::mechanism::description::rules::Rule;
+pub use crate::model::Left;
+#[cfg(feature = "log")]
+pub use crate::output::log::{LogOptions, Meshes, Topics};
+pub use crate::scene::Touching;
 #[doc(hidden)]
 pub use account::{Account, Begun, Closed, Ended, Told};
 #[doc(hidden)]

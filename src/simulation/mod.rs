@@ -2,7 +2,7 @@
 //!
 //! An [`Integrator`](crate::mechanism::motion::integrator::Integrator) makes steps and interpolates within its last one. [`Observer`]s receive
 //! samples at a fixed rate (the log) and the end of every step (energy, constraint and solver figures). The Lobatto scheme and the
-//! reduced-coordinate comparators share the loop ([`run`]), so that charts compare like with like.
+//! reduced-coordinate comparators share the loop (`run`), so that charts compare like with like.
 //!
 //! | what | where |
 //! |---|---|

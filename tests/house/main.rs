@@ -165,3 +165,26 @@ fn circles_and_upward_imports_are_found_through_re_exports_braces_and_paths_in_t
     let folders = folders(&house);
     assert!(circles(&folders).is_empty(), "all of that circle is in one folder: {folders:?}");
 }
+
+#[test]
+fn what_the_library_shows_of_itself_is_what_programs_are_meant_to_use() {
+    let root = std::fs::read_to_string("src/lib.rs").expect("the root of the library");
+    let mut hidden = false;
+    let mut shown = Vec::new();
+    for line in root.lines() {
+        if line.starts_with("pub ") && !hidden {
+            shown.push(line.trim_end_matches([';', '{', ' ']).to_string());
+        }
+        // Attributes of an item follow each other.
+        hidden = line == "#[doc(hidden)]" || (hidden && line.starts_with("#["));
+    }
+    let meant = [
+        "pub mod prelude",
+        "pub mod session",
+        "pub mod report",
+        "pub mod observing",
+        "pub mod errors",
+        "pub use nalgebra",
+    ];
+    assert_eq!(shown, meant, "hide what is for the programs of this repository alone");
+}

@@ -41,7 +41,7 @@ pub struct ContactsReport {
 
 impl ContactReport {
     /// A contact of this model.
-    pub fn new(model: &Model, point: &ContactPoint) -> Self {
+    pub(crate) fn new(model: &Model, point: &ContactPoint) -> Self {
         let (a, b) = pair_names(model, point.pair);
         ContactReport {
             a: a.to_string(),
@@ -57,6 +57,7 @@ impl ContactReport {
 
 impl ContactsReport {
     /// The contacts of a run of this model.
+    #[doc(hidden)]
     pub fn new(model: &Model, finished: &Finished) -> Self {
         let figures = finished.summary.contact;
         ContactsReport {
@@ -68,7 +69,7 @@ impl ContactsReport {
     }
 
     /// What there is at the end, in words: `4 contacts at the end, 1 of them slips`.
-    pub fn words(&self) -> String {
+    pub(crate) fn words(&self) -> String {
         let slipping = self.points.iter().filter(|point| point.state == "slip").count();
         let all = counted(self.points.len(), "contact", "contacts");
         match slipping {

@@ -38,14 +38,14 @@ impl Default for KindCounts {
 
 impl KindCounts {
     /// Those of a run.
-    pub fn new(counts: &EventCounts) -> Self {
+    pub(crate) fn new(counts: &EventCounts) -> Self {
         let mut all = KindCounts::default();
         EventKind::ALL.iter().for_each(|&kind| all.add(kind.name(), counts.of(kind)));
         all
     }
 
     /// Counts so many more events of a kind. Kinds that this version does not know come last.
-    pub fn add(&mut self, kind: &str, count: usize) {
+    pub(crate) fn add(&mut self, kind: &str, count: usize) {
         match self.0.iter_mut().find(|(name, _)| name == kind) {
             Some((_, sum)) => *sum += count,
             None => self.0.push((kind.to_string(), count)),
@@ -58,7 +58,7 @@ impl KindCounts {
     }
 
     /// Those that are not zero, in words: `3 limit impacts, 1 stick`.
-    pub fn words(&self) -> String {
+    pub(crate) fn words(&self) -> String {
         let happened = self.0.iter().filter(|(_, count)| *count > 0);
         let words: Vec<String> = happened
             .map(|(name, count)| match KINDS.iter().find(|(known, ..)| known == name) {
@@ -86,7 +86,7 @@ pub struct EventEntry {
 
 impl EventEntry {
     /// An event of a run of this model.
-    pub fn new(model: &Model, event: &Event) -> Self {
+    pub(crate) fn new(model: &Model, event: &Event) -> Self {
         EventEntry {
             time: event.time,
             kind: event.kind.name().to_string(),
@@ -122,6 +122,7 @@ pub struct EventReport {
 
 impl EventReport {
     /// The events of a run of this model.
+    #[doc(hidden)]
     pub fn new(model: &Model, finished: &Finished) -> Self {
         EventReport {
             counts: KindCounts::new(&finished.summary.events),

@@ -46,6 +46,7 @@ pub struct FrequencyReport {
 
 impl MethodReport {
     /// The method as an integrator describes itself.
+    #[doc(hidden)]
     pub fn new(description: &MethodDescription) -> Self {
         MethodReport {
             name: description.name.clone(),
@@ -66,7 +67,7 @@ impl MethodReport {
     }
 
     /// What the user should know, if a step was beyond the limit of stability.
-    pub fn warning(description: &MethodDescription) -> Option<String> {
+    pub(crate) fn warning(description: &MethodDescription) -> Option<String> {
         let seen = description.frequency_step.filter(FrequencyStep::is_unstable)?;
         let longest = rounded(seen.longest());
         let remedy = if description.adaptive {
@@ -87,7 +88,7 @@ impl MethodReport {
 }
 
 /// What the user should know, if dampers were to stop a motion that the steps were too long to stop.
-pub fn ringing_warning(description: &MethodDescription) -> Option<String> {
+pub(crate) fn ringing_warning(description: &MethodDescription) -> Option<String> {
     let Ringing { decay, step, longest, time } = description.ringing?;
     let remedy = if description.adaptive {
         "no step of useful length is short enough".to_string()
@@ -104,7 +105,7 @@ pub fn ringing_warning(description: &MethodDescription) -> Option<String> {
 }
 
 /// What the user should know, if closures said less somewhere in the run than elsewhere.
-pub fn singular_warning(description: &MethodDescription) -> Option<String> {
+pub(crate) fn singular_warning(description: &MethodDescription) -> Option<String> {
     let SingularPosition { time, extra } = description.singular?;
     let (equations, are) = if extra == 1 { ("constraint", "is") } else { ("constraints", "are") };
     Some(format!(
@@ -115,7 +116,7 @@ pub fn singular_warning(description: &MethodDescription) -> Option<String> {
 }
 
 /// What the user should know, if contacts were too many or too contradictory for the solver.
-pub fn unsolved_warning(description: &MethodDescription) -> Option<String> {
+pub(crate) fn unsolved_warning(description: &MethodDescription) -> Option<String> {
     let count = description.unsolved_contacts;
     (count > 0).then(|| {
         format!(
@@ -166,7 +167,7 @@ const CALM: f64 = 100.0;
 
 impl AccuracyReport {
     /// What a calibration found for a run that ends at `end`.
-    pub fn new(wanted: f64, end: f64, found: &Calibration) -> Self {
+    pub(crate) fn new(wanted: f64, end: f64, found: &Calibration) -> Self {
         AccuracyReport {
             wanted,
             estimated: found.estimate,
@@ -185,6 +186,7 @@ impl AccuracyReport {
     ///
     /// # Errors
     /// [`UnknownAccuracy`] where nothing tells it.
+    #[doc(hidden)]
     pub fn of(choice: StepChoice, run: &Finished) -> Result<Self, UnknownAccuracy> {
         let wanted = choice.tolerance().ok_or(UnknownAccuracy::NotAsked)?;
         // Trial runs go to the end, whatever becomes of the run.
@@ -206,7 +208,7 @@ impl AccuracyReport {
     ///
     /// # Errors
     /// The first reason why the accuracy of an island is not known.
-    pub fn together(
+    pub(crate) fn together(
         wanted: f64,
         end: f64,
         islands: &[Result<AccuracyReport, UnknownAccuracy>],
@@ -227,13 +229,13 @@ impl AccuracyReport {
     }
 
     /// Sees how the ends of springs are rounded: what that hides cannot be told.
-    pub fn see_rounding(&mut self, far: &FarSpring) {
+    pub(crate) fn see_rounding(&mut self, far: &FarSpring) {
         self.estimated = self.estimated.max(far.rounding());
         self.reached &= far.rounding() <= self.wanted;
     }
 
     /// Sees how the run kept its energy: steps that change it by more than the tolerance are not as accurate as is estimated.
-    pub fn see_energy(&mut self, summary: &Summary) {
+    pub(crate) fn see_energy(&mut self, summary: &Summary) {
         let error = summary.max_relative_energy_error;
         // What is not a number does not balance either.
         let balances = error <= UNBALANCED * self.wanted.max(FINEST);
@@ -244,7 +246,7 @@ impl AccuracyReport {
     }
 
     /// What the user should know of a run whose energy does not agree with the wanted accuracy.
-    pub fn energy_warning(&self) -> Option<String> {
+    pub(crate) fn energy_warning(&self) -> Option<String> {
         let (error, wanted) = (self.unbalanced?, self.wanted);
         Some(format!(
             "the energy balance is off by {error:.1e} of the largest kinetic energy, more than an accuracy of {wanted:e} m allows: whether it is \
@@ -253,6 +255,7 @@ impl AccuracyReport {
     }
 
     /// What the user should know, if the accuracy does not hold to the end, or if that cannot be told.
+    #[doc(hidden)]
     pub fn warning(&self) -> Option<String> {
         let wanted = self.wanted;
         if !self.reached {

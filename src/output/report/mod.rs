@@ -18,9 +18,13 @@ pub(crate) use contact::{pair_name, pair_names, state_name};
 #[cfg(feature = "log")]
 pub(crate) use events::joint_name;
 pub use events::{EventEntry, EventReport, JointStatusReport, KindCounts};
-pub use method::{AccuracyReport, FrequencyReport, MethodReport, ringing_warning, singular_warning, unsolved_warning};
-pub use places::{JointReport, LinkReport, LoopReport, Numbers, carried_reports, joint_reports, link_reports};
-pub use rounding::{COARSE, FarSpring, balance_warning, energy_warning};
+pub use method::{AccuracyReport, FrequencyReport, MethodReport};
+pub(crate) use method::{ringing_warning, singular_warning, unsolved_warning};
+pub use places::joint_reports;
+pub use places::{JointReport, LinkReport, LoopReport, Numbers};
+pub(crate) use places::{carried_reports, link_reports};
+pub use rounding::energy_warning;
+pub(crate) use rounding::{FarSpring, balance_warning};
 pub use speeds::SpeedWatch;
 pub use step_error::StepErrorReport;
 
@@ -183,6 +187,7 @@ pub struct ConstraintReport {
 
 impl EnergyReport {
     /// The energies of a run.
+    #[doc(hidden)]
     pub fn new(summary: &Summary) -> Self {
         EnergyReport {
             initial: summary.initial_energy.total(),
@@ -204,6 +209,7 @@ impl EnergyReport {
 
 impl ConstraintReport {
     /// The constraint violations of a run.
+    #[doc(hidden)]
     pub fn new(summary: &Summary) -> Self {
         ConstraintReport { max_position: summary.max_violation.position, max_velocity: summary.max_violation.velocity }
     }
@@ -211,6 +217,7 @@ impl ConstraintReport {
 
 impl ModelReport {
     /// The size of a model whose closures have these redundant equations, and that falls into so many parts, of which so many sleep.
+    #[doc(hidden)]
     pub fn new(model: &Model, redundancy: &Redundancy, (islands, sleeping_islands): (usize, usize)) -> Self {
         ModelReport {
             links: model.links.len(),
@@ -227,7 +234,7 @@ impl ModelReport {
 
 impl IslandReport {
     /// What an island did in a run.
-    pub fn new(figures: &IslandFigures) -> Self {
+    pub(crate) fn new(figures: &IslandFigures) -> Self {
         IslandReport {
             roots: figures.roots.clone(),
             bodies: figures.bodies,
@@ -244,6 +251,6 @@ impl IslandReport {
 ///
 /// # Errors
 /// Those of the serializer.
-pub fn as_object<T: Serialize, S: Serializer>(pairs: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn as_object<T: Serialize, S: Serializer>(pairs: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(pairs.iter().map(|(name, value)| (name, value)))
 }

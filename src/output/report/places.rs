@@ -79,7 +79,7 @@ impl From<Vec<f64>> for Numbers {
 pub type Reports<T> = Vec<(String, T)>;
 
 /// Every link of a model in a state, in the order of the URDF.
-pub fn link_reports(model: &Model, state: &State) -> Reports<LinkReport> {
+pub(crate) fn link_reports(model: &Model, state: &State) -> Reports<LinkReport> {
     let bodies = body_states(&model.mechanism, state);
     let report = |(index, link): (usize, &LinkFrame)| {
         let link_state = model.link_state(&bodies, index);
@@ -113,7 +113,7 @@ pub fn joint_reports(model: &Model, state: &State, statuses: &[JointStatus]) -> 
 }
 
 /// The reports of joints and of loop joints, for whose reactions the closures are counted once.
-pub fn carried_reports(
+pub(crate) fn carried_reports(
     model: &Model,
     state: &State,
     statuses: &[JointStatus],

@@ -29,7 +29,7 @@ pub struct FarSpring {
 
 impl FarSpring {
     /// Of a mechanism in a state; `None` without springs between points.
-    pub fn of(mechanism: &Mechanism, state: &State) -> Option<Self> {
+    pub(crate) fn of(mechanism: &Mechanism, state: &State) -> Option<Self> {
         let bodies = body_states(mechanism, state);
         let arm = |end: &Attachment| end.body.map_or(0.0, |_| end.frame.translation.vector.norm());
         let springs = mechanism.forces.point_springs.iter().map(|spring| FarSpring {
@@ -40,12 +40,12 @@ impl FarSpring {
     }
 
     /// What its ends are rounded by (m).
-    pub fn rounding(&self) -> f64 {
+    pub(crate) fn rounding(&self) -> f64 {
         f64::EPSILON * self.distance
     }
 
     /// What the user should know where that is more than the accuracy that is wanted (m).
-    pub fn warning(&self, wanted: f64) -> Option<String> {
+    pub(crate) fn warning(&self, wanted: f64) -> Option<String> {
         let (FarSpring { name, distance }, rounding) = (self, self.rounding());
         (rounding > wanted).then(|| {
             format!(
@@ -64,7 +64,7 @@ pub(super) fn is_energy_rounding(summary: &Summary) -> bool {
 }
 
 /// What the user should know, if the energy does not balance, or if that cannot be told.
-pub fn balance_warning(description: &MethodDescription, summary: &Summary) -> Option<String> {
+pub(crate) fn balance_warning(description: &MethodDescription, summary: &Summary) -> Option<String> {
     let error = summary.max_relative_energy_error;
     if error > COARSE && is_energy_rounding(summary) {
         let (stored, kinetic) = (summary.initial_energy.total(), rounded(summary.largest_kinetic));
@@ -77,7 +77,7 @@ pub fn balance_warning(description: &MethodDescription, summary: &Summary) -> Op
 }
 
 /// Energy errors beyond this part of the kinetic energy are said to the user: a digit or two are right at best.
-pub const COARSE: f64 = 1e-2;
+pub(crate) const COARSE: f64 = 1e-2;
 
 /// What the user should know, if the energy does not balance.
 pub fn energy_warning(description: &MethodDescription, relative_error: f64) -> Option<String> {

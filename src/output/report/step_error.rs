@@ -33,12 +33,12 @@ pub struct StepErrorReport {
 
 impl StepErrorReport {
     /// From how far a run with half the step is from it at the end (m).
-    pub fn by_half_the_step(apart: f64) -> Self {
+    pub(crate) fn by_half_the_step(apart: f64) -> Self {
         StepErrorReport { estimated: apart, by: "half the step" }
     }
 
     /// From what the run has done to the energy in so much time (s); `None` where rounding hides that.
-    pub fn by_energy(mechanism: &Mechanism, summary: &Summary, duration: f64) -> Option<Self> {
+    pub(crate) fn by_energy(mechanism: &Mechanism, summary: &Summary, duration: f64) -> Option<Self> {
         if summary.max_relative_energy_error > COARSE && is_energy_rounding(summary) {
             return None;
         }
@@ -49,7 +49,7 @@ impl StepErrorReport {
     }
 
     /// What the user should know of steps that were too long.
-    pub fn warning(&self, description: &MethodDescription) -> Option<String> {
+    pub(crate) fn warning(&self, description: &MethodDescription) -> Option<String> {
         let StepErrorReport { estimated, by } = *self;
         if estimated <= NOTICEABLE {
             return None;
