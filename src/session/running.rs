@@ -129,14 +129,16 @@ impl Running {
                     let ended = if to_the_end { simulation.run() } else { simulation.step_to(until) };
                     return ended.map_err(Error::from);
                 };
-                while simulation.state().time < until {
-                    if control.is_due(simulation.state().time) {
-                        control.ask(model, simulation.state())?;
-                        simulation.set_efforts(control.of_state())?;
+                simulation.together(|simulation| {
+                    while simulation.state().time < until {
+                        if control.is_due(simulation.state().time) {
+                            control.ask(model, simulation.state())?;
+                            simulation.set_efforts(control.of_state())?;
+                        }
+                        simulation.step_to(control.next().min(until))?;
                     }
-                    simulation.step_to(control.next().min(until))?;
-                }
-                Ok(())
+                    Ok(())
+                })
             })
             .unwrap_or(Ok(()))
     }

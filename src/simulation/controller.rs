@@ -95,15 +95,17 @@ impl Simulation<'_> {
             return Err(ControlError::Period(period));
         }
         let mut efforts = vec![0.0; self.mechanism().velocity_count];
-        for tick in 1_u64.. {
-            if self.state().time >= self.end() {
-                break;
+        self.together(|run| {
+            for tick in 1_u64.. {
+                if run.state().time >= run.end() {
+                    break;
+                }
+                efforts.fill(0.0);
+                controller.efforts(run.mechanism(), run.state(), &mut efforts);
+                run.set_efforts(&efforts)?;
+                run.step_to((begin + tick as f64 * period).min(run.end()))?;
             }
-            efforts.fill(0.0);
-            controller.efforts(self.mechanism(), self.state(), &mut efforts);
-            self.set_efforts(&efforts)?;
-            self.step_to((begin + tick as f64 * period).min(self.end()))?;
-        }
-        Ok(())
+            Ok(())
+        })
     }
 }

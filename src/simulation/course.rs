@@ -8,10 +8,10 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
+use crate::simulation::clock::Clock;
 use crate::simulation::observer::show;
 use crate::simulation::summary::{Bookkeeper, KEPT_EVENTS};
 use crate::simulation::{Observer, ObserverError, Sample, Summary};
-use cpu_time::ThreadTime;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -85,7 +85,7 @@ pub(crate) struct Course {
     bodies: Vec<BodyState>,
     /// Whether figures are computed: energies, constraint errors and times of steps.
     figures: bool,
-    /// Wall time of the steps in a call of [`Course::proceed`].
+    /// Wall time of the steps since [`Course::count_time`] was called last.
     solving: Duration,
     bookkeeper: Bookkeeper,
     /// The events of the last step.
@@ -165,17 +165,20 @@ impl Course {
         if !self.figures {
             return self.steps(mechanism, inputs, state, integrator, aim, interrupt, observers);
         }
-        let (processor, wall) = (ThreadTime::now(), Instant::now());
-        self.solving = Duration::ZERO;
+        let clock = Clock::start();
         let ended = self.steps(mechanism, inputs, state, integrator, aim, interrupt, observers);
-        let share = self.solving.as_secs_f64() / wall.elapsed().as_secs_f64().max(f64::MIN_POSITIVE);
-        self.bookkeeper.summary.solve_cpu_seconds += share.min(1.0) * processor.elapsed().as_secs_f64();
+        self.count_time(&clock);
         ended
     }
 
-    /// As [`Course::proceed`]; adds the time spent in the integrator to `solving`.
+    /// Adds the CPU time of the steps since `clock` was started to the summary.
+    pub(crate) fn count_time(&mut self, clock: &Clock) {
+        self.bookkeeper.summary.solve_cpu_seconds += clock.share(std::mem::take(&mut self.solving));
+    }
+
+    /// As [`Course::proceed`]; adds the wall time spent in the integrator to `solving`. The caller calls [`Course::count_time`].
     #[expect(clippy::too_many_arguments, reason = "what is constant, what changes and who watches are apart")]
-    fn steps(
+    pub(crate) fn steps(
         &mut self,
         mechanism: &Mechanism,
         inputs: Inputs,

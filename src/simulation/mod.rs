@@ -17,6 +17,7 @@ pub mod accuracy;
 #[doc(hidden)]
 pub mod assessed;
 mod beside;
+mod clock;
 mod continuous;
 mod controller;
 mod course;

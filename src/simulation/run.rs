@@ -15,6 +15,7 @@ use crate::mechanism::motion::inputs::{Feedback, Inputs};
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy::{Calibration, UnknownAccuracy};
+use crate::simulation::clock::Clock;
 use crate::simulation::course::{Aim, Course, RunError, RunOptions};
 use crate::simulation::integrators::{Calibrations, Integrators, SimulationError, Wanted};
 use crate::simulation::islands::IslandFigures;
@@ -83,6 +84,8 @@ pub struct Simulation<'s> {
     observers: Vec<&'s mut dyn Observer>,
     /// Whether figures are wanted.
     figures: bool,
+    /// Whether the CPU time of steps is counted for many calls together.
+    together: bool,
     progress: Option<Progress>,
 }
 
@@ -222,6 +225,7 @@ impl<'s> Simulation<'s> {
             options: RunOptions { duration, rate: None, interrupt },
             observers: Vec::new(),
             figures: true,
+            together: false,
             progress: None,
         })
     }
@@ -323,9 +327,31 @@ impl<'s> Simulation<'s> {
         self.proceed(f64::INFINITY, Some(feedback))
     }
 
+    /// Does work that makes many short calls of [`Simulation::step_to`], whose CPU time is asked for once.
+    pub(crate) fn together<R>(&mut self, work: impl FnOnce(&mut Self) -> R) -> R {
+        let clock = Clock::start();
+        self.together = true;
+        let done = work(self);
+        self.together = false;
+        if let Some(Progress::Whole(course)) = &mut self.progress {
+            course.count_time(&clock);
+        }
+        done
+    }
+
     fn proceed(&mut self, until: f64, feedback: Option<&dyn Feedback>) -> Result<(), RunError> {
         let Simulation {
-            mechanism, state, efforts, integrators, options, observers, figures, progress, choice, ..
+            mechanism,
+            state,
+            efforts,
+            integrators,
+            options,
+            observers,
+            figures,
+            together,
+            progress,
+            choice,
+            ..
         } = self;
         let inputs = Inputs { feedback, ..Inputs::constant(efforts) };
         let watching = &mut observers[..];
@@ -339,6 +365,9 @@ impl<'s> Simulation<'s> {
                 }
                 let Some(Progress::Whole(course)) = progress else { return Ok(()) };
                 let aim = Aim { horizon: f64::INFINITY, until };
+                if *together {
+                    return course.steps(mechanism, inputs, state, integrator, aim, options.interrupt, watching);
+                }
                 course.proceed(mechanism, inputs, state, integrator, aim, options.interrupt, watching)
             }
             Integrators::Islands { islands, .. } => {
