@@ -19,8 +19,8 @@ HORIZON = 10.0
 class Sim:
     """A simulation of a model, and where it is: ``time``, ``q`` and ``v``.
 
-    ``q`` and ``v`` are numpy arrays that may be read and changed by index or by the name of a joint; what is changed is where the next run or step
-    starts.
+    ``q`` and ``v`` are numpy arrays that may be read and changed by index or by the name of a joint. Every run and step
+    writes the present values into the same arrays, so a slice of them follows the motion. The next run or step starts from the values in them.
 
     Parameters
     ----------
@@ -39,14 +39,15 @@ class Sim:
         self._controller = None
         self._efforts = None
         self._run = None
-        self._known = None
-        self.reset()
+        q, v = model.start()
+        self._q = NamedArray(q, model._inner.q_places())
+        self._v = NamedArray(v, model._inner.v_places())
+        self._time = 0.0
 
     def reset(self):
         """Back to the start that the file gives, at time 0."""
         q, v = self.model.start()
-        self._q = NamedArray(q, self.model._inner.q_places())
-        self._v = NamedArray(v, self.model._inner.v_places())
+        self._q[:], self._v[:] = q, v
         self._time = 0.0
         self._run = None
 
@@ -96,7 +97,7 @@ class Sim:
     def set_efforts(self, efforts):
         """Efforts along v from now on [N m or N], besides the forces of the model; None for none."""
         self._efforts = None if efforts is None else flat(efforts, "efforts").copy()
-        if self._run is not None and self._is_known():
+        if self._run is not None and self._run.is_at(self._q, self._v):
             self._run.set_efforts(np.zeros(len(self._v)) if efforts is None else self._efforts)
         else:
             self._run = None
@@ -128,7 +129,7 @@ class Sim:
         """Goes on until a time [s], exactly."""
         if not np.isfinite(time) or time < self._time:
             raise InputError(f"cannot step to t = {time} s: the run is at {self._time} s")
-        if self._run is None or not self._is_known() or time > self._run.end:
+        if self._run is None or time > self._run.end or not self._run.is_at(self._q, self._v):
             self._run = self._begin(max(HORIZON, time - self._time), None, None, False, self._controller)
         try:
             self._run.step_to(float(time))
@@ -162,13 +163,8 @@ class Sim:
         return run
 
     def _look(self, run):
-        q, v = run.coordinates()
         self._time = run.time
-        self._q[:], self._v[:] = q, v
-        self._known = (q, v)
-
-    def _is_known(self):
-        return self._known is not None and np.array_equal(self._q, self._known[0]) and np.array_equal(self._v, self._known[1])
+        run.look(self._q, self._v)
 
     def __repr__(self):
         return f"<catena.Sim of {self.model.name!r} at t = {self._time} s>"

@@ -5,12 +5,12 @@ use crate::recorded::Recorded;
 use crate::refusal::{input, refuse};
 use crate::signals::Watcher;
 use catena::session::{ControllerFailure, Error, Moment, SharedRecording, Simulation};
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, ToPyArray};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1, ToPyArray};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A run.
 #[pyclass(frozen, module = "catena._catena")]
@@ -18,10 +18,13 @@ pub struct Run {
     inner: Mutex<Option<Simulation>>,
     recording: SharedRecording,
     interrupt: Arc<AtomicBool>,
+    /// q and v as they were written last: what somebody has changed since is another start.
+    written: Mutex<[Vec<f64>; 2]>,
 }
 
 type Vector<'py> = Bound<'py, PyArray1<f64>>;
 type Given<'py> = PyReadonlyArray1<'py, f64>;
+type Written<'py> = PyReadwriteArray1<'py, f64>;
 
 #[pymethods]
 impl Run {
@@ -70,7 +73,7 @@ impl Run {
         simulation = simulation.observe(Watcher::new(interrupt.clone()));
         let (q, v) = (numbers(&q), numbers(&v));
         let simulation = py.detach(|| simulation.start_from(&q, &v)).map_err(|error| refuse(py, error))?;
-        Ok(Run { inner: Mutex::new(Some(simulation)), recording, interrupt })
+        Ok(Run { inner: Mutex::new(Some(simulation)), recording, interrupt, written: Mutex::new([q, v]) })
     }
 
     /// Time (s).
@@ -85,9 +88,20 @@ impl Run {
         self.with(py, |simulation| Ok(simulation.end()))
     }
 
-    fn coordinates<'py>(&self, py: Python<'py>) -> PyResult<(Vector<'py>, Vector<'py>)> {
-        let (q, v) = self.with(py, |simulation| simulation.coordinates())?;
-        Ok((q.to_pyarray(py), v.to_pyarray(py)))
+    /// Writes the present q and v into the memory of these arrays.
+    fn look(&self, py: Python<'_>, mut q: Written<'_>, mut v: Written<'_>) -> PyResult<()> {
+        let (q, v) = (q.as_slice_mut()?, v.as_slice_mut()?);
+        self.with(py, |simulation| simulation.write_coordinates(q, v))?;
+        let mut written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
+        written[0].copy_from_slice(q);
+        written[1].copy_from_slice(v);
+        Ok(())
+    }
+
+    /// Whether these are still q and v as they were written last.
+    fn is_at(&self, q: Given<'_>, v: Given<'_>) -> PyResult<bool> {
+        let written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(q.as_slice()? == written[0] && v.as_slice()? == written[1])
     }
 
     fn pose<'py>(&self, py: Python<'py>, link: &str) -> PyResult<Vector<'py>> {
@@ -138,14 +152,18 @@ fn ask(py: Python<'_>, controller: &Py<PyAny>, now: &Moment, efforts: &mut [f64]
     if answer.is_none() {
         return Ok(());
     }
-    let given = match answer.cast::<PyArray1<f64>>() {
-        Ok(array) => array.readonly().as_array().to_vec(),
-        Err(_) => answer.extract::<Vec<f64>>()?,
+    let count = |given: usize| match given == efforts.len() {
+        true => Ok(()),
+        false => Err(input(py, format!("it returned {given} efforts for {} degrees of freedom", efforts.len()))),
     };
-    if given.len() != efforts.len() {
-        let message = format!("it returned {} efforts for {} degrees of freedom", given.len(), efforts.len());
-        return Err(input(py, message));
+    if let Ok(array) = answer.cast::<PyArray1<f64>>() {
+        let array = array.readonly();
+        count(array.len()?)?;
+        efforts.iter_mut().zip(array.as_array()).for_each(|(effort, given)| *effort = *given);
+        return Ok(());
     }
+    let given = answer.extract::<Vec<f64>>()?;
+    count(given.len())?;
     efforts.copy_from_slice(&given);
     Ok(())
 }

@@ -65,8 +65,28 @@ def test_answers_that_are_no_efforts_are_named(free, answer, message):
         catena.Sim(free).run(0.1, controller=lambda t, q, v: answer, control_rate=10)
 
 
+def test_what_a_controller_keeps_stays_as_it_was(free):
+    kept, parts, times = [], [], []
+
+    def watching(t, q, v):
+        # Every other one is kept: whole, or a part of it.
+        if len(times) % 4 == 0:
+            kept.append((t, q))
+        elif len(times) % 4 == 2:
+            parts.append((t, q[:1]))
+        times.append(t)
+
+    sim = catena.Sim(free, tolerance=1e-9)
+    sim.v["hinge"] = 1.0
+    sim.run(1.0, controller=watching, control_rate=100)
+    assert len(times) == 100 and len(kept) == len(parts) == 25
+    # Free motion: q = t.
+    for t, q in kept + parts:
+        assert abs(q[0] - t) < 1e-12, t
+
+
 def test_a_controller_that_asks_its_own_run_gets_an_error_not_a_deadlock(free):
     sim = catena.Sim(free)
-    sim.set_controller(lambda t, q, v: sim._run.coordinates()[0], rate=10)
+    sim.set_controller(lambda t, q, v: sim._run.energy(), rate=10)
     with pytest.raises(catena.RunError, match="the run is being made"):
         sim.step(0.5)

@@ -75,6 +75,26 @@ def test_steps_and_changes_between_them(double_pendulum):
     assert sim.time == 0.0 and sim.q["elbow"] == 0.0
 
 
+def test_q_and_v_are_the_same_memory_whatever_is_run(robots):
+    sim = catena.Sim(catena.load(robots / "tumbling_body.urdf", base="floating", gravity=(0, 0, 0)))
+    base = sim.model.joint_names[0]
+    q, v, place = sim.q, sim.v, sim.q[base][:3]
+    sim.v[base] = [1, 2, 3, 0, 0, 0.5]
+    for _ in range(5):
+        sim.step(0.1)
+        assert sim.q is q and sim.v is v and np.shares_memory(place, q)
+        # The origin of the frame is the centre of mass here, or turns about it: what was taken once is where it is now.
+        assert np.array_equal(place, sim.pose(sim.model.link_names[0])[:3])
+    sim.run(0.5)
+    assert sim.q is q and abs(sim.time - 1.0) < 1e-12 and np.array_equal(place, sim.q[base][:3])
+    # What is written through a part that was taken once is where it goes on.
+    place[:] = [7, 8, 9]
+    result = sim.run(0.1, rate=10)
+    assert np.array_equal(result.q[base][0, :3], [7, 8, 9])
+    sim.reset()
+    assert sim.q is q and np.array_equal(place, [0, 0, 0])
+
+
 def test_results_become_tables_and_files(double_pendulum, tmp_path):
     sim = catena.Sim(double_pendulum)
     sim.q["shoulder"] = 1.0

@@ -36,7 +36,7 @@ pub struct JointPlace {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Coordinates {
     joints: Vec<JointPlace>,
-    /// Whether v is the velocity of the state: there are no ball and no floating joints.
+    /// Whether q and v are position and velocity of the state: there are no ball and no floating joints.
     plain: bool,
 }
 
@@ -87,6 +87,11 @@ impl Coordinates {
     /// Writes q and v of positions and velocities of a state. Does not allocate.
     #[doc(hidden)]
     pub fn write(&self, model: &Model, position: &[f64], velocity: &[f64], q: &mut [f64], v: &mut [f64]) {
+        if self.plain && position.len() == q.len() {
+            q.copy_from_slice(position);
+            v.copy_from_slice(velocity);
+            return;
+        }
         for joint in &self.joints {
             let given = model.joint_coordinates(joint.record, position, velocity);
             q[joint.q.clone()].copy_from_slice(given.position());

@@ -35,6 +35,20 @@ impl Simulation {
         self.look(|state| self.model.flat(state))
     }
 
+    /// Writes the present q and v into these slices, without allocating; [`Simulation::coordinates`] returns the same numbers.
+    ///
+    /// # Errors
+    /// Lengths that differ from those of q and v, or an invalid start.
+    pub fn write_coordinates(&self, q: &mut [f64], v: &mut [f64]) -> Result<(), Error> {
+        let (places, model) = (self.model.coordinates(), self.model.description());
+        for (what, given, wanted) in [("q", q.len(), places.q_count()), ("v", v.len(), places.v_count())] {
+            if given != wanted {
+                return Err(Error::Count { what, given, wanted });
+            }
+        }
+        self.look(|state| places.write(model, &state.position, &state.velocity, q, v))
+    }
+
     /// The present position of a joint: one number per coordinate, as in reports (rad, m).
     ///
     /// # Errors
