@@ -158,7 +158,7 @@ pub struct AccuracyReport {
 }
 
 /// Where a motion amplifies errors more than [`CALM`] times, finer accuracies than this (m) are among the roundings of the run, and of what
-/// tells it alike (benches/README.md, "Is the accuracy what was asked for?").
+/// tells it alike (doc/findings/2026-11-benches.md, "Is the accuracy what was asked for?").
 const FINEST: f64 = 1e-11;
 /// Energy errors over the wanted accuracy (1/m) beyond which the estimate is not believed: steps are kept within one.
 const UNBALANCED: f64 = 10.0;
