@@ -72,5 +72,8 @@ fn line(summary: &Summary) -> String {
     if let Some(constraint) = &summary.constraint {
         let _ = write!(line, ", violation {:.1e} m, {:.1e} m/s", constraint.max_position, constraint.max_velocity);
     }
+    if let Some(said) = &summary.accuracy_so_far {
+        let _ = write!(line, ", {said}");
+    }
     line + "\n"
 }

@@ -1,6 +1,8 @@
-//! The progress bar on a terminal: how far the present trial run is, then simulated time, speed against real time, time left.
+//! The progress bar on a terminal: how far the present trial run is, then simulated time, accuracy so far, speed against real time, time left.
 
-use catena::simulation::{Observer, ObserverError, Sample};
+use catena::mechanism::ground::words::rounded;
+use catena::mechanism::motion::integrator::MethodDescription;
+use catena::simulation::{AccuracySoFar, Observer, ObserverError, Sample};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
 
@@ -13,6 +15,7 @@ pub struct Progress {
     duration: f64,
     started: Instant,
     drawn: Instant,
+    accuracy: Option<AccuracySoFar>,
 }
 
 impl Progress {
@@ -24,7 +27,7 @@ impl Progress {
             bar.set_style(style);
         }
         let now = Instant::now();
-        Progress { bar, duration, started: now, drawn: now }
+        Progress { bar, duration, started: now, drawn: now, accuracy: None }
     }
 
     /// Takes the bar away.
@@ -70,8 +73,41 @@ impl Observer for Progress {
             self.drawn = Instant::now();
             let speed = sample.time / self.started.elapsed().as_secs_f64();
             self.bar.set_position((1000.0 * sample.time / self.duration) as u64);
-            self.bar.set_message(format!("{:.2} of {} s, {speed:.1} × real time", sample.time, self.duration));
+            let accuracy = self.accuracy.as_ref().map_or_else(String::new, said);
+            self.bar
+                .set_message(format!("{:.2} of {} s{accuracy}, {speed:.1} × real time", sample.time, self.duration));
         }
         Ok(())
+    }
+
+    fn accuracy(&mut self, so_far: &AccuracySoFar) {
+        self.accuracy = Some(*so_far);
+    }
+
+    fn begin_again(&mut self, _: &MethodDescription) -> Result<(), ObserverError> {
+        self.accuracy = None;
+        Ok(())
+    }
+}
+
+/// The accuracy so far: what a person who waits wants to know of it.
+fn said(so_far: &AccuracySoFar) -> String {
+    if so_far.holds() {
+        format!(", estimated error {:.0e} m", so_far.estimate)
+    } else {
+        format!(", accurate to {:e} m until t = {} s", so_far.wanted, rounded(so_far.holds_until))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bar_says_the_error_so_far_and_once_that_is_too_large_until_when_it_was_not() {
+        let held = AccuracySoFar { time: 3.9, wanted: 1e-6, estimate: 2.4e-8, holds_until: 3.9 };
+        assert_eq!(said(&held), ", estimated error 2e-8 m");
+        let lost = AccuracySoFar { estimate: f64::INFINITY, holds_until: 3.87, ..held };
+        assert_eq!(said(&lost), ", accurate to 1e-6 m until t = 3.87 s");
     }
 }

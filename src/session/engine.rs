@@ -7,7 +7,7 @@ use crate::mechanism::motion::integrator::MethodDescription;
 use crate::output::log::Recorder;
 use crate::output::report::SpeedWatch;
 use crate::session::model::Model;
-use crate::simulation::{Finished, Observer, ObserverError, Sample, Simulation, StepEnd};
+use crate::simulation::{AccuracySoFar, Finished, Observer, ObserverError, Sample, Simulation, StepEnd};
 use self_cell::{MutBorrow, self_cell};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -86,6 +86,10 @@ impl Observer for Watch {
 
     fn event(&mut self, event: &Event) {
         self.all().for_each(|observer| observer.event(event));
+    }
+
+    fn accuracy(&mut self, so_far: &AccuracySoFar) {
+        self.all().for_each(|observer| observer.accuracy(so_far));
     }
 
     fn contacts(&mut self, points: &[ContactPoint]) {

@@ -3,7 +3,7 @@
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::integrator::MethodDescription;
-use crate::simulation::{Observer, ObserverError, Sample, StepEnd};
+use crate::simulation::{AccuracySoFar, Observer, ObserverError, Sample, StepEnd};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The samples, events and contacts of a run.
@@ -21,6 +21,8 @@ pub struct Recording {
     step_of: Vec<usize>,
     /// Events, each with the index of the next sample.
     events: Vec<(usize, Event)>,
+    /// Accuracies that the run told, each with the index of the next sample.
+    accuracies: Vec<(usize, AccuracySoFar)>,
     /// Contacts, each with the index of its sample.
     contacts: Vec<(usize, Vec<ContactPoint>)>,
 }
@@ -51,9 +53,13 @@ impl Recording {
     /// Any error of the observer.
     pub fn show_to(&self, observer: &mut dyn Observer) -> Result<(), ObserverError> {
         let (mut events, mut contacts) = (self.events.iter().peekable(), self.contacts.iter().peekable());
+        let mut accuracies = self.accuracies.iter().peekable();
         for number in 0..=self.times.len() {
             while let Some((_, event)) = events.next_if(|(before, _)| *before <= number) {
                 observer.event(event);
+            }
+            while let Some((_, so_far)) = accuracies.next_if(|(before, _)| *before <= number) {
+                observer.accuracy(so_far);
             }
             while let Some((_, points)) = contacts.next_if(|(of, _)| *of <= number) {
                 observer.contacts(points);
@@ -93,6 +99,10 @@ impl Observer for Recording {
         self.events.push((self.times.len(), *event));
     }
 
+    fn accuracy(&mut self, so_far: &AccuracySoFar) {
+        self.accuracies.push((self.times.len(), *so_far));
+    }
+
     fn contacts(&mut self, points: &[ContactPoint]) {
         self.contacts.push((self.times.len(), points.to_vec()));
     }
@@ -124,6 +134,10 @@ impl Observer for SharedRecording {
 
     fn event(&mut self, event: &Event) {
         self.with(|recording| recording.event(event));
+    }
+
+    fn accuracy(&mut self, so_far: &AccuracySoFar) {
+        self.with(|recording| recording.accuracy(so_far));
     }
 
     fn contacts(&mut self, points: &[ContactPoint]) {

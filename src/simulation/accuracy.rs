@@ -95,6 +95,9 @@ pub struct Calibration {
     pub estimate: f64,
     /// The last instant up to which the estimated error meets the tolerance (s); the end of the run if it always does.
     pub holds_until: f64,
+    /// The instant up to which this is known (s): the end of the run, or a little before if it was interrupted; for trial runs the end that was
+    /// asked for.
+    pub told_until: f64,
     /// Whether the finest trial runs part before the end, so that finer steps would not help.
     pub parted: bool,
     /// If the accuracy does not hold to the end: the first instant (s) from which the finest trial runs meet different events (impacts, sticking,
@@ -207,6 +210,7 @@ pub(crate) fn calibrate_counted(
         // No position is known better than it is rounded.
         estimate: if parted { size } else { worst.max(f64::EPSILON * size) },
         holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
+        told_until: search.course.end,
         events_differ: differ,
         parted,
         pilots: search.pilots,

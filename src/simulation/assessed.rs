@@ -23,7 +23,8 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy::{Calibration, UnknownAccuracy};
-use crate::simulation::beside::{Beside, RATIO};
+use crate::simulation::accuracy_so_far::AccuracySoFar;
+use crate::simulation::beside::{Behind, Beside, RATIO};
 use crate::simulation::event_order::first_difference;
 use crate::simulation::forecast::{FINEST, Forecast, ROUNDED, Wanted};
 use crate::simulation::run_integrator::RunIntegrator;
@@ -64,8 +65,8 @@ enum By {
 }
 
 /// An integrator that estimates its own error.
-pub struct Assessed {
-    terms: Terms,
+pub struct Assessed<'a> {
+    terms: Terms<'a>,
     stop: f64,
     stages: StageChoice,
     run: RunIntegrator,
@@ -84,8 +85,8 @@ pub struct Assessed {
     /// Number of steps at the last estimate, and the time of the next one (s).
     looked: usize,
     due: f64,
-    /// The largest error so far at each estimate (s, m).
-    trail: Vec<(f64, f64)>,
+    /// The estimate of the last look.
+    so_far: Option<AccuracySoFar>,
     parted: bool,
     /// The events so far, and the time from which the separate run has met different ones (s), if any.
     events: Vec<Event>,
@@ -94,12 +95,12 @@ pub struct Assessed {
     driven: bool,
 }
 
-impl Assessed {
+impl<'a> Assessed<'a> {
     /// An integrator with these settings.
     ///
     /// # Errors
     /// [`MethodError`] for invalid steps.
-    pub(crate) fn new(mechanism: &Mechanism, terms: Terms) -> Result<Self, MethodError> {
+    pub(crate) fn new(mechanism: &Mechanism, terms: Terms<'a>) -> Result<Self, MethodError> {
         let smooth = mechanism.nonsmooth.is_empty();
         let part = if smooth { OPTIMISTIC } else { CAREFUL };
         let stop = (terms.tolerance / part).clamp(FINEST, COARSEST_STOP);
@@ -120,7 +121,7 @@ impl Assessed {
             steps: 0,
             looked: 0,
             due: 0.0,
-            trail: Vec::new(),
+            so_far: None,
             parted: false,
             events: Vec::new(),
             differ: None,
@@ -146,7 +147,7 @@ impl Assessed {
         self.run = self.terms.run(mechanism, self.stop, self.stages)?;
         self.forecast = Forecast::new(wanted(mechanism, &self.terms, self.stop));
         (self.steps, self.looked, self.parted) = (0, 0, false);
-        self.trail.clear();
+        self.so_far = None;
         self.events.clear();
         self.differ = None;
         self.accompany(mechanism);
@@ -178,24 +179,30 @@ impl Assessed {
         LOOKS[usize::from(!matches!(self.by, By::Carried))]
     }
 
-    fn worst(&self) -> f64 {
-        self.trail.last().map_or(0.0, |&(_, worst)| worst)
+    /// What the run has told of its accuracy at the last look, if there was one.
+    pub(crate) fn so_far(&self) -> Option<AccuracySoFar> {
+        self.so_far
     }
 
-    /// The present error (m); infinite if it cannot be estimated any more.
-    fn error(&mut self, mechanism: &Mechanism, state: &State) -> f64 {
+    fn worst(&self) -> f64 {
+        self.so_far.map_or(0.0, |so_far| so_far.estimate)
+    }
+
+    /// The present error (m), or `None` if the run was interrupted before it was known; infinite if it cannot be estimated any more.
+    fn error(&mut self, mechanism: &Mechanism, state: &State) -> Option<f64> {
         let mut there = state.clone();
         if matches!(self.by, By::Carried) && !self.run.place_companion(&mut there) {
             self.by = self.origin.as_ref().map_or(By::Nothing, |origin| self.beside(mechanism, origin));
         }
         let share = match &mut self.by {
-            By::Nothing => return f64::INFINITY,
+            By::Nothing => return Some(f64::INFINITY),
             By::Carried if self.stop < ROUNDED => OWN_ROUNDINGS,
             By::Carried => 1.0,
             By::Beside(beside) => {
-                // So coarse a run may fail although a finer one succeeds.
-                if beside.advance(mechanism, state.time).is_err() {
-                    return f64::INFINITY;
+                match beside.advance(mechanism, &self.terms, state.time) {
+                    Ok(()) => {}
+                    Err(Behind::Failed) => return Some(f64::INFINITY),
+                    Err(Behind::Interrupted) => return None,
                 }
                 there.copy_from(&beside.state);
                 if RATIO * self.stop < ROUNDED { OWN_ROUNDINGS } else { LUCK / RATIO }
@@ -203,7 +210,7 @@ impl Assessed {
         };
         let apart = distance(&probes(mechanism, &there), &probes(mechanism, state));
         // NaN counts as parted.
-        if apart <= PARTED * self.size { apart * share } else { f64::INFINITY }
+        Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
     }
 
     /// Estimates the error, and decides whether the run continues.
@@ -211,9 +218,12 @@ impl Assessed {
         if self.parted || matches!(self.by, By::Nothing) {
             return;
         }
-        let error = self.error(mechanism, state).max(self.worst());
-        self.trail.push((state.time, error));
-        let Terms { start, end, .. } = self.terms;
+        let Some(error) = self.error(mechanism, state) else { return };
+        let error = error.max(self.worst());
+        let Terms { start, end, tolerance: wanted, .. } = self.terms;
+        let held = self.so_far.map_or(start, |so_far| so_far.holds_until);
+        let holds_until = if error <= wanted { state.time } else { held };
+        self.so_far = Some(AccuracySoFar { time: state.time, wanted, estimate: error, holds_until });
         let later = (state.time - start) * LATER;
         (self.looked, self.due) = (self.steps, (state.time + (end - start) / self.looks()).min(start + later));
         if self.may_begin_again
@@ -247,20 +257,21 @@ impl Assessed {
         if self.steps == 0 {
             return Err(UnknownAccuracy::NotYet);
         }
-        if self.trail.last().is_none_or(|&(time, _)| time < state.time) {
+        if self.so_far.is_none_or(|so_far| so_far.time < state.time) {
             self.settle();
             self.look(mechanism, state);
         }
-        let held = self.trail.iter().take_while(|&&(_, error)| error <= self.terms.tolerance).last();
-        let holds_until = held.map_or(self.terms.start, |&(time, _)| time);
+        // If the separate run was interrupted on its way here, the last look is the last that is known.
+        let Some(AccuracySoFar { time, holds_until, .. }) = self.so_far else { return Err(UnknownAccuracy::NotYet) };
         // Different events that change almost nothing are not reported.
-        let differ = if holds_until < state.time { self.differ.or_else(|| self.difference()) } else { None };
+        let differ = if holds_until < time { self.differ.or_else(|| self.difference()) } else { None };
         Ok(Calibration {
             stop: self.stop,
             stages: self.stages,
             // Runs that have parted may end at any distance up to the size of the mechanism. No position is more accurate than its rounding.
             estimate: if self.parted { self.size } else { self.worst().max(f64::EPSILON * self.size) },
             holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
+            told_until: if self.parted { state.time } else { time },
             parted: self.parted,
             events_differ: differ,
             pilots: 0,
@@ -274,7 +285,7 @@ fn wanted(mechanism: &Mechanism, terms: &Terms, stop: f64) -> Wanted {
     Wanted { accuracy: terms.tolerance, stop, start: terms.start, end: terms.end, grows }
 }
 
-impl Integrator for Assessed {
+impl Integrator for Assessed<'_> {
     fn step(
         &mut self,
         mechanism: &Mechanism,

@@ -2,7 +2,7 @@
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::event::Event;
-use crate::mechanism::motion::integrator::{Integrator, StepError};
+use crate::mechanism::motion::integrator::Integrator;
 use crate::mechanism::motion::state::State;
 use crate::simulation::run_integrator::RunIntegrator;
 use crate::simulation::terms::Terms;
@@ -13,6 +13,14 @@ use crate::stepping::stage_choice::StageChoice;
 pub(crate) const RATIO: f64 = 30.0;
 /// The least energy change that may be made, over the stop. With the bound of the run, a coarse companion would take more steps than the run.
 const ENERGY: f64 = 300.0;
+
+/// Why a separate run has not reached the time that was asked for.
+pub(crate) enum Behind {
+    /// It has failed: so coarse a run may fail although a finer one succeeds.
+    Failed,
+    /// It was interrupted, and may go on from where it is.
+    Interrupted,
+}
 
 /// A separate coarser run, and its state.
 pub(crate) struct Beside {
@@ -42,9 +50,15 @@ impl Beside {
     }
 
     /// Advances to a time (s), where a step ends. Because its steps end there and those of the finer run do not, the steps of the two runs differ.
-    pub(crate) fn advance(&mut self, mechanism: &Mechanism, until: f64) -> Result<(), StepError> {
+    ///
+    /// # Errors
+    /// [`Behind`] if it does not reach that time.
+    pub(crate) fn advance(&mut self, mechanism: &Mechanism, terms: &Terms, until: f64) -> Result<(), Behind> {
         while self.state.time < until {
-            self.run.advance(mechanism, &mut self.state, until)?;
+            if terms.is_interrupted() {
+                return Err(Behind::Interrupted);
+            }
+            self.run.advance(mechanism, &mut self.state, until).map_err(|_| Behind::Failed)?;
             self.run.take_events(&mut self.events);
         }
         Ok(())

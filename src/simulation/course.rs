@@ -8,7 +8,9 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
+use crate::simulation::accuracy_so_far::AccuracySoFar;
 use crate::simulation::clock::Clock;
+use crate::simulation::making::Tells;
 use crate::simulation::observer::show;
 use crate::simulation::summary::{Bookkeeper, KEPT_EVENTS};
 use crate::simulation::{Observer, ObserverError, Sample, Summary};
@@ -92,6 +94,8 @@ pub(crate) struct Course {
     happened: Vec<Event>,
     /// The first events of the run.
     events: Vec<Event>,
+    /// The last accuracy that was passed to the observers.
+    told: Option<AccuracySoFar>,
     /// The state of a sample, if there are pairs of shapes that may touch, and its contacts.
     sampled_state: Option<State>,
     contacts: Vec<ContactPoint>,
@@ -113,6 +117,7 @@ impl Course {
             bookkeeper: Bookkeeper::new(mechanism, state),
             happened: Vec::new(),
             events: Vec::new(),
+            told: None,
             sampled_state: (!mechanism.nonsmooth.pairs.is_empty()).then(|| state.clone()),
             contacts: Vec::new(),
         }
@@ -152,12 +157,12 @@ impl Course {
 
     /// Makes steps under these inputs from `state`, where the last call stopped, to the aim or the end of the run.
     #[expect(clippy::too_many_arguments, reason = "what is constant, what changes and who watches are apart")]
-    pub(crate) fn proceed(
+    pub(crate) fn proceed<I: Integrator + Tells + ?Sized>(
         &mut self,
         mechanism: &Mechanism,
         inputs: Inputs,
         state: &mut State,
-        integrator: &mut dyn Integrator,
+        integrator: &mut I,
         aim: Aim,
         interrupt: Option<&AtomicBool>,
         observers: &mut [&mut dyn Observer],
@@ -178,12 +183,12 @@ impl Course {
 
     /// As [`Course::proceed`]; adds the wall time spent in the integrator to `solving`. The caller calls [`Course::count_time`].
     #[expect(clippy::too_many_arguments, reason = "what is constant, what changes and who watches are apart")]
-    pub(crate) fn steps(
+    pub(crate) fn steps<I: Integrator + Tells + ?Sized>(
         &mut self,
         mechanism: &Mechanism,
         inputs: Inputs,
         state: &mut State,
-        integrator: &mut dyn Integrator,
+        integrator: &mut I,
         aim: Aim,
         interrupt: Option<&AtomicBool>,
         observers: &mut [&mut dyn Observer],
@@ -206,6 +211,7 @@ impl Course {
                 self.count(mechanism, state, integrator, outcome);
             }
             observers.iter_mut().for_each(|observer| observer.step(&self.bookkeeper.last));
+            self.see_accuracy(integrator.so_far(), observers);
             while self.sample_time(self.sampled) <= state.time {
                 let time = self.sample_time(self.sampled);
                 if time == state.time {
@@ -226,7 +232,13 @@ impl Course {
     }
 
     /// Adds the figures of a step to the summary.
-    fn count(&mut self, mechanism: &Mechanism, state: &State, integrator: &dyn Integrator, outcome: StepOutcome) {
+    fn count<I: Integrator + ?Sized>(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &State,
+        integrator: &I,
+        outcome: StepOutcome,
+    ) {
         place_bodies(mechanism, state, &mut self.bodies);
         self.bookkeeper.record(mechanism, state, &self.bodies, outcome);
         if self.sampled_state.is_some() {
@@ -237,7 +249,7 @@ impl Course {
     }
 
     /// Counts the events of the last step, and passes them to the observers.
-    fn see_events(&mut self, integrator: &mut dyn Integrator, observers: &mut [&mut dyn Observer]) {
+    fn see_events<I: Integrator + ?Sized>(&mut self, integrator: &mut I, observers: &mut [&mut dyn Observer]) {
         self.happened.clear();
         integrator.take_events(&mut self.happened);
         for event in &self.happened {
@@ -249,11 +261,18 @@ impl Course {
         }
     }
 
+    /// Passes the accuracy so far to the observers if it has changed.
+    fn see_accuracy(&mut self, so_far: Option<AccuracySoFar>, observers: &mut [&mut dyn Observer]) {
+        let Some(told) = so_far.filter(|told| self.told.is_none_or(|before| before != *told)) else { return };
+        self.told = so_far;
+        observers.iter_mut().for_each(|observer| observer.accuracy(&told));
+    }
+
     /// Passes the contacts at the instant of a sample to the observers.
-    fn see_contacts(
+    fn see_contacts<I: Integrator + ?Sized>(
         &mut self,
         mechanism: &Mechanism,
-        integrator: &dyn Integrator,
+        integrator: &I,
         time: f64,
         observers: &mut [&mut dyn Observer],
     ) {

@@ -42,10 +42,10 @@ pub enum SimulationError {
 }
 
 /// The integrators.
-pub(crate) enum Integrators {
-    Whole(Making),
+pub(crate) enum Integrators<'a> {
+    Whole(Making<'a>),
     Islands {
-        islands: Islands,
+        islands: Islands<'a>,
         /// The description of the method while all islands sleep.
         idle: Box<MethodDescription>,
     },
@@ -55,14 +55,14 @@ pub(crate) enum Integrators {
 pub(crate) type Calibrations = Vec<Result<Calibration, UnknownAccuracy>>;
 
 /// The settings of the steps of a run.
-pub(crate) struct Wanted<'w> {
+pub(crate) struct Wanted<'w, 'a> {
     pub choice: StepChoice,
     /// Simulated time (s).
     pub duration: f64,
     /// Receives the simulated time that a trial run has reached (s).
     pub reached: &'w (dyn Fn(f64) + Sync),
-    /// A flag that ends trial runs when it is set.
-    pub interrupt: Option<&'w AtomicBool>,
+    /// A flag that ends the runs when it is set.
+    pub interrupt: Option<&'a AtomicBool>,
     /// The ranks of the closures of the whole mechanism at the start.
     pub counted: Option<Arc<Counted>>,
     /// Whether the run estimates its error itself and may restart; otherwise trial runs do before it.
@@ -71,7 +71,7 @@ pub(crate) struct Wanted<'w> {
     pub spent: Mutex<f64>,
 }
 
-impl Integrators {
+impl<'a> Integrators<'a> {
     /// Chooses the integrators, and calibrates them for a tolerance.
     ///
     /// # Errors
@@ -80,7 +80,7 @@ impl Integrators {
         mechanism: &Mechanism,
         state: &State,
         plan: Plan,
-        wanted: &Wanted,
+        wanted: &Wanted<'_, 'a>,
     ) -> Result<(Self, Calibrations), SimulationError> {
         let choice = wanted.choice;
         let plan = plan.grouped(
@@ -154,7 +154,7 @@ impl Integrators {
     }
 }
 
-impl Wanted<'_> {
+impl<'a> Wanted<'_, 'a> {
     /// Chooses an integrator (the only place that does); calibrates it if there is a tolerance.
     fn integrator(
         &self,
@@ -162,7 +162,7 @@ impl Wanted<'_> {
         state: &State,
         kept: &[Rule],
         counted: Option<Arc<Counted>>,
-    ) -> Result<(Making, Result<Calibration, UnknownAccuracy>), SimulationError> {
+    ) -> Result<(Making<'a>, Result<Calibration, UnknownAccuracy>), SimulationError> {
         // Events hold joints, which changes the mechanism.
         let counts = mechanism.has_closures() && mechanism.nonsmooth.is_empty();
         let counted = counted.or_else(|| counts.then(|| Arc::new(Counted::at(mechanism, state))));
@@ -172,7 +172,7 @@ impl Wanted<'_> {
         };
         if self.at_once {
             let (start, end) = (state.time, state.time + self.duration);
-            let terms = Terms { tolerance, start, end, kept: kept.to_vec(), counted };
+            let terms = Terms { tolerance, start, end, kept: kept.to_vec(), counted, interrupt: self.interrupt };
             let assessed = Assessed::new(mechanism, terms)?;
             return Ok((Making::Telling(Box::new(assessed)), Err(UnknownAccuracy::NotYet)));
         }

@@ -6,19 +6,20 @@ use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::Island;
+use crate::simulation::accuracy_so_far::AccuracySoFar;
 use crate::simulation::course::Aim;
 use crate::simulation::making::Making;
 use crate::simulation::{Course, Observer, ObserverError, RunError, RunOptions, Sample, StepEnd};
 use std::collections::VecDeque;
 
 /// An island and its run.
-pub(crate) struct IslandRun {
+pub(crate) struct IslandRun<'a> {
     pub(crate) island: Island,
     pub(crate) state: State,
     /// External efforts on its joints [N m or N]: empty, or one per degree of freedom.
     pub(crate) efforts: Vec<f64>,
     /// `None` if it sleeps.
-    pub(crate) awake: Option<Making>,
+    pub(crate) awake: Option<Making<'a>>,
     pub(crate) course: Option<Course>,
     /// Samples and steps that have not been taken over yet.
     pub(crate) shown: Shown,
@@ -29,6 +30,8 @@ pub(crate) struct IslandRun {
     initial: f64,
     /// Energy dissipated since the start of the run, and work of external efforts, up to that step (J).
     pub(crate) exchange: Exchange,
+    /// The accuracy that it has told up to that step.
+    pub(crate) so_far: Option<AccuracySoFar>,
     /// Steps taken over, and their iterations.
     pub(crate) steps: usize,
     pub(crate) iterations: usize,
@@ -41,6 +44,7 @@ pub(crate) struct Shown {
     pub(crate) samples: VecDeque<Kept>,
     pub(crate) steps: VecDeque<StepEnd>,
     pub(crate) events: VecDeque<Event>,
+    pub(crate) told: VecDeque<AccuracySoFar>,
     /// The contacts of the next sample.
     contacts: Vec<ContactPoint>,
 }
@@ -69,13 +73,17 @@ impl Observer for Shown {
         self.events.push_back(*event);
     }
 
+    fn accuracy(&mut self, so_far: &AccuracySoFar) {
+        self.told.push_back(*so_far);
+    }
+
     fn contacts(&mut self, points: &[ContactPoint]) {
         self.contacts.clear();
         self.contacts.extend_from_slice(points);
     }
 }
 
-impl IslandRun {
+impl IslandRun<'_> {
     pub(crate) fn new(island: Island, whole: &State) -> Self {
         IslandRun {
             state: island.state(whole),
@@ -88,6 +96,7 @@ impl IslandRun {
             deviation: 0.0,
             initial: 0.0,
             exchange: Exchange::default(),
+            so_far: None,
             steps: 0,
             iterations: 0,
             failed: None,
@@ -103,7 +112,7 @@ impl IslandRun {
         let initial = course.summary().initial_energy;
         (self.kinetic, self.deviation, self.initial) = (initial.kinetic, 0.0, initial.total());
         (self.exchange, self.steps, self.iterations, self.failed) = (Exchange::default(), 0, 0, None);
-        self.shown = Shown::default();
+        (self.shown, self.so_far) = (Shown::default(), None);
         course.begin(&mut [&mut self.shown])?;
         self.course = Some(course);
         Ok(())

@@ -38,8 +38,8 @@ const WINDOW: f64 = 0.02;
 const CHECKPOINTS: f64 = 16.0;
 
 /// The integrators of all islands of a mechanism.
-pub struct Islands {
-    parts: Vec<IslandRun>,
+pub struct Islands<'a> {
+    parts: Vec<IslandRun<'a>>,
     threads: Threads,
     /// The window of simulated time for all islands, and the wall time of the last one (s).
     window: f64,
@@ -63,15 +63,15 @@ pub struct IslandFigures {
 }
 
 /// An island, whether it sleeps, and the result of making its integrator.
-type Job<N, E> = (IslandRun, bool, Option<Result<N, E>>);
+type Job<'a, N, E> = (IslandRun<'a>, bool, Option<Result<N, E>>);
 
-impl Islands {
+impl<'a> Islands<'a> {
     /// Makes the integrators of the awake islands, each with a note for the caller, in the order of these islands. `expected` is the expected time
     /// (s); it decides whether several threads are used.
     ///
     /// # Errors
     /// The first error of `make`, in the order of the islands.
-    pub fn new<I: Into<Making>, N: Send, E: Send>(
+    pub fn new<I: Into<Making<'a>>, N: Send, E: Send>(
         plan: Plan,
         state: &State,
         threads: Threads,
@@ -79,7 +79,7 @@ impl Islands {
         make: impl Fn(&Mechanism, &State) -> Result<(I, N), E> + Sync,
     ) -> Result<(Self, Vec<N>), E> {
         let kept = plan.kept;
-        let mut jobs: Vec<Job<N, E>> =
+        let mut jobs: Vec<Job<'a, N, E>> =
             plan.islands.into_iter().map(|(island, asleep)| (IslandRun::new(island, state), asleep, None)).collect();
         spread(&mut jobs, threads.for_work_of(expected), |(part, asleep, note)| {
             if *asleep {
@@ -309,7 +309,7 @@ impl Islands {
 }
 
 /// The islands that move.
-fn awake(parts: &mut [IslandRun]) -> Vec<&mut IslandRun> {
+fn awake<'p, 'a>(parts: &'p mut [IslandRun<'a>]) -> Vec<&'p mut IslandRun<'a>> {
     parts.iter_mut().filter(|part| part.awake.is_some()).collect()
 }
 

@@ -6,33 +6,53 @@ use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
+use crate::simulation::accuracy_so_far::AccuracySoFar;
 use crate::simulation::assessed::Assessed;
 use crate::simulation::run_integrator::RunIntegrator;
 use crate::stepping::integrator::Lobatto;
 
 /// The integrator.
-pub enum Making {
+pub enum Making<'a> {
     /// An integrator alone.
     Alone(RunIntegrator),
     /// With an estimate of its error; it may restart.
-    Telling(Box<Assessed>),
+    Telling(Box<Assessed<'a>>),
 }
 
-impl From<RunIntegrator> for Making {
+impl From<RunIntegrator> for Making<'_> {
     fn from(alone: RunIntegrator) -> Self {
         Making::Alone(alone)
     }
 }
 
-impl From<Lobatto> for Making {
+impl From<Lobatto> for Making<'_> {
     fn from(lobatto: Lobatto) -> Self {
         Making::Alone(lobatto.into())
     }
 }
 
-impl Making {
+/// An integrator that may tell its accuracy during a run.
+pub(crate) trait Tells {
+    /// The accuracy so far, if it is known.
+    fn so_far(&self) -> Option<AccuracySoFar> {
+        None
+    }
+}
+
+impl Tells for dyn Integrator + '_ {}
+
+impl Tells for Making<'_> {
+    fn so_far(&self) -> Option<AccuracySoFar> {
+        match self {
+            Making::Telling(assessed) => assessed.so_far(),
+            Making::Alone(_) => None,
+        }
+    }
+}
+
+impl<'a> Making<'a> {
     /// The integrator with an estimate of its error, if it is one.
-    pub(crate) fn telling(&mut self) -> Option<&mut Assessed> {
+    pub(crate) fn telling(&mut self) -> Option<&mut Assessed<'a>> {
         match self {
             Making::Telling(assessed) => Some(assessed),
             Making::Alone(_) => None,
@@ -54,7 +74,7 @@ impl Making {
     }
 }
 
-impl Integrator for Making {
+impl Integrator for Making<'_> {
     fn step(
         &mut self,
         mechanism: &Mechanism,

@@ -10,6 +10,7 @@ use crate::mechanism::motion::gaps::worse;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
+use crate::simulation::accuracy_so_far::AccuracySoFar;
 use crate::simulation::island::{IslandRun, frontier};
 use crate::simulation::summary::KEPT_EVENTS;
 use crate::simulation::{Counts, Observer, RunError, RunOptions, Sample, StepEnd, Summary, show};
@@ -88,6 +89,7 @@ impl MergedRun {
                 _ => frontier(awake),
             };
             self.take_events(awake, until, observers);
+            self.take_accuracy(awake, until, observers);
             self.take_steps(awake, until);
             if !ready {
                 return Ok(());
@@ -121,6 +123,23 @@ impl MergedRun {
         }
         let room = KEPT_EVENTS - self.events.len();
         self.events.extend(happened.into_iter().take(room));
+    }
+
+    /// Takes the accuracies of the islands up to `until`, and passes the accuracy of the whole to the observers.
+    fn take_accuracy(&mut self, awake: &mut [&mut IslandRun], until: f64, observers: &mut [&mut dyn Observer]) {
+        let mut has_news = false;
+        for part in awake.iter_mut() {
+            let count = part.shown.told.partition_point(|so_far| so_far.time <= until);
+            if let Some(so_far) = part.shown.told.drain(..count).next_back() {
+                (part.so_far, has_news) = (Some(so_far), true);
+            }
+        }
+        if !has_news || awake.iter().any(|part| part.so_far.is_none()) {
+            return;
+        }
+        if let Some(so_far) = AccuracySoFar::together(awake.iter().filter_map(|part| part.so_far)) {
+            observers.iter_mut().for_each(|observer| observer.accuracy(&so_far));
+        }
     }
 
     /// Merges all steps that end at or before `until`.

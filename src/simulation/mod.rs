@@ -10,10 +10,11 @@
 //! | controllers, which set efforts | `controller`, `continuous` |
 //! | one mechanism, step by step | `course`, `summary`, `observer` |
 //! | islands in parallel | `partition`, `islands`, `island`, `merged`, `threads` |
-//! | error estimates for a tolerance | `assessed`, `beside`, `terms`, `forecast` (during runs), `accuracy`, `trial_run` (before), `event_order` |
+//! | error estimates for a tolerance | `assessed`, `beside`, `terms`, `forecast`, `accuracy_so_far` (during runs), `accuracy`, `trial_run` (before), `event_order` |
 
 #[doc(hidden)]
 pub mod accuracy;
+mod accuracy_so_far;
 #[doc(hidden)]
 pub mod assessed;
 mod beside;
@@ -44,6 +45,7 @@ pub mod threads;
 mod trial_run;
 
 pub use accuracy::UnknownAccuracy;
+pub use accuracy_so_far::AccuracySoFar;
 pub use continuous::ContinuousController;
 pub use controller::{ControlError, Controller};
 pub(crate) use course::Course;

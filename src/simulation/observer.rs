@@ -5,6 +5,7 @@ use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::energy::{Energy, Violation};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::integrator::{MethodDescription, StepOutcome};
+use crate::simulation::accuracy_so_far::AccuracySoFar;
 
 /// The mechanism at one sampled instant.
 pub struct Sample<'s> {
@@ -72,6 +73,10 @@ pub trait Observer: Send {
     /// An event, before the end of the step at whose end it happened. Independent islands pass on their events between two samples of the whole;
     /// those of one instant come in the order of the islands.
     fn event(&mut self, _event: &Event) {}
+
+    /// What the run tells of its accuracy, now and then, after the end of the step up to which that is: only where a run with a tolerance tells it itself
+    /// ([`Simulation::at_once`](crate::simulation::Simulation::at_once)).
+    fn accuracy(&mut self, _so_far: &AccuracySoFar) {}
 
     /// The closed contacts at the instant of the next sample, in the order of their pairs; only where a mechanism has pairs of shapes that may touch.
     fn contacts(&mut self, _points: &[ContactPoint]) {}

@@ -74,7 +74,7 @@ pub struct Simulation<'s> {
     /// CPU time of trial runs, and of what was begun and is void (s).
     spent: f64,
     efforts: Vec<f64>,
-    integrators: Integrators,
+    integrators: Integrators<'s>,
     choice: StepChoice,
     calibrations: Calibrations,
     /// Islands, and how many of them sleep, before small ones were put together.

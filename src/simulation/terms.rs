@@ -8,9 +8,10 @@ use crate::stepping::integrator::MethodError;
 use crate::stepping::recipe::Steps;
 use crate::stepping::stage_choice::StageChoice;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What is wanted of a run, and how it may be made.
-pub(crate) struct Terms {
+pub(crate) struct Terms<'a> {
     /// The accuracy (m).
     pub tolerance: f64,
     /// When the run begins and ends (s).
@@ -20,9 +21,16 @@ pub(crate) struct Terms {
     pub kept: Vec<Rule>,
     /// What was counted of the closures at the start.
     pub counted: Option<Arc<Counted>>,
+    /// Set from outside to end the run.
+    pub interrupt: Option<&'a AtomicBool>,
 }
 
-impl Terms {
+impl Terms<'_> {
+    /// Whether the run is to end now.
+    pub(crate) fn is_interrupted(&self) -> bool {
+        self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
     /// The integrator with this iteration stop and these stages.
     ///
     /// # Errors

@@ -123,3 +123,30 @@ fn a_run_whose_log_cannot_begin_again_makes_trial_runs_and_ends_as_accurate() {
     let replayed = run(&folder, &["replay", "log.mcap"]);
     assert!(text(&replayed.stdout).contains("to the end, bit for bit"), "{}", text(&replayed.stderr));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_chaotic_run_says_in_its_log_until_when_its_accuracy_holds_and_its_report_up_to_when_that_is_known_if_it_is_interrupted()
+ {
+    use crate::common::command::{catena, wait_for};
+    let folder = scratch("chaos");
+    let chain = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/chain_10.urdf");
+    let all =
+        ["simulate", chain.to_str().expect("UTF-8"), "--tolerance", "1e-3", "--duration", "1e6", "-o", "log.mcap"];
+    let so_far = || {
+        let output = run(&folder, &["inspect", "log.mcap", "--json"]);
+        let summary: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
+        summary["accuracy_so_far"].as_str().unwrap_or_default().to_string()
+    };
+    let mut child = catena(&folder, &all).spawn().expect("catena runs");
+    wait_for(&mut child, "the end of the accuracy", || so_far().starts_with("1e-3 m holds until t = "));
+    let signalled = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(signalled.is_ok_and(|status| status.success()));
+    let output = child.wait_with_output().expect("ended");
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    let report = text(&output.stdout);
+    assert!(report.contains(" up to t = ") && report.contains(" s; not known beyond"), "{report}");
+    assert!(report.contains("1e-3 m holds until t = "), "{report}");
+    let followed = run(&folder, &["inspect", "log.mcap", "--follow"]);
+    assert!(text(&followed.stdout).contains(", 1e-3 m holds until t = "), "{}", text(&followed.stdout));
+}

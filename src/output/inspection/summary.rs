@@ -2,6 +2,7 @@
 
 use crate::mechanism::ground::words;
 use crate::mechanism::motion::gaps::worse;
+use crate::output::log::accuracy_lines::ACCURACY;
 use crate::output::log::decode::{LogLine, LoggedEvent};
 use crate::output::log::frames::{Figures, Frame, Visitor, visit};
 use crate::output::log::reader::LogChannel;
@@ -53,6 +54,9 @@ pub struct Summary {
     /// The error that is expected of positions (m), of the order of magnitude, if the log says it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_error: Option<f64>,
+    /// What the run has said last of its accuracy while it went on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy_so_far: Option<String>,
     /// What the steps took.
     pub solver: Option<SolverSummary>,
     /// What there is to see.
@@ -197,7 +201,9 @@ impl Visitor for Collector {
     }
 
     fn line(&mut self, _: u64, line: LogLine) {
-        if line.is_problem {
+        if let Some(said) = line.text.strip_prefix(ACCURACY) {
+            self.summary.accuracy_so_far = Some(said.to_string());
+        } else if line.is_problem {
             self.summary.warnings.push(line.text);
         }
     }

@@ -46,6 +46,7 @@
 //!
 //! [`Recorder`] is the [`crate::simulation::Observer`].
 
+pub(crate) mod accuracy_lines;
 mod background;
 mod batch;
 mod cdr;

@@ -5,6 +5,7 @@ use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::integrator::MethodDescription;
 use crate::model::Model;
+use crate::output::log::accuracy_lines::AccuracyLines;
 use crate::output::log::background::BackgroundFile;
 use crate::output::log::comparison::{Compared, Comparison, Difference};
 use crate::output::log::description::describe;
@@ -20,7 +21,7 @@ use crate::output::log::order::Order;
 use crate::output::log::queue::{Between, Piece};
 use crate::output::log::severity::Severity;
 use crate::output::log::{nanoseconds, seconds};
-use crate::simulation::{Observer, ObserverError, Sample};
+use crate::simulation::{AccuracySoFar, Observer, ObserverError, Sample};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -35,6 +36,8 @@ pub struct Recorder {
     /// The lines before the first sample, which come again with it.
     before: Vec<(Severity, String)>,
     begun: bool,
+    /// What was said of the accuracy.
+    accuracy: AccuracyLines,
     /// The contacts of the next sample, where shapes may touch.
     contacts: Option<Vec<ContactPoint>>,
 }
@@ -92,7 +95,12 @@ impl Recorder {
         file.begin()?;
         let file = BackgroundFile::new(path, file, encoder)?;
         let (sink, order) = (Sink::File(file), Order::new(stages));
-        Ok(Recorder { sink, order, start: options.start, before: Vec::new(), begun: false, contacts: may_touch(model) })
+        Ok(Recorder::new(sink, order, model, options.start))
+    }
+
+    fn new(sink: Sink, order: Order, model: &Model, start: u64) -> Self {
+        let (before, accuracy) = (Vec::new(), AccuracyLines::default());
+        Recorder { sink, order, start, before, begun: false, accuracy, contacts: may_touch(model) }
     }
 
     /// Waits no more for an output that is no file, and of which nothing is read, once this says that the run is interrupted.
@@ -114,7 +122,7 @@ impl Recorder {
         let encoder = prepare(&mut comparison, model, &options, None)?;
         let compare = Compare { log: path.to_path_buf(), comparison, encoder, piece: Piece::default(), waits: false };
         let (sink, order) = (Sink::Comparison(Box::new(compare)), Order::new(stages));
-        Ok(Recorder { sink, order, start: options.start, before: Vec::new(), begun: false, contacts: may_touch(model) })
+        Ok(Recorder::new(sink, order, model, options.start))
     }
 
     /// The run that is compared may restart: where it differs counts at its end alone, but that the log has ended.
@@ -186,7 +194,7 @@ impl Recorder {
 impl Observer for Recorder {
     fn begin_again(&mut self, method: &MethodDescription) -> Result<(), ObserverError> {
         let after = seconds(self.order.last_time());
-        self.order = Order::new(method.stages as f64);
+        (self.order, self.accuracy) = (Order::new(method.stages as f64), AccuracyLines::default());
         self.contacts.iter_mut().for_each(Vec::clear);
         match &mut self.sink {
             Sink::File(file) => file.begin_again(),
@@ -225,6 +233,12 @@ impl Observer for Recorder {
 
     fn event(&mut self, event: &Event) {
         self.order.event(event);
+    }
+
+    fn accuracy(&mut self, so_far: &AccuracySoFar) {
+        if let Some(line) = self.accuracy.line(so_far) {
+            self.write(Severity::Info, &line);
+        }
     }
 
     fn contacts(&mut self, points: &[ContactPoint]) {

@@ -137,12 +137,17 @@ pub struct AccuracyReport {
     pub estimated: f64,
     /// The instant up to which the wanted accuracy is expected to hold (s).
     pub holds_until: f64,
-    /// Whether that is the end of the run.
+    /// The instant up to which all this is told (s): where the run has ended, or a little before if it was interrupted. What comes later is not known.
+    pub told_until: f64,
+    /// Whether the wanted accuracy holds up to there.
     pub reached: bool,
     /// Number of trial runs before the run: none where the run itself tells its accuracy.
     pub pilots: usize,
     /// How often the run has begun: once, and again with finer steps where errors grew more than was expected; of several parts the most.
     pub begun: usize,
+    /// Whether the run was to go on beyond `told_until`.
+    #[serde(skip)]
+    pub(crate) is_early: bool,
     /// Whether the run ends anywhere: no runs that differ by roundings stay together.
     #[serde(skip)]
     parts: bool,
@@ -166,13 +171,15 @@ const UNBALANCED: f64 = 10.0;
 const CALM: f64 = 100.0;
 
 impl AccuracyReport {
-    /// What a calibration found for a run that ends at `end`.
-    pub(crate) fn new(wanted: f64, end: f64, found: &Calibration) -> Self {
+    /// What a calibration found.
+    pub(crate) fn new(wanted: f64, found: &Calibration) -> Self {
         AccuracyReport {
             wanted,
             estimated: found.estimate,
             holds_until: found.holds_until,
-            reached: found.holds_until >= end,
+            told_until: found.told_until,
+            reached: found.holds_until >= found.told_until,
+            is_early: false,
             pilots: found.pilots,
             begun: found.begun,
             parts: found.parted,
@@ -191,39 +198,42 @@ impl AccuracyReport {
         let wanted = choice.tolerance().ok_or(UnknownAccuracy::NotAsked)?;
         // Trial runs go to the end, whatever becomes of the run.
         let here = run.end.min(run.state.time);
-        let end = |found: &Calibration| if found.pilots > 0 { run.end } else { here };
-        let report = |found: &Calibration| AccuracyReport::new(wanted, end(found), found);
+        let report = |found: &Calibration| AccuracyReport {
+            is_early: found.told_until < run.end,
+            ..AccuracyReport::new(wanted, found)
+        };
         let islands: Vec<_> =
             run.accuracy.iter().map(|found| found.as_ref().map(report).map_err(Clone::clone)).collect();
         match &islands[..] {
             [alone] if run.parts == (1, 0) => alone.clone(),
-            _ => {
-                AccuracyReport::together(wanted, run.accuracy.iter().flatten().map(end).fold(here, f64::max), &islands)
-            }
+            _ => AccuracyReport::together(wanted, here, &islands),
         }
     }
 
-    /// What the calibrations of islands say of the whole, in a run that ends at `end`: the first reason where it is not known.
+    /// What the calibrations of islands say of the whole, in a run that has come to `here` (s): the first reason where it is not known.
     /// What sleeps is where it should be.
     ///
     /// # Errors
     /// The first reason why the accuracy of an island is not known.
     pub(crate) fn together(
         wanted: f64,
-        end: f64,
+        here: f64,
         islands: &[Result<AccuracyReport, UnknownAccuracy>],
     ) -> Result<Self, UnknownAccuracy> {
         let all: Vec<AccuracyReport> = islands.iter().cloned().collect::<Result<_, _>>()?;
+        let told_until = all.iter().map(|one| one.told_until).reduce(f64::min).unwrap_or(here);
         Ok(AccuracyReport {
             wanted,
             estimated: all.iter().map(|one| one.estimated).fold(0.0, f64::max),
-            holds_until: all.iter().map(|one| one.holds_until).fold(end, f64::min),
+            holds_until: all.iter().map(|one| one.holds_until).fold(told_until, f64::min),
+            told_until,
             reached: all.iter().all(|one| one.reached),
             pilots: all.iter().map(|one| one.pilots).sum(),
             begun: all.iter().map(|one| one.begun).max().unwrap_or(1),
             parts: all.iter().any(|one| one.parts),
             events_differ: all.iter().filter_map(|one| one.events_differ).min_by(f64::total_cmp),
             can_tell: all.iter().all(|one| one.can_tell),
+            is_early: all.iter().any(|one| one.is_early),
             unbalanced: None,
         })
     }
@@ -297,12 +307,13 @@ mod tests {
                 stages,
                 estimate,
                 holds_until: 2.0,
+                told_until: 2.0,
                 parted: false,
                 events_differ: None,
                 pilots: 2,
                 begun: 1,
             };
-            AccuracyReport::new(wanted, 2.0, &found).warning()
+            AccuracyReport::new(wanted, &found).warning()
         };
         assert!(warning(1e-12, 2e4).is_some_and(|words| words.contains("cannot be told")));
         assert_eq!(warning(1e-12, 3.0), None, "a calm motion");

@@ -75,7 +75,11 @@ impl fmt::Display for Report {
                 ),
                 (pilots, _) => format!("from {}", counted(pilots, "trial run", "trial runs")),
             };
-            writeln!(out, "  accuracy    estimated error {:.1e} m (order of magnitude, {by})", accuracy.estimated)?;
+            write!(out, "  accuracy    estimated error {:.1e} m (order of magnitude, {by})", accuracy.estimated)?;
+            if accuracy.is_early {
+                write!(out, " up to t = {} s; not known beyond", rounded(accuracy.told_until))?;
+            }
+            writeln!(out)?;
         }
         if let (Some(reason), true) = (&self.accuracy_unknown, self.method.adaptive) {
             writeln!(out, "  accuracy    not known: {reason}")?;

@@ -140,9 +140,22 @@ impl Method {
     }
 
     /// What makes a run of `duration` (s) that tells its accuracy itself, and may restart: of the one method that does.
-    pub fn telling(self, mechanism: &Mechanism, start: &State, duration: f64, setting: Setting) -> Option<Assessed> {
+    pub fn telling(
+        self,
+        mechanism: &Mechanism,
+        start: &State,
+        duration: f64,
+        setting: Setting,
+    ) -> Option<Assessed<'static>> {
         let (Method::LobattoTolerance, Setting::Tolerance(tolerance)) = (self, setting) else { return None };
-        let terms = Terms { tolerance, start: start.time, end: start.time + duration, kept: Vec::new(), counted: None };
+        let terms = Terms {
+            tolerance,
+            start: start.time,
+            end: start.time + duration,
+            kept: Vec::new(),
+            counted: None,
+            interrupt: None,
+        };
         Assessed::new(mechanism, terms).ok()
     }
 

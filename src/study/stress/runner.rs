@@ -82,8 +82,7 @@ impl<'m> Runner<'m> {
                     if let Ok(calibrated) = found.run_integrator(&case.mechanism, tolerance, &[]) {
                         *integrator = Box::new(calibrated);
                     }
-                    let end = state.time + case.duration;
-                    runner.foretold = AccuracyReport::new(tolerance, end, &found).warning();
+                    runner.foretold = AccuracyReport::new(tolerance, &found).warning();
                 }
                 Err(CalibrationError::Interrupted) if interrupt.load(Ordering::Relaxed) => {
                     return Err(Refused::Interrupted);

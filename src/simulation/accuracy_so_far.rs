@@ -1,0 +1,58 @@
+//! The accuracy of a run while it goes on.
+
+/// What a run has told of its accuracy up to an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AccuracySoFar {
+    /// The instant up to which it is told (s).
+    pub time: f64,
+    /// The wanted accuracy of positions (m).
+    pub wanted: f64,
+    /// The largest error to expect up to there (m); infinite once nothing tells it any more, because the motion has amplified errors until two runs
+    /// that differ by next to nothing have parted.
+    pub estimate: f64,
+    /// The last instant up to which the wanted accuracy is expected to hold (s): `time` while it does.
+    pub holds_until: f64,
+}
+
+impl AccuracySoFar {
+    /// Whether the wanted accuracy still holds.
+    pub fn holds(&self) -> bool {
+        self.holds_until >= self.time
+    }
+
+    /// What holds of all parts of a run, if there are any.
+    pub(crate) fn together(parts: impl Iterator<Item = AccuracySoFar>) -> Option<Self> {
+        parts.reduce(|one, other| AccuracySoFar {
+            // Of a part that has lost its accuracy nothing more is told.
+            time: match (one.holds(), other.holds()) {
+                (true, true) => one.time.min(other.time),
+                _ => one.time.max(other.time),
+            },
+            wanted: one.wanted,
+            estimate: one.estimate.max(other.estimate),
+            holds_until: one.holds_until.min(other.holds_until),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CALM: AccuracySoFar = AccuracySoFar { time: 2.0, wanted: 1e-6, estimate: 1e-9, holds_until: 2.0 };
+
+    #[test]
+    fn parts_together_hold_as_long_as_the_first_of_them_that_does_not() {
+        let lost = AccuracySoFar { time: 1.5, estimate: f64::INFINITY, holds_until: 1.25, ..CALM };
+        let together = AccuracySoFar::together([CALM, lost].into_iter()).expect("parts");
+        assert_eq!(together, AccuracySoFar { time: 2.0, ..lost });
+        assert!(CALM.holds() && !together.holds());
+    }
+
+    #[test]
+    fn parts_that_hold_are_told_together_up_to_the_first_of_them() {
+        let behind = AccuracySoFar { time: 1.5, estimate: 1e-8, holds_until: 1.5, ..CALM };
+        assert_eq!(AccuracySoFar::together([CALM, behind].into_iter()), Some(behind));
+        assert_eq!(AccuracySoFar::together(std::iter::empty()), None);
+    }
+}
