@@ -14,9 +14,15 @@ const REST: f64 = 0.05;
 /// Steps of which E is above this part of the largest that is kept have a truncation that counts.
 const TRUNCATED: f64 = 0.5;
 
+/// The end of a step is off by products of two of the coefficients that its polynomials leave out: by so much less the fewer pairs of freedoms there are,
+/// up to this number of freedoms (`doc/findings/2026-11-24-honest-both-ways.md`).
+const MANY_FREEDOMS: f64 = 8.0;
+
 /// The motion beside that of the run.
 pub struct Companion {
     state: State,
+    /// Truncation of a step over that of a mechanism of many freedoms with the same E.
+    share: f64,
     begun: bool,
     /// Truncation of the next step to be accepted (rad, m).
     truncation: f64,
@@ -25,7 +31,8 @@ pub struct Companion {
 impl Companion {
     /// None so far: it begins with the next step.
     pub(crate) fn new(mechanism: &Mechanism) -> Self {
-        Companion { state: State::zero(mechanism), begun: false, truncation: 0.0 }
+        let freedoms = mechanism.velocity_count as f64 / MANY_FREEDOMS;
+        Companion { state: State::zero(mechanism), share: freedoms.min(1.0).powi(2), begun: false, truncation: 0.0 }
     }
 
     /// Where it is.
@@ -41,7 +48,8 @@ impl Companion {
     /// Takes note of a step that is going to be kept: its E, the largest that would be, and the E that goes with the iteration `stop` (rad, m). The local
     /// error falls like E², which is chosen to be that of the stop ([`crate::control`]).
     pub(crate) fn see(&mut self, legendre: f64, limit: f64, wanted: f64, stop: f64) {
-        self.truncation = if legendre > TRUNCATED * limit { stop * (legendre / wanted).powi(2) } else { 0.0 };
+        let counts = legendre > TRUNCATED * limit;
+        self.truncation = if counts { self.share * stop * (legendre / wanted).powi(2) } else { 0.0 };
     }
 
     /// Begins where the run begins.

@@ -9,7 +9,8 @@
 //!     h ← h · clip( min( (E_tol/E_n)^{.7/(s−1)} (E_{n−1}/E_n)^{.3/(s−1)},  ((N* + 1)/(N + 1))^{1/2} ), 0.3, 2 )
 //! ```
 //!
-//! A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a finished one that changes the energy by more than its
+//! With nine stages `E_tol` is no larger than what leaves samples inside the step within the tolerance `T`, `(T / 2 / 0.35)^{1/1.25} / 3.3`, which counts
+//! below 1e-7 m. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a finished one that changes the energy by more than its
 //! share of the tolerance; what is near that share does not grow, unless `E` is so small that the change can only be what the iteration
 //! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
@@ -46,6 +47,16 @@ const FIRST_POWER: f64 = 1.0 / 16.0;
 /// that the run does; with 8 a chain of ten links ended ten times further off than was asked for in one run of a hundred, with 4 in one of
 /// eight hundred, and with 3 in no fewer.
 const KEPT: f64 = 3.3;
+
+/// What a sample inside a step of nine stages is off by, over E^[`BETWEEN_POWER`], at most: dense output is of lower order than the ends of steps
+/// (`doc/findings/2026-11-24-samples-between-steps.md`).
+const BETWEEN: f64 = 0.35;
+const BETWEEN_POWER: f64 = 1.25;
+/// The stages for which this was measured.
+const BETWEEN_STAGES: usize = 9;
+/// Samples inside steps may be off by this part of the tolerance, but no tolerance below this (m) is kept by shorter steps: doubles do not.
+const BETWEEN_SHARE: f64 = 0.5;
+const FINEST_TOLERANCE: f64 = 1e-11;
 
 /// After so many attempts at a step that were broken off, early iterates are not asked again: E may be that of a kink. And after as many
 /// whose E was too large all iterations are in double precision.
@@ -135,18 +146,25 @@ pub struct Memory {
     pub halvings: usize,
 }
 
+/// The E up to which samples inside a step are as accurate as this (m) allows.
+fn largest_between(tolerance: f64) -> f64 {
+    (BETWEEN_SHARE * tolerance.max(FINEST_TOLERANCE) / BETWEEN).powf(1.0 / BETWEEN_POWER)
+}
+
 impl Control {
     /// A controller for a mechanism, an iteration stop `ε` and a number of stages; `tolerance` bounds the change of the energy.
     pub fn new(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice, isa: Isa) -> Self {
         let stop = stop.clamp(1e-16, COARSEST_STOP);
-        let wanted = stages.wanted_share(isa) * stop.sqrt();
         let stage_count = stages.count(isa);
+        let kept = 1.3_f64.powi(stage_count as i32 - 1).min(KEPT);
+        let local = stages.wanted_share(isa) * stop.sqrt();
+        let wanted = if stage_count == BETWEEN_STAGES { local.min(largest_between(tolerance) / kept) } else { local };
         Control {
             tolerance,
             stages: stage_count,
             stop,
             wanted,
-            limit: 1.3_f64.powi(stage_count as i32 - 1).min(KEPT) * wanted,
+            limit: kept * wanted,
             telling: mechanism.forces.is_empty(),
             patience: if mechanism.is_plain_tree() { PATIENCE } else { 0 },
             held: false,

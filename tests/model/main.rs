@@ -8,6 +8,7 @@ mod common;
 mod models;
 
 mod assessed;
+mod assessed_random;
 mod islands;
 mod lean;
 mod mesh_formats;
