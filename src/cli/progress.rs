@@ -90,7 +90,7 @@ impl Observer for Progress {
     }
 }
 
-/// The accuracy so far: what a person who waits wants to know of it.
+/// The accuracy so far in a few words.
 fn said(so_far: &AccuracySoFar) -> String {
     if so_far.holds() {
         format!(", estimated error {:.0e} m", so_far.estimate)

@@ -1,29 +1,29 @@
-//! The accuracy of a run while it goes on.
+//! The accuracy of a run up to the present step.
 
-/// What a run has told of its accuracy up to an instant.
+/// The accuracy of a run up to an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AccuracySoFar {
-    /// The instant up to which it is told (s).
+    /// That instant (s).
     pub time: f64,
-    /// The wanted accuracy of positions (m).
+    /// The tolerance of positions (m).
     pub wanted: f64,
-    /// The largest error to expect up to there (m); infinite once nothing tells it any more, because the motion has amplified errors until two runs
-    /// that differ by next to nothing have parted.
+    /// The largest estimated error up to that instant (m). It is infinite after a chaotic motion has amplified rounding errors to the size of the
+    /// mechanism, because no estimate is possible then.
     pub estimate: f64,
-    /// The last instant up to which the wanted accuracy is expected to hold (s): `time` while it does.
+    /// The last instant up to which the estimated error meets the tolerance (s); `time` as long as it does.
     pub holds_until: f64,
 }
 
 impl AccuracySoFar {
-    /// Whether the wanted accuracy still holds.
+    /// Whether the estimated error still meets the tolerance.
     pub fn holds(&self) -> bool {
         self.holds_until >= self.time
     }
 
-    /// What holds of all parts of a run, if there are any.
+    /// Combines the accuracies of the islands of a run; `None` without islands.
     pub(crate) fn together(parts: impl Iterator<Item = AccuracySoFar>) -> Option<Self> {
         parts.reduce(|one, other| AccuracySoFar {
-            // Of a part that has lost its accuracy nothing more is told.
+            // An island that exceeds the tolerance may not be estimated any more.
             time: match (one.holds(), other.holds()) {
                 (true, true) => one.time.min(other.time),
                 _ => one.time.max(other.time),

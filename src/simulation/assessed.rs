@@ -85,7 +85,7 @@ pub struct Assessed<'a> {
     /// Number of steps at the last estimate, and the time of the next one (s).
     looked: usize,
     due: f64,
-    /// The estimate of the last look.
+    /// The last estimate.
     so_far: Option<AccuracySoFar>,
     parted: bool,
     /// The events so far, and the time from which the separate run has met different ones (s), if any.
@@ -179,7 +179,7 @@ impl<'a> Assessed<'a> {
         LOOKS[usize::from(!matches!(self.by, By::Carried))]
     }
 
-    /// What the run has told of its accuracy at the last look, if there was one.
+    /// The last estimate, if there was one.
     pub(crate) fn so_far(&self) -> Option<AccuracySoFar> {
         self.so_far
     }
@@ -261,7 +261,7 @@ impl<'a> Assessed<'a> {
             self.settle();
             self.look(mechanism, state);
         }
-        // If the separate run was interrupted on its way here, the last look is the last that is known.
+        // If the separate run was interrupted before this time, the last estimate is kept.
         let Some(AccuracySoFar { time, holds_until, .. }) = self.so_far else { return Err(UnknownAccuracy::NotYet) };
         // Different events that change almost nothing are not reported.
         let differ = if holds_until < time { self.differ.or_else(|| self.difference()) } else { None };

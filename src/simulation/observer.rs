@@ -74,7 +74,7 @@ pub trait Observer: Send {
     /// those of one instant come in the order of the islands.
     fn event(&mut self, _event: &Event) {}
 
-    /// What the run tells of its accuracy, now and then, after the end of the step up to which that is: only where a run with a tolerance tells it itself
+    /// The accuracy up to the end of the last step. It is called from time to time, and only in runs with a tolerance that estimate their own error
     /// ([`Simulation::at_once`](crate::simulation::Simulation::at_once)).
     fn accuracy(&mut self, _so_far: &AccuracySoFar) {}
 

@@ -21,12 +21,12 @@ pub(crate) struct Terms<'a> {
     pub kept: Vec<Rule>,
     /// What was counted of the closures at the start.
     pub counted: Option<Arc<Counted>>,
-    /// Set from outside to end the run.
+    /// A flag that ends the run when it is set.
     pub interrupt: Option<&'a AtomicBool>,
 }
 
 impl Terms<'_> {
-    /// Whether the run is to end now.
+    /// Whether the flag is set.
     pub(crate) fn is_interrupted(&self) -> bool {
         self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }

@@ -14,14 +14,14 @@ const REST: f64 = 0.05;
 /// Steps of which E is above this part of the largest that is kept have a truncation that counts.
 const TRUNCATED: f64 = 0.5;
 
-/// The end of a step is off by products of two of the coefficients that its polynomials leave out: by so much less the fewer pairs of freedoms there are,
-/// up to this number of freedoms (`doc/findings/2026-11-24-honest-both-ways.md`).
+/// The error at the end of a step consists of products of two coefficients that the polynomials leave out. There are n² such products for n degrees
+/// of freedom, so the estimate grows like n² up to this n (`doc/findings/2026-11-24-honest-both-ways.md`).
 const MANY_FREEDOMS: f64 = 8.0;
 
 /// The motion beside that of the run.
 pub struct Companion {
     state: State,
-    /// Truncation of a step over that of a mechanism of many freedoms with the same E.
+    /// The factor of the truncation error for few degrees of freedom, `min(1, n/8)²`.
     share: f64,
     begun: bool,
     /// Truncation of the next step to be accepted (rad, m).

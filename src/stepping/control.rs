@@ -9,7 +9,7 @@
 //!     h ← h · clip( min( (E_tol/E_n)^{.7/(s−1)} (E_{n−1}/E_n)^{.3/(s−1)},  ((N* + 1)/(N + 1))^{1/2} ), 0.3, 2 )
 //! ```
 //!
-//! With nine stages `E_tol` is no larger than what leaves samples inside the step within the tolerance `T`, `(T / 2 / 0.35)^{1/1.25} / 3.3`, which counts
+//! With nine stages `E_tol ≤ (T / 2 / 0.35)^{1/1.25} / 3.3`, so that samples inside a step are within the tolerance `T`. This bound is active
 //! below 1e-7 m. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a finished one that changes the energy by more than its
 //! share of the tolerance; what is near that share does not grow, unless `E` is so small that the change can only be what the iteration
 //! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
@@ -48,14 +48,15 @@ const FIRST_POWER: f64 = 1.0 / 16.0;
 /// eight hundred, and with 3 in no fewer.
 const KEPT: f64 = 3.3;
 
-/// What a sample inside a step of nine stages is off by, over E^[`BETWEEN_POWER`], at most: dense output is of lower order than the ends of steps
+/// The largest error of a sample inside a step of nine stages, over E^[`BETWEEN_POWER`]. Dense output has a lower order than the ends of steps
 /// (`doc/findings/2026-11-24-samples-between-steps.md`).
 const BETWEEN: f64 = 0.35;
 const BETWEEN_POWER: f64 = 1.25;
 /// The stages for which this was measured.
 const BETWEEN_STAGES: usize = 9;
-/// Samples inside steps may be off by this part of the tolerance, but no tolerance below this (m) is kept by shorter steps: doubles do not.
+/// The part of the tolerance that samples inside steps may be off by.
 const BETWEEN_SHARE: f64 = 0.5;
+/// Below this tolerance (m) the bound does not shrink, because rounding is larger.
 const FINEST_TOLERANCE: f64 = 1e-11;
 
 /// After so many attempts at a step that were broken off, early iterates are not asked again: E may be that of a kink. And after as many
@@ -146,7 +147,7 @@ pub struct Memory {
     pub halvings: usize,
 }
 
-/// The E up to which samples inside a step are as accurate as this (m) allows.
+/// The largest E with which samples inside a step are within the tolerance (m).
 fn largest_between(tolerance: f64) -> f64 {
     (BETWEEN_SHARE * tolerance.max(FINEST_TOLERANCE) / BETWEEN).powf(1.0 / BETWEEN_POWER)
 }

@@ -215,7 +215,7 @@ fn a_run_that_is_interrupted_tells_its_accuracy_up_to_there_and_nothing_if_it_ha
     }
 }
 
-/// Keeps what a run tells of its accuracy, and interrupts it in the next step after that has been so.
+/// Keeps the accuracies that a run tells, and interrupts it in the step after `until` is true of one.
 struct Listening<'f> {
     flag: &'f AtomicBool,
     until: fn(&AccuracySoFar) -> bool,
@@ -248,7 +248,7 @@ impl Observer for Listening<'_> {
     }
 }
 
-/// The run of a model up to where it is interrupted, with what it has told on its way.
+/// Runs a model until it is interrupted; returns the run and the accuracies that it told.
 fn interrupted(
     model: &models::Model,
     duration: f64,
@@ -271,7 +271,7 @@ fn a_chaotic_run_tells_while_it_goes_on_until_when_its_accuracy_holds_and_so_doe
     let (finished, so_far) = interrupted(&models::chain(6), 1000.0, |so_far| !so_far.holds());
     let (told, here) = (told(&finished), finished.state.time);
     println!("{told:?} at t = {here} s, {} times", so_far.len());
-    // Long before the end, and not only then: errors have grown from below the wanted accuracy to above it, look by look.
+    // The run was interrupted long before its end. It told the growth of the error from below the tolerance to above it.
     assert!(here < 100.0, "interrupted at t = {here} s");
     let held = so_far.iter().filter(|so_far| so_far.holds()).count();
     assert!(held >= 10, "{held} times held");
@@ -286,7 +286,7 @@ fn a_chaotic_run_tells_while_it_goes_on_until_when_its_accuracy_holds_and_so_doe
 fn a_run_beside_another_does_not_catch_up_once_that_is_interrupted_and_the_report_says_up_to_when_it_tells() {
     let (mechanism, state) = closed::four_bars(1, 5);
     let model = models::Model { mechanism, state };
-    // Between two looks, which are four steps apart or more: the one beside is where the last was.
+    // The interruption is between two estimates, which are four or more steps apart. The separate run is at the earlier one.
     let (finished, so_far) = interrupted(&model, 40.0, |so_far| so_far.time > 2.0);
     let (told, here) = (told(&finished), finished.state.time);
     println!("{told:?} at t = {here} s");
@@ -308,7 +308,7 @@ fn parts_that_nothing_connects_tell_together_what_each_tells_and_twice_the_same(
     bodies.extend(second.into_iter().map(|body| Body { parent: body.parent.map(|parent| parent + first), ..body }));
     let mechanism = Mechanism::new("two", models::gravity(), bodies).expect("a mechanism");
     let mut start = State::zero(&mechanism);
-    // Other motions, so that they take other steps.
+    // The two chains move differently, so that they take different steps.
     (start.velocity[0], start.velocity[first + 2]) = (1.0, 3.0);
     let tell = || {
         let mut listening = Listening::new(&flag, |_| false);

@@ -54,7 +54,7 @@ pub struct Summary {
     /// The error that is expected of positions (m), of the order of magnitude, if the log says it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_error: Option<f64>,
-    /// What the run has said last of its accuracy while it went on.
+    /// The last line about the accuracy that was written during the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy_so_far: Option<String>,
     /// What the steps took.

@@ -1,25 +1,24 @@
-//! What the log says of the accuracy of a run while that goes on: a line whenever the estimated error has grown tenfold, and one when the wanted
-//! accuracy holds no longer.
+//! Lines about the accuracy in the log of a run: one whenever the estimated error has grown tenfold, and one when the tolerance is exceeded.
 
 use crate::mechanism::ground::words::rounded;
 use crate::simulation::AccuracySoFar;
 
-/// How lines of the log about the accuracy begin.
+/// The first word of lines about the accuracy.
 pub(crate) const ACCURACY: &str = "accuracy: ";
-/// Errors grow by so much between two lines.
+/// The least growth of the error between two lines.
 const GROWTH: f64 = 10.0;
 
-/// What was said so far.
+/// The contents of the last lines.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct AccuracyLines {
     /// The estimated error (m).
     estimate: f64,
-    /// That the wanted accuracy does not hold any more.
+    /// Whether a line has said that the tolerance is exceeded.
     lost: bool,
 }
 
 impl AccuracyLines {
-    /// The line to add to the log, if there is something new to say.
+    /// The next line, if there is news.
     pub(crate) fn line(&mut self, so_far: &AccuracySoFar) -> Option<String> {
         let AccuracySoFar { time, wanted, estimate, holds_until } = *so_far;
         if !so_far.holds() {

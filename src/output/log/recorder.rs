@@ -36,7 +36,7 @@ pub struct Recorder {
     /// The lines before the first sample, which come again with it.
     before: Vec<(Severity, String)>,
     begun: bool,
-    /// What was said of the accuracy.
+    /// The lines about the accuracy.
     accuracy: AccuracyLines,
     /// The contacts of the next sample, where shapes may touch.
     contacts: Option<Vec<ContactPoint>>,

@@ -132,20 +132,21 @@ pub(crate) fn unsolved_warning(description: &MethodDescription) -> Option<String
 pub struct AccuracyReport {
     /// The accuracy asked for (m).
     pub wanted: f64,
-    /// The largest error to expect at the end of any step of the run (m). What is interpolated inside a step, as for a log, is less
-    /// accurate: by up to four times the accuracy asked for in the robots and scenes that were measured.
+    /// The largest error to expect at the end of any step (m). Samples inside a step are interpolated, and may have larger errors. In the scenes that
+    /// were measured these were within the tolerance with nine stages, except where a hard damper acts in the first steps
+    /// (`doc/findings/2026-11-24-samples-between-steps.md`).
     pub estimated: f64,
     /// The instant up to which the wanted accuracy is expected to hold (s).
     pub holds_until: f64,
-    /// The instant up to which all this is told (s): where the run has ended, or a little before if it was interrupted. What comes later is not known.
+    /// The instant up to which the accuracy is known (s): the end of the run, or a little before if it was interrupted.
     pub told_until: f64,
-    /// Whether the wanted accuracy holds up to there.
+    /// Whether the estimated error meets the tolerance up to that instant.
     pub reached: bool,
     /// Number of trial runs before the run: none where the run itself tells its accuracy.
     pub pilots: usize,
     /// How often the run has begun: once, and again with finer steps where errors grew more than was expected; of several parts the most.
     pub begun: usize,
-    /// Whether the run was to go on beyond `told_until`.
+    /// Whether `told_until` is before the end that was asked for.
     #[serde(skip)]
     pub(crate) is_early: bool,
     /// Whether the run ends anywhere: no runs that differ by roundings stay together.
@@ -171,7 +172,7 @@ const UNBALANCED: f64 = 10.0;
 const CALM: f64 = 100.0;
 
 impl AccuracyReport {
-    /// What a calibration found.
+    /// The report of one calibration.
     pub(crate) fn new(wanted: f64, found: &Calibration) -> Self {
         AccuracyReport {
             wanted,
@@ -189,14 +190,13 @@ impl AccuracyReport {
         }
     }
 
-    /// What a run that has ended says of itself, or what its trial runs say of it: up to where it has come.
+    /// The accuracy of a run, from the run itself or from its trial runs.
     ///
     /// # Errors
     /// [`UnknownAccuracy`] where nothing tells it.
     #[doc(hidden)]
     pub fn of(choice: StepChoice, run: &Finished) -> Result<Self, UnknownAccuracy> {
         let wanted = choice.tolerance().ok_or(UnknownAccuracy::NotAsked)?;
-        // Trial runs go to the end, whatever becomes of the run.
         let here = run.end.min(run.state.time);
         let report = |found: &Calibration| AccuracyReport {
             is_early: found.told_until < run.end,
@@ -210,8 +210,8 @@ impl AccuracyReport {
         }
     }
 
-    /// What the calibrations of islands say of the whole, in a run that has come to `here` (s): the first reason where it is not known.
-    /// What sleeps is where it should be.
+    /// Combines the reports of islands, in a run that has reached the time `here` (s).
+    /// Sleeping islands have no error.
     ///
     /// # Errors
     /// The first reason why the accuracy of an island is not known.
