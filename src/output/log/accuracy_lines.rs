@@ -44,10 +44,10 @@ mod tests {
             let holds_until = if estimate <= 1e-6 { time } else { 3.0 };
             lines.line(&AccuracySoFar { time, wanted: 1e-6, estimate, holds_until })
         };
-        assert_eq!(say(1.0, 2e-9).as_deref(), Some("accuracy: estimated error 2.0e-9 m up to t = 1 s"));
+        assert_eq!(say(1.0, 2e-9).as_deref(), Some("accuracy: estimated error 2.0e-9 m up to t = 1.00 s"));
         assert_eq!(say(2.0, 1.9e-8), None, "less than tenfold");
-        assert_eq!(say(3.0, 2.1e-8).as_deref(), Some("accuracy: estimated error 2.1e-8 m up to t = 3 s"));
-        assert_eq!(say(4.0, 3e-6).as_deref(), Some("accuracy: 1e-6 m holds until t = 3 s"));
+        assert_eq!(say(3.0, 2.1e-8).as_deref(), Some("accuracy: estimated error 2.1e-8 m up to t = 3.00 s"));
+        assert_eq!(say(4.0, 3e-6).as_deref(), Some("accuracy: 1e-6 m holds until t = 3.00 s"));
         assert_eq!(say(5.0, f64::INFINITY), None, "said once");
     }
 }
