@@ -69,41 +69,11 @@
 // The binary refers to this library by its name, as other programs do.
 extern crate self as catena;
 
+pub mod errors;
+pub mod observing;
 pub mod prelude;
+pub mod report;
 pub mod session;
-
-/// The report of a run: [`Report`](report::Report) and its parts.
-pub mod report {
-    pub use crate::output::report::{
-        AccuracyReport, ConstraintReport, ContactReport, ContactsReport, EnergyParts, EnergyReport, EventEntry,
-        EventReport, FrequencyReport, IslandReport, JointReport, JointStatusReport, KindCounts, LinkReport, LoopReport,
-        MethodReport, ModelReport, Numbers, Report, StepErrorReport,
-    };
-}
-
-/// Watching a run: an [`Observer`](observing::Observer) receives samples at a fixed rate, the end of each step, events and contacts.
-pub mod observing {
-    pub use crate::mechanism::forces::total::Exchange;
-    pub use crate::mechanism::motion::contact_point::ContactPoint;
-    pub use crate::mechanism::motion::energy::{Energy, Violation};
-    pub use crate::mechanism::motion::event::{Event, EventKind};
-    pub use crate::mechanism::motion::integrator::{MethodDescription, StepOutcome};
-    pub use crate::session::{Recording, SharedRecording};
-    pub use crate::simulation::{Counts, Observer, ObserverError, Sample, StepEnd};
-}
-
-/// The causes that an [`Error`](session::Error) may hold.
-pub mod errors {
-    pub use crate::instant::assembly::AssemblyError;
-    pub use crate::mechanism::description::mechanism::MechanismError;
-    pub use crate::mechanism::motion::step_error::StepError;
-    pub use crate::model::{CouplingError, CouplingProblem, ModelError};
-    pub use crate::output::log::LogError;
-    pub use crate::scene::{Element, Problem, SceneError};
-    pub use crate::session::{ControllerFailure, Error};
-    pub use crate::simulation::{CalibrationError, InputError, RunError, SimulationError};
-    pub use crate::stepping::integrator::MethodError;
-}
 
 /// Vectors and matrices in the arguments and results of this library.
 pub use nalgebra;

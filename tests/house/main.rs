@@ -38,6 +38,9 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "simulation",
             "output",
             "session",
+            "errors",
+            "observing",
+            "report",
             "prelude",
             "study",
             "cli",
@@ -179,11 +182,11 @@ fn what_the_library_shows_of_itself_is_what_programs_are_meant_to_use() {
         hidden = line == "#[doc(hidden)]" || (hidden && line.starts_with("#["));
     }
     let meant = [
-        "pub mod prelude",
-        "pub mod session",
-        "pub mod report",
-        "pub mod observing",
         "pub mod errors",
+        "pub mod observing",
+        "pub mod prelude",
+        "pub mod report",
+        "pub mod session",
         "pub use nalgebra",
     ];
     assert_eq!(shown, meant, "hide what is for the programs of this repository alone");
