@@ -1,4 +1,4 @@
-//! The part of `catena model` about what the tree does not say: several robots, loops, mimic relations and forces.
+//! The part of `catena model` about everything besides the trees: several robots, loops, mimic relations and forces.
 
 use crate::cli::table::{Table, number, triple};
 use catena::instant::assembly::Redundancy;

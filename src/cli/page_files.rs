@@ -1,4 +1,4 @@
-//! The file of a page: where it may be, and that all of it is there or nothing.
+//! The file of a page: its path is checked first, and it is written whole or not at all.
 
 use crate::cli::Failure;
 use anyhow::bail;

@@ -1,4 +1,4 @@
-//! `catena replay`: makes the run of a log again from what is in the log, and compares.
+//! `catena replay`: repeats the run of a log from the content of the log, and compares.
 //!
 //! A log that was cut off or whose run was interrupted is compared up to its end; one that is damaged is not the same as any run.
 

@@ -1,4 +1,4 @@
-//! What shells, packagers and readers of manuals need: completions, manual pages and the version.
+//! Shell completions, manual pages and the version.
 
 use crate::cli::Failure;
 use anyhow::Context;

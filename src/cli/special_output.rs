@@ -1,4 +1,4 @@
-//! An output that is a pipe or device: opening it may block until somebody reads, which must not outlast an interruption.
+//! An output that is a pipe or a device. Opening it may block until a reader opens it; an interruption ends the wait.
 //!
 //! The file is opened on a thread of its own, while this one looks whether the run is interrupted. Whoever holds it has a reader, so that the log can
 //! open it again without waiting.
@@ -17,7 +17,7 @@ const INTERVAL: Duration = Duration::from_millis(50);
 /// Opens what is at a path and no file; `None` where there is a file or nothing, or where it cannot be opened, which the log will say.
 ///
 /// # Errors
-/// If the run is interrupted while nobody reads it.
+/// If the run is interrupted before a reader opens it.
 pub fn open_special(path: &Path, interrupted: &AtomicBool) -> anyhow::Result<Option<File>> {
     if !is_special(path) {
         return Ok(None);

@@ -88,7 +88,7 @@ pub fn run(arguments: &SweepArgs) -> Result<(), Failure> {
     }
 }
 
-/// Who is to blame: the input, the disk, or nobody.
+/// The cause of a failure: the input, the disk, or neither.
 fn failure(error: SweepError) -> Failure {
     match error {
         SweepError::Interrupted { .. } => Failure::interrupted(error),

@@ -1,4 +1,4 @@
-//! A mechanism some of whose joints are held: what is left of it to move.
+//! The mechanism of the remaining degrees of freedom while some joints are held.
 //!
 //! A joint that friction or a limit holds at `q = q*` is no joint: its body is part of its parent. With the pose `X` of a member in the
 //! frame of the first body of its group, at `q*`,

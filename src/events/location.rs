@@ -1,4 +1,4 @@
-//! The location of an event: the step made again, with its length as one more unknown, so that it ends there.
+//! Location of an event: the step is solved again with its length as an additional unknown, so that it ends at the event.
 //!
 //! ```text
 //!     φ(q̄, v̄, t₀ + h) = 0:    h ← h − φ (h − h')/(φ − φ')           (h', φ') the attempt before

@@ -1,4 +1,4 @@
-//! Efforts that follow the state of the whole, narrowed to what moves while a mode lasts.
+//! Efforts of a controller that reads the whole state, restricted to the degrees of freedom that move in a mode.
 //!
 //! With the injection `S` of the rates of what moves into those of the whole (what is held has none), a law `f` of the whole and its derivatives:
 //!

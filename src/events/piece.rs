@@ -1,4 +1,4 @@
-//! What moves while a mode lasts, and its steps.
+//! The mechanism that moves in a mode, and its steps.
 //!
 //! A piece is kept with its workspace while it may be needed again: what it depends on is what is held and where, and which motors follow their laws.
 

@@ -1,4 +1,4 @@
-//! A convex shape that is ready for questions: a core and a radius about it, in the frame of its body.
+//! A convex shape prepared for queries: a core and a radius about it, in the frame of its body.
 //!
 //! ```text
 //!     shape = core ⊕ ball(r)          h(n) = h_core(n) + r |n|

@@ -1,4 +1,4 @@
-//! Everything that may be asked about two colliders: their distance, their places of contact and the borders of these.
+//! All queries about two colliders: their distance, their places of contact and the borders of these.
 //!
 //! All is computed in the frame of the body of one of them and handed out in the world; a place has its frames in the body frames.
 

@@ -1,4 +1,4 @@
-//! What motors, dry friction, limits and contacts exert in one state.
+//! The efforts and forces of motors, dry friction, limits and contacts in one state.
 //!
 //! ```text
 //!     τ_i = τ_motor,i − τ_f,i sign(q̇_i)        a joint that moves, with friction τ_f

@@ -1,4 +1,4 @@
-//! What joints and loops carry at an instant ([`crate::instant::reactions_on_tree`]), on the spanning tree on which that is least work.
+//! The wrenches of joints and loops at an instant ([`crate::instant::reactions_on_tree`]), computed on the spanning tree with the least work.
 //!
 //! Where equations are redundant what a joint of a loop carries is not unique. It then depends on which equations have multipliers, that is on which
 //! joints are cut, as it does on nature's choice.

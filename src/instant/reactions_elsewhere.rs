@@ -1,4 +1,4 @@
-//! Reactions by way of another spanning tree than the file's ([`crate::stepping::other_tree`]): worked out there, and told of the joints of the file.
+//! Reactions computed on another spanning tree than the file's ([`crate::stepping::other_tree`]), and assigned to the joints of the file.
 //!
 //! A joint that closes a loop on one tree and carries a body on the other exerts the same: force F on its second end, and torque T about that end's
 //! point `P_b`. Of a joint that turns round in the tree what comes out is exerted on its first end, about `P_a`:

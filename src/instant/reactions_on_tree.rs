@@ -1,4 +1,4 @@
-//! What joints and loops carry at an instant, worked out on the spanning tree of the mechanism.
+//! The wrenches of joints and loops at an instant, computed on the spanning tree of the mechanism.
 //!
 //! The accelerations of the tree by the articulated-body algorithm ([`crate::reduced`]), corrected for the closures,
 //!

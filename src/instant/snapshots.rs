@@ -1,4 +1,4 @@
-//! Where the links are and what joints and loops carry at a few instants of a motion: what a log has of a sample.
+//! Poses of links and wrenches of joints and loops at a few instants of a motion, for the samples of a log.
 //!
 //! Trees with nothing but gravity and forces in joints are looked at in lanes (`lobatto::instants::instants`); mechanisms with
 //! closures, forces on bodies, motors, dry friction or limits one instant after the other, by [`crate::instant::reactions`], which is also

@@ -1,4 +1,4 @@
-//! Why there is no surface; the caller says of which file.
+//! Errors of mesh files; the caller adds the name of the file.
 
 /// Why a mesh file gives no surface.
 #[derive(Debug, thiserror::Error)]

@@ -1,4 +1,4 @@
-//! What the couplings of a file share while they are added to the mechanism: links, frames, coordinates, and lines of the file.
+//! Shared lookups while the couplings of a file are added to the mechanism: links, frames, coordinates, and lines of the file.
 
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::{Attachment, Coordinate};

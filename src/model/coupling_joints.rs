@@ -1,4 +1,4 @@
-//! What a URDF says of its joints besides the tree: `<dynamics damping>` and `<mimic>`.
+//! Couplings that a URDF gives with its joints: `<dynamics damping>` and `<mimic>`.
 
 use crate::mechanism::description::closure::Mimic;
 use crate::mechanism::description::forces::JointDamper;

@@ -1,4 +1,4 @@
-//! The limits of joints: those of `<limit lower upper>`, or what a `[[joint]]` of the scene file says instead.
+//! The limits of joints: those of `<limit lower upper>`, or those of a `[[joint]]` of the scene file instead.
 
 use crate::mechanism::description::closure::JointLimit;
 use crate::model::coupling_builder::Builder;

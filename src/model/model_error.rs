@@ -1,4 +1,4 @@
-//! Why a robot cannot be simulated, or not as asked.
+//! Errors: a robot cannot be simulated, or not with the given options.
 
 use crate::mechanism::description::mechanism::MechanismError;
 use crate::model::coupling_error::CouplingError;

@@ -1,4 +1,4 @@
-//! What a user leaves out of the simulation although the files contain it (`--without`).
+//! The parts of the files that a user excludes from the simulation (`--without`).
 
 use crate::model::robot_model::Model;
 use crate::scene::Touching;

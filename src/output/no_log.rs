@@ -1,4 +1,4 @@
-//! What stands for the log in builds without the feature `log`: a recorder that nobody can make. Runs are made by the same code with and without logs.
+//! Replaces the log in builds without the feature `log`: a recorder that cannot be constructed. The same code makes runs with and without logs.
 
 #[path = "log/ending.rs"]
 mod ending;
@@ -27,7 +27,7 @@ impl LogOptions {
     }
 }
 
-/// Who writes a log: nobody.
+/// Replaces the writer of a log.
 pub enum Recorder {}
 
 impl Recorder {

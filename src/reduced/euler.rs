@@ -1,4 +1,4 @@
-//! Semi-implicit Euler in joint coordinates, order 1: what most real-time engines do.
+//! Semi-implicit Euler in joint coordinates, order 1: the method of most real-time engines.
 //!
 //! ```text
 //!     v₁ = v₀ + h q̈(q₀, v₀)        velocity first

@@ -74,7 +74,7 @@ pub enum Problem {
     /// The file system refused.
     #[error("cannot be read: {0}")]
     Unreadable(String),
-    /// A scene file, and nobody here reads them.
+    /// A scene file in a build without the feature `scene`.
     #[error("this build reads no scene files: build catena with its feature `scene`")]
     NotBuilt,
     /// Nothing in it.

@@ -1,4 +1,4 @@
-//! What a scene file says of the joints of its robots: motors, and settings that replace those of the URDF.
+//! The joint settings of a scene file: motors, and values that replace those of the URDF.
 //!
 //! Units: m, rad, N, N m, s.
 

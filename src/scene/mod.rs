@@ -1,14 +1,14 @@
-//! What the user wrote, validated.
+//! The user's files, read and validated.
 //!
 //! ```text
 //!     URDF  → text → XML → clean (schema.rs: known elements, good numbers) → urdf-rs → Robot → tree checks
 //!     scene → text → TOML → serde (scene_schema.rs: known keys, good numbers) → Scene of Robots, names resolved
 //! ```
 //!
-//! Mesh files are read by [`crate::meshes`]: those of obstacles here, others when somebody needs them.
+//! Mesh files are read by [`crate::meshes`]: those of obstacles here, others when they are needed.
 //!
 //! Nothing here knows about simulation: a [`Robot`] is the URDF with every number finite, every reference resolved
-//! and every link on one tree. What the file says and nobody will use is listed in [`Robot::warnings`].
+//! and every link on one tree. Parts of the file that are not used are listed in [`Robot::warnings`].
 
 mod bounded;
 mod clean;

@@ -1,4 +1,4 @@
-//! What stands for scene files in builds without the feature `scene`: nobody reads them.
+//! Replaces scene files in builds without the feature `scene`: reading one is an error.
 
 use crate::scene::description::Scene;
 use crate::scene::error::{Problem, SceneError};

@@ -5,7 +5,7 @@ use crate::scene::robot::{Limit, UrdfJoint, UrdfJointKind};
 use crate::scene::warning::{Warning, WarningGroup};
 use std::path::Path;
 
-/// The warnings about a robot's joints, and elements nobody reads.
+/// The warnings about a robot's joints, and about ignored elements.
 pub(crate) fn unsimulated(file: &Path, joints: &[UrdfJoint], ignored: &[Ignored]) -> Vec<Warning> {
     let lines_where =
         |holds: &dyn Fn(&UrdfJoint) -> bool| joints.iter().filter(|j| holds(j)).map(|j| j.line).collect::<Vec<_>>();

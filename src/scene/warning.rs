@@ -14,7 +14,7 @@ pub enum WarningGroup {
     NotSimulated,
     /// The part is missing, wrong or unusual; the message says what was made of it.
     Odd,
-    /// Tags and attributes that nobody here reads; a list of warnings has one line for all of a file.
+    /// Tags and attributes that are ignored; a list of warnings has one line for all of a file.
     Ignored,
 }
 

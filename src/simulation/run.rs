@@ -230,7 +230,7 @@ impl<'s> Simulation<'s> {
         })
     }
 
-    /// Somebody watches the run from its next step on.
+    /// Adds an observer, from the next step on.
     pub fn observe(&mut self, observer: &'s mut dyn Observer) {
         self.observers.push(observer);
     }
@@ -240,7 +240,7 @@ impl<'s> Simulation<'s> {
         self.options.rate = Some(rate);
     }
 
-    /// Nobody asks for figures: energies, constraint errors and times of steps need not be worked out. The steps are the same. Before the first
+    /// Leaves out the figures: energies, constraint errors and times of steps are not computed. The steps are the same. Before the first
     /// step; parts that nothing connects have their figures all the same.
     pub(crate) fn leave_out_figures(&mut self) {
         self.figures = false;

@@ -1,4 +1,4 @@
-//! What becomes of an attempt at a step, and how long the next one is: the rules of [`crate::control`].
+//! Accepts or rejects an attempt at a step, and chooses the length of the next one by the rules of [`crate::control`].
 
 use crate::control::{Control, Decision, KINK, Kink};
 use crate::stepper::Energies;

@@ -1,4 +1,4 @@
-//! What the step control knows of the motion at an instant: its fastest mode and its pace.
+//! The data of the motion that the step control uses: its fastest mode and its pace.
 //!
 //! A tree under gravity has both from its geometric stiffness ([`crate::dynamics`]); with forces or closures the mode comes from
 //! differences of accelerations ([`crate::linearised`]), and the pace is not available.

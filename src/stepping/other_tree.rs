@@ -1,4 +1,4 @@
-//! Steps on another spanning tree than the file's, for a caller who knows nothing of it.
+//! Steps on another spanning tree than the file's. The caller sees the coordinates of the file only.
 //!
 //! ```text
 //!     file's tree ─ plan/spanning.rs ─▶ the joints to cut ─ structure/other_tree.rs ─▶ Mechanism, the same on the other tree

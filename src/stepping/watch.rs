@@ -53,7 +53,7 @@ pub struct Watch {
     ringing: Option<Ringing>,
     /// The longest step that stops it (s), and its largest rate, until it is taken.
     settling: Option<(f64, f64)>,
-    /// Whether anybody wants to know what rings.
+    /// Whether ringing is monitored.
     listens: bool,
 }
 

@@ -1,4 +1,4 @@
-//! By how much all contacts of a mode can stay closed, where their forces are not unique.
+//! The margin by which all contacts of a mode can stay closed, where their forces are not unique.
 //!
 //! ```text
 //!     largest m with    D r = −b,    r_c − m e_N in K_c for every contact,    lower + m ≤ r ≤ upper − m for every interval

@@ -1,4 +1,4 @@
-//! The interior-point method of clarabel with De Saxcé's shift as a fixed point: slow and rough, but it always gets near.
+//! The interior-point method of clarabel with De Saxcé's shift as a fixed point: slow and inexact, but always near the solution.
 //!
 //! ```text
 //!     minimise  ½ rᵀ D r + (b + s)ᵀ r    subject to  r in the cones and intervals,       s_N = μ |u_T| of the last round

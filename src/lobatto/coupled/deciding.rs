@@ -1,4 +1,4 @@
-//! What the start of a run decides about the closures, once: the rank of the run, the freedoms that cannot move, the inertia that is lent.
+//! Decisions about the closures at the start of a run, made once: the rank of the run, the freedoms that cannot move, the inertia that is lent.
 //!
 //! ```text
 //!     rank  = max(rank here, rank beside)        beside = the start displaced by some 1e-3 and put back on the closures, two of them

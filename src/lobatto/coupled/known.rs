@@ -1,4 +1,4 @@
-//! What is known of the closures before any solve, by kinematics ([`catena_mechanism::structure::ranks`]).
+//! Properties of the closures that kinematics determines before any solve ([`catena_mechanism::structure::ranks`]).
 
 /// Which equations are empty, which freedoms are still, and what light ones are lent.
 #[derive(Clone, Debug, Default, PartialEq)]

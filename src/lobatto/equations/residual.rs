@@ -60,7 +60,7 @@ pub struct BodyResidual<V> {
     mass: V,
 }
 
-/// The residual of one body; where nobody asks for its inertia the compiler leaves that out.
+/// The residual of one body; the compiler leaves out its inertia where that is not used.
 #[inline(always)]
 pub fn body_residual<V: Arithmetic, R: Rows<V>>(
     rows: &R,
@@ -104,7 +104,7 @@ pub fn residual_of<V: Arithmetic, R: Rows<V>>(
     BodyResidual { force, torque, turn, com, own, mass: V::whole(known.mass) }
 }
 
-/// `N` of a body with the geometry of the rows, its `J`, and `e` about its centre of mass, where nobody asks for its path; for momenta `π`.
+/// `N` of a body with the geometry of the rows, its `J`, and `e` about its centre of mass, where its path is not needed; for momenta `π`.
 #[inline(always)]
 pub fn spin_residual<V: Arithmetic, R: Rows<V>>(
     rows: &R,

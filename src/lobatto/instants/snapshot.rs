@@ -1,4 +1,4 @@
-//! Where links are and what joints carry at several instants of a motion at once: one instant a lane.
+//! Poses of links and wrenches of joints at several instants of a motion at once: one instant in each lane.
 //!
 //! `tree` is the recursion over the bodies, `constants` and `joints` are what it reads, `quaternion` is its rotations.
 

@@ -75,7 +75,7 @@ impl<V: Lanes> Articulated2<V> {
         }
     }
 
-    /// The solution for a rotation of a body that hangs on the world: nobody asks for what is left.
+    /// The solution for a rotation of a body on a joint to the world: the remaining inertia is not needed.
     #[inline(always)]
     pub fn solve_rotation(&self, push: Option<Push<V>>) -> Eliminated2<V> {
         let (inverse, bias) = self.turning(push);

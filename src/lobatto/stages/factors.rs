@@ -1,4 +1,4 @@
-//! What the sweep from the leaves to the root leaves for the way back: the factors of the Newton step.
+//! The factors of the Newton step: computed by the sweep from the leaves to the root, used by the sweep back.
 //!
 //! ```text
 //!     α = α₀ − (A s)ᵀ η / d        for every eliminated degree of freedom, η = (a, φ) the twist of the body

@@ -1,4 +1,4 @@
-//! What a motion that is carried beside another knows of it: where it begins, and what parts them at the stages of a step
+//! The data of a companion motion: its start, and its distance from the main motion at the stages of a step
 //! ([`crate::step::carrying`]).
 
 use crate::numbers::lanes::{Lanes, in_lanes};

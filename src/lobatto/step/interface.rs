@@ -1,4 +1,4 @@
-//! What a step is to those who string steps together: when its iteration ends, how an attempt at it ended, and what can be asked
+//! The interface of a step for integrators: when its iteration ends, how an attempt at it ended, and what can be asked
 //! of it. It is made by [`crate::step::kernel`], to 32 digits by [`crate::step::precise`].
 
 use crate::coupled::counted::Counted;

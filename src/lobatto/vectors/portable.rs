@@ -1,6 +1,6 @@
 //! Lanes for every processor: an array, of which the compiler makes what vectors the build promises.
 //!
-//! On x86-64 that is two lanes, for processors that hardly anybody has. Up to five stages have vectors of their own there ([`crate::vectors::x86::Sse2`]);
+//! On x86-64 that is two lanes, for old processors. Up to five stages have vectors of their own there ([`crate::vectors::x86::Sse2`]);
 //! sixteen lanes written out in place are a megabyte of instructions a sweep, so that an operation of them is a call.
 
 use crate::numbers::lanes::Lanes;

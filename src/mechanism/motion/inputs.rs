@@ -1,4 +1,4 @@
-//! What acts on a mechanism from outside during one step: efforts that a controller sets during the run.
+//! External inputs of one step: efforts that a controller sets during the run.
 
 use crate::description::mechanism::Mechanism;
 use crate::motion::state::State;

@@ -146,7 +146,7 @@ pub trait Integrator {
         until: f64,
     ) -> Result<StepOutcome, StepError>;
 
-    /// [`Integrator::step`] of a mechanism that nobody drives from outside.
+    /// [`Integrator::step`] of a mechanism without inputs.
     ///
     /// # Errors
     /// As of [`Integrator::step`].

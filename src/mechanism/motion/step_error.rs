@@ -1,4 +1,4 @@
-//! Why a step cannot be made.
+//! The reasons why a step fails.
 
 use crate::ground::words::short;
 

@@ -1,4 +1,4 @@
-//! Two logs held against each other: how far every link is from itself, and when.
+//! Compares two logs: the largest distance of every link between them, and its time.
 //!
 //! ```text
 //!     d(t) = |p_A − p_B|  [m]          α(t) = 2 asin |vec(q_A⁻¹ q_B)|  [rad]

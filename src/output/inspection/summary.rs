@@ -1,4 +1,4 @@
-//! The summary of a log: how the run was made, how it went, and what there is to see.
+//! The summary of a log: the settings of the run, its results, and the topics.
 
 use crate::mechanism::ground::words;
 use crate::mechanism::motion::gaps::worse;

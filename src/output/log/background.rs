@@ -1,4 +1,4 @@
-//! Encodes and writes the log on a thread of its own, because that need not hold up the simulation, and a disk may let it wait.
+//! Encodes and writes the log on a separate thread, so that the simulation does not wait for encoding or for the disk.
 //!
 //! The simulation puts samples into a piece that both threads know, as positions and velocities; the thread takes the piece when
 //! it is large, or a tenth of a second has passed, whatever the simulation does meanwhile. If it is too large, the simulation
@@ -209,7 +209,7 @@ fn write(mut file: LogFile, encoder: SampleEncoder, shared: &Shared) -> Result<P
     ended
 }
 
-/// However the thread ends, nobody waits for it afterwards.
+/// However the thread ends, nothing waits for it afterwards.
 struct Gone<'s>(&'s Shared);
 
 impl Drop for Gone<'_> {

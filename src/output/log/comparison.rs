@@ -1,4 +1,4 @@
-//! Holds the messages of a run against those of a log, bit for bit.
+//! Compares the messages of a run with those of a log, bit for bit.
 //!
 //! A thread reads the log; what does not depend on the run (descriptions, lines of text) is passed over on both sides.
 

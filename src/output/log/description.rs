@@ -1,4 +1,4 @@
-//! What viewers draw the robots from: the URDF of each, and the looks of all of them.
+//! The descriptions that viewers draw the robots from: the URDF of each robot, and the geometry of all of them.
 //!
 //! A viewer that draws from the URDF reads the mesh files that it names, and not all of them read Collada and OBJ files rightly: rerun
 //! leaves out polygons, turns files that say that y points up, and knows one colour a mesh. Such files are written once more as

@@ -1,4 +1,4 @@
-//! Who is shown the messages of a topic when the log is played: what the metadata of its channel says, as in bags of ROS 2.
+//! The durability of a topic: whether late subscribers receive its last message when the log is played, as in bags of ROS 2.
 //!
 //! Source: rosbag2 (`qos.cpp`, `mcap_storage.cpp`).
 

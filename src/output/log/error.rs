@@ -12,7 +12,7 @@ pub enum LogError {
     /// Another run is writing the file; nothing was changed.
     #[error("cannot write {}: another run is writing it; choose another --output", path.display())]
     Busy { path: PathBuf },
-    /// The run was interrupted while nobody read the pipe or device.
+    /// The run was interrupted while it waited for a reader of the pipe or device.
     #[error("interrupted while waiting for a reader of {}", path.display())]
     Blocked { path: PathBuf },
     /// Writing failed: a full disk, a closed pipe.

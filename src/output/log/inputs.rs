@@ -1,4 +1,4 @@
-//! The input files as attachments, so that a run can be made again from its log alone.
+//! The input files as attachments, so that a run can be repeated from its log alone.
 //!
 //! The main input (the scene file, or else the URDF) comes first, then the robots of a scene in their order, then the CSV files of its
 //! targets in the order in which they were read, then the meshes of its obstacles: that, and no path, tells which is which. Last come the

@@ -1,4 +1,4 @@
-//! Lines of text, as `rcl_interfaces/msg/Log` on `/rosout`: what programs of ROS say, where its tools look for it.
+//! Lines of text, as `rcl_interfaces/msg/Log` on `/rosout`, where ROS tools look for them.
 
 use crate::output::log::cdr::CdrWriter;
 use crate::output::log::severity::Severity;

@@ -1,4 +1,4 @@
-//! What the header of a log and its metadata records are called.
+//! The names in the header of a log and of its metadata records.
 
 use mcap::records::Metadata;
 

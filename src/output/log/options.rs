@@ -1,4 +1,4 @@
-//! What the user chooses about a log.
+//! The options of a log.
 
 use crate::output::log::topics::Topics;
 

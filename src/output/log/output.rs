@@ -134,7 +134,7 @@ pub fn neighbour(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Locks a file; `false` if a run is writing it. Where files cannot be locked, nobody is kept out.
+/// Locks a file; `false` if a run is writing it. Where files cannot be locked, there is no protection.
 fn lock(file: &File) -> bool {
     // Those who only ask whether a file is locked hold it for an instant.
     for _ in 0..5 {

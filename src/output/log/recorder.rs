@@ -1,4 +1,4 @@
-//! The observer that hands samples and events over to be logged (the table of [`crate::output::log`]).
+//! The observer that passes samples and events to the log (the table of [`crate::output::log`]).
 
 use crate::lobatto::instants::snapshot::INSTANTS;
 use crate::mechanism::motion::contact_point::ContactPoint;

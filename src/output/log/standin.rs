@@ -17,7 +17,7 @@ use roxmltree::Document;
 use std::collections::HashMap;
 use std::fmt::Write;
 
-/// The colour of what nobody has drawn: a quiet blue.
+/// The colour of bodies without geometry: a quiet blue.
 pub(crate) const STANDIN_COLOR: [f64; 4] = [0.45, 0.56, 0.69, 1.0];
 
 /// Edge of the box for a point mass [m].

@@ -1,4 +1,4 @@
-//! What a page says in words: of a run what its log says, of a model its size.
+//! The text of a page: for a run the facts of its log, for a model its size.
 
 use crate::mechanism::ground::words::{counted, decimals, rounded};
 use crate::model::Model;

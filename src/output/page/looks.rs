@@ -1,4 +1,4 @@
-//! What is drawn of the links: primitives, meshes, and boxes for bodies without looks.
+//! The drawn geometry of links: primitives, meshes, and boxes for bodies without geometry.
 //!
 //! A mesh is read once however many visuals show it. Its colours are those of its file, where that has any; else the one of the
 //! `<material>` of the visual, as in RViz. What cannot be drawn is said in [`Looks::notes`].

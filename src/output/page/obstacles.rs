@@ -1,4 +1,4 @@
-//! What is drawn of obstacles: the shapes of the world that links may touch.
+//! The drawn geometry of obstacles: the shapes of the world that links may touch.
 //!
 //! Drawn are the colliders that the model has of its obstacles, so that the page shows what the simulation knows: none where contact is left
 //! out. A half space `z ≤ 0` of its frame is drawn as a tile in its plane, whose size the page chooses.

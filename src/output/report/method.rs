@@ -23,7 +23,7 @@ pub struct MethodReport {
     pub adaptive: bool,
     /// The tolerance it is chosen from.
     pub tolerance: Option<f64>,
-    /// The nearest that any step came to the limit of linear stability; null where nobody looked, as in a run of a few steps.
+    /// The nearest that any step came to the limit of linear stability; null if it was not computed, as in a run of a few steps.
     pub max_frequency_step: Option<FrequencyReport>,
     /// Decimal digits that steps were solved to: 16, or 32.
     pub digits: u32,

@@ -1,4 +1,4 @@
-//! Where links, joints and loops are in a state, how they move, and what they carry.
+//! Positions, velocities and reactions of links, joints and loops in a state.
 
 use crate::instant::reactions::{LoopReaction, Reactions};
 use crate::mechanism::description::body_state::BodyState;

@@ -1,4 +1,4 @@
-//! Where a number of a scene is: one name for each kind of place.
+//! The places of numbers in a scene: one variant for each kind.
 
 use crate::scene::coupling::JointReference;
 

@@ -1,4 +1,4 @@
-//! How the number at a place of a scene is reached.
+//! Access to the number at a place of a scene.
 
 use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::nonsmooth::MotorLaw;

@@ -1,4 +1,4 @@
-//! What follows from the numbers of a scene, worked out once all that are set are in their places.
+//! Values that follow from the numbers of a scene, computed after all numbers are set.
 //!
 //! A rotation follows from its roll, pitch and yaw, a unit axis from the axis as given, the target of a motor from its table, the surface of a mesh
 //! from its scale: each as the reader of the file works it out, so that the bits are the same.

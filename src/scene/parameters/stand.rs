@@ -1,4 +1,4 @@
-//! What a message about a number names: the file, the line and the element that the number belongs to.
+//! The origin of a number, for messages: the file, the line and the element that the number belongs to.
 
 use crate::scene::description::Scene;
 use crate::scene::error::Element;

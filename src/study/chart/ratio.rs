@@ -1,4 +1,4 @@
-//! How many times faster at equal accuracy.
+//! The ratio of CPU times at equal accuracy.
 //!
 //! The cost of a method at an error level is read off its *front*: the runs that no other run of the method beats in
 //! both error and cost, joined by straight lines on logarithmic axes,

@@ -1,4 +1,4 @@
-//! The end of the run to many digits, by two formulations, and how far it can be trusted. They share no code but what springs, dampers and
+//! The reference solution at the end of the run, by two formulations, and its accuracy. They share no code but what springs, dampers and
 //! loads exert in a given state, and where a state places the bodies.
 //!
 //! The Lobatto scheme in maximal coordinates, with 32 digits where it is a tree under gravity and with 14 to 16 stages elsewhere, and

@@ -1,4 +1,4 @@
-//! What comes out: for every scene two pictures as SVG and PNG, for all of them one CSV, one page and one text table.
+//! The files of a chart: for every scene two pictures as SVG and PNG, for all of them one CSV, one page and one text table.
 
 use crate::study::chart::measure::SceneChart;
 use crate::study::chart::ratio::{Best, Comparison, LEVELS, Reach};

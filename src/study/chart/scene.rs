@@ -1,4 +1,4 @@
-//! What is simulated in a chart.
+//! The scene of a chart.
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;

@@ -1,4 +1,4 @@
-//! What a run costs: CPU time of the thread in the integration loop and nothing else.
+//! The cost of a run: CPU time of the thread in the integration loop only.
 //!
 //! Building the integrator, kinematics, energy and samples are outside the clock, and what the clock takes for being read
 //! is taken off. A run is repeated until the clock has seen [`Effort::total`] seconds and [`Effort::repeats`] runs, and

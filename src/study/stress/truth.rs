@@ -1,4 +1,4 @@
-//! The right answer of a case, and how far it can be trusted.
+//! The reference solution of a case, and its accuracy.
 //!
 //! Nine stages, iterated to rounding, with steps that shrink by a factor that is no power of two, until two runs in a row agree to rounding or
 //! finer steps agree less: the answer is the finer of the two that agree best, and their distance is its doubt.

@@ -1,4 +1,4 @@
-//! Why a sweep cannot be made.
+//! Errors of sweeps.
 
 use crate::instant::assembly::AssemblyError;
 use crate::model::ModelError;

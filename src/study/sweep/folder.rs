@@ -1,4 +1,4 @@
-//! The folder of a sweep: which rows are on the disk, and how others come there.
+//! The folder of a sweep: the rows on the disk, and how new ones are added.
 //!
 //! A row is counted as done when its journal is on the disk. When all rows of a file are there, the file is written in the order of the index, and then
 //! the journal is removed: a kill at any instant leaves one of the two.

@@ -1,4 +1,4 @@
-//! The rows of a file that is not complete, in the order in which they came, so that none is lost.
+//! The rows of a file that is not complete, in the order of their completion, so that none is lost.
 //!
 //! ```text
 //!     record:  length of the row (u32), its CRC-32 (u32), the row         little endian

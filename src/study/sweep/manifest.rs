@@ -1,4 +1,4 @@
-//! How a folder says which sweep it is of, and how its files of rows are written and called.
+//! The manifest of a folder: the sweep it belongs to, and the names and format of its files of rows.
 
 use crate::study::sweep::error::SweepError;
 use crate::study::sweep::rows::{Heading, Row};

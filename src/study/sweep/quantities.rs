@@ -1,4 +1,4 @@
-//! What can be kept of a run: numbers of joints, links and energies by name.
+//! Quantities that a sweep can keep of a run: numbers of joints, links and energies by name.
 //!
 //! | name                                                   | numbers                                                                                   |
 //! |--------------------------------------------------------|-------------------------------------------------------------------------------------------|

@@ -1,4 +1,4 @@
-//! Estimates what a sweep will take: a few runs, spread over its indices, are made and timed; nothing is written.
+//! Estimates the cost of a sweep: a few runs, spread over its indices, are made and timed; nothing is written.
 
 use crate::simulation::threads::on_one_thread;
 use crate::study::sweep::definition::Sweep;

@@ -1,4 +1,4 @@
-//! Watches a run for what is kept of it: samples of curves, and the extremes of the samples.
+//! Collects the kept quantities of a run: samples of curves, and the extremes of the samples.
 
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::motion::integrator::MethodDescription;

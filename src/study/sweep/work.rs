@@ -46,7 +46,7 @@ pub struct Done {
     pub first_failure: Option<(u64, String)>,
 }
 
-/// The indices that nobody has taken yet.
+/// The indices that no thread has taken yet.
 struct Queue(Mutex<std::vec::IntoIter<Range<u64>>>, Mutex<Range<u64>>);
 
 impl Queue {

@@ -1,4 +1,4 @@
-//! Long chains: what a method costs and keeps when bodies are many.
+//! Long chains: cost and accuracy of a method with many bodies.
 
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;

@@ -1,4 +1,4 @@
-//! Dry friction nearly as large as the load: what holds, and what slides by a little.
+//! Dry friction nearly as large as the load: sticking just below the limit, sliding just above it.
 
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::description::nonsmooth::DryFriction;

@@ -1,4 +1,4 @@
-//! A box pushed across a slope near its angle of friction: what friction holds, and what slides by a little.
+//! A box pushed across a slope near its angle of friction: sticking just below it, sliding just above it.
 
 use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::mechanism::MechanismError;

@@ -1,4 +1,4 @@
-//! A heavy tip on a light chain: what makes iterative solvers give up, and light links vibrate.
+//! A heavy tip on a light chain: iterative solvers fail to converge, and light links vibrate.
 
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::motion::state::State;

@@ -1,4 +1,4 @@
-//! Motors with ever higher gains: the fast decay that they bring should not be seen.
+//! Motors with ever higher gains: the fast decay that they cause should not be visible.
 
 use crate::mechanism::description::mechanism::{Mechanism, MechanismError};
 use crate::mechanism::description::nonsmooth::{Motor, MotorLaw};

@@ -1,4 +1,4 @@
-//! The same loop closed again and again: equations that say nothing new.
+//! The same loop closed again and again: redundant equations.
 
 use crate::mechanism::description::mechanism::MechanismError;
 use crate::study::stress::problem::{Case, Problem, steps};

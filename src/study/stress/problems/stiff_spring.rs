@@ -1,4 +1,4 @@
-//! A pendulum whose string is a spring: the stiffer, the more it is a rod, and the faster what should not be seen.
+//! A pendulum whose string is a spring: the stiffer it is, the more it acts as a rod, and the faster the vibration that should not be visible.
 
 use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::forces::PointSpring;
