@@ -2,6 +2,7 @@
 
 use crate::{folder, robot};
 use catena::prelude::*;
+use catena::report::Numbers;
 use catena::session::{Rollout, SharedRecording};
 use std::path::Path;
 use std::process::Command;
@@ -22,6 +23,30 @@ fn samples(log: &Path) -> Vec<(String, u64, Vec<u8>)> {
     })
     .expect("a log");
     all
+}
+
+#[test]
+fn written_coordinates_are_those_of_the_report() {
+    // With hinges alone q and v are copied from the state; ball and floating joints are converted.
+    for (input, floats) in [("arm7.urdf", false), ("spherical_chain.urdf", false), ("tumbling_body.urdf", true)] {
+        let loader = if floats { Model::loader().floating() } else { Model::loader() };
+        let model = loader.load(robot(input)).expect("a model");
+        let v: Vec<f64> = (1..=model.coordinates().v_count()).map(|k| 0.1 * k as f64).collect();
+        let (q, _) = model.start().expect("a start");
+        let mut simulation = Simulation::new(&model).duration(0.1).start_from(&q, &v).expect("a start");
+        simulation.run().expect("it runs");
+        let (mut q, mut v) = (vec![f64::NAN; q.len()], vec![f64::NAN; v.len()]);
+        simulation.write_coordinates(&mut q, &mut v).expect("it is written");
+        let refused = simulation.write_coordinates(&mut q[1..].to_vec(), &mut v);
+        assert!(matches!(refused, Err(Error::Count { what: "q", .. })), "{input}: {refused:?}");
+        let report = simulation.finish().expect("a report");
+        for place in model.coordinates().joints() {
+            let (_, joint) = report.joints.iter().find(|(name, _)| **name == *place.name).expect("a joint");
+            let written = (Numbers::from(q[place.q.clone()].to_vec()), Numbers::from(v[place.v.clone()].to_vec()));
+            let reported = (&joint.position, &joint.velocity);
+            assert_eq!(format!("{written:?}"), format!("{reported:?}"), "{input}: {}", place.name);
+        }
+    }
 }
 
 #[test]
