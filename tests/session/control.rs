@@ -57,6 +57,18 @@ fn a_controller_is_asked_at_its_instants_and_never_between() {
 }
 
 #[test]
+fn the_report_counts_the_time_of_steps_between_the_instants_of_a_controller() {
+    let model = free_pendulum();
+    let start = Simulation::new(&model).fixed(3, 1e-3).duration(0.1);
+    let mut simulation = start.velocities([(joint(&model), 1.0)]).expect("a start");
+    simulation.set_controller(1e-3, |_, _| ()).expect("a controller");
+    simulation.run().expect("it runs");
+    let report = simulation.finish().expect("a report");
+    assert_eq!(report.steps, 100);
+    assert!(report.solve_cpu_seconds > 0.0);
+}
+
+#[test]
 fn the_report_counts_the_efforts_among_what_joints_carry() {
     let model = Model::load(robot("arm7.urdf")).expect("a model");
     let (q, v) = model.start().expect("a start");
