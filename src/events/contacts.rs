@@ -57,13 +57,16 @@ pub(crate) struct Contacts {
     /// What is left to be decided once impacts are over.
     pub candidates: Vec<Candidate>,
     rest: f64,
+    /// Whether slips that are next to nothing are stopped ([`Contacts::jams`]).
+    jammed: bool,
 }
 
 impl Contacts {
     /// Those that touch in a state: the closed ones of the mode before, and of pairs in which something happens whatever touches.
     pub fn gather(scene: &Scene, before: &Mode, state: &State, found: &Found, fastest: f64) -> Self {
         let Scene { whole, touching, .. } = scene;
-        let mut contacts = Contacts { all: Vec::new(), known: Vec::new(), candidates: Vec::new(), rest: SLOWEST };
+        let mut contacts =
+            Contacts { all: Vec::new(), known: Vec::new(), candidates: Vec::new(), rest: SLOWEST, jammed: false };
         if touching.pairs.is_empty() {
             return contacts;
         }
@@ -171,7 +174,7 @@ impl Contacts {
             }
             let is = |list: &[usize]| self.known[index].is_some_and(|known| list.contains(&known));
             let (slip, (largest, most)) = (touch.slip.norm(), together[contact.pair]);
-            let own = if is(&yielding.stops) { STOPPED } else { 1.0 };
+            let own = if self.jammed || is(&yielding.stops) { STOPPED } else { 1.0 };
             let sticks = slip <= own * self.rest || largest <= most * self.rest;
             let slip = if sticks { Vector3::zeros() } else { touch.slip };
             let own = rows_of_contact(scene.whole, &bodies, &contact.joint, rubs && sticks);
@@ -183,6 +186,11 @@ impl Contacts {
         let lost = bring_rows_to_rest(scene, state, rows);
         self.close_gaps(scene, state, &bodies, &still);
         still.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
+        // Slips that are next to nothing turn when others come to rest.
+        let bodies = body_states(scene.whole, state);
+        for candidate in self.candidates.iter_mut().filter(|candidate| candidate.slip != Vector3::zeros()) {
+            candidate.slip = touch_motion(&candidate.contact.joint, &bodies).slip;
+        }
         lost
     }
 
@@ -277,6 +285,16 @@ impl Contacts {
             slides: candidate.slip.try_normalize(0.0),
         };
         self.candidates.iter().filter(|candidate| !candidate.opens).map(closed).collect()
+    }
+
+    /// Whether slips that are next to nothing are stopped from now on, because contacts that slide have no consistent accelerations together: a slip
+    /// that falls so fast stops within the next instant. False if there are none, or they are stopped already.
+    pub fn jams(&mut self) -> bool {
+        let slow =
+            |candidate: &Candidate| candidate.slip != Vector3::zeros() && candidate.slip.norm() <= STOPPED * self.rest;
+        let jams = !self.jammed && self.candidates.iter().any(slow);
+        self.jammed |= jams;
+        jams
     }
 
     /// The impulse where no acceleration of a candidate fits the law; returns the energy that it takes (J), nothing if it is not found.

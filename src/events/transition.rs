@@ -123,6 +123,9 @@ pub(crate) fn transit(
             }
             decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);
         }
+        if decided.as_ref().is_ok_and(|decided| !decided.exact) && contacts.jams() {
+            continue;
+        }
         match decided {
             Ok(decided) => {
                 done.unsolved += usize::from(!decided.exact);
