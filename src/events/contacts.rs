@@ -39,13 +39,14 @@ const OVERLAP: f64 = 1e-12;
 const CLOSED: f64 = 1e-15;
 /// Slower than this part of the fastest that any body has been is rest.
 const REST: f64 = 1e-10;
+/// So is this [m/s].
+const SLOWEST: f64 = 1e-13;
 /// The contacts of a pair are at rest if none of them is faster than this many times what is rest for one.
 const TOGETHER: f64 = 100.0;
 /// Slips that have been seen to stop may be faster by this factor: a step that ends at the stop leaves what lies across them.
 const STOPPED: f64 = 1e4;
-/// So is this [m/s].
-const SLOWEST: f64 = 1e-13;
-
+/// Slips of contacts that jam may be faster than rest by this factor at most.
+const JAMMED: f64 = 1e6;
 /// Points of a flat end whose gaps fall with less than this part of the largest acceleration do not: laws are solved to 1e-10.
 const LOWEST: f64 = 1e-9;
 
@@ -57,8 +58,8 @@ pub(crate) struct Contacts {
     /// What is left to be decided once impacts are over.
     pub candidates: Vec<Candidate>,
     rest: f64,
-    /// Whether slips that are next to nothing are stopped ([`Contacts::jams`]).
-    jammed: bool,
+    /// By how much slips may be faster than rest and are stopped even so; 1 unless contacts jam ([`Contacts::jams`]).
+    jam: f64,
 }
 
 impl Contacts {
@@ -66,7 +67,7 @@ impl Contacts {
     pub fn gather(scene: &Scene, before: &Mode, state: &State, found: &Found, fastest: f64) -> Self {
         let Scene { whole, touching, .. } = scene;
         let mut contacts =
-            Contacts { all: Vec::new(), known: Vec::new(), candidates: Vec::new(), rest: SLOWEST, jammed: false };
+            Contacts { all: Vec::new(), known: Vec::new(), candidates: Vec::new(), rest: SLOWEST, jam: 1.0 };
         if touching.pairs.is_empty() {
             return contacts;
         }
@@ -174,7 +175,7 @@ impl Contacts {
             }
             let is = |list: &[usize]| self.known[index].is_some_and(|known| list.contains(&known));
             let (slip, (largest, most)) = (touch.slip.norm(), together[contact.pair]);
-            let own = if self.jammed || is(&yielding.stops) { STOPPED } else { 1.0 };
+            let own = if is(&yielding.stops) { STOPPED.max(self.jam) } else { self.jam };
             let sticks = slip <= own * self.rest || largest <= most * self.rest;
             let slip = if sticks { Vector3::zeros() } else { touch.slip };
             let own = rows_of_contact(scene.whole, &bodies, &contact.joint, rubs && sticks);
@@ -287,14 +288,18 @@ impl Contacts {
         self.candidates.iter().filter(|candidate| !candidate.opens).map(closed).collect()
     }
 
-    /// Whether slips that are next to nothing are stopped from now on, because contacts that slide have no consistent accelerations together: a slip
-    /// that falls so fast stops within the next instant. False if there are none, or they are stopped already.
+    /// Whether more slips that are next to nothing are stopped from now on, because contacts that slide have no consistent accelerations together: a
+    /// slip that falls so fast stops within the next instant. The slowest are stopped first. False if none is slow enough.
     pub fn jams(&mut self) -> bool {
-        let slow =
-            |candidate: &Candidate| candidate.slip != Vector3::zeros() && candidate.slip.norm() <= STOPPED * self.rest;
-        let jams = !self.jammed && self.candidates.iter().any(slow);
-        self.jammed |= jams;
-        jams
+        let slips = self.candidates.iter().map(|candidate| candidate.slip.norm());
+        let slowest = slips.filter(|slip| *slip > 0.0).fold(f64::INFINITY, f64::min);
+        while self.jam < JAMMED {
+            self.jam = STOPPED.max(10.0 * self.jam);
+            if slowest <= self.jam * self.rest {
+                return true;
+            }
+        }
+        false
     }
 
     /// The impulse where no acceleration of a candidate fits the law; returns the energy that it takes (J), nothing if it is not found.
