@@ -75,16 +75,16 @@ impl Eventful {
             state.velocity = wanted;
         }
         let work: f64 = efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).sum();
-        let lost = self.bound(&start, state, work);
+        self.bound(&start, state, work);
         self.unsolved += 1;
         self.stepped_over = Some(state.clone());
         self.outside.clear();
         self.outside.extend_from_slice(inputs.efforts);
         let events = self.events.len();
-        let impacts = lost + self.pass_anew(inputs, state);
+        self.pass_anew(inputs, state);
         self.events.truncate(events);
         // What closed has been moved: that gains nothing either.
-        let impacts = impacts.max(self.bound(&start, state, work));
+        let impacts = self.bound(&start, state, work);
         let piece = &mut self.pieces[self.current];
         piece.small = piece.moving.gather(&self.whole, state);
         self.steps += 1;
