@@ -1,6 +1,7 @@
 //! Real robots on a floor, held by position motors in all their joints: from a metre above it, until after they have landed.
 
 use crate::common::{scratch, shared};
+use catena::instant::assembly::assemble;
 use catena::model::Model;
 use catena::scene::{PackagePath, UrdfJointKind, read_scene, read_urdf};
 use catena::simulation::{Simulation, SimulationOptions, StepChoice};
@@ -48,7 +49,7 @@ fn scene_text(urdf: &Path) -> String {
     text
 }
 
-fn lands(names: &[&str], text: impl Fn(&Path) -> String, steps: StepChoice, balance: f64) {
+fn lands(names: &[&str], text: impl Fn(&Path) -> String, steps: StepChoice, [balance, cone]: [f64; 2]) {
     let Some(corpus) = shared("urdf-corpus/loads") else {
         println!("skipped: there is no ../shared/urdf-corpus");
         return;
@@ -58,7 +59,8 @@ fn lands(names: &[&str], text: impl Fn(&Path) -> String, steps: StepChoice, bala
         std::fs::write(&file, text(&corpus.join(format!("{name}.urdf")))).expect("a file");
         let scene = read_scene(&file, &PackagePath::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
         let (model, start) = Model::from_scene(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
+        let mut start = model.initial_state(&start.positions, &start.velocities, None).expect("a start");
+        assemble(&model.mechanism, &mut start).unwrap_or_else(|error| panic!("{name}: {error}"));
         let options = SimulationOptions { duration: 1.0, steps, switched_off: &[], interrupt: None };
         let mut simulation = Simulation::new(&model.mechanism, start, options).expect("a run");
         simulation.run().unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -74,13 +76,12 @@ fn lands(names: &[&str], text: impl Fn(&Path) -> String, steps: StepChoice, bala
         );
         assert!(summary.max_relative_energy_error < balance, "{name}: {summary:?}");
         assert!(summary.contact.penetration <= 1e-12, "{name}: {:?}", summary.contact);
-        // Of forces up to a thousand newtons.
-        assert!(summary.contact.cone_violation <= 1e-9, "{name}: {:?}", summary.contact);
+        assert!(summary.contact.cone_violation <= cone, "{name}: {:?}", summary.contact);
     }
 }
 
-/// The balance of a tolerance of 1e-6 m.
-const HELD: (StepChoice, f64) = (StepChoice::Tolerance(1e-6), 1e-6);
+/// The balance of a tolerance of 1e-6 m; and of forces up to a thousand newtons what may be outside their cones (N).
+const HELD: (StepChoice, [f64; 2]) = (StepChoice::Tolerance(1e-6), [1e-6, 1e-9]);
 
 #[test]
 fn real_robots_that_motors_hold_land_on_a_floor() {
@@ -107,6 +108,19 @@ fn robots_that_fall_limp_in_fixed_steps_keep_all_forces_in_their_cones() {
         &["hyq", "laikago", "mini_cheetah", "simple_humanoid", "minitaur"],
         limp_text,
         StepChoice::Fixed { stages: 4, step: 0.005 },
-        1e-6,
+        [1e-6, 1e-9],
     );
+}
+
+#[test]
+#[ignore = "ten seconds: cargo test --release --test events jams -- --ignored --nocapture"]
+fn a_robot_whose_foot_jams_in_a_limp_fall_keeps_its_energy() {
+    // As its file has it, 1.2 m above the floor. Before, 4e-6 of the energy was lost in steps below 1e-7 s in which the force of the foot grows to 1e7 N:
+    // of these roundings are 1e-7 N.
+    let from_file = |urdf: &Path| {
+        let text = limp_text(urdf).replace("position = [0, 0, 1]", "position = [0, 0, 1.2]");
+        let stays = |line: &&str| !line.starts_with("positions = ");
+        text.lines().filter(stays).map(|line| format!("{line}\n")).collect::<String>()
+    };
+    lands(&["simple_humanoid"], from_file, HELD.0, [1e-6, 1e-7]);
 }
