@@ -211,7 +211,7 @@ impl Contacts {
         let apart = vec![(0.0, f64::INFINITY); gaps.len()];
         let mut change = vec![0.0; state.velocity.len()];
         rows.add(&minimise(&rows.square, &gaps, &apart).efforts, &mut change);
-        let before = energy(scene, state).total();
+        let before = energy(scene.whole, state).total();
         state.displace(scene.whole, &change);
         keep_from_gaining(scene, state, before)
     }

@@ -7,24 +7,25 @@
 use crate::events::decision::Scene;
 use crate::instant::blocks::Rows;
 use crate::instant::cone::bounded::minimise;
+use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::energy::{Energy, energy_with_forces};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 
 /// The energy of a state (J).
-pub(super) fn energy(scene: &Scene, state: &State) -> Energy {
-    energy_with_forces(scene.whole, &state.position, &body_states(scene.whole, state))
+pub(super) fn energy(mechanism: &Mechanism, state: &State) -> Energy {
+    energy_with_forces(mechanism, &state.position, &body_states(mechanism, state))
 }
 
 /// Takes from the velocities what a state has more than it had before it was moved (J); returns the energy that this has taken in all (J).
 pub(super) fn keep_from_gaining(scene: &Scene, state: &mut State, before: f64) -> f64 {
-    let after = energy(scene, state);
+    let after = energy(scene.whole, state);
     let gained = after.total() - before;
     if gained > 0.0 && after.kinetic > 0.0 {
         let factor = (1.0 - gained / after.kinetic).max(0.0).sqrt();
         state.velocity.iter_mut().for_each(|rate| *rate *= factor);
     }
-    before - energy(scene, state).total()
+    before - energy(scene.whole, state).total()
 }
 
 /// Velocities without rates along some rows, with the least change in the metric of the mass matrix; returns the energy that this takes (J).

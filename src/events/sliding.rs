@@ -9,6 +9,8 @@
 use crate::events::closed_forces::{Slipping, slipping};
 use crate::events::integrator::Eventful;
 use crate::events::present::Present;
+use crate::events::resting::energy;
+use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
@@ -26,6 +28,10 @@ const NO_SLIP: f64 = 1e-10;
 const SOONEST: f64 = 1e-8;
 /// A step in which slips cannot be solved is shortened by this factor.
 const SLOWER: f64 = 0.25;
+/// Steps in which contacts slide are looked at if they are shorter than this (s),
+const JAM: f64 = 1e-7;
+/// and made in another way if more than this part of the largest kinetic energy is unaccounted for.
+const OFF: f64 = 1e-8;
 
 /// Roundings of gaps, 1e-17 m, are velocities in steps that are shorter than this (s).
 const SHORTEST: f64 = 1e-8;
@@ -68,6 +74,19 @@ impl Eventful {
                 Err(error) => return Err(error),
             }
         }
+    }
+
+    /// Whether contacts jam in the step to this end: it is so short that gaps have no digits left in it, and its energy is off, or friction gives some.
+    pub(super) fn jams_in(&self, end: &State, exchange: &Exchange) -> bool {
+        let slides = self.mode.contacts.iter().any(|closed| closed.slides.is_some());
+        if !slides || end.time - self.origin.time > JAM || end.time <= self.origin.time {
+            return false;
+        }
+        let (before, after) = (energy(&self.whole, &self.origin), energy(&self.whole, end));
+        let off = after.total() - before.total() + exchange.lost();
+        let mass: f64 = self.whole.bodies.iter().map(|body| body.mass).sum();
+        let least = OFF * 0.5 * mass * self.memory.fastest * self.memory.fastest;
+        off.abs() > least || exchange.friction < -least
     }
 
     /// Takes the directions in which closed contacts slide at the end of the step that was made last.

@@ -16,11 +16,10 @@ use crate::events::watched::Watched;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
-use crate::mechanism::motion::energy::energy_with_forces;
 use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
-use crate::mechanism::motion::kinematics::{body_states, place_bodies};
+use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 
 /// Events at one instant before a step is made without looking at what they were.
@@ -35,10 +34,6 @@ const BLIND: f64 = 1e-9;
 const BLIND_TO_BOUNDS: f64 = 1e-7;
 /// Where everything is held by efforts that follow the state, which is time alone then, a step is no longer than this (s).
 const LOOK: f64 = 1e-3;
-/// Steps in which contacts slide are looked at if they are shorter than this (s),
-const JAM: f64 = 1e-7;
-/// and made in another way if more than this part of the largest kinetic energy is unaccounted for.
-const OFF: f64 = 1e-8;
 /// It is longer by this factor each time that what was found changes nothing,
 const LONGER: f64 = 16.0;
 /// so often at most.
@@ -141,20 +136,6 @@ impl Eventful {
         self.steps += 1;
         self.stepped += outcome.step;
         Ok(outcome)
-    }
-
-    /// Whether contacts jam in the step to this end: it is so short that gaps have no digits left in it, and its energy is off, or friction gives some.
-    fn jams_in(&self, end: &State, exchange: &Exchange) -> bool {
-        let slides = self.mode.contacts.iter().any(|closed| closed.slides.is_some());
-        if !slides || end.time - self.origin.time > JAM || end.time <= self.origin.time {
-            return false;
-        }
-        let of = |state: &State| energy_with_forces(&self.whole, &state.position, &body_states(&self.whole, state));
-        let (before, after) = (of(&self.origin), of(end));
-        let off = after.total() - before.total() + exchange.lost();
-        let mass: f64 = self.whole.bodies.iter().map(|body| body.mass).sum();
-        let least = OFF * 0.5 * mass * self.memory.fastest * self.memory.fastest;
-        off.abs() > least || exchange.friction < -least
     }
 
     /// How long a step may be that does not look at everything (s).

@@ -16,13 +16,13 @@
 
 use crate::events::crowding::STEP;
 use crate::events::integrator::Eventful;
+use crate::events::resting::energy;
 use crate::instant::assembly::assemble;
 use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::cone::problem::{Law, Problem, Unsolved};
 use crate::instant::cone::solve;
 use crate::instant::elements::inward;
 use crate::mechanism::forces::total::Exchange;
-use crate::mechanism::motion::energy::energy_with_forces;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::kinematics::body_states;
@@ -141,13 +141,12 @@ impl Eventful {
 
     /// Takes from the velocities what a step has gained beside the work (J); returns what it has lost (J).
     fn bound(&self, start: &State, end: &mut State, work: f64) -> f64 {
-        let of = |state: &State| energy_with_forces(&self.whole, &state.position, &body_states(&self.whole, state));
-        let (before, after) = (of(start), of(end));
+        let (before, after) = (energy(&self.whole, start), energy(&self.whole, end));
         let gained = after.total() - before.total() - work;
         if gained > GAIN * after.kinetic && after.kinetic > 0.0 {
             let factor = ((after.kinetic - gained) / after.kinetic).max(0.0).sqrt();
             end.velocity.iter_mut().for_each(|rate| *rate *= factor);
         }
-        before.total() + work - of(end).total()
+        before.total() + work - energy(&self.whole, end).total()
     }
 }

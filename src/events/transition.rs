@@ -59,7 +59,7 @@ pub(crate) fn transit(
     // Where contacts press, steps that do not look at a limit may go beyond it.
     let beyond =
         !scene.touching.pairs.is_empty() && found.triggers.iter().any(|trigger| is_beyond(elements, state, trigger));
-    let before_it = if beyond { energy(scene, state).total() } else { 0.0 };
+    let before_it = if beyond { energy(scene.whole, state).total() } else { 0.0 };
     settle(elements, mode, state, found.triggers, &mut done);
     let settled = if beyond { keep_from_gaining(scene, state, before_it) } else { 0.0 };
     let rests: Vec<f64> = memory.joints.iter().map(|joint| SLOWEST.max(REST * joint.fastest)).collect();

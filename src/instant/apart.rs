@@ -137,19 +137,16 @@ pub(crate) fn without_overlap<E>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::instant::cone::scenes::Random;
 
     #[test]
     fn rows_taken_one_by_one_are_pushed_as_all_rows_together() {
-        let mut seed = 5_u64;
-        let mut next = move || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
-        };
+        let mut random = Random::new(2);
         for round in 0..50 {
             // Forty near vertices of a body that moves freely: rows n_k with n_z > 0, six freedoms.
-            let rows = DMatrix::from_fn(40, 6, |_, freedom| if freedom == 2 { 1.0 } else { next() });
+            let rows = DMatrix::from_fn(40, 6, |_, freedom| if freedom == 2 { 1.0 } else { random.signed() });
             let square = &rows * rows.transpose();
-            let gaps: Vec<f64> = (0..40).map(|_| 0.1 * next()).collect();
+            let gaps: Vec<f64> = (0..40).map(|_| 0.1 * random.signed()).collect();
             let all = minimise(&square, &gaps, &vec![(0.0, f64::INFINITY); 40]).efforts;
             let motion = |pushes: Vec<f64>| rows.transpose() * nalgebra::DVector::from_vec(pushes);
             // The least motion is unique, whatever the pushes; both have it to rounding.

@@ -103,33 +103,29 @@ fn least_on_face(matrix: &DMatrix<f64>, rest: &[f64], free: &[usize]) -> Vec<f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::instant::cone::scenes::Random;
 
     /// A matrix `BᵀB` of some rank with entries from a plain congruence.
-    fn semidefinite(count: usize, rank: usize, seed: &mut u64) -> DMatrix<f64> {
-        let rows = DMatrix::from_fn(rank, count, |_, _| next(seed));
+    fn semidefinite(count: usize, rank: usize, random: &mut Random) -> DMatrix<f64> {
+        let rows = DMatrix::from_fn(rank, count, |_, _| random.signed());
         rows.transpose() * rows
-    }
-
-    fn next(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
     }
 
     #[test]
     fn the_law_holds_in_random_boxes_of_any_rank() {
-        let mut seed = 7;
+        let mut random = Random::new(3);
         for round in 0..500 {
             let count = 1 + round % 7;
             let rank = 1 + (round / 7) % count;
-            let matrix = semidefinite(count, rank, &mut seed);
-            let load = DVector::from_fn(count, |_, _| next(&mut seed));
+            let matrix = semidefinite(count, rank, &mut random);
+            let load = DVector::from_fn(count, |_, _| random.signed());
             // In the range of D, as accelerations are.
             let offset: Vec<f64> = (&matrix * load).iter().copied().collect();
             let bounds: Vec<(f64, f64)> = (0..count)
                 .map(|index| match index % 3 {
                     0 => (0.0, f64::INFINITY),
                     1 => (-0.3, 0.3),
-                    _ => (-next(&mut seed).abs(), next(&mut seed).abs()),
+                    _ => (-random.signed().abs(), random.signed().abs()),
                 })
                 .collect();
             let found = minimise(&matrix, &offset, &bounds);

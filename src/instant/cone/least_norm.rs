@@ -48,20 +48,17 @@ pub(crate) fn least_norm(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::instant::cone::scenes::Random;
 
     #[test]
     fn the_solution_is_the_shortest_and_null_vectors_do_nothing() {
-        let mut seed = 11_u64;
-        let mut next = move || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
-        };
+        let mut random = Random::new(5);
         for round in 0..200 {
             let count = 1 + round % 9;
             let rank = 1 + (round / 9) % count;
-            let [left, right] = [0, 1].map(|_| DMatrix::from_fn(rank, count, |_, _| next()));
+            let [left, right] = [0, 1].map(|_| DMatrix::from_fn(rank, count, |_, _| random.signed()));
             let matrix = left.transpose() * right;
-            let wanted = DVector::from_fn(count, |_, _| next());
+            let wanted = DVector::from_fn(count, |_, _| random.signed());
             let (found, null) = least_norm(&matrix, &(&matrix * &wanted)).expect("finite");
             assert_eq!(null.ncols(), count - rank, "round {round}");
             let scale = matrix.amax();

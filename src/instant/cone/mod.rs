@@ -23,7 +23,7 @@ mod oracle;
 pub(crate) mod problem;
 mod scaled;
 #[cfg(test)]
-mod scenes;
+pub(crate) mod scenes;
 mod settling;
 mod single;
 mod sweeps;
