@@ -7,6 +7,7 @@ use crate::events::detection::Looking;
 use crate::events::drives::Drives;
 use crate::events::held::Held;
 use crate::events::holding::Holding;
+use crate::events::instants::Instants;
 use crate::events::memory::{Found, Memory};
 use crate::events::mode::{Closures, JointMode, Mode, MotorMode};
 use crate::events::narrowed::Felt;
@@ -385,6 +386,7 @@ impl Eventful {
             small_efforts: vec![0.0; freedoms],
             small_position: vec![0.0; positions],
             small_velocity: vec![0.0; freedoms],
+            instants: Instants::default(),
             used: self.steps,
             moving,
         };

@@ -24,7 +24,7 @@
 //! | accelerations and velocities under efforts and impulses, and the laws | [`crate::instant::response`], [`crate::instant::blocks`], [`crate::instant::cone`] |
 //! | the effects, the memory and the list of events | `transition`, `contacts`, `flat_ends`, `impact`, `resting`, `decision`, `memory`, `noted` |
 //! | efforts that hold joints, forces of closed contacts | `holding`, `closed_forces` |
-//! | the integrator: its modes, the moving mechanism of each mode, steps, schemes | `integrator`, `present`, `piece`, `steps`, `piece_steps` |
+//! | the integrator: its modes, the moving mechanism of each mode, steps, schemes | `integrator`, `present`, `piece`, `instants`, `steps`, `piece_steps` |
 //! | rest, first-order steps in crowds of events, and the report of contacts | `quiet`, `crowding`, `stepwise`, `contact_points`, `reporting` |
 
 mod approach;
@@ -39,6 +39,7 @@ mod flat_ends;
 mod held;
 mod holding;
 mod impact;
+mod instants;
 mod integrator;
 mod location;
 mod memory;

@@ -4,6 +4,7 @@
 
 use crate::events::drives::Drives;
 use crate::events::held::Held;
+use crate::events::instants::Instants;
 use crate::events::mode::Closures;
 use crate::events::narrowed::{Narrowed, Room};
 use crate::events::piece_steps::{PieceRecipe, PieceSteps};
@@ -26,6 +27,8 @@ pub(super) struct Piece {
     pub(super) small_efforts: Vec<f64>,
     pub(super) small_position: Vec<f64>,
     pub(super) small_velocity: Vec<f64>,
+    /// States inside the last step that were asked for.
+    pub(super) instants: Instants,
     pub(super) used: usize,
 }
 
@@ -42,6 +45,7 @@ pub(super) struct Key {
 impl Piece {
     /// A step of what moves begins in a state of the whole, under these efforts on it and those that follow its state.
     pub(super) fn begin(&mut self, whole: &Mechanism, inputs: Inputs, efforts: &[f64], start: &State) {
+        self.instants.forget();
         self.drives.begin(start.time);
         self.small.time = start.time;
         if let Some(law) = inputs.feedback {
@@ -79,6 +83,7 @@ impl Piece {
         end: f64,
         attempt: impl FnOnce(&mut dyn PieceSteps, &Mechanism, Inputs, &mut State) -> Result<StepOutcome, StepError>,
     ) -> Result<StepOutcome, StepError> {
+        self.instants.forget();
         let Piece { moving, drives, steps, small, small_start, small_efforts, law, .. } = self;
         let Some(steps) = steps else {
             small.time = end;
@@ -92,6 +97,7 @@ impl Piece {
 
     /// Throws the step away.
     pub(super) fn go_back(&mut self, since: f64, recipe: &PieceRecipe) {
+        self.instants.forget();
         let Piece { small, small_start, steps, .. } = self;
         small.copy_from(small_start);
         if let (Some(steps), Some(_)) = (steps, recipe.tolerance()) {
@@ -101,7 +107,7 @@ impl Piece {
 
     /// Puts what moves where it was at a time of the last step (s).
     pub(super) fn place(&mut self, whole: &Mechanism, time: f64, state: &mut State) {
-        let Piece { moving, steps, small, small_start, small_position, small_velocity, .. } = self;
+        let Piece { moving, steps, small, small_start, small_position, small_velocity, instants, .. } = self;
         state.time = time;
         let Some(steps) = steps else { return };
         for (at, of) in [(small_start.time, &*small_start), (small.time, &*small)] {
@@ -110,7 +116,10 @@ impl Piece {
                 return;
             }
         }
-        steps.dense(&moving.mechanism, time, small_position, small_velocity);
+        if !instants.recall(time, small_position, small_velocity) {
+            steps.dense(&moving.mechanism, time, small_position, small_velocity);
+            instants.keep(time, small_position, small_velocity);
+        }
         moving.spread_positions(whole, small_position, &mut state.position);
         state.compensation.fill(0.0);
         moving.spread_velocities(whole, small_velocity, &mut state.velocity);
