@@ -29,6 +29,7 @@ pub(crate) struct Response {
     accelerations: Vec<BodyAcceleration>,
     closing: Option<Closing>,
     zero: Vec<f64>,
+    free: Vec<f64>,
     unit: Vec<f64>,
 }
 
@@ -37,10 +38,9 @@ impl Response {
     pub fn new(mechanism: &Mechanism) -> Self {
         let mut driven = mechanism.clone();
         driven.forces.driven = true;
-        let mut bare = driven.clone();
+        let mut bare = mechanism.clone();
         bare.gravity = Vector3::zeros();
         bare.forces = Default::default();
-        bare.forces.driven = true;
         Response {
             ode: ReducedOde::new(&driven),
             bare: ReducedOde::new(&bare),
@@ -48,6 +48,7 @@ impl Response {
             accelerations: vec![BodyAcceleration::default(); mechanism.bodies.len()],
             closing: Closing::new(mechanism),
             zero: vec![0.0; mechanism.velocity_count],
+            free: vec![0.0; mechanism.velocity_count],
             unit: vec![0.0; mechanism.velocity_count],
             mechanism: driven,
         }
@@ -67,30 +68,26 @@ impl Response {
 
     /// Takes a state at which columns of Y are asked for.
     fn place(&mut self, state: &State) {
-        let Response { mechanism, bodies, closing, .. } = self;
-        place_bodies(mechanism, state, bodies);
-        for body in bodies.iter_mut() {
-            (body.velocity, body.angular_velocity) = (Vector3::zeros(), Vector3::zeros());
-        }
+        let Response { mechanism, bare, closing, zero, free, .. } = self;
+        bare.accelerations(&state.position, zero, free);
         if let Some(closing) = closing {
             closing.place(mechanism, state);
         }
     }
 
     /// The column of Y for one degree of freedom at the state that was taken last.
-    fn column(&mut self, state: &State, freedom: usize, out: &mut [f64]) {
+    fn column(&mut self, freedom: usize, out: &mut [f64]) {
         let mut unit = std::mem::take(&mut self.unit);
         unit[freedom] = 1.0;
-        self.answer(state, &unit, out);
+        self.answer(&unit, out);
         unit[freedom] = 0.0;
         self.unit = unit;
     }
 
     /// Y τ for efforts τ at the state that was taken last.
-    fn answer(&mut self, state: &State, efforts: &[f64], out: &mut [f64]) {
-        let Response { mechanism, bare, bodies, closing, zero, .. } = self;
-        bare.drive(Inputs::constant(efforts));
-        bare.accelerations_of_placed(&state.position, zero, bodies, out);
+    fn answer(&mut self, efforts: &[f64], out: &mut [f64]) {
+        let Response { mechanism, bare, closing, .. } = self;
+        bare.respond(efforts, out);
         if let Some(closing) = closing {
             closing.velocities(mechanism, out);
         }
@@ -102,7 +99,7 @@ impl Response {
         let mut columns = DMatrix::zeros(self.mechanism.velocity_count, rows.len());
         let mut column = vec![0.0; self.mechanism.velocity_count];
         for (index, row) in rows.iter().enumerate() {
-            self.answer(state, row, &mut column);
+            self.answer(row, &mut column);
             columns.column_mut(index).copy_from_slice(&column);
         }
         columns
@@ -113,7 +110,7 @@ impl Response {
         self.place(state);
         let mut column = vec![0.0; self.mechanism.velocity_count];
         let entries = freedoms.map(|freedom| {
-            self.column(state, freedom, &mut column);
+            self.column(freedom, &mut column);
             column[freedom]
         });
         entries.collect()
@@ -125,7 +122,7 @@ impl Response {
         let mut columns = DMatrix::zeros(self.mechanism.velocity_count, freedoms.len());
         let mut column = vec![0.0; self.mechanism.velocity_count];
         for (index, &freedom) in freedoms.iter().enumerate() {
-            self.column(state, freedom, &mut column);
+            self.column(freedom, &mut column);
             columns.column_mut(index).copy_from_slice(&column);
         }
         let half = |row: usize, other: usize| columns[(freedoms[row], other)];

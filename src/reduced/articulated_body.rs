@@ -38,24 +38,26 @@ use nalgebra::{Matrix3, Vector3};
 /// Forward dynamics of one mechanism: its constants and the workspace of an evaluation.
 #[derive(Clone, Debug)]
 pub struct ArticulatedBody {
-    links: Vec<Link>,
+    pub(crate) links: Vec<Link>,
     /// The motion of the world (entry 0) and of every body (entry body + 1).
-    motion: Vec<Motion>,
+    pub(crate) motion: Vec<Motion>,
     /// What the children of a body other than the next in the numbering have handed to it; zero between evaluations.
     gathered: Vec<Articulated>,
     /// One for each degree of freedom.
-    screws: Vec<Screw>,
+    pub(crate) screws: Vec<Screw>,
     /// The rest of the accelerations, laid out as `motion`.
     rest: Vec<Acceleration>,
+    /// The torque and force that a subtree needs, of [`ArticulatedBody::respond`], laid out as `motion`.
+    pub(crate) wrenches: Vec<(Vector3<f64>, Vector3<f64>)>,
     position_count: usize,
     velocity_count: usize,
 }
 
 /// A body's pose and motion at zero joint acceleration, and what that motion needs; all in the axes of the world.
 #[derive(Clone, Copy, Debug)]
-struct Motion {
+pub(crate) struct Motion {
     frame: Matrix3<f64>,
-    arm: Vector3<f64>,
+    pub(crate) arm: Vector3<f64>,
     angular_velocity: Vector3<f64>,
     angular_acceleration: Vector3<f64>,
     acceleration: Vector3<f64>,
@@ -97,6 +99,7 @@ impl ArticulatedBody {
             gathered: vec![Articulated::default(); links.len() + 1],
             screws: vec![Screw::default(); mechanism.velocity_count],
             rest: vec![Acceleration::default(); links.len() + 1],
+            wrenches: vec![(Vector3::zeros(), Vector3::zeros()); links.len() + 1],
             links,
             position_count: mechanism.position_count,
             velocity_count: mechanism.velocity_count,
@@ -231,7 +234,7 @@ impl ArticulatedBody {
 
     /// Third pass, root to leaf: the joint accelerations, and what they add to each body's acceleration.
     #[inline(never)] // In one body with the other passes the registers do not suffice.
-    fn resolve_accelerations(&mut self, acceleration: &mut [f64]) {
+    pub(crate) fn resolve_accelerations(&mut self, acceleration: &mut [f64]) {
         for (index, link) in self.links.iter().enumerate() {
             let parent = &self.rest[link.parent];
             let mut angular = parent.angular;

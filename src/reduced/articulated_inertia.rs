@@ -25,6 +25,8 @@ pub struct Screw {
     pub angular: Vector3<f64>,
     pub linear: Vector3<f64>,
     pub free: f64,
+    /// 1/d.
+    pub inverse: f64,
 }
 
 impl Articulated {
@@ -89,7 +91,7 @@ impl Articulated {
         }
         self.torque += angular * free;
         self.force += linear * free;
-        Screw { axis: *axis, angular: scaled_angular, linear: scaled_linear, free }
+        Screw { axis: *axis, angular: scaled_angular, linear: scaled_linear, free, inverse }
     }
 
     /// The same subtree seen from a point that lies `−arm` away: the parent's anchor.

@@ -21,6 +21,7 @@ pub mod inverse_dynamics;
 mod link;
 pub mod ode;
 pub mod regularised;
+mod response;
 pub mod rk4;
 mod weighted_sums;
 

@@ -229,6 +229,11 @@ impl ReducedOde {
         self.accelerations_under_forces(position, velocity, acceleration);
     }
 
+    /// H⁻¹ τ for joint forces τ at the configuration whose accelerations were asked for last. Does not allocate.
+    pub fn respond(&mut self, joint_force: &[f64], acceleration: &mut [f64]) {
+        self.articulated.respond(joint_force, acceleration);
+    }
+
     fn accelerations_under_forces(&mut self, position: &[f64], velocity: &[f64], acceleration: &mut [f64]) {
         match &mut self.forced {
             None => self.articulated.accelerations(position, velocity, None, acceleration),
