@@ -72,7 +72,7 @@ impl<G: Geometry<One>> Closing<G> {
         state.compensation.fill(0.0);
         projection.positions(mechanism, start, state);
         projection.place(mechanism, start, state);
-        projection.velocities(mechanism, start, &mut state.velocity);
+        projection.velocities_here(mechanism, start, &mut state.velocity);
         position.copy_from_slice(&state.position);
         velocity.copy_from_slice(&state.velocity);
     }

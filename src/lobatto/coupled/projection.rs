@@ -33,6 +33,8 @@ const WEAK: f64 = 1e-6;
 /// After a correction smaller than this (rad or m) the factors are good for the next, of which they leave such a part; unless the gaps
 /// show, beside a singular position, that they are not.
 const NEAR: f64 = 1e-6;
+/// Factors of a position nearby leave less than this part of the rates of the gaps.
+const LEFT: f64 = 1e-3;
 
 /// The workspace of projections, in space unless it is said otherwise.
 pub struct Projection<G: Geometry<One> = Space<One>> {
@@ -48,6 +50,8 @@ pub struct Projection<G: Geometry<One> = Space<One>> {
     impulses: Vec<f64>,
     /// Whether velocities that were projected last had to be solved for.
     solved: bool,
+    /// Whether the factors at hand are good where positions were projected last.
+    near: bool,
     /// The bodies on the circuit of every loop, on the branches of its first and of its second end.
     circuits: Vec<[Vec<usize>; 2]>,
     /// The positions with the smallest gap so far, and what their roundings left out.
@@ -96,6 +100,7 @@ impl<G: Geometry<One>> Projection<G> {
             curvatures: vec![0.0; coupled.closure_of_row().len()],
             impulses: vec![0.0; coupled.closure_of_row().len()],
             solved: false,
+            near: false,
             nearest: [vec![0.0; mechanism.position_count], vec![0.0; mechanism.position_count]],
             circuits: mechanism.closing_ends().map(|ends| circuit(mechanism, ends)).collect(),
             coupled,
@@ -160,6 +165,18 @@ impl<G: Geometry<One>> Projection<G> {
 
     /// Projects velocities at the configuration of `start`. Does not allocate.
     pub fn velocities(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> Projected {
+        self.near = false;
+        self.velocities_here(mechanism, start, velocity)
+    }
+
+    /// The same where positions were projected last, with the factors of that if they are good there.
+    pub(crate) fn velocities_here(
+        &mut self,
+        mechanism: &Mechanism,
+        start: &G::Start,
+        velocity: &mut [f64],
+    ) -> Projected {
+        let nearby = std::mem::take(&mut self.near);
         self.evaluate(start);
         let mut done = Projected::default();
         self.solved = false;
@@ -167,6 +184,7 @@ impl<G: Geometry<One>> Projection<G> {
         // With friction the matrix is not symmetric, and its factors are not kept for another right-hand side.
         let leans = self.geometry.touching().is_some_and(|touching| !touching.leaning().is_empty());
         let mut rounds = Rounds::default();
+        let mut first = 0.0;
         for round in 0..ROUNDS {
             self.evaluate_rates(mechanism, start, velocity);
             (done.gap, done.worst) = self.largest_gap();
@@ -174,7 +192,10 @@ impl<G: Geometry<One>> Projection<G> {
                 break;
             }
             self.coupled.owe(&self.correction, round > 0);
-            self.solve(start, round > 0 && !leans);
+            // Beside a singular position the factors of one nearby are not good.
+            let stale = nearby && round == 1 && done.gap > LEFT * first;
+            first = if round == 0 { done.gap } else { first };
+            self.solve(start, (nearby || round > 0) && !stale && !leans);
             self.solved = true;
             for (impulse, increment) in self.impulses.iter_mut().zip(self.coupled.multiplier_increments()) {
                 *impulse += one(*increment);
@@ -199,6 +220,7 @@ impl<G: Geometry<One>> Projection<G> {
         let mut best = f64::INFINITY;
         let mut stalled = 0;
         let mut near = false;
+        self.near = false;
         for _ in 0..ROUNDS {
             self.place(mechanism, start, state);
             self.evaluate(start);
@@ -222,6 +244,7 @@ impl<G: Geometry<One>> Projection<G> {
             let largest = self.correction.iter().fold(0.0_f64, |largest, correction| largest.max(correction.abs()));
             done.correction = done.correction.max(largest);
             near = largest < NEAR;
+            self.near = near;
         }
         // The last round may have rounded more than it has closed.
         if best < done.gap || done.gap.is_nan() && best.is_finite() {
