@@ -15,6 +15,8 @@ pub(super) const SAMPLES: usize = 6;
 const HALVINGS: i32 = 44;
 /// The root is bracketed to this part of the step.
 const WIDTH: f64 = 1e-10;
+/// and, in short steps late in a run, to the roundings of times.
+const SAME_INSTANT: f64 = 2.0 * f64::EPSILON;
 
 /// A bracket in time (s) of the first root of a function: positive at `low`, negative at `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,15 +73,18 @@ pub(crate) fn first_sign_change(
     }
     let mut earliest: Option<Bracket> = None;
     for watched in 0..count {
+        let of: [f64; SAMPLES + 1] = std::array::from_fn(|j| values[j * count + watched]);
         let mut value = |at: f64| {
+            if let Some(j) = (0..=SAMPLES).find(|&j| time(j) == at) {
+                return of[j];
+            }
             let mut one = [0.0];
             sample(at, watched..watched + 1, &mut one);
             one[0]
         };
-        let of: [f64; SAMPLES + 1] = std::array::from_fn(|j| values[j * count + watched]);
         let Some((low, high, at_start)) = bracket(&of, &time, noise[watched], &mut value) else { continue };
-        // Whatever begins later than a known root ends need not be looked at.
-        if earliest.is_some_and(|known| low > known.high) {
+        // Whatever is still positive at a known root has its own later.
+        if earliest.is_some_and(|known| low >= known.root || !at_start && value(known.root) > 0.0) {
             continue;
         }
         let found = close_in(watched, low, high, at_start, length, &mut value);
@@ -189,7 +194,7 @@ pub(super) fn close_in(
     let mut slope = (below - above) / (b - a);
     let mut last = 0;
     for _ in 0..60 {
-        if b - a <= WIDTH * length || above <= 0.0 || below >= 0.0 {
+        if b - a <= (WIDTH * length).max(SAME_INSTANT * b.abs()) || above <= 0.0 || below >= 0.0 {
             break;
         }
         let secant = a + (b - a) * (above / (above - below));
