@@ -29,7 +29,7 @@ const SOONEST: f64 = 1e-8;
 /// A step in which slips cannot be solved is shortened by this factor.
 const SLOWER: f64 = 0.25;
 /// Steps in which contacts slide are looked at if they are shorter than this (s),
-const JAM: f64 = 1e-7;
+pub(super) const JAM: f64 = 1e-7;
 /// and made in another way if more than this part of the largest kinetic energy is unaccounted for.
 const OFF: f64 = 1e-8;
 
@@ -76,17 +76,19 @@ impl Eventful {
         }
     }
 
-    /// Whether contacts jam in the step to this end: it is so short that gaps have no digits left in it, and its energy is off, or friction gives some.
-    pub(super) fn jams_in(&self, end: &State, exchange: &Exchange) -> bool {
-        let slides = self.mode.contacts.iter().any(|closed| closed.slides.is_some());
-        if !slides || end.time - self.origin.time > JAM || end.time <= self.origin.time {
+    /// Whether contacts that slide make the step to this end wrong: friction gives energy, or the energy is off by more than the tolerance allows; in
+    /// steps so short that gaps have no digits left, by more than rounding.
+    pub(super) fn gains_by_friction(&self, end: &State, exchange: &Exchange) -> bool {
+        let length = end.time - self.origin.time;
+        if length <= 0.0 || self.mode.contacts.iter().all(|closed| closed.slides.is_none()) {
             return false;
         }
+        let mass: f64 = self.whole.bodies.iter().map(|body| body.mass).sum();
+        let largest = 0.5 * mass * self.memory.fastest * self.memory.fastest;
+        let most = if length <= JAM { OFF } else { self.recipe.tolerance().map_or(f64::INFINITY, |own| own.max(OFF)) };
         let (before, after) = (energy(&self.whole, &self.origin), energy(&self.whole, end));
         let off = after.total() - before.total() + exchange.lost();
-        let mass: f64 = self.whole.bodies.iter().map(|body| body.mass).sum();
-        let least = OFF * 0.5 * mass * self.memory.fastest * self.memory.fastest;
-        off.abs() > least || exchange.friction < -least
+        off.abs() > most * largest || exchange.friction < -OFF * largest
     }
 
     /// Takes the directions in which closed contacts slide at the end of the step that was made last.

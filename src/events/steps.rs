@@ -12,6 +12,7 @@ use crate::events::mode::{JointMode, MotorMode};
 use crate::events::noted::{note_bound, side_of_bound};
 use crate::events::piece::Piece;
 use crate::events::quiet::QUIET;
+use crate::events::sliding::JAM;
 use crate::events::watched::Watched;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
@@ -90,8 +91,16 @@ impl Eventful {
         outcome.step = state.time - since;
         let kernel = if at_start { Exchange::default() } else { outcome.exchange };
         outcome.exchange = self.exchanged(state, kernel, at_start);
-        if self.jams_in(state, &outcome.exchange) {
-            return Err(StepError::NotAccurate { time: since, step: outcome.step });
+        if self.gains_by_friction(state, &outcome.exchange) {
+            if outcome.step <= JAM {
+                return Err(StepError::NotAccurate { time: since, step: outcome.step });
+            }
+            self.pieces[self.current].go_back(since, &self.recipe);
+            state.copy_from(&self.origin);
+            let mut shorter = self.advance(inputs, state, since + SHORTER * outcome.step)?;
+            shorter.iterations += outcome.iterations;
+            shorter.rejected += 1 + outcome.rejected;
+            return Ok(shorter);
         }
         outcome.exchange.impacts += std::mem::take(&mut self.lost_at_start);
         for (memory, joint) in self.memory.joints.iter_mut().zip(&self.elements.joints) {
