@@ -33,7 +33,7 @@ pub fn fix_constant_followers(robot: &mut Robot) {
             break;
         }
     }
-    robot.warnings.extend(Warning::of_kind(warnings, "joint"));
+    robot.warnings.extend(Warning::of_kind(warnings, "joint", "joints"));
 }
 
 /// Where a follower of a joint that never moves is [rad or m], and the displacement that this is.

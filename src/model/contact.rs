@@ -41,7 +41,7 @@ impl Model {
         let (pairs, left_out) = contact_pairs(settings, &colliders, &owners, &reach);
         self.mechanism.nonsmooth.colliders = colliders;
         self.mechanism.nonsmooth.pairs = pairs;
-        self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh"));
+        self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));
         self.contact = ContactRecord { settings: settings.clone(), owners, left_out, meshes: reader.meshes };
         Ok(())
     }

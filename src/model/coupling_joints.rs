@@ -72,8 +72,8 @@ impl Builder<'_> {
                 offset: mimic.offset,
             });
         }
-        warnings.extend(Warning::of_kind(still, "joint"));
-        warnings.extend(Warning::of_kind(free, "joint"));
+        warnings.extend(Warning::of_kind(still, "joint", "joints"));
+        warnings.extend(Warning::of_kind(free, "joint", "joints"));
         Ok(mimics)
     }
 }

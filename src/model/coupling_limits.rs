@@ -55,7 +55,7 @@ impl Builder<'_> {
                 (None, None) => {}
             }
         }
-        warnings.extend(Warning::of_kind(empty, "joint"));
+        warnings.extend(Warning::of_kind(empty, "joint", "joints"));
         warnings.extend(idle);
         limits
     }

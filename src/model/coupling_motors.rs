@@ -22,7 +22,7 @@ impl Builder<'_> {
                 _ => {}
             }
         }
-        warnings.extend(Warning::of_kind(unsimulated, "joint"));
+        warnings.extend(Warning::of_kind(unsimulated, "joint", "joints"));
         all
     }
 

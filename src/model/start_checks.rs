@@ -58,7 +58,7 @@ impl Model {
     /// What to say of joints that are outside limits which nothing makes them keep.
     pub fn limit_warning(&self, state: &State) -> Option<Warning> {
         let outside = self.mechanism.limits.iter().filter_map(|limit| self.outside(limit, state));
-        Warning::of_kind(outside.collect(), "joint")
+        Warning::of_kind(outside.collect(), "joint", "joints")
     }
 
     /// What to say of joints that were wanted outside the limits that are simulated, and start inside.
@@ -72,7 +72,7 @@ impl Model {
             warning.message += &format!(": moved by {moved} {}", self.unit(limit.coordinate));
             Some(warning)
         };
-        let mut first = Warning::of_kind(limits.iter().filter_map(moved).collect(), "joint")?;
+        let mut first = Warning::of_kind(limits.iter().filter_map(moved).collect(), "joint", "joints")?;
         let is_outside = |slot: usize| {
             limits.iter().any(|limit| limit.coordinate.position == slot && self.outside(limit, wanted).is_some())
         };

@@ -88,7 +88,7 @@ fn read_robot(
     let mut warnings = xml.warnings;
     warnings.extend(repairs);
     warnings.extend(converter.warnings);
-    warnings.extend(Warning::of_kind(converter.impossible_inertias, "link"));
+    warnings.extend(Warning::of_kind(converter.impossible_inertias, "link", "links"));
     warnings.extend(missing_meshes);
     warnings.extend(unsimulated(path, &joints, &ignored));
     let name = robot.attribute("name").map_or_else(|| file_stem(path), str::to_string);

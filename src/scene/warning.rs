@@ -55,13 +55,13 @@ impl Warning {
         Warning { group, ..self }
     }
 
-    /// One warning for several of a kind: the first, and how many more links or joints (`what`) it is true of.
-    pub(crate) fn of_kind(all: Vec<Warning>, what: &str) -> Option<Warning> {
+    /// One warning for several of a kind: the first, and how many more it is true of, links or joints (`one`, `several`).
+    pub(crate) fn of_kind(all: Vec<Warning>, one: &str, several: &str) -> Option<Warning> {
         let more = all.len().saturating_sub(1);
         let mut first = all.into_iter().next()?;
         if more > 0 {
             first.message +=
-                &format!("; the same for {}", counted(more, &format!("more {what}"), &format!("more {what}s")));
+                &format!("; the same for {}", counted(more, &format!("more {one}"), &format!("more {several}")));
         }
         Some(first)
     }
