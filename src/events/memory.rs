@@ -42,6 +42,8 @@ pub(crate) struct Memory {
     pub pairs: Vec<ImpactMemory>,
     /// The largest speed of any body at an end of a step [m/s].
     pub fastest: f64,
+    /// The largest kinetic energy at an end of a step, in scenes where shapes may touch (J).
+    pub kinetic: f64,
     /// Impacts since the last quiet time, and when that was (s).
     crowd: (usize, f64),
 }
@@ -77,6 +79,7 @@ impl Memory {
             joints: vec![ImpactMemory::default(); joints],
             pairs: vec![ImpactMemory::default(); pairs],
             fastest: 0.0,
+            kinetic: 0.0,
             crowd: (0, f64::NEG_INFINITY),
         }
     }

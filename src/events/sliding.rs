@@ -84,9 +84,7 @@ impl Eventful {
             return false;
         }
         let (before, after) = (energy(&self.whole, &self.origin), energy(&self.whole, end));
-        let mass: f64 = self.whole.bodies.iter().map(|body| body.mass).sum();
-        let fastest = 0.5 * mass * self.memory.fastest * self.memory.fastest;
-        let largest = fastest.max(before.kinetic).max(after.kinetic);
+        let largest = self.memory.kinetic.max(before.kinetic).max(after.kinetic);
         let most = if length <= JAM { OFF } else { self.recipe.tolerance().map_or(f64::INFINITY, |own| own.max(OFF)) };
         let off = after.total() - before.total() + exchange.lost();
         off.abs() > most * largest || exchange.friction < -OFF * largest

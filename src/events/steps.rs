@@ -17,6 +17,7 @@ use crate::events::watched::Watched;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::energy::energy;
 use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
@@ -113,6 +114,7 @@ impl Eventful {
             place_bodies(&self.whole, state, &mut self.bodies);
             let speeds = self.bodies.iter().map(|body| body.velocity.norm());
             self.memory.fastest = speeds.fold(self.memory.fastest, f64::max);
+            self.memory.kinetic = self.memory.kinetic.max(energy(&self.whole, &self.bodies).kinetic);
         }
         let changed = self.meet_instants(state);
         if !triggers.is_empty() || changed || blind {
