@@ -87,6 +87,8 @@ pub struct Eventful {
     pub(super) lost_at_start: f64,
     /// What stands for the steps where nothing moves.
     pub(super) idle: MethodDescription,
+    /// The error of samples inside the steps of modes that are not kept any more (m).
+    between: Option<f64>,
     /// How often the law of contact could not be solved to its accuracy.
     pub(super) unsolved: usize,
     /// Whether everything has come to rest on contacts, and is not moved until something changes.
@@ -103,6 +105,11 @@ pub struct Eventful {
     pub(super) reporting: RefCell<Reporting>,
     /// Whether a companion goes along until the first event.
     accompanied: bool,
+}
+
+/// The larger of two errors, if both are known.
+fn larger(one: Option<f64>, other: Option<f64>) -> Option<f64> {
+    Some(one?.max(other?))
 }
 
 impl Eventful {
@@ -172,6 +179,7 @@ impl Eventful {
             stepped: 0.0,
             lost_at_start: 0.0,
             idle,
+            between: Some(0.0),
             unsolved: 0,
             crowding: Crowding::CALM,
             stepped_over: None,
@@ -187,6 +195,13 @@ impl Eventful {
     /// Whether stability, and not accuracy, has limited a step.
     pub fn was_held_by_stability(&self) -> bool {
         self.pieces.iter().filter_map(|piece| piece.steps.as_ref()).any(|steps| steps.was_held_by_stability())
+    }
+
+    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known: inside a step of first order nothing is.
+    pub fn between(&self) -> Option<f64> {
+        let pieces = self.pieces.iter().filter_map(|piece| piece.steps.as_ref());
+        let largest = pieces.map(|steps| steps.between()).fold(self.between, larger);
+        largest.filter(|_| self.unsolved == 0)
     }
 
     /// Carries a companion from the first step on, which shows what errors the steps make, up to the first event.
@@ -396,6 +411,7 @@ impl Eventful {
             Some(oldest) if self.pieces.len() >= KEPT_MODES => {
                 if let Some(steps) = &self.pieces[oldest].steps {
                     self.idle.include_stability(&steps.description());
+                    self.between = larger(self.between, steps.between());
                 }
                 self.pieces[oldest] = piece;
                 oldest

@@ -91,6 +91,9 @@ pub(super) trait PieceSteps: Integrator + Send {
     /// Whether stability, and not accuracy, has limited a step.
     fn was_held_by_stability(&self) -> bool;
 
+    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known.
+    fn between(&self) -> Option<f64>;
+
     /// Carries a companion from the next step on, where there can be one ([`Lobatto::accompany`]).
     fn accompany(&mut self, _mechanism: &Mechanism) {}
 
@@ -128,6 +131,10 @@ impl PieceSteps for Lobatto {
 
     fn was_held_by_stability(&self) -> bool {
         Lobatto::was_held_by_stability(self)
+    }
+
+    fn between(&self) -> Option<f64> {
+        Lobatto::between(self)
     }
 
     fn accompany(&mut self, mechanism: &Mechanism) {
@@ -171,6 +178,10 @@ impl PieceSteps for OnOtherTree {
     fn was_held_by_stability(&self) -> bool {
         OnOtherTree::was_held_by_stability(self)
     }
+
+    fn between(&self) -> Option<f64> {
+        OnOtherTree::between(self)
+    }
 }
 
 /// It chooses its first step anew in every piece.
@@ -197,5 +208,9 @@ impl PieceSteps for Dop853 {
 
     fn was_held_by_stability(&self) -> bool {
         false
+    }
+
+    fn between(&self) -> Option<f64> {
+        None
     }
 }

@@ -93,6 +93,8 @@ pub struct Calibration {
     pub stages: StageChoice,
     /// The estimated error at the end of the worst step of the run (m).
     pub estimate: f64,
+    /// The error of samples inside the steps, beside that of their ends (m); `None` where it is not known.
+    pub between_steps: Option<f64>,
     /// The last instant up to which the estimated error meets the tolerance (s); the end of the run if it always does.
     pub holds_until: f64,
     /// The instant up to which this is known (s): the end of the run, or a little before if it was interrupted; for trial runs the end that was
@@ -209,6 +211,7 @@ pub(crate) fn calibrate_counted(
         // Runs that have parted may end at any distance up to the size of the mechanism.
         // No position is known better than it is rounded.
         estimate: if parted { size } else { worst.max(f64::EPSILON * size) },
+        between_steps: None,
         holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
         told_until: search.course.end,
         events_differ: differ,

@@ -270,6 +270,7 @@ impl<'a> Assessed<'a> {
             stages: self.stages,
             // Runs that have parted may end at any distance up to the size of the mechanism. No position is more accurate than its rounding.
             estimate: if self.parted { self.size } else { self.worst().max(f64::EPSILON * self.size) },
+            between_steps: self.run.between(),
             holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
             told_until: if self.parted { state.time } else { time },
             parted: self.parted,

@@ -65,6 +65,15 @@ impl RunIntegrator {
         }
     }
 
+    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known.
+    pub(crate) fn between(&self) -> Option<f64> {
+        match self {
+            RunIntegrator::Smooth(lobatto) => lobatto.between(),
+            RunIntegrator::OnOtherTree(other) => other.between(),
+            RunIntegrator::Eventful(eventful) => eventful.between(),
+        }
+    }
+
     /// Carries a companion from the first step on, where that tells the errors of the steps: until the first event, if there are any; returns whether it
     /// does.
     pub(crate) fn accompany(&mut self, mechanism: &Mechanism) -> bool {

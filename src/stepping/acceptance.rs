@@ -64,7 +64,10 @@ impl Control {
                 }
                 let by_energy = energies.map_or(Ok(f64::INFINITY), |energies| self.heed(energies, step, error));
                 match by_energy {
-                    Ok(by_energy) => self.go_on(step, error, iterations, by_energy, REPRESENTED / turn),
+                    Ok(by_energy) => {
+                        self.largest = self.largest.max(error);
+                        self.go_on(step, error, iterations, by_energy, REPRESENTED / turn)
+                    }
                     Err(by_energy) => {
                         self.retry(step * by_energy.exp().clamp(0.2, 0.9));
                         self.memory.wary = WARY;

@@ -95,6 +95,8 @@ pub struct Control {
     pub telling: bool,
     /// How often a step that does not converge is halved before the exact Newton method is tried.
     pub(crate) patience: usize,
+    /// The largest E of the steps that were kept.
+    pub(crate) largest: f64,
     /// Whether stability has bounded a step.
     pub(crate) held: bool,
     /// Step (s) and largest kinetic energy (J) to go on with when the motion is forgotten.
@@ -168,10 +170,17 @@ impl Control {
             limit: kept * wanted,
             telling: mechanism.forces.is_empty(),
             patience: if mechanism.is_plain_tree() { PATIENCE } else { 0 },
+            largest: 0.0,
             held: false,
             given: None,
             memory: Memory::default(),
         }
+    }
+
+    /// The error of samples inside the steps that were kept (m): the largest that was measured in steps with such an E. `None` where it was not
+    /// measured, with other than nine stages.
+    pub(crate) fn between(&self) -> Option<f64> {
+        (self.stages == BETWEEN_STAGES).then(|| BETWEEN * self.largest.powf(BETWEEN_POWER))
     }
 
     /// Takes note of other forces.

@@ -195,6 +195,15 @@ impl Lobatto {
         matches!(&self.mode, Mode::Chosen(control) if control.was_held())
     }
 
+    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known: steps that were given, few stages,
+    /// dampers too hard for the step.
+    pub fn between(&self) -> Option<f64> {
+        match &self.mode {
+            Mode::Chosen(control) if self.stepper.watch.ringing().is_none() => control.between(),
+            _ => None,
+        }
+    }
+
     fn with_tableau(mechanism: &Mechanism, tableau: &'static Tableau, mode: Mode, isa: Isa) -> Self {
         Self::with_kernel(mechanism, tableau, step_for(mechanism, tableau, isa, &[]), mode, isa)
     }

@@ -126,6 +126,12 @@ impl OnOtherTree {
         self.active().was_held_by_stability()
     }
 
+    /// The error of samples inside the steps so far, as [`Lobatto::between`] says.
+    pub fn between(&self) -> Option<f64> {
+        let on_file = self.on_file.as_ref().map_or(Some(0.0), Lobatto::between)?;
+        self.inside.lobatto.between().map(|other| other.max(on_file))
+    }
+
     /// Makes the last step again from its start with another length (s), as [`Lobatto::again`] does.
     ///
     /// # Errors

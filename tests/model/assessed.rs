@@ -97,6 +97,54 @@ impl Observer for Kept {
     }
 }
 
+/// The samples of a run with a tolerance, and what it says of its accuracy.
+fn sampled(mechanism: &Mechanism, start: &State, duration: f64, tolerance: f64) -> (Vec<(f64, Vec<f64>)>, Calibration) {
+    let mut kept = Kept::default();
+    let mut simulation =
+        Simulation::at_once(mechanism, start.clone(), None, options(duration, tolerance)).expect("a simulation");
+    // No sample but the first and the last is at an end of a step.
+    simulation.sample_at(997.0);
+    simulation.observe(&mut kept);
+    simulation.run().expect("a run");
+    let finished = simulation.finish();
+    (kept.samples, told(&finished))
+}
+
+#[test]
+fn samples_inside_steps_are_as_accurate_as_the_estimates_of_the_run_and_of_its_interpolation_say_together() {
+    let (mut known, mut beyond) = (0, 0);
+    for (model, duration) in motions() {
+        let mechanism = &model.mechanism;
+        let placed = |position: &[f64]| {
+            let mut state = model.state.clone();
+            state.position.copy_from_slice(position);
+            probes(mechanism, &state)
+        };
+        for tolerance in [1e-5, 1e-7, 1e-9] {
+            let (samples, told) = sampled(mechanism, &model.state, duration, tolerance);
+            let Some(between) = told.between_steps else {
+                println!("{}: few stages, of which nothing is known", mechanism.name);
+                continue;
+            };
+            let (truth, _) = sampled(mechanism, &model.state, duration, 1e-3 * tolerance);
+            let apart =
+                samples.iter().zip(&truth).map(|((_, here), (_, there))| distance(&placed(here), &placed(there)));
+            let error = apart.fold(0.0, f64::max);
+            let name = format!("{} at {tolerance:e}", mechanism.name);
+            println!("{name}: {error:.2e} m, ends {:.2e} m, between {between:.2e} m", told.estimate);
+            // What a report of the ends may be off is thirty times.
+            assert!(error <= 30.0 * told.estimate + between + 1e-13, "{name}: {error:e} m, {told:?}");
+            // The steps were chosen so that it is at most half of the tolerance.
+            assert!(between > 0.0 && between <= 0.5 * tolerance, "{name}: {between:e} m");
+            assert!(between <= (300.0 * error).max(0.1 * tolerance), "{name}: {between:e} m for {error:e} m");
+            known += 1;
+            beyond += usize::from(error > 30.0 * told.estimate + 1e-13);
+        }
+    }
+    // The ends alone do not tell it.
+    assert!(known == 0 || beyond > 0, "{known} runs");
+}
+
 #[test]
 fn observers_of_a_run_that_begins_again_see_that_and_then_the_run_that_was_made_with_its_steps_from_the_start() {
     let model = models::chain(6);

@@ -132,10 +132,12 @@ pub(crate) fn unsolved_warning(description: &MethodDescription) -> Option<String
 pub struct AccuracyReport {
     /// The accuracy asked for (m).
     pub wanted: f64,
-    /// The largest error to expect at the end of any step (m). Samples inside a step are interpolated, and may have larger errors. In the scenes that
-    /// were measured these were within the tolerance with nine stages, except where a hard damper acts in the first steps
-    /// (`doc/findings/2026-11-24-samples-between-steps.md`).
+    /// The largest error to expect at the end of any step (m).
     pub estimated: f64,
+    /// The largest error that interpolation inside the steps adds (m), from the last terms of their polynomials
+    /// (`doc/findings/2026-11-24-samples-between-steps.md`); `None` where it was not measured: few stages, dampers too hard for the step, steps of
+    /// first order, trial runs.
+    pub between_steps: Option<f64>,
     /// The instant up to which the wanted accuracy is expected to hold (s).
     pub holds_until: f64,
     /// The instant up to which the accuracy is known (s): the end of the run, or a little before if it was interrupted.
@@ -177,6 +179,7 @@ impl AccuracyReport {
         AccuracyReport {
             wanted,
             estimated: found.estimate,
+            between_steps: found.between_steps,
             holds_until: found.holds_until,
             told_until: found.told_until,
             reached: found.holds_until >= found.told_until,
@@ -225,6 +228,7 @@ impl AccuracyReport {
         Ok(AccuracyReport {
             wanted,
             estimated: all.iter().map(|one| one.estimated).fold(0.0, f64::max),
+            between_steps: all.iter().map(|one| one.between_steps).try_fold(0.0, |most: f64, one| Some(most.max(one?))),
             holds_until: all.iter().map(|one| one.holds_until).fold(told_until, f64::min),
             told_until,
             reached: all.iter().all(|one| one.reached),
@@ -306,6 +310,7 @@ mod tests {
                 stop,
                 stages,
                 estimate,
+                between_steps: None,
                 holds_until: 2.0,
                 told_until: 2.0,
                 parted: false,

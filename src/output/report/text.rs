@@ -76,6 +76,9 @@ impl fmt::Display for Report {
                 (pilots, _) => format!("from {}", counted(pilots, "trial run", "trial runs")),
             };
             write!(out, "  accuracy    estimated error {:.1e} m (order of magnitude, {by})", accuracy.estimated)?;
+            if let Some(between) = accuracy.between_steps.filter(|between| *between > accuracy.estimated) {
+                write!(out, ", interpolation between steps adds {between:.1e} m")?;
+            }
             if accuracy.is_early {
                 write!(out, " up to t = {} s; not known beyond", rounded(accuracy.told_until))?;
             }

@@ -173,3 +173,26 @@ fn a_start_inside_a_floor_is_moved_out_and_said() {
     let overlap = report["contact"]["max_penetration"].as_f64().expect("a number");
     assert!(overlap < 1e-12, "{overlap}");
 }
+
+#[test]
+fn a_mesh_of_a_link_that_is_missing_flat_or_cut_off_touches_nothing_and_the_run_says_where() {
+    let folder = touching("bad_meshes", "");
+    let urdf = std::fs::read_to_string(folder.join("touching.urdf")).expect("there");
+    std::fs::write(folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n").expect("written");
+    std::fs::write(folder.join("cut.stl"), [7; 90]).expect("written");
+    for (file, reason) in [("none.obj", "was not found"), ("flat.obj", "is flat"), ("cut.stl", "cannot be used")] {
+        let mesh = format!("<mesh filename=\"{file}\"/>");
+        std::fs::write(folder.join("bad.urdf"), urdf.replace("<sphere radius=\"0.1\"/>", &mesh)).expect("written");
+        let arguments = ["simulate", "bad.urdf", "--floor", "-1", "--duration", "0.1", "--no-log", "--json"];
+        let output = run(&folder, &arguments);
+        assert_eq!(output.status.code(), Some(0), "{file}: {}", text(&output.stderr));
+        let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let said: Vec<&str> = report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+        let about: Vec<&&str> =
+            said.iter().filter(|warning| warning.contains("so this shape touches nothing")).collect();
+        assert_eq!(about.len(), 1, "{file}: {said:?}");
+        for part in ["bad.urdf:", "link \"tip\"", file, reason] {
+            assert!(about[0].contains(part), "{part:?} in {}", about[0]);
+        }
+    }
+}

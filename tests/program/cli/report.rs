@@ -36,7 +36,7 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
         "joints": {
             "hinge": {"position": 0, "velocity": 0, "reaction_force": [0,0,0], "reaction_torque": [0,0,0],
                 "limit": null, "friction": null, "effort": null}},
-        "accuracy": {"wanted": 0, "estimated": 0, "holds_until": 0, "told_until": 0, "reached": true, "pilots": 0, "begun": 0},
+        "accuracy": {"wanted": 0, "estimated": 0, "between_steps": 0, "holds_until": 0, "told_until": 0, "reached": true, "pilots": 0, "begun": 0},
         "warnings": []}"#,
     )
     .expect("JSON");
