@@ -1,1 +1,0 @@
-Name more than one collision mesh rightly in warnings; test the balance of a fall of laikago -c echo "Name more than one collision mesh rightly in warnings; test the balance of a fall of laikago" > /tmp/stranger/ciF/.git/COMMIT_EDITMSG
