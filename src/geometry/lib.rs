@@ -15,6 +15,7 @@
 //! | `crossing` | which form the gap of an edge across a rim has |
 //! | `place`, `pair` | answers |
 //! | `decompose` | convex pieces of a surface |
+//! | `hull_surface` | the triangles of a hull, for drawing |
 //!
 //! parry proposes candidates (GJK, hulls, the tree of triangles, VHACD). This crate computes every result from the features.
 
@@ -30,6 +31,7 @@ mod error;
 mod feature;
 mod half_space;
 mod hull;
+mod hull_surface;
 mod manifold;
 mod meet;
 mod mesh;
@@ -43,5 +45,6 @@ mod tests;
 pub use decompose::decompose;
 pub use error::GeometryError;
 pub use feature::FeatureId;
+pub use hull_surface::hull_surface;
 pub use pair::{Distance, PairGeometry};
 pub use place::{PlaceId, TouchPlace};

@@ -46,6 +46,18 @@ impl Model {
         Ok(())
     }
 
+    /// The collision shapes of all links as colliders, whether they may touch anything or not, and warnings of meshes that cannot be used.
+    ///
+    /// # Errors
+    /// [`ModelError`] for shapes without size.
+    pub(crate) fn shapes_of_links(&self) -> Result<(Vec<Collider>, Vec<Warning>), ModelError> {
+        let (mut colliders, mut reader) = (Vec::new(), ShapeReader::default());
+        for number in 0..self.robots.len() {
+            self.link_colliders(number, &self.contact.settings, &mut reader, &mut colliders)?;
+        }
+        Ok((colliders, reader.warnings))
+    }
+
     /// Takes back that shapes are out of reach of each other: what was proved by the limits of joints no longer holds.
     pub(crate) fn forget_reach(&mut self) {
         let out_of_reach = |left: &LeftOutPair| left.because == NeverTouch::OutOfReach;

@@ -42,7 +42,7 @@ fn a_log_has_schemas_monotonic_times_and_the_poses_of_report_and_urdf() {
 
 /// Python's `rosbags` refuses what is no ROS 2 bag, and decodes by nothing but the definitions in the log.
 #[test]
-fn logs_of_ten_robots_are_bags_of_ros_2_and_convert_to_others() {
+fn logs_of_twelve_robots_are_bags_of_ros_2_and_convert_to_others() {
     let Some(python) = python() else { return };
     let folder = folder("bags");
     let robots = [
@@ -56,6 +56,9 @@ fn logs_of_ten_robots_are_bags_of_ros_2_and_convert_to_others() {
         "four_bar_1",
         "slider_crank",
         "stewart_platform",
+        // These touch something.
+        "quadruped_dropped",
+        "ball_in_bowl",
     ];
     for robot in robots {
         let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("robots/{robot}.urdf"));

@@ -168,8 +168,21 @@ def bag_messages(path):
             yield connection, time, reader.deserialize(raw, connection.msgtype)
 
 
+def check_shapes(message):
+    """Collision shapes: translucent, for ever, moving with their frames, each with a number of its own in its namespace; their frames."""
+    assert message.markers
+    for marker in message.markers:
+        assert marker.action == 0 and marker.frame_locked and 0 < marker.color.a < 1, marker
+        assert marker.lifetime.sec == marker.lifetime.nanosec == 0
+        assert marker.type in (1, 2, 3, 11) and len(marker.points) % 3 == 0
+        assert (len(marker.points) > 0) == (marker.type == 11)
+    names = {(marker.ns, marker.id) for marker in message.markers}
+    assert len(names) == len(message.markers), names
+    return {marker.header.frame_id for marker in message.markers}
+
+
 def check_bag(path, folder):
-    counts, latched, last = {}, set(), 0
+    counts, latched, last, frames, links = {}, set(), 0, set(), {"world"}
     for connection, time, message in bag_messages(path):
         topic = connection.topic
         counts[topic] = counts.get(topic, 0) + 1
@@ -177,6 +190,10 @@ def check_bag(path, folder):
         last = time
         if any(profile.durability.name == "TRANSIENT_LOCAL" for profile in connection.ext.offered_qos_profiles):
             latched.add(topic)
+        if topic == "/collision_shapes":
+            frames = check_shapes(message)
+        if topic == "/tf":
+            links.update(transform.child_frame_id for transform in message.transforms)
         if topic == "/energy":
             assert message.kinetic >= 0 and math.isfinite(message.total + message.dissipated + message.work)
             stamp = message.header.stamp
@@ -187,7 +204,10 @@ def check_bag(path, folder):
             assert message.stages >= 2 and message.iterations >= 0
         if topic == "/constraint":
             assert 0 <= message.position < 1e-9 and 0 <= message.velocity < 1e-9
-    assert {topic.rsplit("/", 1)[-1] for topic in latched} == {"robot_description", "visual_markers"}, latched
+    touching = {"collision_shapes"} if "/contacts" in counts else set()
+    assert {topic.rsplit("/", 1)[-1] for topic in latched} == {"robot_description", "visual_markers"} | touching, latched
+    assert frames <= links and bool(frames) == bool(touching), f"{frames} {links}"
+    assert all(counts[topic] == 1 for topic in latched), counts
     assert counts["/tf"] > 1, counts
     command = Path(sys.executable).with_name("rosbags-convert")
     subprocess.run([command, "--src", path, "--dst", folder], check=True)

@@ -3,6 +3,7 @@
 //! A thread reads the log; what does not depend on the run (descriptions, lines of text) is passed over on both sides.
 
 use crate::output::log::batch::Batch;
+use crate::output::log::collision_shapes::TOPIC as SHAPES;
 use crate::output::log::definitions::Definition;
 use crate::output::log::durability::Durability;
 use crate::output::log::error::LogError;
@@ -20,7 +21,7 @@ const PIECE: usize = 256;
 
 /// Topics that are not compared: they hold paths of the machine and words.
 fn is_compared(topic: &str) -> bool {
-    !(topic.ends_with("robot_description") || [MARKERS, LINES, "/scene", "/log"].contains(&topic))
+    !(topic.ends_with("robot_description") || [MARKERS, SHAPES, LINES, "/scene", "/log"].contains(&topic))
 }
 
 /// The first message of a run that is not that of the log.

@@ -1,4 +1,4 @@
-//! The descriptions that viewers draw the robots from: the URDF of each robot, and the geometry of all of them.
+//! The descriptions that viewers draw the robots from: the URDF of each robot, the looks of all of them, and the shapes that may touch.
 //!
 //! A viewer that draws from the URDF reads the mesh files that it names, and not all of them read Collada and OBJ files rightly: rerun
 //! leaves out polygons, turns files that say that y points up, and knows one colour a mesh. Such files are written once more as
@@ -9,6 +9,8 @@
 use crate::meshes::glb;
 use crate::model::Model;
 use crate::output::log::cdr::CdrWriter;
+use crate::output::log::collision_shapes;
+use crate::output::log::collision_shapes::CollisionShapes;
 use crate::output::log::definitions::{MARKER_ARRAY, STRING};
 use crate::output::log::durability::Durability;
 use crate::output::log::error::LogError;
@@ -65,10 +67,15 @@ pub(crate) fn describe(
         CdrWriter::begin(&mut buffer).string(description);
         sink.message(channel, options.start, &buffer)?;
     }
-    if !looks.markers.is_empty() && options.topics.has(TOPIC) {
-        let channel = sink.channel(TOPIC, &MARKER_ARRAY, Durability::Latched)?;
-        encode_markers(&looks.markers, options.start, &mut buffer);
-        sink.message(channel, options.start, &buffer)?;
+    let shapes = CollisionShapes::new(model, options);
+    warnings.extend(shapes.warnings);
+    let looks = Some((TOPIC, &looks.markers)).filter(|_| options.topics.has(TOPIC));
+    for (topic, markers) in looks.into_iter().chain([(collision_shapes::TOPIC, &shapes.markers)]) {
+        if !markers.is_empty() {
+            let channel = sink.channel(topic, &MARKER_ARRAY, Durability::Latched)?;
+            encode_markers(markers, options.start, &mut buffer);
+            sink.message(channel, options.start, &buffer)?;
+        }
     }
     Ok(warnings)
 }

@@ -5,8 +5,7 @@
 
 use crate::instant::snapshots::View;
 use crate::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Snapshots};
-use crate::mechanism::description::joint::Pose;
-use crate::model::{LinkFrame, Model};
+use crate::model::Model;
 use crate::output::log::contact_forces::ContactForces;
 use crate::output::log::contacts::ContactMessages;
 use crate::output::log::definitions::{LOG, TRANSFORMS};
@@ -19,11 +18,8 @@ use crate::output::log::joints::JointMessages;
 use crate::output::log::motors::MotorMessages;
 use crate::output::log::options::LogOptions;
 use crate::output::log::queue::{Between, Piece};
-use crate::output::log::transforms::TransformsEncoder;
+use crate::output::log::transforms::{TransformsEncoder, drawn_links, world_frame};
 use crate::output::log::{line, nanoseconds};
-
-/// The frame all poses are given in, unless a moving link has taken the name.
-const WORLD_FRAME: &str = "world";
 
 /// Makes messages of the samples of one run.
 pub(crate) struct SampleEncoder {
@@ -132,19 +128,6 @@ impl SampleEncoder {
             Between::Figures(time, figures) => self.figures.write(figures, self.start + time, sink),
         }
     }
-}
-
-/// The links that get a transform: all, save a link that is the world frame itself.
-fn drawn_links(links: &[LinkFrame]) -> Vec<LinkFrame> {
-    let is_world =
-        |link: &LinkFrame| link.name == WORLD_FRAME && link.body.is_none() && link.in_body == Pose::identity();
-    links.iter().filter(|link| !is_world(link)).cloned().collect()
-}
-
-/// The name of the frame of the world.
-fn world_frame(links: &[LinkFrame]) -> &'static str {
-    // A link may be called `world` and still move; its transform must not have itself as the parent.
-    if drawn_links(links).iter().any(|link| link.name == WORLD_FRAME) { "simulation_world" } else { WORLD_FRAME }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The geometry of the robots, as one `visualization_msgs/msg/MarkerArray` that never changes: every marker is fixed to the frame of a link.
+//! Geometry as one `visualization_msgs/msg/MarkerArray` that never changes: every marker is fixed to the frame of a link, or to the world.
 //!
 //! | geometry       | marker                                                                  |
 //! |----------------|-------------------------------------------------------------------------|
@@ -9,20 +9,21 @@
 //! | mesh in the log | `TRIANGLE_LIST`, three points a triangle, one marker for each colour   |
 //! | other mesh     | `MESH_RESOURCE`, with the address of its file                           |
 //!
-//! The namespace of a marker is its link, its number is 65536 v + k for the k-th marker of the v-th visual of the link, both from 0. So readers of
-//! the log know which triangles belong together.
+//! The namespace of a marker is its link or obstacle, its number is 65536 v + k for the k-th marker of the v-th visual or collision shape of it, both
+//! from 0. So readers of the log know which triangles belong together.
 //!
 //! Source: the package `visualization_msgs` of ROS 2.
 
 use crate::mechanism::description::joint::Pose;
 use crate::output::log::cdr::CdrWriter;
-use nalgebra::UnitQuaternion;
+use crate::scene::Geometry;
+use nalgebra::{Translation3, UnitQuaternion};
 use std::rc::Rc;
 
 /// The topic.
 pub(crate) const TOPIC: &str = "/visual_markers";
 
-/// Numbers of markers that a visual has for itself.
+/// Numbers of markers that a visual or collision shape has for itself.
 pub(crate) const SHAPES: u32 = 1 << 16;
 
 /// What a marker shows.
@@ -50,12 +51,31 @@ impl MarkerShape {
     }
 }
 
-/// A shape that moves with a link.
+/// The markers of a primitive whose frame is `place`: the place, the scale and the shape of each; none of a mesh.
+pub(crate) fn primitives(geometry: &Geometry, place: &Pose) -> Vec<(Pose, [f64; 3], MarkerShape)> {
+    let round = |radius: f64, length: f64| [2.0 * radius, 2.0 * radius, length];
+    match geometry {
+        Geometry::Box { size } => vec![(*place, (*size).into(), MarkerShape::Cube)],
+        Geometry::Sphere { radius } => vec![(*place, [2.0 * radius; 3], MarkerShape::Sphere)],
+        Geometry::Cylinder { radius, length } => vec![(*place, round(*radius, *length), MarkerShape::Cylinder)],
+        Geometry::Capsule { radius, length } => {
+            let at = |end: f64| place * Translation3::new(0.0, 0.0, end);
+            let ball = |end: f64| (at(end), [2.0 * radius; 3], MarkerShape::Sphere);
+            let side = (*place, round(*radius, *length), MarkerShape::Cylinder);
+            vec![ball(-0.5 * length), ball(0.5 * length), side]
+        }
+        Geometry::Mesh(_) => Vec::new(),
+    }
+}
+
+/// A shape that moves with its frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Marker {
-    /// The frame of the link.
+    /// The frame of the link, or the world.
     pub frame: String,
-    /// Which of the visuals of the link it shows, from 0; stand-ins come after them.
+    /// The link or obstacle, by which viewers switch it on and off.
+    pub namespace: String,
+    /// Which of its visuals or collision shapes it shows, from 0; stand-ins come after visuals.
     pub visual: u32,
     /// The place of the shape in it.
     pub pose: Pose,
@@ -73,12 +93,11 @@ pub(crate) fn encode_markers(markers: &[Marker], nanoseconds: u64, out: &mut Vec
     let mut before: Option<&Marker> = None;
     let mut shape = 0;
     for marker in markers {
-        let goes_on = before.is_some_and(|last| last.frame == marker.frame && last.visual == marker.visual);
+        let goes_on = before.is_some_and(|last| last.namespace == marker.namespace && last.visual == marker.visual);
         shape = if goes_on { shape + 1 } else { 0 };
         before = Some(marker);
-        // Viewers switch markers on and off by their namespace.
         let number = marker.visual * SHAPES + shape;
-        let head = Head { frame: &marker.frame, namespace: &marker.frame, number, nanoseconds };
+        let head = Head { frame: &marker.frame, namespace: &marker.namespace, number, nanoseconds };
         write_marker(&head, marker, &mut writer);
     }
 }

@@ -6,6 +6,7 @@
 //! |----------------------|-----------------------------------------|------------------------------------------|
 //! | `/robot_description` | `std_msgs/msg/String`                   | once, at the start; of several robots `/NAME/robot_description` |
 //! | `/visual_markers`    | `visualization_msgs/msg/MarkerArray`    | once, at the start: primitives, triangles of meshes, stand-ins |
+//! | `/collision_shapes`  | `visualization_msgs/msg/MarkerArray`    | once, at the start: the shapes of links and obstacles, if any may touch |
 //! | `/rosout`            | `rcl_interfaces/msg/Log`                | warnings at the start, how the run ended |
 //! | `/tf`                | `tf2_msgs/msg/TFMessage`                | every sample: every link, in `world`     |
 //! | `/joint_states`      | `sensor_msgs/msg/JointState`            | every sample: joints of one number       |
@@ -26,7 +27,7 @@
 //! `time` is not. `catena_msgs` is no package: its definitions are in the log. `ros2 bag play` leaves out topics whose package is not
 //! installed, with a warning, and plays the others.
 //!
-//! The first two topics never change. They are offered to those who come late, too (durability `transient_local`). Their chunk is compressed
+//! The first three topics never change. They are offered to those who come late, too (durability `transient_local`). Their chunk is compressed
 //! by Zstandard. Chunks of samples hold what their messages repeat once (LZ4), and are compressed by Zstandard on request ([`LogOptions`]).
 //!
 //! Links that are fixed to others or to the world are in `/tf` all the same, in every sample, and not once in `/tf_static`:
@@ -34,8 +35,8 @@
 //! that was cut needs nothing from its beginning. rerun 0.41 would show them. It costs 14 % (Panda) to 47 % (Baxter) of the bytes
 //! of a sample.
 //!
-//! rerun and RViz draw the robot from `/robot_description` and `/tf`; Foxglove, Lichtblick and RViz draw `/visual_markers`, which needs
-//! no other file. The images of meshes are not in the log. There is no `foxglove.SceneUpdate`: Foxglove draws all shapes from these markers, and a
+//! rerun and RViz draw the robot from `/robot_description` and `/tf`; Foxglove, Lichtblick and RViz draw `/visual_markers` and
+//! `/collision_shapes`, which need no other file. The images of meshes are not in the log. There is no `foxglove.SceneUpdate`: Foxglove draws all shapes from these markers, and a
 //! second encoding would keep `ros2 bag play` from playing the file. The metadata record
 //! `simulation` says how the run was made, `inputs` has the hashes of the attachments, which are the URDF and scene files
 //! as they were read, and `end` says how the run ended, with the figures of all its steps. Log time and publish time are
@@ -51,6 +52,7 @@ mod background;
 mod batch;
 mod cdr;
 mod cdr_reader;
+mod collision_shapes;
 mod comparison;
 mod compression;
 mod contact_forces;

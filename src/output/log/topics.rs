@@ -1,13 +1,15 @@
 //! Which topics a log has: all of them, or those that the user names.
 //!
+//! Of the shapes of links that touch nothing, a log has `/collision_shapes` only where it is named.
 //! `/rosout`, what is said about the run, is in every log.
 
 use std::str::FromStr;
 
 /// The topics that one can do without; those of robots in a scene have the robot's name before them.
-const NAMES: [&str; 13] = [
+const NAMES: [&str; 14] = [
     "robot_description",
     "visual_markers",
+    "collision_shapes",
     "tf",
     "joint_states",
     "multi_dof_joint_states",
@@ -26,21 +28,33 @@ const NAMES: [&str; 13] = [
 pub struct Topics {
     /// Their names without the slash; `None` stands for all.
     chosen: Option<Vec<String>>,
+    /// Those of them that it does not have after all.
+    left_out: Vec<String>,
+}
+
+/// A name without its slash.
+fn bare(topic: &str) -> &str {
+    topic.trim_start_matches('/')
 }
 
 impl Topics {
     /// The same but for this topic, which is named with its slash.
     #[must_use]
     pub(crate) fn without(&self, topic: &str) -> Self {
-        let all = || NAMES.iter().map(|name| name.to_string()).collect();
-        let chosen: Vec<String> = self.chosen.clone().unwrap_or_else(all);
-        Topics { chosen: Some(chosen.into_iter().filter(|name| name != topic.trim_start_matches('/')).collect()) }
+        let mut left_out = self.left_out.clone();
+        left_out.push(bare(topic).to_string());
+        Topics { left_out, ..self.clone() }
     }
 
     /// Whether the log has this topic, which is named with its slash and without that of a robot.
     pub(crate) fn has(&self, topic: &str) -> bool {
-        let name = topic.trim_start_matches('/');
-        self.chosen.as_ref().is_none_or(|chosen| chosen.iter().any(|chosen| chosen == name))
+        let is_left_out = self.left_out.iter().any(|left_out| left_out == bare(topic));
+        !is_left_out && (self.chosen.is_none() || self.names(topic))
+    }
+
+    /// Whether the user has named this topic, which is given with its slash.
+    pub(crate) fn names(&self, topic: &str) -> bool {
+        self.chosen.as_ref().is_some_and(|chosen| chosen.iter().any(|chosen| chosen == bare(topic)))
     }
 }
 
@@ -57,12 +71,12 @@ impl FromStr for Topics {
 
     /// Names with commas between, with or without their slashes.
     fn from_str(text: &str) -> Result<Self, UnknownTopic> {
-        let named = text.split(',').map(|name| name.trim().trim_start_matches('/'));
+        let named = text.split(',').map(|name| bare(name.trim()));
         let known = |name: &str| match NAMES.contains(&name) {
             true => Ok(name.to_string()),
             false => Err(UnknownTopic { name: name.to_string() }),
         };
-        Ok(Topics { chosen: Some(named.map(known).collect::<Result<_, _>>()?) })
+        Ok(Topics { chosen: Some(named.map(known).collect::<Result<_, _>>()?), left_out: Vec::new() })
     }
 }
 
@@ -75,6 +89,9 @@ mod tests {
         let topics: Topics = "tf, /energy".parse().expect("topics");
         assert!(topics.has("/tf") && topics.has("/energy") && !topics.has("/joint_states"));
         assert!(NAMES.iter().all(|name| Topics::default().has(&format!("/{name}"))));
+        let fewer = topics.without("/tf");
+        assert!(!fewer.has("/tf") && fewer.has("/energy") && !Topics::default().without("/tf").has("/tf"));
+        assert!(topics.names("/tf") && !topics.names("/solver") && !Topics::default().names("/tf"));
         for wrong in ["", "tf,", "energies"] {
             let error = wrong.parse::<Topics>().expect_err(wrong).to_string();
             assert!(error.contains("joint_states"), "{error}");

@@ -9,8 +9,13 @@
 //!
 //! Source: the packages `tf2_msgs` and `geometry_msgs` of ROS 2.
 
+use crate::mechanism::description::joint::Pose;
+use crate::model::LinkFrame;
 use crate::output::log::cdr;
 use crate::output::log::cdr::CdrWriter;
+
+/// The frame all poses are given in, unless a moving link has taken the name.
+const WORLD_FRAME: &str = "world";
 
 /// Bytes of a stamp and of a pose.
 const STAMP: usize = 8;
@@ -55,6 +60,19 @@ impl TransformsEncoder {
             cdr::fill(&mut message[pose..pose + POSE], [x, y, z, qx, qy, qz, qw].into_iter());
         }
     }
+}
+
+/// The links that get a transform: all, save a link that is the world frame itself.
+pub(crate) fn drawn_links(links: &[LinkFrame]) -> Vec<LinkFrame> {
+    let is_world =
+        |link: &LinkFrame| link.name == WORLD_FRAME && link.body.is_none() && link.in_body == Pose::identity();
+    links.iter().filter(|link| !is_world(link)).cloned().collect()
+}
+
+/// The name of the frame of the world.
+pub(crate) fn world_frame(links: &[LinkFrame]) -> &'static str {
+    // A link may be called `world` and still move; its transform must not have itself as the parent.
+    if drawn_links(links).iter().any(|link| link.name == WORLD_FRAME) { "simulation_world" } else { WORLD_FRAME }
 }
 
 #[cfg(test)]

@@ -4,14 +4,13 @@
 //! to a limit, so that it shows the robot on any machine, or their addresses. Bodies without looks have a
 //! stand-in ([`crate::output::log::standin`]).
 
-use crate::mechanism::description::joint::Pose;
 use crate::mechanism::ground::words::counted;
 use crate::meshes::{Surface, read_file};
-use crate::output::log::markers::{Marker, MarkerShape};
+use crate::output::log::markers::{Marker, MarkerShape, primitives};
 use crate::output::log::options::Meshes;
 use crate::output::log::standin::{STANDIN_COLOR, Standin};
 use crate::scene::{Geometry, Link, MeshFile, Shape};
-use nalgebra::{Translation3, Vector3};
+use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -19,8 +18,8 @@ use std::rc::Rc;
 /// What has no material is drawn in this grey.
 const PLAIN: [f64; 4] = [0.7, 0.7, 0.72, 1.0];
 
-/// All meshes in a log together have at most so many triangles.
-const MOST_TRIANGLES: usize = 2_000_000;
+/// All meshes that are seen in a log together have at most so many triangles, and all that touch.
+pub(crate) const MOST_TRIANGLES: usize = 2_000_000;
 
 /// What is drawn of all robots.
 pub(crate) struct Looks {
@@ -62,56 +61,40 @@ impl Looks {
             }
             for standin in standins.iter().filter(|standin| standin.link == index) {
                 let (pose, scale) = (standin.pose, standin.size.into());
-                let frame = frame.clone();
+                let (frame, namespace) = (frame.clone(), frame.clone());
                 let (visual, color, shape) = (link.visuals.len() as u32, STANDIN_COLOR, MarkerShape::Cube);
-                self.markers.push(Marker { frame, visual, pose, scale, color, shape });
+                self.markers.push(Marker { frame, namespace, visual, pose, scale, color, shape });
             }
         }
     }
 
     fn add_visual(&mut self, (frame, number): (&str, u32), visual: &Shape) {
+        if let Geometry::Mesh(mesh) = &visual.geometry {
+            return self.add_mesh((frame, number), visual, mesh);
+        }
         let color = visual.color.unwrap_or(PLAIN);
-        let mut add = |pose: Pose, scale: [f64; 3], shape: MarkerShape| {
-            self.markers.push(Marker { frame: frame.to_string(), visual: number, pose, scale, color, shape });
-        };
-        match &visual.geometry {
-            Geometry::Box { size } => add(visual.origin, (*size).into(), MarkerShape::Cube),
-            Geometry::Sphere { radius } => add(visual.origin, [2.0 * radius; 3], MarkerShape::Sphere),
-            Geometry::Cylinder { radius, length } => {
-                add(visual.origin, [2.0 * radius, 2.0 * radius, *length], MarkerShape::Cylinder);
-            }
-            Geometry::Capsule { radius, length } => {
-                for end in [-0.5 * length, 0.5 * length] {
-                    let pose = visual.origin * Translation3::new(0.0, 0.0, end);
-                    add(pose, [2.0 * radius; 3], MarkerShape::Sphere);
-                }
-                add(visual.origin, [2.0 * radius, 2.0 * radius, *length], MarkerShape::Cylinder);
-            }
-            Geometry::Mesh(mesh) => self.add_mesh((frame, number), visual, mesh),
+        for (pose, scale, shape) in primitives(&visual.geometry, &visual.origin) {
+            let (frame, namespace) = (frame.to_string(), frame.to_string());
+            self.markers.push(Marker { frame, namespace, visual: number, pose, scale, color, shape });
         }
     }
 
     fn add_mesh(&mut self, (frame, number): (&str, u32), visual: &Shape, mesh: &MeshFile) {
-        let frame = frame.to_string();
         // What was not found is a warning of the robot's already.
         let surface = mesh.resolved.as_ref().filter(|_| self.meshes == Meshes::Embed);
         let Some(surface) = surface.and_then(|file| self.surface(file)) else {
-            let address = match &mesh.resolved {
-                Some(file) => {
-                    format!("file://{}", std::path::absolute(file).unwrap_or_else(|_| file.clone()).display())
-                }
-                None => mesh.path.clone(),
-            };
+            let address = mesh.resolved.as_deref().map_or_else(|| mesh.path.clone(), address);
             let (color, shape) = (visual.color.unwrap_or(PLAIN), MarkerShape::Mesh(address, visual.color.is_none()));
             let (pose, scale) = (visual.origin, mesh.scale.into());
-            self.markers.push(Marker { frame, visual: number, pose, scale, color, shape });
+            let (frame, namespace) = (frame.to_string(), frame.to_string());
+            self.markers.push(Marker { frame, namespace, visual: number, pose, scale, color, shape });
             return;
         };
         for part in &surface.parts {
             let color = visual.color.unwrap_or_else(|| part.shown_color().map(f64::from));
             let shape = MarkerShape::Triangles(scaled(&part.corners, &mesh.scale).into());
-            let (frame, pose) = (frame.clone(), visual.origin);
-            self.markers.push(Marker { frame, visual: number, pose, scale: [1.0; 3], color, shape });
+            let (frame, namespace, pose) = (frame.to_string(), frame.to_string(), visual.origin);
+            self.markers.push(Marker { frame, namespace, visual: number, pose, scale: [1.0; 3], color, shape });
         }
     }
 
@@ -141,6 +124,11 @@ impl Looks {
         self.surfaces.insert(file.to_path_buf(), surface.clone());
         surface
     }
+}
+
+/// The address of a file.
+pub(crate) fn address(file: &Path) -> String {
+    format!("file://{}", std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf()).display())
 }
 
 /// Corners times the factors of a URDF; triangles that this mirrors stay counter-clockwise seen from outside.

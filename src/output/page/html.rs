@@ -8,13 +8,14 @@
 //! | all other `.js`         | ours, in the order of [`SCRIPTS`]; each begins with what it does |
 
 /// Our scripts, each of which uses those before it alone.
-const SCRIPTS: [&str; 13] = [
+const SCRIPTS: [&str; 14] = [
     include_str!("assets/packed.js"),
     include_str!("assets/poses.js"),
     include_str!("assets/surfaces.js"),
     include_str!("assets/view.js"),
     include_str!("assets/robot.js"),
     include_str!("assets/obstacles.js"),
+    include_str!("assets/collision_shapes.js"),
     include_str!("assets/forces.js"),
     include_str!("assets/arrows.js"),
     include_str!("assets/curves.js"),

@@ -5,18 +5,18 @@
 //!         ─ log/frames.rs ─▶ motion.rs, contacts.rs               poses, curves, contact forces, events
 //!     model ─▶ tree.rs                                            links, bodies, joints, loops
 //!           ─ log/meshes.rs or files ─▶ looks.rs, shared_meshes.rs  what is drawn      (meshes/ reads, simplify.rs simplifies)
-//!           ─▶ obstacles.rs                                       what is drawn of the world
+//!           ─▶ colliders.rs                                       what is drawn of what may touch
 //!     all of it ─ packing.rs ─▶ header (JSON), arrays (base64) ─ html.rs ─▶ page
 //! ```
 //!
 //! The same input gives the same bytes. The scripts of the page are in `assets/`, those of others with their licences.
 
+mod colliders;
 mod contacts;
 mod facts;
 mod html;
 mod looks;
 mod motion;
-mod obstacles;
 mod packing;
 mod shared_meshes;
 mod simplify;
@@ -30,11 +30,11 @@ use crate::output::log::frames::visit;
 use crate::output::log::meshes::LoggedMeshes;
 use crate::output::log::records::ReadError;
 use crate::output::log::sha256;
+use crate::output::page::colliders::{DrawnCollider, colliders};
 use crate::output::page::contacts::ContactLayer;
 use crate::output::page::facts::Fact;
 use crate::output::page::looks::{DrawnShape, MeshSource, looks};
 use crate::output::page::motion::{CurveName, Motion};
-use crate::output::page::obstacles::{DrawnObstacle, obstacles};
 use crate::output::page::packing::{Packed, Place};
 use crate::output::page::shared_meshes::{MeshContent, MeshData, PackedMesh};
 use crate::output::page::tree::{Frame, Tree, pose_numbers, tree};
@@ -101,7 +101,8 @@ struct Header<'p> {
     tables: &'p [PageTable],
     tree: Tree<'p>,
     shapes: &'p [DrawnShape],
-    obstacles: Vec<DrawnObstacle>,
+    obstacles: Vec<DrawnCollider>,
+    collision_shapes: Vec<DrawnCollider>,
     meshes: Vec<PackedMesh>,
     /// Number of samples in all arrays.
     samples: usize,
@@ -208,7 +209,7 @@ fn write(
 ) -> String {
     let mut packed = Packed::default();
     let mut drawn = looks(model, source, options.mesh_limit > 0);
-    let obstacles = obstacles(model, &mut drawn, options.mesh_limit > 0);
+    let [obstacles, collision_shapes] = colliders(model, &mut drawn, options.mesh_limit > 0);
     let (meshes, simplified) = drawn.meshes.pack(options.mesh_limit, &mut packed);
     let samples = motion.times.len();
     let gravity = model.mechanism.gravity.norm();
@@ -225,6 +226,7 @@ fn write(
         tree: tree(model, start),
         shapes: &drawn.shapes,
         obstacles,
+        collision_shapes,
         meshes,
         samples,
         times: packed.doubles(&motion.times),

@@ -127,12 +127,6 @@ impl SharedMeshes {
         number
     }
 
-    /// Adds the triangles of a surface; its number.
-    pub(super) fn add_surface(&mut self, parts: &[LooseTriangles]) -> usize {
-        self.meshes.push(on_grid(parts));
-        self.meshes.len() - 1
-    }
-
     /// Packs all meshes, with at most about `limit` triangles; says what was changed for that.
     pub(super) fn pack(self, limit: usize, packed: &mut Packed) -> (Vec<PackedMesh>, Vec<String>) {
         let counts = || self.meshes.iter().flat_map(|mesh| &mesh.parts).map(|part| part.triangles.len());

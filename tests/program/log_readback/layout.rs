@@ -16,6 +16,9 @@ fn the_layout_for_lichtblick_shows_the_scene_with_meshes_the_right_way_up() {
     assert_eq!(view["topics"]["/visual_markers"]["visible"], true);
     assert_eq!((&view["scene"]["meshUpAxis"], &view["scene"]["ignoreColladaUpAxis"]), (&"z_up".into(), &true.into()));
     assert_eq!(view["followTf"], "world");
+    // Where something touches, the forces are seen, and collision shapes can be switched on.
+    assert_eq!(view["topics"]["/contact_forces"]["visible"], true);
+    assert_eq!(view["topics"]["/collision_shapes"]["visible"], false);
 }
 
 /// The types of the fields of a message by their names, from the definition of another that uses it; that itself without a name.

@@ -79,6 +79,7 @@ pub struct Marker {
     /// Position and quaternion x, y, z, w.
     pub pose: [f64; 7],
     pub scale: [f64; 3],
+    pub opacity: f32,
     /// Whether it moves with its frame.
     pub follows: bool,
     pub points: Vec<[f64; 3]>,
@@ -112,7 +113,8 @@ impl Marker {
             "no text, no file"
         );
         assert_eq!((cdr.unsigned(), cdr.take()), (0, [0]));
-        Marker { frame, namespace, number, kind, action, pose, scale, follows: follows == 1, points }
+        let [_, _, _, opacity] = color;
+        Marker { frame, namespace, number, kind, action, pose, scale, opacity, follows: follows == 1, points }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The log, read back by the mcap crate and decoded by hand: what it says is what was simulated.
 
+mod collision_shapes;
 mod contacts;
 mod events;
 mod file;

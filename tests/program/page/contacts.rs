@@ -133,6 +133,31 @@ fn obstacles_of_a_scene_are_in_the_pages_of_its_run_and_of_its_model_and_of_a_ru
     done(&folder, &free);
     let free = header(&page(&folder, "free.html"));
     assert_eq!((&free["contacts"], &free["obstacles"]), (&Value::Null, &json!([])));
+    assert_eq!(free["collision_shapes"], json!([]));
+}
+
+/// A body with a ball in its link frame and the wedge beside it, both turned with the body.
+#[test]
+fn collision_shapes_of_links_are_in_the_page_of_a_run_with_contact_in_their_bodies() {
+    let folder = with_contacts("shapes");
+    let ball = std::fs::read_to_string(folder.join("ball.urdf")).expect("a robot");
+    let wedge = "<collision><origin xyz=\"0.5 0 0\"/><geometry><mesh filename=\"wedge.obj\" scale=\"0.1 0.1 0.1\"/></geometry></collision></link>";
+    std::fs::write(folder.join("ball.urdf"), ball.replace("</link>", wedge)).expect("written");
+    done(&folder, &["simulate", "scene.toml", "--quiet", "--duration", "0.1", "--report", "scene.html"]);
+    let header = header(&page(&folder, "scene.html"));
+    let at = |x: f64| json!([x, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+    // The obstacle's mesh is of another size, so another one.
+    let expected = json!([
+        { "name": "ball", "body": 0, "kind": "sphere", "size": [0.1], "pose": at(0.0) },
+        { "name": "ball", "body": 0, "kind": "mesh", "size": [1.0, 1.0, 1.0], "pose": at(0.5), "mesh": 0 },
+    ]);
+    assert_eq!(header["collision_shapes"], expected);
+    assert_eq!(header["obstacles"][5]["mesh"], 1);
+    assert_eq!(header["meshes"][0]["parts"][0]["triangles"]["count"], 12, "four triangles of a hull");
+    done(&folder, &["model", "scene.toml", "-o", "model.html", "--mesh-limit", "0"]);
+    let few = super::header(&page(&folder, "model.html"));
+    assert_eq!(few["collision_shapes"].as_array().map(Vec::len), Some(1));
+    assert!(few["notes"].to_string().contains("1 collision shape of a link is not drawn"), "{}", few["notes"]);
 }
 
 /// What the page's own scripts read of the last sample, and what they draw of the obstacles.
@@ -203,6 +228,14 @@ fn arrows_of_contacts_and_obstacles_are_seen_and_can_be_left_out() {
     // A shaft of some ten pixels by some hundred; nothing else of the page is green.
     assert!(green(&resting) > 200, "{}", green(&resting));
     assert_eq!((green(&falling), green(&without)), (0, 0));
+    // The ball is orange, and violet over that where its collision shape is shown; that lies at the same place, falling and resting.
+    let violet = |pixels: &[[u8; 3]]| {
+        let left = pixels.iter().enumerate().filter(|(k, _)| k % browser::WIDTH < browser::WIDTH / 2);
+        left.filter(|(_, [r, g, b])| g.saturating_add(8) < *r.min(b)).count()
+    };
+    let shapes = ["t=0.05&shapes&nocontacts", "t=0.5&shapes&nocontacts"].map(picture);
+    assert_eq!((violet(&falling), violet(&resting)), (0, 0));
+    assert!(shapes.iter().all(|shapes| violet(shapes) > 1000), "{} {}", violet(&shapes[0]), violet(&shapes[1]));
     // The tile of the floor fills most of the lower half of the view.
     assert!(different(&without, &bare) > 30_000, "{}", different(&without, &bare));
 }

@@ -1,4 +1,4 @@
-// Puts the page together. `#t=1.5&tab=report&frames&reactions` in the address opens it at a time, with a tab, and with what is named
+// Puts the page together. `#t=1.5&tab=report&frames&reactions&shapes` in the address opens it at a time, with a tab, and with what is named
 // shown, `#nocontacts&noobstacles&nogrid` without these; `#joint1=0.5` opens a model with a joint moved.
 
 // Says that the page does not work, and why.
@@ -74,7 +74,7 @@ async function openPage() {
   const isRun = header.kind === "run";
   byId("name").textContent = header.name;
   byId("about").textContent = isRun ? `run from ${header.source}` : `model of ${header.source}`;
-  byId("keys").textContent = isRun ? "space: play · ← →: one sample · shift: ten · F frames · R reactions · O contacts · G grid · B obstacles · C camera" : "F frames · G grid · B obstacles · C camera";
+  byId("keys").textContent = isRun ? "space: play · ← →: one sample · shift: ten · F frames · R reactions · O contacts · G grid · B obstacles · S shapes · C camera" : "F frames · G grid · B obstacles · S shapes · C camera";
   const bytes = await unpackedBytes(byId("packed").textContent);
   const motion = new Motion(unpackedDoubles(bytes, header.times), unpackedFloats(bytes, header.poses), header.tree.bodies.length);
   const values = unpackedFloats(bytes, header.values);
@@ -116,6 +116,10 @@ async function openPage() {
     buttons.g = addToggle("Grid", "G", !has("nogrid"), (on) => { view.grid.visible = on; view.draw(); });
     buttons.g.title += `; cells of ${plain(cell)} m in ${obstacles.planes.length > 0 ? "the planes of half spaces" : "the plane z = 0"}`;
     if (header.obstacles.length > 0) buttons.b = addToggle("Obstacles", "B", !has("noobstacles"), (on) => obstacles.show(on));
+    if (header.collision_shapes.length > 0) {
+      const shapes = new CollisionShapes(header, bytes, view, robot);
+      buttons.s = addToggle("Collision shapes", "S", has("shapes"), (on) => shapes.show(on));
+    }
     if (isRun) buttons.l = addToggle("Follow", "L", isTraveller, (on) => { follows = on; view.follow(on ? robot.middle() : null); });
     const camera = make("button", { textContent: "Whole robot", title: "Move the camera so that everything is seen (C)" });
     camera.addEventListener("click", () => fit());

@@ -13,6 +13,7 @@ class Robot {
     });
     view.robot.add(this.world, ...this.bodies);
     this.frames = [];
+    this.followers = [];
     const materials = new Map();
     const meshes = header.meshes.map((mesh) => meshGeometries(bytes, mesh));
     for (const shape of header.shapes) {
@@ -37,6 +38,18 @@ class Robot {
     object.matrix.copy(place);
     object.userData.link = link;
     this.group(body).add(object);
+  }
+
+  // A group in `parent` that moves with a body; without one it stays in the world.
+  addFollower(parent, body) {
+    const group = new THREE.Group();
+    if (body !== undefined) {
+      group.matrixAutoUpdate = false;
+      group.matrix = this.matrices[body];
+      this.followers.push(group);
+    }
+    parent.add(group);
+    return group;
   }
 
   material([red, green, blue, opacity], known) {
@@ -74,7 +87,7 @@ class Robot {
 
   // Shows the bodies where their matrices say.
   placed() {
-    for (const group of this.bodies) group.matrixWorldNeedsUpdate = true;
+    for (const group of [...this.bodies, ...this.followers]) group.matrixWorldNeedsUpdate = true;
     this.view.draw();
   }
 

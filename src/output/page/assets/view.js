@@ -19,7 +19,8 @@ class View {
     this.scene.add(this.camera);
     this.robot = new THREE.Group();
     this.obstacles = new THREE.Group();
-    this.scene.add(this.robot, this.obstacles);
+    this.collisions = new THREE.Group();
+    this.scene.add(this.robot, this.obstacles, this.collisions);
     this.grid = null;
     this.following = null;
     this.waiting = false;
@@ -107,7 +108,7 @@ class View {
     const y = 1 - (2 * (event.clientY - top)) / height;
     const ray = new THREE.Raycaster();
     ray.setFromCamera(new THREE.Vector2(x, y), this.camera);
-    const shown = [this.robot, this.obstacles].filter((group) => group.visible);
+    const shown = [this.robot, this.obstacles, this.collisions].filter((group) => group.visible);
     const hit = ray.intersectObjects(shown, true).find((found) => found.object.userData.link !== undefined);
     return hit ? hit.object.userData.link : null;
   }
