@@ -1,4 +1,4 @@
-//! The progress bar on a terminal: how far the present trial run is, then simulated time, accuracy so far, speed against real time, time left.
+//! The progress bar on a terminal: simulated time, accuracy so far, speed against real time, time left.
 
 use catena::mechanism::ground::words::rounded;
 use catena::mechanism::motion::integrator::MethodDescription;
@@ -32,37 +32,6 @@ impl Progress {
 
     /// Takes the bar away.
     pub fn clear(&self) {
-        self.bar.finish_and_clear();
-    }
-}
-
-/// Shows on standard error how far the present trial run is, for as long as it lives.
-pub struct TrialsShown {
-    bar: ProgressBar,
-    duration: f64,
-}
-
-impl TrialsShown {
-    /// A bar for trial runs of so many simulated seconds, with the time that all have taken.
-    pub fn new(duration: f64) -> Self {
-        let bar = ProgressBar::new(1000);
-        if let Ok(style) =
-            ProgressStyle::with_template("{wide_bar} {percent} % of a trial run for the accuracy, {elapsed}")
-        {
-            bar.set_style(style);
-        }
-        bar.enable_steady_tick(INTERVAL);
-        TrialsShown { bar, duration }
-    }
-
-    /// A trial run has come to this simulated time (s).
-    pub fn reached(&self, time: f64) {
-        self.bar.set_position((1000.0 * time / self.duration) as u64);
-    }
-}
-
-impl Drop for TrialsShown {
-    fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
 }

@@ -49,7 +49,7 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     let run = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
     let (mut recorder, mut progress);
     let counted = recorded.loaded.counted.clone();
-    // Earlier versions made trial runs, and so do runs whose log is a pipe.
+    // Earlier versions made trial runs.
     let told = recorded.simulation.contains_key(TOLD);
     let make = if told { Simulation::at_once } else { Simulation::from_counted };
     let mut simulation = make(&model.mechanism, state, counted, run).map_err(Error::from)?;

@@ -8,7 +8,7 @@ use crate::cli::input::InputArgs;
 use crate::cli::log_options::LogArgs;
 use crate::cli::numbers::{Assignment, numbers, pairs, positive, rate};
 use crate::cli::page_files::{check_page, is_same};
-use crate::cli::progress::{Progress, TrialsShown};
+use crate::cli::progress::Progress;
 use crate::cli::special_output::open_special;
 use crate::cli::{Failure, origin, print, print_json};
 use anyhow::{Context, anyhow};
@@ -17,7 +17,7 @@ use catena::model::Model;
 use catena::output::log::LogOptions;
 use catena::output::page::MESH_LIMIT;
 use catena::output::report::SpeedWatch;
-use catena::session::{Account, Asked, Closed, Ended, Error, Loaded, Settled, check_log, check_place, is_special};
+use catena::session::{Account, Asked, Closed, Ended, Error, Loaded, Settled, check_log, check_place};
 use catena::simulation::{Simulation, SimulationOptions};
 use clap::{Args, value_parser};
 use std::io::IsTerminal;
@@ -178,17 +178,8 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let (mut recorder, mut progress, mut speeds);
     let start = arguments.check.then(|| state.clone());
     let account = Account::open(model, &state, settled);
-    // A pipe keeps what was written, so that nothing can restart.
-    let tries = output.as_deref().is_some_and(is_special);
-    let trials = (tries && shows && choice.tolerance().is_some()).then(|| TrialsShown::new(duration));
-    let reached = |time| trials.iter().for_each(|trials| trials.reached(time));
-    let made = if tries {
-        Simulation::after_trials(mechanism, state, counted.clone(), options, &reached)
-    } else {
-        Simulation::at_once(mechanism, state, counted.clone(), options)
-    };
+    let made = Simulation::at_once(mechanism, state, counted.clone(), options);
     let mut simulation = made.map_err(Error::from)?;
-    drop(trials);
     let origin = origin();
     let begun = account.begun(model, counted.as_deref(), &simulation);
     recorder = match &output {

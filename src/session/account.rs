@@ -115,7 +115,8 @@ impl Begun {
         options: &LogOptions,
         interrupted: &Arc<AtomicBool>,
     ) -> Result<Recorder, Error> {
-        let mut recorder = Recorder::create(path, model, self.described(model, origin), options)?;
+        let create = if self.told { Recorder::create_for_restarts } else { Recorder::create };
+        let mut recorder = create(path, model, self.described(model, origin), options)?;
         recorder.heed(interrupted);
         self.warnings.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
         Ok(recorder)

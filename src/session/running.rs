@@ -17,7 +17,6 @@ use crate::session::description::Origin;
 use crate::session::engine::{Engine, Held, Watch};
 use crate::session::error::Error;
 use crate::session::model::Model;
-use crate::session::place::is_special;
 use crate::simulation::{Observer, Simulation, SimulationOptions};
 use self_cell::MutBorrow;
 use std::borrow::Cow;
@@ -78,8 +77,8 @@ impl Running {
             true => (path, options.without("/reactions")),
             false => (path, options),
         });
-        // A run cannot restart if a program has seen a part of it, or if its log is a pipe.
-        let at_once = origin.driven.is_none() && !log.as_ref().is_some_and(|(path, _)| is_special(path));
+        // A run cannot restart if a program has seen a part of it.
+        let at_once = origin.driven.is_none();
         let held = Held { model, kept, interrupt: interrupt.clone(), watch: MutBorrow::new(watch) };
         let engine = Engine::try_new(held, |held| {
             let description = held.model.description();

@@ -55,12 +55,10 @@ pub(crate) enum Integrators<'a> {
 pub(crate) type Calibrations = Vec<Result<Calibration, UnknownAccuracy>>;
 
 /// The settings of the steps of a run.
-pub(crate) struct Wanted<'w, 'a> {
+pub(crate) struct Wanted<'a> {
     pub choice: StepChoice,
     /// Simulated time (s).
     pub duration: f64,
-    /// Receives the simulated time that a trial run has reached (s).
-    pub reached: &'w (dyn Fn(f64) + Sync),
     /// A flag that ends the runs when it is set.
     pub interrupt: Option<&'a AtomicBool>,
     /// The ranks of the closures of the whole mechanism at the start.
@@ -80,7 +78,7 @@ impl<'a> Integrators<'a> {
         mechanism: &Mechanism,
         state: &State,
         plan: Plan,
-        wanted: &Wanted<'_, 'a>,
+        wanted: &Wanted<'a>,
     ) -> Result<(Self, Calibrations), SimulationError> {
         let choice = wanted.choice;
         let plan = plan.grouped(
@@ -154,7 +152,7 @@ impl<'a> Integrators<'a> {
     }
 }
 
-impl<'a> Wanted<'_, 'a> {
+impl<'a> Wanted<'a> {
     /// Chooses an integrator (the only place that does); calibrates it if there is a tolerance.
     fn integrator(
         &self,
@@ -176,10 +174,7 @@ impl<'a> Wanted<'_, 'a> {
             let assessed = Assessed::new(mechanism, terms)?;
             return Ok((Making::Telling(Box::new(assessed)), Err(UnknownAccuracy::NotYet)));
         }
-        let mut go_on = |time: f64, _: &StepOutcome| {
-            (self.reached)(time - state.time);
-            !self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
-        };
+        let mut go_on = |_: f64, _: &StepOutcome| !self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
         let clock = ThreadTime::now();
         let found = calibrate_counted(mechanism, state, counted.as_ref(), self.duration, tolerance, kept, &mut go_on);
         *self.spent.lock().unwrap_or_else(PoisonError::into_inner) += clock.elapsed().as_secs_f64();

@@ -166,7 +166,7 @@ impl<'s> Simulation<'s> {
         counted: Option<Arc<Counted>>,
         options: SimulationOptions<'s>,
     ) -> Result<Self, SimulationError> {
-        Self::with(mechanism, state, counted, options, None)
+        Self::with(mechanism, state, counted, options, true)
     }
 
     /// The same from a state in which the closures were counted already, if there are any.
@@ -179,21 +179,7 @@ impl<'s> Simulation<'s> {
         counted: Option<Arc<Counted>>,
         options: SimulationOptions<'s>,
     ) -> Result<Self, SimulationError> {
-        Self::after_trials(mechanism, state, counted, options, &|_| ())
-    }
-
-    /// The same, for callers that show the trial runs: `reached` is told the simulated time that the present one has reached (s), of `duration`.
-    ///
-    /// # Errors
-    /// As of [`Simulation::new`].
-    pub fn after_trials(
-        mechanism: &'s Mechanism,
-        state: State,
-        counted: Option<Arc<Counted>>,
-        options: SimulationOptions<'s>,
-        reached: &(dyn Fn(f64) + Sync),
-    ) -> Result<Self, SimulationError> {
-        Self::with(mechanism, state, counted, options, Some(reached))
+        Self::with(mechanism, state, counted, options, false)
     }
 
     fn with(
@@ -201,15 +187,13 @@ impl<'s> Simulation<'s> {
         state: State,
         counted: Option<Arc<Counted>>,
         options: SimulationOptions<'s>,
-        shown_trials: Option<&(dyn Fn(f64) + Sync)>,
+        at_once: bool,
     ) -> Result<Self, SimulationError> {
-        let at_once = shown_trials.is_none();
-        let reached = shown_trials.unwrap_or(&|_| ());
         let SimulationOptions { duration, steps, switched_off, interrupt } = options;
         let plan = Plan::from_counted(mechanism, &state, switched_off, counted.as_ref());
         let parts = (plan.islands.len(), plan.sleeping());
         let start = (at_once && steps.tolerance().is_some()).then(|| state.clone());
-        let wanted = Wanted { choice: steps, duration, reached, interrupt, counted, at_once, spent: Mutex::default() };
+        let wanted = Wanted { choice: steps, duration, interrupt, counted, at_once, spent: Mutex::default() };
         let (integrators, calibrations) = Integrators::new(mechanism, &state, plan, &wanted)?;
         Ok(Simulation {
             mechanism,

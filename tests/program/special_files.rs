@@ -3,6 +3,7 @@
 
 use crate::common::command::{ENDLESS, assert_one_error, catena, folder, run, text};
 use std::fs::File;
+use std::io::Read;
 use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -74,6 +75,121 @@ fn a_pipe_that_is_read_gets_the_whole_log() {
     let log = std::fs::read(folder.join("pipe.mcap")).expect("read");
     assert!(child.wait_with_output().expect("ends").status.success());
     assert!(mcap::Summary::read(&log).is_ok_and(|summary| summary.is_some()), "a complete log");
+}
+
+/// The time, the topic and the content of every message of a complete log.
+fn complete(log: &[u8]) -> Vec<(u64, String, Vec<u8>)> {
+    assert!(mcap::Summary::read(log).is_ok_and(|summary| summary.is_some()), "a complete log");
+    let messages = mcap::MessageStream::new(log).expect("a log").map(|message| message.expect("readable"));
+    messages.map(|message| (message.log_time, message.channel.topic.clone(), message.data.to_vec())).collect()
+}
+
+/// How a log says that its run ended.
+fn outcome(log: &[u8]) -> String {
+    let summary = mcap::Summary::read(log).expect("a log").expect("a complete one");
+    let last = summary.metadata_indexes.iter().rfind(|index| index.name == "end").expect("an end");
+    mcap::read::metadata(log, last).expect("readable").metadata["outcome"].clone()
+}
+
+/// What a child writes into the pipe, until it closes it.
+fn read_pipe(folder: &Path) -> std::thread::JoinHandle<Vec<u8>> {
+    let pipe = folder.join("pipe.mcap");
+    std::thread::spawn(move || std::fs::read(pipe).expect("read"))
+}
+
+#[test]
+fn a_pipe_gets_the_messages_of_the_file_also_of_a_run_that_restarted() {
+    let folder = folder("restarted");
+    if !pipe(&folder) {
+        return;
+    }
+    let mut restarted = 0;
+    for (robot, tolerance) in [("arm7.urdf", "1e-6"), ("heavy_top_fast.toml", "1e-9"), ("chain_10.urdf", "1e-3")] {
+        let input = format!("{}/robots/{robot}", env!("CARGO_MANIFEST_DIR"));
+        let words = ["simulate", &input, "--duration", "5", "--tolerance", tolerance, "--quiet", "-o"];
+        let output = run(&folder, &[&words[..], &["file.mcap"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let reader = read_pipe(&folder);
+        let child = catena(&folder, &[&words[..], &["pipe.mcap"]].concat()).spawn().expect("runs");
+        let piped = reader.join().expect("read");
+        assert!(child.wait_with_output().expect("ends").status.success());
+        let (file, piped) = (complete(&std::fs::read(folder.join("file.mcap")).expect("a log")), complete(&piped));
+        assert!(file == piped, "{robot}: {} and {} messages", file.len(), piped.len());
+        let says = |(_, topic, data): &(u64, String, Vec<u8>)| {
+            topic == "/rosout" && data.windows(15).any(|part| part == b"restarted after")
+        };
+        restarted += file.iter().filter(|message| says(message)).count();
+    }
+    assert!(restarted > 0, "none of them restarted, so that nothing was shown");
+}
+
+/// With a tolerance nothing of it is in the pipe when the signal comes; its reader is slow.
+#[test]
+fn a_run_into_a_pipe_that_is_interrupted_leaves_a_complete_log_of_what_it_had_reached() {
+    let folder = folder("interrupted");
+    if !pipe(&folder) {
+        return;
+    }
+    let words =
+        ["simulate", "pendulum.urdf", "--velocity", "hinge=1", "--duration", "1e7", "--quiet", "-o", "pipe.mcap"];
+    let mut child = catena(&folder, &words).spawn().expect("runs");
+    let mut pipe = File::open(folder.join("pipe.mcap")).expect("opened");
+    let reader = std::thread::spawn(move || {
+        let (mut log, mut piece) = (Vec::new(), vec![0; 1 << 16]);
+        loop {
+            match pipe.read(&mut piece).expect("read") {
+                0 => return log,
+                count => log.extend_from_slice(&piece[..count]),
+            }
+            if log.len() < 1 << 20 {
+                std::thread::sleep(Duration::from_millis(20));
+            }
+        }
+    });
+    std::thread::sleep(Duration::from_millis(1500));
+    assert!(child.try_wait().expect("asked").is_none(), "it goes on");
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill").success());
+    let log = reader.join().expect("read");
+    assert_eq!(child.wait_with_output().expect("ends").status.code(), Some(130));
+    assert_eq!(outcome(&log), "interrupted");
+    assert!(complete(&log).iter().filter(|(_, topic, _)| topic == "/tf").count() > 100);
+}
+
+#[test]
+fn an_output_whose_reader_does_not_read_ends_with_the_first_signal_also_where_the_log_is_held_back() {
+    let folder = folder("stalled_at_the_end");
+    if !pipe(&folder) {
+        return;
+    }
+    let words =
+        ["simulate", "pendulum.urdf", "--velocity", "hinge=1", "--duration", "1e7", "--quiet", "-o", "pipe.mcap"];
+    let child = catena(&folder, &words).spawn().expect("runs");
+    let reader = File::open(folder.join("pipe.mcap")).expect("opened");
+    let (code, error) = interrupted_once(child);
+    drop(reader);
+    assert_eq!(code, Some(130), "{error}");
+}
+
+/// Without a folder for temporary files a run has the memory that it may use, and no more.
+#[test]
+fn a_log_that_cannot_be_held_back_is_an_error_that_says_so_and_the_pipe_gets_what_there_is() {
+    let folder = folder("no_room");
+    if !pipe(&folder) {
+        return;
+    }
+    let words =
+        ["simulate", "pendulum.urdf", "--velocity", "hinge=1", "--duration", "1e4", "--rate", "100", "-o", "pipe.mcap"];
+    let reader = read_pipe(&folder);
+    let missing = folder.join("nowhere");
+    let child = catena(&folder, &words).env("TMPDIR", &missing).spawn().expect("runs");
+    let log = reader.join().expect("read");
+    let output = child.wait_with_output().expect("ends");
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    assert!(error.contains("held back in") && error.contains("nowhere"), "{error}");
+    // Closed without a summary; the 8 MiB that fit into memory are there.
+    let messages: Result<Vec<_>, _> = mcap::MessageStream::new(&log).expect("an end").collect();
+    assert!(log.len() > 7 << 20 && messages.expect("every message is readable").len() > 1000, "{} bytes", log.len());
 }
 
 #[test]

@@ -204,9 +204,14 @@ fn write(mut file: LogFile, encoder: SampleEncoder, shared: &Shared) -> Result<P
     let ended = write_all(&mut file, encoder, shared);
     if ended.is_err() {
         shared.lock().failed = true;
-        file.salvage();
+        file.salvage(&|| went_on(shared));
     }
     ended
+}
+
+/// The thread does not wait for a reader.
+fn went_on(shared: &Shared) {
+    shared.rounds.fetch_add(1, Ordering::Relaxed);
 }
 
 /// However the thread ends, nothing waits for it afterwards.
@@ -230,7 +235,7 @@ fn write_all(file: &mut LogFile, mut encoder: SampleEncoder, shared: &Shared) ->
         std::mem::swap(&mut taken, &mut waiting.piece);
         let (ending, abandoned) = (waiting.ending.take(), waiting.abandoned);
         let again = std::mem::take(&mut waiting.again);
-        shared.rounds.fetch_add(1, Ordering::Relaxed);
+        went_on(shared);
         drop(waiting);
         shared.room.notify_one();
         if again {
@@ -238,10 +243,11 @@ fn write_all(file: &mut LogFile, mut encoder: SampleEncoder, shared: &Shared) ->
         }
         encoder.encode(&taken, file)?;
         if let Some(ending) = ending {
-            return file.finish(&ending);
+            return file.finish(&ending, &|| went_on(shared));
         }
         file.save_if_due()?;
         if abandoned {
+            file.release(&|| went_on(shared))?;
             return Ok(file.current().to_path_buf());
         }
     }

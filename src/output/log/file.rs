@@ -12,8 +12,9 @@
 //!
 //! Chunks are compressed ([`Packing`]), provisional ones are not.
 //!
-//! Only regular files have such a provisional end; into pipes and devices nothing is written that is not final. When a
-//! write fails because the disk is full, what is whole is kept and closed with an end that needs no summary.
+//! Only regular files have such a provisional end; into pipes and devices nothing is written that is not final. Of a run that may begin again
+//! they get what never changes, and all the rest when the run has ended ([`crate::output::log::spool`]). When a write fails because the disk is full,
+//! what is whole is kept and closed with an end that needs no summary.
 
 use crate::output::log::batch::Batch;
 use crate::output::log::compression::Packing;
@@ -25,6 +26,7 @@ use crate::output::log::error::LogError;
 use crate::output::log::names::{END, LIBRARY_VERSION, OUTCOME};
 use crate::output::log::output::Output;
 use crate::output::log::place::{FilePlace, Tail};
+use crate::output::log::spool::LogPlace;
 use mcap::records::Metadata;
 use std::collections::BTreeMap;
 use std::io;
@@ -46,7 +48,7 @@ pub(crate) struct LogFile {
     /// The output as the user named it.
     path: PathBuf,
     output: Output,
-    tail: Tail<FilePlace>,
+    tail: Tail<LogPlace>,
     is_regular: bool,
     container: Container,
     /// That before the first sample.
@@ -82,7 +84,7 @@ impl LogFile {
         Ok(LogFile {
             path: path.to_path_buf(),
             output,
-            tail: Tail::new(FilePlace::new(file, is_regular)),
+            tail: Tail::new(LogPlace::new(FilePlace::new(file, is_regular))),
             is_regular,
             container,
             head: None,
@@ -112,15 +114,21 @@ impl LogFile {
         self.output.protects()
     }
 
-    /// Ends what never changes: writes it, and lets the file take its place if nothing there must stay.
-    pub(crate) fn begin(&mut self) -> Result<(), LogError> {
+    /// Ends what never changes: writes it, and lets the file take its place if nothing there must stay. `may_begin_again`: a pipe
+    /// or device gets no more until the end.
+    pub(crate) fn begin(&mut self, may_begin_again: bool) -> Result<(), LogError> {
         self.close_batch()?;
+        if may_begin_again && !self.is_regular {
+            let final_part = self.tail.whole();
+            self.tail.place().hold(final_part);
+        }
         self.packing = Packing::new(self.compress).map_err(|error| cannot_encode(&self.path, error.into()))?;
-        self.head = self.is_regular.then(|| Box::new(self.container.clone()));
+        self.head = (self.is_regular || may_begin_again).then(|| Box::new(self.container.clone()));
         self.output.settle(false).map_err(|reason| self.cannot_write(reason))
     }
 
-    /// Cuts off everything since [`LogFile::begin`]: the run restarts. Pipes and devices keep what they have, and get all of it again.
+    /// Cuts off everything since [`LogFile::begin`]: the run restarts. Pipes and devices that were not told then keep what they have, and get all of
+    /// it again.
     pub(crate) fn begin_again(&mut self) -> Result<(), LogError> {
         self.batch.clear();
         self.provisional = 0;
@@ -197,11 +205,11 @@ impl LogFile {
     }
 
     /// Completes the file: everything collected, how the run ended, the summary, and nothing provisional after it; then
-    /// lets it take its place. Returns where it is.
+    /// lets it take its place. Returns where it is. `went_on` is told whenever a pipe or device has taken something that was held back.
     ///
     /// # Errors
     /// [`LogError::Write`], as for every message.
-    pub(crate) fn finish(&mut self, ending: &Ending) -> Result<PathBuf, LogError> {
+    pub(crate) fn finish(&mut self, ending: &Ending, went_on: &dyn Fn()) -> Result<PathBuf, LogError> {
         if self.batch.count() > 0 {
             self.close_batch()?;
         }
@@ -210,6 +218,7 @@ impl LogFile {
         self.metadata(END, entries)?;
         self.container.finish().map_err(|error| cannot_encode(&self.path, error))?;
         self.move_to_file()?;
+        self.release(went_on)?;
         // A short run ends within the second that may be lost, unless it replaces what must not be lost.
         let finished = ending.outcome == Outcome::Finished;
         let is_due = self.saved.elapsed() >= PROVISIONAL_INTERVAL || self.output.protects();
@@ -218,9 +227,14 @@ impl LogFile {
         Ok(self.current().to_path_buf())
     }
 
-    /// After an error: keeps what is whole in the file and completes it as well as that goes.
-    pub(crate) fn salvage(&mut self) {
-        if !self.is_regular {
+    /// Hands on what was held back.
+    pub(crate) fn release(&mut self, went_on: &dyn Fn()) -> Result<(), LogError> {
+        self.tail.place().release(went_on).map_err(|reason| self.cannot_write(reason))
+    }
+
+    /// After an error: keeps what is whole in the file, or was held back, and completes it as well as that goes.
+    pub(crate) fn salvage(&mut self, went_on: &dyn Fn()) {
+        if !self.is_regular && !self.tail.place().holds() {
             return;
         }
         let last = if self.unwritten { self.write_pieces() } else { 0 };
@@ -228,6 +242,7 @@ impl LogFile {
         if self.tail.end_short().is_err() && last > 0 && self.tail.cut(last).is_ok() {
             let _ = self.tail.end_short();
         }
+        let _ = self.release(went_on);
     }
 
     /// Writes the messages of the batch that are not in the file in small chunks, as many as there is room for; returns the length of the last.

@@ -90,6 +90,7 @@ pub mod records;
 pub mod recovery;
 mod repetition;
 mod severity;
+mod spool;
 pub(crate) mod standin;
 mod template;
 mod topics;

@@ -62,6 +62,10 @@ impl FilePlace {
     pub(crate) fn new(file: File, is_regular: bool) -> Self {
         FilePlace { file, position: 0, is_regular }
     }
+
+    pub(crate) fn into_file(self) -> File {
+        self.file
+    }
 }
 
 impl Place for FilePlace {
@@ -106,6 +110,10 @@ impl<P: Place> Tail<P> {
     /// An empty log in an empty place.
     pub(crate) fn new(place: P) -> Self {
         Tail { place, end: 0, provisional: 0 }
+    }
+
+    pub(crate) fn place(&mut self) -> &mut P {
+        &mut self.place
     }
 
     /// Adds bytes to the final part; the provisional part, whose messages they hold, vanishes.

@@ -72,15 +72,39 @@ impl Compare {
 
 impl Recorder {
     /// Creates the log of a run whose output is `path`, and writes what is known before the first sample; `simulation`
-    /// says how the run is made, and has the hash of the main input and the start of the log added.
+    /// says how the run is made, and has the hash of the main input and the start of the log added. A pipe or device gets samples as they
+    /// come, for good.
     ///
     /// # Errors
     /// [`LogError`] when the file cannot be created or written.
     pub fn create(
         path: &Path,
         model: &Model,
+        simulation: BTreeMap<String, String>,
+        options: &LogOptions,
+    ) -> Result<Self, LogError> {
+        Self::open(path, model, simulation, options, false)
+    }
+
+    /// The same for a run that may begin again ([`Observer::begin_again`]). A pipe or device gets its samples when it has ended.
+    ///
+    /// # Errors
+    /// [`LogError`] when the file cannot be created or written.
+    pub fn create_for_restarts(
+        path: &Path,
+        model: &Model,
+        simulation: BTreeMap<String, String>,
+        options: &LogOptions,
+    ) -> Result<Self, LogError> {
+        Self::open(path, model, simulation, options, true)
+    }
+
+    fn open(
+        path: &Path,
+        model: &Model,
         mut simulation: BTreeMap<String, String>,
         options: &LogOptions,
+        may_begin_again: bool,
     ) -> Result<Self, LogError> {
         let mut file = LogFile::create(path, options.compress)?;
         let inputs = inputs(model);
@@ -92,7 +116,7 @@ impl Recorder {
         let beside = file.is_regular().then_some(path);
         let encoder = prepare(&mut file, model, options, beside)?;
         // What never changes is safe in the file before the run begins.
-        file.begin()?;
+        file.begin(may_begin_again)?;
         let file = BackgroundFile::new(path, file, encoder)?;
         let (sink, order) = (Sink::File(file), Order::new(stages));
         Ok(Recorder::new(sink, order, model, options.start))
