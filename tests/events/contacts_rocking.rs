@@ -67,3 +67,43 @@ fn a_box_on_four_feet_stands_and_its_forces_press_and_balance_the_load() {
         }
     }
 }
+
+/// A box of four feet at (±1, ±1) has one family of normal forces: those of least norm of the reference and any multiple of (1, −1, −1, 1) more. Reported
+/// are those of least Σ w |r|² with the mean mobility w of each foot.
+#[test]
+fn the_forces_of_a_box_on_four_feet_are_the_least_that_balance_its_load_each_weighed_by_how_easily_its_foot_moves() {
+    let Some(mut lines) = answer("C10") else { return };
+    // Under a load in the middle all feet are alike, and the least norm is theirs.
+    lines.push(vec![0.0, 0.0, 0.25, 0.25, 0.25, 0.25]);
+    for line in &lines {
+        let (x, y) = (line[0], line[1]);
+        let inertia = Vector3::new(0.4, 0.4, 0.7);
+        let shape = (cuboid(1.0, 1.0, 0.2), Pose::translation(-x, -y, 0.0));
+        let feet = over_floor(1.0, inertia, vec![shape], -Vector3::z(), 0.5, 0.0);
+        let start = resting(&feet, &[Vector3::new(x, y, 0.2)]);
+        let finished = run(&feet, &start, 1.0, fixed(5, 0.05));
+        let corners = [(-1.0, -1.0, 1.0), (-1.0, 1.0, -1.0), (1.0, -1.0, -1.0), (1.0, 1.0, 1.0)];
+        // The trace of D = 1/m + [r]ᵀ J⁻¹ [r], with the arm r from the centre of mass.
+        let mobility = |(at_x, at_y, _): (f64, f64, f64)| {
+            let square = Vector3::new(at_x - x, at_y - y, -0.2).map(|arm| arm * arm);
+            let across = Vector3::repeat(square.sum()) - square;
+            (3.0 + across.component_div(&inertia).sum()) / 3.0
+        };
+        let weights = corners.map(mobility);
+        let sum = |of: &dyn Fn(usize) -> f64| (0..4).map(|foot| weights[foot] * of(foot)).sum::<f64>();
+        let more = -sum(&|foot| corners[foot].2 * line[2 + foot]) / sum(&|_| 1.0);
+        let largest_force = finished.contacts.iter().map(|point| point.force.norm()).fold(0.0, f64::max);
+        for (foot, corner) in corners.into_iter().enumerate() {
+            let near_corner = |at: &Vector3<f64>| (at.x - corner.0).hypot(at.y - corner.1) < 1e-9;
+            let point = finished.contacts.iter().find(|point| near_corner(&point.position)).expect("a foot");
+            let wanted = line[2 + foot] + more * corner.2;
+            assert!(wanted > 0.0, "no foot is at its bound, so that the law leaves the choice: {wanted}");
+            // What a compliance of 1e-6 leaves, in parts of the largest force.
+            near(point.force.dot(&point.normal), wanted, 1e-5 * largest_force);
+            assert!(
+                (point.force - point.normal * wanted).norm() < 1e-5 * largest_force,
+                "it does not pinch: {point:?}"
+            );
+        }
+    }
+}
