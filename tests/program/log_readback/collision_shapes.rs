@@ -78,7 +78,7 @@ fn the_feet_of_a_robot_touch_the_floor_where_their_shapes_in_the_log_do() {
     }
 }
 
-/// A ball with a wedge for a collision shape, over a floor.
+/// A ball with a wedge for a collision shape, and a smaller ball on a link that is fixed to it, over a floor.
 const SCENE: &str = "[[robot]]\nname = \"ball\"\nurdf = \"wedged.urdf\"\nbase = \"floating\"\npose = { position = [0, 0, 1] }\n\
                      [[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n\
                      [[obstacle]]\nname = \"wall\"\nshape = { type = \"mesh\", file = \"wedge.obj\" }\npose = { position = [5, 0, 0] }\n";
@@ -91,7 +91,11 @@ fn with_wedge(name: &str) -> std::path::PathBuf {
     let ball = std::fs::read_to_string(robots("parts/ball.urdf")).expect("a robot");
     let mesh = "<mesh filename=\"wedge.obj\" scale=\"0.1 0.2 0.3\"/>";
     let (looks, touches) = ball.split_once("<collision>").expect("a shape");
-    let wedged = format!("{looks}<collision>{}", touches.replace("<sphere radius=\"0.1\"/>", mesh));
+    let pad = "<link name=\"pad\"><collision><origin xyz=\"0.1 0 0\"/><geometry><sphere radius=\"0.05\"/></geometry></collision></link>\
+               <joint name=\"weld\" type=\"fixed\"><parent link=\"ball\"/><child link=\"pad\"/><origin xyz=\"0 0 0.3\" rpy=\"0 0.5 0.2\"/></joint>\
+               </robot>";
+    let touches = touches.replace("<sphere radius=\"0.1\"/>", mesh).replace("</robot>", pad);
+    let wedged = format!("{looks}<collision>{touches}");
     for (file, content) in [("wedged.urdf", wedged.as_str()), ("wedge.obj", WEDGE), ("scene.toml", SCENE)] {
         std::fs::write(folder.join(file), content).expect("written");
     }
@@ -109,8 +113,12 @@ fn meshes_are_the_hull_that_touches_and_the_surface_of_the_obstacle() {
     let folder = with_wedge("wedges");
     let embedded = simulate(&folder, "embedded", &["scene.toml", "--duration", "0.1"]);
     let markers = shapes(&embedded);
-    let [ball, floor, wall] = &markers[..] else { panic!("{markers:?}") };
-    assert_eq!([ball.kind, floor.kind, wall.kind], [TRIANGLES, CUBE, TRIANGLES]);
+    let [ball, pad, floor, wall] = &markers[..] else { panic!("{markers:?}") };
+    assert_eq!([ball.kind, pad.kind, floor.kind, wall.kind], [TRIANGLES, SPHERE, CUBE, TRIANGLES]);
+    assert_eq!((pad.frame.as_str(), pad.namespace.as_str(), pad.scale), ("pad", "pad", [0.1; 3]));
+    let wanted = [0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    // Into the body and back: some roundings of 0.3 m.
+    assert!(pad.pose.iter().zip(wanted).all(|(found, wanted)| (found - wanted).abs() < 1e-15), "{pad:?}");
     assert_eq!((ball.namespace.as_str(), wall.namespace.as_str(), wall.frame.as_str()), ("ball", "wall", "world"));
     assert_eq!((ball.points.len(), wall.points.len(), wall.pose[0]), (3 * 4, 3 * 6, 5.0));
     // Of the scales 0.1, 0.2, 0.3, as single precision has them.
@@ -122,9 +130,9 @@ fn meshes_are_the_hull_that_touches_and_the_surface_of_the_obstacle() {
         let data = &of_topic(&messages, "/collision_shapes")[0].data;
         (data[4], data.windows(what.len()).filter(|part| part == &what).count())
     };
-    // The files of the link and of the wall, and the floor; no corner of a triangle.
+    // The files of the link and of the wall, the pad and the floor; no corner of a triangle.
     let corner = f64::from(0.2_f32).to_le_bytes();
-    assert_eq!((count(&embedded, b"wedge.obj"), count(&linked, b"wedge.obj")), ((3, 0), (3, 2)));
+    assert_eq!((count(&embedded, b"wedge.obj"), count(&linked, b"wedge.obj")), ((4, 0), (4, 2)));
     assert!(count(&embedded, &corner).1 > 0 && count(&linked, &corner).1 == 0);
 }
 
@@ -141,7 +149,7 @@ fn shapes_that_touch_nothing_are_in_a_log_only_if_they_are_named_and_never_witho
     assert!(!has(&log("left_out", &["scene.toml", "--topics", "tf"])));
     assert!(!has(&log("no_meshes", &["scene.toml", "--meshes", "none"])));
     let named = log("named", &["wedged.urdf", "--base", "floating", "--topics", "tf,collision_shapes"]);
-    let [ball] = &shapes(&named)[..] else { panic!("one shape") };
-    assert_eq!((ball.kind, ball.points.len(), topics(&named).len()), (TRIANGLES, 12, 3));
+    let [ball, pad] = &shapes(&named)[..] else { panic!("two shapes") };
+    assert_eq!((ball.kind, ball.points.len(), pad.kind, topics(&named).len()), (TRIANGLES, 12, SPHERE, 3));
     assert!(!has(&log("no_shapes", &["pendulum.urdf", "--topics", "tf,collision_shapes"])));
 }
