@@ -9,7 +9,7 @@ use catena::drawing::picture::Figure;
 use catena::output::inspection::joint_values::{JointKinds, joint_kinds};
 use catena::output::inspection::summary::Summary;
 use catena::output::inspection::table::write_table;
-use catena::output::log::recovery::recover;
+use catena::output::log::reading::recovery::recover;
 use catena::session::check_place;
 use std::cell::Cell;
 use std::fs::File;

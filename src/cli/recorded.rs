@@ -7,7 +7,7 @@
 use crate::cli::input::WorldArgs;
 use crate::cli::{simulate, simulate_arguments};
 use anyhow::{Context, anyhow, bail};
-use catena::output::log::reader::{Item, read_log};
+use catena::output::log::reading::reader::{Item, read_log};
 use catena::output::log::{INPUTS, START, sha256};
 use catena::scene::{Geometry, Problem, Robot, SceneError, SceneFiles, robot_without_meshes, scene_from_text};
 use catena::session::{Loaded, is_scene};

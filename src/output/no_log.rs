@@ -1,10 +1,10 @@
 //! Replaces the log in builds without the feature `log`: a recorder that cannot be constructed. The same code makes runs with and without logs.
 
-#[path = "log/ending.rs"]
+#[path = "log/encoding/ending.rs"]
 mod ending;
-#[path = "log/error.rs"]
+#[path = "log/storage/error.rs"]
 mod error;
-#[path = "log/severity.rs"]
+#[path = "log/encoding/severity.rs"]
 mod severity;
 
 use crate::model::Model;

@@ -1,7 +1,7 @@
 //! Whatever happens to a run, its log is there, and so is the log of the last run that finished.
 #![cfg(unix)]
 
-use catena::output::log::decode::log_line;
+use catena::output::log::reading::decode::log_line;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;

@@ -13,7 +13,7 @@ fn catena(arguments: &[&str]) -> std::process::Output {
 
 /// Everything after the metadata at the beginning, which have the command line.
 fn samples(log: &Path) -> Vec<(String, u64, Vec<u8>)> {
-    use catena::output::log::reader::{Item, read_log};
+    use catena::output::log::reading::reader::{Item, read_log};
     let mut all = Vec::new();
     read_log(log, |item| {
         if let Item::Message { channel, time, data, .. } = item {

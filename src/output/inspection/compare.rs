@@ -7,9 +7,9 @@
 //! at the instants that both logs have; the largest of each is kept for every link that both have.
 
 use crate::mechanism::motion::state::quaternion_product;
-use crate::output::log::decode::LinkPose;
-use crate::output::log::frame_stream::Frames;
-use crate::output::log::records::{Completeness, ReadError};
+use crate::output::log::reading::decode::LinkPose;
+use crate::output::log::reading::frame_stream::Frames;
+use crate::output::log::reading::records::{Completeness, ReadError};
 use serde::Serialize;
 use std::collections::HashMap;
 use std::fmt;

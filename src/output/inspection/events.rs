@@ -1,8 +1,8 @@
 //! The events of a log as a table, in the order of the log, which is that of time.
 
-use crate::output::log::decode::LoggedEvent;
-use crate::output::log::frames::{Visitor, visit};
-use crate::output::log::records::ReadError;
+use crate::output::log::reading::decode::LoggedEvent;
+use crate::output::log::reading::frames::{Visitor, visit};
+use crate::output::log::reading::records::ReadError;
 use crate::output::report::{EventEntry, KindCounts};
 use serde::Serialize;
 use std::fmt;

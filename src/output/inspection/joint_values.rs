@@ -1,8 +1,8 @@
 //! What a log says about joints, number by number: what it is, of which joint, in which unit.
 
 use crate::model::Model;
-use crate::output::log::decode::MultiDofStates;
-use crate::output::log::frames::Frame;
+use crate::output::log::reading::decode::MultiDofStates;
+use crate::output::log::reading::frames::Frame;
 use crate::scene::UrdfJointKind;
 use std::collections::HashMap;
 

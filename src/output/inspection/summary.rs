@@ -2,12 +2,12 @@
 
 use crate::mechanism::ground::words;
 use crate::mechanism::motion::gaps::worse;
-use crate::output::log::accuracy_lines::ACCURACY;
-use crate::output::log::decode::{LogLine, LoggedEvent};
-use crate::output::log::frames::{Figures, Frame, Visitor, visit};
-use crate::output::log::reader::LogChannel;
-use crate::output::log::records::{Completeness, ReadError};
-use crate::output::log::recovery::{MISSING, RECOVERY};
+use crate::output::log::reading::decode::{LogLine, LoggedEvent};
+use crate::output::log::reading::frames::{Figures, Frame, Visitor, visit};
+use crate::output::log::reading::reader::LogChannel;
+use crate::output::log::reading::records::{Completeness, ReadError};
+use crate::output::log::reading::recovery::{MISSING, RECOVERY};
+use crate::output::log::recording::accuracy_lines::ACCURACY;
 use crate::output::log::{is_locked, seconds};
 use crate::output::report::KindCounts;
 use serde::Serialize;

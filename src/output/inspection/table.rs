@@ -12,10 +12,10 @@
 
 use crate::drawing::comma_separated::field;
 use crate::output::inspection::joint_values::{JointKinds, contact_forces, joint_values};
-use crate::output::log::frame_stream::Frames;
-use crate::output::log::frames::{Frame, Visitor, visit};
-use crate::output::log::reader::LogChannel;
-use crate::output::log::records::ReadError;
+use crate::output::log::reading::frame_stream::Frames;
+use crate::output::log::reading::frames::{Frame, Visitor, visit};
+use crate::output::log::reading::reader::LogChannel;
+use crate::output::log::reading::records::ReadError;
 use crate::output::log::seconds;
 use std::io::{self, Write};
 use std::ops::ControlFlow;

@@ -43,81 +43,32 @@
 //! both the time of the run in nanoseconds after the start of the log, which is zero unless the user sets it ([`START`]); `/solver` has no CPU time.
 //! So the same run gives the same bytes.
 //!
-//! A log is written by [`Recorder`] and read by [`reader`], [`decode`] and [`frames`]; [`recovery`] completes one that was cut.
+//! A log is written by [`Recorder`] and read by [`reading`].
 //!
 //! [`Recorder`] is the [`crate::simulation::Observer`].
+//!
+//! | room | what is in it |
+//! |---|---|
+//! | `encoding` | messages as bytes, and the words that all topics share |
+//! | [`reading`] | logs read back |
+//! | `storage` | the file, and its place on disk |
+//! | `messages` | the topics |
+//! | `recording` | from the run to the file |
 
-pub(crate) mod accuracy_lines;
-mod background;
-mod batch;
-mod cdr;
-mod cdr_reader;
-mod collision_shapes;
-mod comparison;
-mod compression;
-mod contact_forces;
-mod contacts;
-mod container;
-pub mod decode;
-mod definitions;
-mod description;
-mod durability;
-mod encoder;
-mod ending;
-mod error;
-mod events;
-mod figures;
-mod file;
-pub mod frame_stream;
-pub mod frames;
-mod inputs;
-mod joints;
-mod line;
-mod markers;
-mod markers_reader;
-pub mod meshes;
-mod motors;
-mod names;
-mod options;
-mod order;
-mod output;
-mod place;
-mod protobuf;
-mod queue;
-pub mod reader;
-mod recorder;
-pub mod records;
-pub mod recovery;
-mod repetition;
-mod severity;
-mod spool;
-pub(crate) mod standin;
-mod template;
-mod topics;
-mod transforms;
-mod visual;
+mod encoding;
+pub(crate) mod messages;
+pub mod reading;
+pub(crate) mod recording;
+mod storage;
 
-pub use comparison::{Compared, Difference};
-pub use ending::{Ending, Outcome};
-pub use error::LogError;
-pub use inputs::{INPUTS, sha256};
-pub use names::START;
-pub use options::{LogOptions, Meshes};
-pub use output::{is_locked, neighbour};
-pub use recorder::Recorder;
-pub use severity::Severity;
-pub use topics::{Topics, UnknownTopic};
-
-/// The longest run whose nanoseconds a log can hold (s).
-pub const LONGEST: f64 = 1.8e10;
-
-/// Simulated seconds as the nanoseconds of a log: rounded, never negative.
-pub fn nanoseconds(time: f64) -> u64 {
-    // The cast saturates, so that no time can wrap around.
-    (time * 1e9).round() as u64
-}
-
-/// The nanoseconds of a log as seconds: divided, because the product with 1e-9 has digits that nobody wrote.
-pub fn seconds(nanoseconds: u64) -> f64 {
-    nanoseconds as f64 / 1e9
-}
+pub use encoding::ending::{Ending, Outcome};
+pub use encoding::names::START;
+pub use encoding::severity::Severity;
+pub use encoding::time::{LONGEST, nanoseconds, seconds};
+pub use messages::options::{LogOptions, Meshes};
+pub use messages::topics::{Topics, UnknownTopic};
+pub use recording::comparison::{Compared, Difference};
+pub use recording::recorder::Recorder;
+pub use storage::error::LogError;
+pub use storage::inputs::{INPUTS, sha256};
+pub use storage::output::{is_locked, neighbour};

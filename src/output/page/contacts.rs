@@ -9,7 +9,7 @@
 //!
 //! A pair is named `a|b`, as events name it, and has a number in the order in which pairs first touch.
 
-use crate::output::log::decode::LoggedContact;
+use crate::output::log::reading::decode::LoggedContact;
 use crate::output::page::packing::{Packed, Place};
 use serde::Serialize;
 use std::collections::HashMap;

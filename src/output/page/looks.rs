@@ -6,7 +6,7 @@
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::ground::words::counted;
 use crate::model::{Model, PlacedRobot};
-use crate::output::log::standin::{STANDIN_COLOR, standins};
+use crate::output::log::messages::standin::{STANDIN_COLOR, standins};
 use crate::output::page::shared_meshes::{MeshContent, MeshData, SharedMeshes};
 use crate::output::page::tree::pose_numbers;
 use crate::scene::{Geometry, MeshFile, Shape};

@@ -2,9 +2,9 @@
 //!
 //! ```text
 //!     log ─ inspection/summary.rs ─▶ facts.rs                     figures and warnings in words
-//!         ─ log/frames.rs ─▶ motion.rs, contacts.rs               poses, curves, contact forces, events
+//!         ─ log/reading/frames.rs ─▶ motion.rs, contacts.rs       poses, curves, contact forces, events
 //!     model ─▶ tree.rs                                            links, bodies, joints, loops
-//!           ─ log/meshes.rs or files ─▶ looks.rs, shared_meshes.rs  what is drawn      (meshes/ reads, simplify.rs simplifies)
+//!           ─ log/reading/meshes.rs or files ─▶ looks.rs, shared_meshes.rs  what is drawn      (meshes/ reads, simplify.rs simplifies)
 //!           ─▶ colliders.rs                                       what is drawn of what may touch
 //!     all of it ─ packing.rs ─▶ header (JSON), arrays (base64) ─ html.rs ─▶ page
 //! ```
@@ -26,9 +26,9 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::model::Model;
 use crate::output::inspection::summary::Summary;
-use crate::output::log::frames::visit;
-use crate::output::log::meshes::LoggedMeshes;
-use crate::output::log::records::ReadError;
+use crate::output::log::reading::frames::visit;
+use crate::output::log::reading::meshes::LoggedMeshes;
+use crate::output::log::reading::records::ReadError;
 use crate::output::log::sha256;
 use crate::output::page::colliders::{DrawnCollider, colliders};
 use crate::output::page::contacts::ContactLayer;

@@ -8,8 +8,8 @@
 use crate::mechanism::description::joint::{Pose, rotation_from_wxyz};
 use crate::model::Model;
 use crate::output::inspection::joint_values::{JointKinds, JointValue, Quantity, joint_kinds, joint_values};
-use crate::output::log::decode::{LinkPose, LoggedEvent};
-use crate::output::log::frames::{Figures, Frame, Visitor};
+use crate::output::log::reading::decode::{LinkPose, LoggedEvent};
+use crate::output::log::reading::frames::{Figures, Frame, Visitor};
 use crate::output::page::contacts::Contacts;
 use crate::output::page::tree::pose_numbers;
 use crate::output::report::EventEntry;

@@ -11,7 +11,7 @@
 
 use crate::mechanism::ground::words::counted;
 use crate::meshes::read_beside;
-use crate::output::log::meshes::LoggedPart;
+use crate::output::log::reading::meshes::LoggedPart;
 use crate::output::log::sha256;
 use crate::output::page::packing::{Packed, Place};
 use crate::output::page::simplify::simplify;

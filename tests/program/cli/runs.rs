@@ -1,7 +1,7 @@
 //! Runs as they are asked for and as they end: where the log is, steps of every kind, failure and interruption.
 
 use crate::common::command::{ENDLESS, catena, folder, run, salvaged, salvaged_samples, text, wait_for};
-use catena::output::log::decode::log_line;
+use catena::output::log::reading::decode::log_line;
 use serde_json::Value;
 use std::process::Command;
 

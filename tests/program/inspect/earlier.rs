@@ -2,7 +2,7 @@
 
 use super::{json, simulate};
 use crate::common::command::{assert_one_error, folder, run, text};
-use catena::output::log::decode;
+use catena::output::log::reading::decode;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 

@@ -3,7 +3,7 @@
 use super::messages::Marker;
 use super::{messages, of_topic};
 use crate::common::command::{folder, run, text};
-use catena::output::log::decode;
+use catena::output::log::reading::decode;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;

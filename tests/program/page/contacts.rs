@@ -3,8 +3,8 @@
 use super::numbers::{bytes, floats, words};
 use super::{browser, done, header};
 use crate::common::command::{folder, text};
-use catena::output::log::decode::LoggedContact;
-use catena::output::log::frames::{Frame, Visitor, visit};
+use catena::output::log::reading::decode::LoggedContact;
+use catena::output::log::reading::frames::{Frame, Visitor, visit};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

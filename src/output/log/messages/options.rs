@@ -1,0 +1,36 @@
+//! The options of a log.
+
+use crate::output::log::messages::topics::Topics;
+
+/// Where the geometry of mesh files is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Meshes {
+    /// In the log, as triangles; Collada and OBJ files also as GLB files in a folder beside it, which its description names.
+    #[default]
+    Embed,
+    /// In the mesh files, whose addresses are in the log.
+    Link,
+    /// Nowhere: the log has no `/visual_markers`.
+    None,
+}
+
+/// What the user chooses about a log.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LogOptions {
+    /// The topics that it has.
+    pub topics: Topics,
+    /// Where the geometry of mesh files is.
+    pub meshes: Meshes,
+    /// Whether samples are compressed by Zstandard, as what never changes always is, and not only by what they repeat.
+    pub compress: bool,
+    /// The time of the log at the start of the run, in nanoseconds since 1970.
+    pub start: u64,
+}
+
+impl LogOptions {
+    /// The same but for this topic, which is named with its slash.
+    #[must_use]
+    pub(crate) fn without(self, topic: &str) -> Self {
+        LogOptions { topics: self.topics.without(topic), ..self }
+    }
+}

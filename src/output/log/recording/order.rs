@@ -1,0 +1,180 @@
+//! Samples, figures of steps and events in the order of the log.
+//!
+//! The figures of a step belong to its end, and so do its events, which lies after the samples inside the step; they wait for the first
+//! sample that is not earlier, so that times never go back in the file.
+
+use crate::mechanism::motion::event::Event;
+use crate::output::log::encoding::time::nanoseconds;
+use crate::output::log::messages::figures::Figures;
+use crate::output::log::recording::queue::{Between, Piece};
+use crate::simulation::{Counts, Sample, StepEnd};
+use std::collections::VecDeque;
+
+/// Puts samples, the figures of steps and events in their order.
+pub(crate) struct Order {
+    stages: f64,
+    waiting: Option<StepEnd>,
+    events: VecDeque<Event>,
+    last_figures: Option<f64>,
+    last_counts: Counts,
+    last_time: u64,
+}
+
+impl Order {
+    /// The order of a run with so many stages.
+    pub(crate) fn new(stages: f64) -> Self {
+        Order {
+            stages,
+            waiting: None,
+            events: VecDeque::new(),
+            last_figures: None,
+            last_counts: Counts::default(),
+            last_time: 0,
+        }
+    }
+
+    /// The time of what was added last, in nanoseconds.
+    pub(crate) fn last_time(&self) -> u64 {
+        self.last_time
+    }
+
+    /// An event, which comes before the first sample that is not earlier.
+    pub(crate) fn event(&mut self, event: &Event) {
+        self.events.push_back(*event);
+    }
+
+    /// Adds a sample, and before it what happened up to there.
+    pub(crate) fn add(&mut self, sample: &Sample, piece: &mut Piece) {
+        self.add_until(sample.time, piece);
+        self.last_time = nanoseconds(sample.time);
+        piece.push(sample.time, sample.position, sample.velocity);
+        if self.last_figures != Some(sample.step.time) {
+            self.waiting = Some(*sample.step);
+            self.add_until(sample.time, piece);
+        }
+    }
+
+    /// Adds the events up to `time`, and the figures of the step that is waiting if it ended by then.
+    pub(crate) fn add_until(&mut self, time: f64, piece: &mut Piece) {
+        let figures = self.waiting.take_if(|end| end.time <= time);
+        if let Some(end) = figures {
+            self.add_events(end.time, piece);
+            self.add_figures(&end, piece);
+        }
+        self.add_events(time, piece);
+    }
+
+    fn add_events(&mut self, time: f64, piece: &mut Piece) {
+        while self.events.front().is_some_and(|event| event.time <= time) {
+            let Some(event) = self.events.pop_front() else { return };
+            self.last_time = self.last_time.max(nanoseconds(event.time));
+            piece.push_event(self.last_time, event);
+        }
+    }
+
+    fn add_figures(&mut self, end: &StepEnd, piece: &mut Piece) {
+        let (energy, exchange) = (end.energy, end.exchange);
+        // Several steps may have been made since the figures before these.
+        let (counts, last) = (end.so_far, self.last_counts);
+        let figures = Figures {
+            energies: [
+                energy.kinetic,
+                energy.potential,
+                energy.total(),
+                exchange.dissipated,
+                exchange.work,
+                exchange.friction,
+                exchange.impacts,
+            ],
+            violation: [end.violation.position, end.violation.velocity],
+            work: [
+                end.outcome.step,
+                self.stages,
+                (counts.steps - last.steps) as f64,
+                (counts.iterations - last.iterations) as f64,
+                (counts.rejected - last.rejected) as f64,
+            ],
+        };
+        let stamp = nanoseconds(end.time);
+        piece.push_between(Between::Figures(stamp, figures));
+        self.last_counts = counts;
+        self.last_figures = Some(end.time);
+        self.last_time = self.last_time.max(stamp);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::forces::total::Exchange;
+    use crate::mechanism::motion::energy::{Energy, Violation};
+    use crate::mechanism::motion::event::EventKind;
+    use crate::mechanism::motion::integrator::StepOutcome;
+
+    /// What a piece has, in its order: samples, figures and events with their times in milliseconds.
+    fn listed(piece: &Piece) -> Vec<String> {
+        let mut all = Vec::new();
+        let mut between = piece.between.iter().peekable();
+        let mut say = |before: usize, all: &mut Vec<String>| {
+            while let Some((_, what)) = between.next_if(|(place, _)| *place <= before) {
+                all.push(match what {
+                    Between::Figures(stamp, _) => format!("figures {}", stamp / 1_000_000),
+                    Between::Event(stamp, _) => format!("event {}", stamp / 1_000_000),
+                    Between::Contacts(stamp, _) => format!("contacts {}", stamp / 1_000_000),
+                    Between::Line(..) => "line".to_string(),
+                });
+            }
+        };
+        for (place, time) in piece.times.iter().enumerate() {
+            say(place, &mut all);
+            all.push(format!("sample {}", (time * 1e3).round()));
+        }
+        say(usize::MAX, &mut all);
+        all
+    }
+
+    #[test]
+    fn events_come_in_order_of_time_between_samples_and_the_figures_of_their_step_after_them() {
+        let end = |time: f64| StepEnd {
+            time,
+            energy: Energy::default(),
+            exchange: Exchange::default(),
+            violation: Violation::default(),
+            outcome: StepOutcome::default(),
+            so_far: Counts::default(),
+        };
+        let sample = |order: &mut Order, piece: &mut Piece, time: f64, step: &StepEnd| {
+            order.add(&Sample { time, position: &[], velocity: &[], step }, piece);
+        };
+        let event = |time: f64| Event { time, kind: EventKind::Stick, body: 0, pair: None, impulse: None };
+        let (mut order, mut piece) = (Order::new(5.0), Piece::default());
+        sample(&mut order, &mut piece, 0.0, &end(0.0));
+        // A step from 0 to 25 ms, at whose end are two events.
+        order.event(&event(0.025));
+        order.event(&event(0.025));
+        for time in [0.010, 0.020] {
+            sample(&mut order, &mut piece, time, &end(0.025));
+        }
+        // One from there to a sample, with an event there.
+        order.event(&event(0.030));
+        sample(&mut order, &mut piece, 0.030, &end(0.030));
+        // And one after the last sample.
+        order.event(&event(0.035));
+        order.add_until(f64::INFINITY, &mut piece);
+        let expected = [
+            "sample 0",
+            "figures 0",
+            "sample 10",
+            "sample 20",
+            "event 25",
+            "event 25",
+            "figures 25",
+            "event 30",
+            "sample 30",
+            "figures 30",
+            "event 35",
+        ];
+        assert_eq!(listed(&piece), expected);
+        assert_eq!(order.last_time(), 35_000_000);
+    }
+}

@@ -1,0 +1,82 @@
+//! The queue between a run and the thread that encodes its log: samples, figures and events, in their order.
+
+use crate::lobatto::instants::snapshot::INSTANTS;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::event::Event;
+use crate::output::log::messages::figures::Figures;
+
+/// Bytes of a piece that is large.
+const LARGE: usize = 1 << 16;
+
+/// Bytes of one that is too large.
+const TOO_LARGE: usize = 1 << 19;
+
+/// Samples, and what is logged between them.
+#[derive(Default)]
+pub(crate) struct Piece {
+    /// Times of the samples (s), their positions and their velocities, one after the other.
+    pub times: Vec<f64>,
+    pub positions: Vec<f64>,
+    pub velocities: Vec<f64>,
+    /// What comes before the sample of this number, or after the last.
+    pub between: Vec<(usize, Between)>,
+    /// How many events are among that.
+    events: usize,
+}
+
+/// What is logged between samples.
+pub(crate) enum Between {
+    /// The figures of a step, at a time in nanoseconds.
+    Figures(u64, Figures),
+    /// An event, at a time in nanoseconds.
+    Event(u64, Event),
+    /// The contacts of the sample before, at its time in nanoseconds.
+    Contacts(u64, Vec<ContactPoint>),
+    /// A line of `/log`, encoded.
+    Line(u64, Vec<u8>),
+}
+
+impl Piece {
+    /// Adds a sample.
+    pub(crate) fn push(&mut self, time: f64, position: &[f64], velocity: &[f64]) {
+        self.times.push(time);
+        self.positions.extend_from_slice(position);
+        self.velocities.extend_from_slice(velocity);
+    }
+
+    /// Adds what comes before the next sample.
+    pub(crate) fn push_between(&mut self, what: Between) {
+        self.between.push((self.times.len(), what));
+    }
+
+    /// Adds an event before the next sample.
+    pub(crate) fn push_event(&mut self, nanoseconds: u64, event: Event) {
+        self.push_between(Between::Event(nanoseconds, event));
+        self.events += 1;
+    }
+
+    /// Whether it is worth while to take it.
+    pub(crate) fn is_large(&self) -> bool {
+        self.size() >= LARGE && self.times.len() >= INSTANTS
+    }
+
+    /// Whether nothing more should be added before it is taken. The messages of an arm are twenty times as large.
+    pub(crate) fn is_too_large(&self) -> bool {
+        self.size() > TOO_LARGE && self.times.len() > 4 * INSTANTS
+    }
+
+    /// Size of the numbers and events in bytes; figures are few.
+    fn size(&self) -> usize {
+        let numbers = self.times.len() + self.positions.len() + self.velocities.len();
+        8 * numbers + size_of::<(usize, Between)>() * self.events
+    }
+
+    /// Forgets everything and keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.times.clear();
+        self.positions.clear();
+        self.velocities.clear();
+        self.between.clear();
+        self.events = 0;
+    }
+}
