@@ -36,8 +36,8 @@
 //! of a sample.
 //!
 //! rerun and RViz draw the robot from `/robot_description` and `/tf`; Foxglove, Lichtblick and RViz draw `/visual_markers` and
-//! `/collision_shapes`, which need no other file. The images of meshes are not in the log. There is no `foxglove.SceneUpdate`: Foxglove draws all shapes from these markers, and a
-//! second encoding would keep `ros2 bag play` from playing the file. The metadata record
+//! `/collision_shapes`, which need no other file. The images of meshes are not in the log. There is no `foxglove.SceneUpdate`: Foxglove
+//! draws all shapes from these markers, and a second encoding would keep `ros2 bag play` from playing the file. The metadata record
 //! `simulation` says how the run was made, `inputs` has the hashes of the attachments, which are the URDF and scene files
 //! as they were read, and `end` says how the run ended, with the figures of all its steps. Log time and publish time are
 //! both the time of the run in nanoseconds after the start of the log, which is zero unless the user sets it ([`START`]); `/solver` has no CPU time.

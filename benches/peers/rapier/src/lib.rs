@@ -1,5 +1,7 @@
 //! The stepping loop of Rapier, and what it costs: what both programs time.
 
+pub mod jointed;
+
 use cpu_time::ThreadTime;
 use rapier3d_f64::prelude::*;
 
