@@ -3,6 +3,7 @@
 mod control;
 mod derivatives;
 mod features;
+mod literal;
 mod rolling;
 mod sliding;
 
