@@ -2,6 +2,7 @@
 
 mod control;
 mod derivatives;
+mod elimination;
 mod features;
 mod literal;
 mod rolling;
