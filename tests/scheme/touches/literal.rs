@@ -12,7 +12,7 @@ use catena::mechanism::description::body_state::BodyState;
 use catena::mechanism::description::closure::{LoopJoint, LoopKind};
 use catena::mechanism::motion::touches::touch_motion;
 
-/// Vector types that all processors of the tests have, and those that this one has.
+/// All vector types; a processor that has not got one takes the next.
 const VECTORS: [Isa; 3] = [Isa::Portable, Isa::Avx2, Isa::Avx512];
 
 /// All pairs of features, with the place and turn of the second in the frame of the first where they nearly touch.
