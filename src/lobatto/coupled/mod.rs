@@ -5,7 +5,8 @@
 //!     J_i η_i + ε Σ_k Â_ik dλ_k = −g_i                      closures; ε acts on increments alone
 //! ```
 //!
-//! [`mod@system`] defines the symbols. [`front`] and [`operations`] eliminate in the order of [`crate::plan::elimination`]. [`space`] is the
+//! [`mod@system`] defines the symbols. [`front`] and [`operations`] eliminate in the order of [`crate::plan::elimination`], contacts with the world at their
+//! bodies ([`given`]). [`space`] is the
 //! geometry in space ([`crate::planar::geometry`] that in a plane), with the contacts of [`touching`]. [`newton`] iterates. [`projection`] and
 //! [`closing`] project states and velocities onto the closures. Once, at the start of a run, [`deciding`] classifies the closures from the ranks
 //! [`counted`]: which [`equations`] are empty or redundant, which freedoms cannot move ([`known`]), and which inertia is [`lent`] to light
@@ -16,6 +17,7 @@ pub mod counted;
 pub mod deciding;
 pub mod equations;
 pub mod front;
+pub mod given;
 pub mod known;
 pub mod lent;
 pub mod mixing;

@@ -31,6 +31,7 @@ use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::state::State;
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Where bodies and closures are in space.
@@ -188,6 +189,17 @@ impl<V: Lanes> Geometry<V> for Space<V> {
         evaluate(closures.clone(), &self.moved, loops, gaps, gradients);
         evaluate(closures.skip(self.loops), &self.moved, springs, gaps, gradients);
         self.touching.write(touches, rubbing, gaps, gradients);
+    }
+
+    fn leverage(&self, start: &Start, body: usize, direction: &[f64; TWIST]) -> f64 {
+        let known = &start.bodies[body];
+        let anchor = start.anchor(body);
+        let com = Vector3::from_fn(|axis, _| anchor[axis] - self.origin[axis] + known.com[axis]);
+        let [force, torque] = [0, 3].map(|first: usize| Vector3::from_column_slice(&direction[first..first + 3]));
+        let [xx, _, _, yy, _, zz] = known.sigma;
+        // Of the second moments Σ, J = tr Σ 1 − Σ has twice the trace.
+        let moment = (xx + yy + zz) * (2.0 / 3.0);
+        if moment > 0.0 { known.mass * (torque - com.cross(&force)).norm_squared() / moment } else { 0.0 }
     }
 
     fn touching(&self) -> Option<&Touching<V>> {

@@ -20,6 +20,7 @@
 //! With one stage, `B = Â = 1`, the same system projects velocities and positions on the closures ([`crate::coupled::projection`]).
 
 use crate::coupled::front::{Fronts, Screws};
+use crate::coupled::given::weights;
 use crate::coupled::known::Known;
 use crate::coupled::mixing::Mixing;
 use crate::coupled::touching::Touching;
@@ -77,6 +78,10 @@ pub trait Geometry<V: Lanes> {
         body: usize,
         freedom: usize,
     ) -> Screws<V>;
+    /// How much of the mobility of a body along a direction comes from turning it, as a part of that from shifting it, at the start.
+    fn leverage(&self, _start: &Self::Start, _body: usize, _direction: &[f64; TWIST]) -> f64 {
+        0.0
+    }
     /// The closed contacts, where there are any.
     fn touching(&self) -> Option<&Touching<V>> {
         None
@@ -142,8 +147,10 @@ pub struct Coupled<V: Lanes> {
     pub(crate) pivots: Vec<V>,
     /// Right-hand sides of the fronts, for another solve with the same factors.
     pub(crate) right: Vec<f64>,
-    /// Mobility of every row in the direction of its own gradient, before the others of its closure.
+    /// Mobility of every row in the direction of its own gradient, before the others of its closure; that of its body for one that goes there.
     pub(crate) scales: Vec<f64>,
+    /// How easily a push from the world moves every body, for the equations that go there [1/kg].
+    pub(crate) weights: Vec<f64>,
     /// The same, but that of the largest row for one with next to none.
     pub(crate) references: Vec<f64>,
     /// The part of that which the other rows leave.
@@ -235,7 +242,8 @@ impl<V: Lanes> Coupled<V> {
             right: vec![0.0; elimination.levels * elimination.slots],
             kept_at,
             scales: vec![0.0; rows],
-            references: vec![0.0; rows],
+            weights: weights(mechanism),
+            references: vec![1.0; rows],
             left_over: vec![0.0; rows],
             elimination,
         }
@@ -270,6 +278,7 @@ impl<V: Lanes> Coupled<V> {
                     let (mixing, fronts) = (&self.mixing, &mut self.fronts);
                     in_lanes!(V, geometry.own(start, *body, mixing, fronts, level));
                     self.own(level, *body, ends);
+                    self.scale_given(geometry, start, *body, ends);
                     None
                 }
                 Operation::Freedom { body, freedom, columns, direct } => {

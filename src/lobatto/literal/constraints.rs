@@ -1,9 +1,10 @@
 //! The constraints of the literal scheme as polynomials of degree two in the coordinates, with exact derivatives.
 //!
 //! A vector that is fixed in a body is an affine function of its coordinates `(x, R)`, and so is the place of a point; every
-//! row of g is a scalar product of two of them.
+//! row of g is a scalar product of two of them; also those of loop joints.
 
 use crate::literal::coordinates::BODY_COORDINATES;
+use catena_mechanism::description::closure::{LoopJoint, LoopKind};
 use catena_mechanism::description::joint::{FreeRotation, Pose};
 use catena_mechanism::description::mechanism::Mechanism;
 use nalgebra::{DVector, Vector3};
@@ -111,7 +112,7 @@ fn dot(a: &AffineVector, b: &AffineVector, constant: f64) -> Quadratic {
     row
 }
 
-/// Every row of g: `RᵀR = 1` and the joint of each body in turn.
+/// Every row of g: `RᵀR = 1` and the joint of each body in turn, then the loop joints ([`loop_rows`]).
 ///
 /// With the joint frame F on parent and child, `gap = F_c origin − F_p origin` and axes `e_i`, a joint asks
 ///
@@ -152,6 +153,24 @@ pub(crate) fn constraints(mechanism: &Mechanism) -> Vec<Quadratic> {
         for &(first, second) in perpendicular {
             rows.push(dot(&on_parent[first], &on_child[second], 0.0));
         }
+    }
+    rows.extend(mechanism.loops.iter().flat_map(loop_rows));
+    rows
+}
+
+/// The rows of a loop joint as in the table of [`catena_mechanism::description::closure`], that of a distance times 2 L.
+fn loop_rows(joint: &LoopJoint) -> Vec<Quadratic> {
+    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let [of_a, of_b] =
+        [&joint.a, &joint.b].map(|end| axes.map(|axis| direction(end.body, &(end.frame.rotation * axis))));
+    let [a, b] = [&joint.a, &joint.b].map(|end| point(end.body, &end.frame.translation.vector));
+    let gap = difference(b, &a);
+    let slides = joint.kind.slides();
+    let along = |axis: usize| if slides.len() == 3 { direction(None, &axes[axis]) } else { of_a[axis].clone() };
+    let mut rows: Vec<Quadratic> = slides.iter().map(|&axis| dot(&along(axis), &gap, 0.0)).collect();
+    rows.extend(joint.kind.squares().iter().map(|&(first, second)| dot(&of_a[first], &of_b[second], 0.0)));
+    if let LoopKind::Distance(length) = joint.kind {
+        rows.push(dot(&gap, &gap, length * length));
     }
     rows
 }

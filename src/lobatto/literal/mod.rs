@@ -9,4 +9,6 @@ pub mod constraints;
 pub mod coordinates;
 pub mod forces;
 pub mod newton;
+pub mod pairs;
 pub mod scheme;
+pub mod touches;

@@ -15,14 +15,15 @@
 //!     0   = Dg(q̄) M⁻¹ p̄                              (2.5.11h)        p̄ = p + h Σ_i b_i Ṗ_i         (2.5.11g)
 //! ```
 //!
-//! for i = 1..s. Newton's unknowns are the increments `Q_i − q` (i = 2..s) and `Λ_k` (k = 1..s−1); the other stage
+//! for i = 1..s. Closed contacts ([`crate::literal::touches`]) add equations to g whose multipliers push along other directions than their gradients, and of
+//! velocities. Newton's unknowns are the increments `Q_i − q` (i = 2..s) and `Λ_k` (k = 1..s−1); the other stage
 //! values follow from them by the linear equations above, and Λ_s from (2.5.11h), which is linear.
 //!
 //! | symbol | meaning                                                                 | size, unit                   |
 //! |--------|-------------------------------------------------------------------------|------------------------------|
 //! | q, Q_i | positions and rotation matrices of all n bodies                         | 12 n; m and 1                |
 //! | p, P_i | `(m ẋ, Ṙ Σ)` of all bodies                                              | 12 n; kg m/s and kg m²/s     |
-//! | g      | `RᵀR = 1` (6 a body), then the joint's rows (6 − degrees of freedom)     | d; m and 1                   |
+//! | g      | `RᵀR = 1` (6 a body), then the joint's rows (6 − degrees of freedom); loops; contacts | d; m and 1     |
 //! | Λ_i    | multipliers                                                             | d; N and N m                 |
 //!
 //! Every row of g is a polynomial of degree two, so its Jacobian and second derivative are exact and come from the
@@ -32,6 +33,7 @@
 use crate::literal::constraints::{Quadratic, constraints};
 use crate::literal::coordinates::{BODY_COORDINATES, body_states, coordinates};
 use crate::literal::forces::stage_forces;
+use crate::literal::touches::{TouchStages, TouchStep};
 use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -52,6 +54,9 @@ pub enum LiteralError {
     /// Newton's matrix is singular.
     #[error("the stage equations are singular for a step of {step} s")]
     Singular { step: f64 },
+    /// A contact is of features that the literal scheme has no gap of.
+    #[error("a contact is of two features that the literal scheme does not know")]
+    Features,
     /// Newton's iteration did not reach rounding.
     #[error("Newton's iteration did not converge for a step of {step} s (last correction {correction:.1e})")]
     NotConverged { step: f64, correction: f64 },
@@ -70,7 +75,7 @@ pub struct LiteralStep {
     pub stage_coordinates: Vec<DVector<f64>>,
     /// `P_1 … P_s`, each 12 n.
     pub stage_momenta: Vec<DVector<f64>>,
-    /// `Λ_1 … Λ_s`, each d.
+    /// `Λ_1 … Λ_s`, each d: those of the contacts last.
     pub multipliers: Vec<DVector<f64>>,
     /// Newton iterations.
     pub iterations: usize,
@@ -85,7 +90,7 @@ pub struct Literal<'a> {
     pub(crate) mass: DVector<f64>,
     /// `−∂V/∂q` (12 n), constant for gravity.
     force: DVector<f64>,
-    /// The rows of g.
+    /// The rows of g but for contacts.
     pub(crate) constraints: Vec<Quadratic>,
 }
 
@@ -156,26 +161,32 @@ impl<'a> Literal<'a> {
     pub fn step(&self, bodies: &[BodyState], step: f64) -> Result<LiteralStep, LiteralError> {
         let (q, velocity) = coordinates(bodies);
         let p = self.mass.component_mul(&velocity);
-        let (s, n, d) = (self.tableau.stages, q.len(), self.constraints.len());
-        let scale = self.multiplier_scale(&q) / (step * step);
+        let contacts = TouchStep { mechanism: self.mechanism, tableau: self.tableau, q: &q, velocity: &velocity, step };
+        let touch = |increments: &[DVector<f64>]| contacts.at(increments).ok_or(LiteralError::Features);
         // Zero increments from q and zero multipliers would do; the straight line saves an iteration.
         let mut increments: Vec<DVector<f64>> = self.tableau.nodes.iter().map(|c| &velocity * (step * c)).collect();
+        let ends = touch(&vec![DVector::zeros(q.len()); self.tableau.stages])?.ends;
+        let scale = self.multiplier_scale(&stacked(&self.constraint_jacobian(&q), &ends)) / (step * step);
+        let (s, n, g, d) = (self.tableau.stages, q.len(), self.constraints.len(), scale.len());
         let mut multipliers = vec![DVector::zeros(d); s];
 
         let mut last_correction = f64::INFINITY;
         for iteration in 1..=MAXIMUM_ITERATIONS {
-            let stage_coordinates: Vec<DVector<f64>> = increments.iter().map(|increment| &q + increment).collect();
-            let jacobians: Vec<DMatrix<f64>> =
-                stage_coordinates.iter().map(|stage| self.constraint_jacobian(stage)).collect();
+            let touching = touch(&increments)?;
+            let jacobians = self.directions(&q, &increments, &touching);
             let forces = self.forces(&q, &velocity, &increments, step);
             let (_, collocated) = self.stage_values(&p, step, &forces, &jacobians, &multipliers);
             let mut residual = DVector::zeros((s - 1) * (n + d));
             for i in 1..s {
+                let first = (s - 1) * n + (i - 1) * d;
                 residual.rows_mut((i - 1) * n, n).copy_from(&(&increments[i] - &collocated[i]));
-                residual.rows_mut((s - 1) * n + (i - 1) * d, d).copy_from(&self.constraint_change(&q, &increments[i]));
+                residual.rows_mut(first, g).copy_from(&self.constraint_change(&q, &increments[i]));
+                residual.rows_mut(first + g, d - g).copy_from(&touching.rows[i]);
             }
             let mut newton_matrix = self.newton_matrix(step, &jacobians, &multipliers, &scale);
             self.add_force_derivatives(&q, &velocity, &increments, step, &forces, &mut newton_matrix);
+            self.add_touch_derivatives(&contacts, &increments, &touching, &multipliers, &mut newton_matrix)
+                .ok_or(LiteralError::Features)?;
             let correction = newton_matrix.lu().solve(&residual).ok_or(LiteralError::Singular { step })?;
             for i in 1..s {
                 increments[i] -= correction.rows((i - 1) * n, n);
@@ -187,11 +198,19 @@ impl<'a> Literal<'a> {
                 return Err(LiteralError::NotConverged { step, correction: size });
             }
             if size < ROUNDING_LEVEL && size > 0.25 * last_correction || size == 0.0 {
-                return self.finish(&q, &velocity, step, &increments, multipliers, iteration);
+                return self.finish(&contacts, &increments, multipliers, iteration);
             }
             last_correction = size;
         }
         Err(LiteralError::NotConverged { step, correction: last_correction })
+    }
+
+    /// `Dg(Q_i)` of all stages, with the pulls of the contacts below.
+    fn directions(&self, q: &DVector<f64>, increments: &[DVector<f64>], touching: &TouchStages) -> Vec<DMatrix<f64>> {
+        let of = |(increment, pulls): (&DVector<f64>, &DMatrix<f64>)| {
+            stacked(&self.constraint_jacobian(&(q + increment)), pulls)
+        };
+        increments.iter().zip(&touching.pulls).map(of).collect()
     }
 
     /// The forces of all stages, gravity included.
@@ -234,17 +253,16 @@ impl<'a> Literal<'a> {
     /// The last multiplier by the projection (2.5.11h), and the end of the step.
     fn finish(
         &self,
-        q: &DVector<f64>,
-        velocity: &DVector<f64>,
-        step: f64,
+        contacts: &TouchStep,
         increments: &[DVector<f64>],
         mut multipliers: Vec<DVector<f64>>,
         iterations: usize,
     ) -> Result<LiteralStep, LiteralError> {
+        let &TouchStep { q, velocity, step, .. } = contacts;
         let (s, b) = (self.tableau.stages, &self.tableau.weights);
         let stage_coordinates: Vec<DVector<f64>> = increments.iter().map(|increment| q + increment).collect();
-        let jacobians: Vec<DMatrix<f64>> =
-            stage_coordinates.iter().map(|stage| self.constraint_jacobian(stage)).collect();
+        let touching = contacts.at(increments).ok_or(LiteralError::Features)?;
+        let jacobians = self.directions(q, increments, &touching);
         let p = self.mass.component_mul(velocity);
         let forces = self.forces(q, velocity, increments, step);
         let (stage_momenta, _) = self.stage_values(&p, step, &forces, &jacobians, &multipliers);
@@ -253,8 +271,10 @@ impl<'a> Literal<'a> {
             end_momentum += (&forces[i] - jacobians[i].tr_mul(&multipliers[i])) * (step * b[i]);
         }
         // Twice, so that what rounding leaves of the first solution is projected away too.
+        let gradient = stacked(&self.constraint_jacobian(&stage_coordinates[s - 1]), &touching.ends);
         for _ in 0..2 {
-            let correction = self.project(&jacobians[s - 1], &end_momentum).ok_or(LiteralError::Singular { step })?;
+            let correction =
+                self.project(&gradient, &jacobians[s - 1], &end_momentum).ok_or(LiteralError::Singular { step })?;
             end_momentum -= jacobians[s - 1].tr_mul(&correction);
             multipliers[s - 1] += correction / (step * b[s - 1]);
         }
@@ -270,18 +290,30 @@ impl<'a> Literal<'a> {
         })
     }
 
-    /// The impulse μ with `Dg M⁻¹ (p − Dgᵀ μ) = 0`; none if the rows of Dg depend on each other.
-    fn project(&self, jacobian: &DMatrix<f64>, momentum: &DVector<f64>) -> Option<DVector<f64>> {
-        let mut weighted = jacobian.transpose();
-        for (mut row, mass) in weighted.row_iter_mut().zip(self.mass.iter()) {
-            row /= *mass;
+    /// The impulse μ with `G M⁻¹ (p − G̃ᵀ μ) = 0` for the gradients G and the directions G̃ in which multipliers push; none if the rows depend on
+    /// each other.
+    fn project(
+        &self,
+        gradient: &DMatrix<f64>,
+        directions: &DMatrix<f64>,
+        momentum: &DVector<f64>,
+    ) -> Option<DVector<f64>> {
+        let mut weighted = gradient.clone();
+        for (mut column, mass) in weighted.column_iter_mut().zip(self.mass.iter()) {
+            column /= *mass;
         }
-        let right = weighted.tr_mul(momentum);
-        Some((jacobian * weighted).cholesky()?.solve(&right))
+        (&weighted * directions.transpose()).lu().solve(&(weighted * momentum))
     }
 
     /// The mechanism this scheme was written out for.
     pub fn mechanism(&self) -> &Mechanism {
         self.mechanism
     }
+}
+
+/// One matrix above the other.
+fn stacked(above: &DMatrix<f64>, below: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut both = above.clone().resize_vertically(above.nrows() + below.nrows(), 0.0);
+    both.rows_mut(above.nrows(), below.nrows()).copy_from(below);
+    both
 }

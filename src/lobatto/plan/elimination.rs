@@ -4,8 +4,16 @@
 //! *front* is a dense block over the twist of one body and the multipliers that are still open below it (multifrontal
 //! elimination: I. Duff, J. Reid, ACM TOMS 9 (1983) 302). Bodies come leaf first, so that on a tree this is the articulated
 //! recursion; a loop is eliminated where its two branches meet, which is the world if it ends there. Before that its block may have no full
-//! rank, however many freedoms are gone: hinges are parallel, knees straight, and other loops need them, too. A spring that ends in the world
-//! gives, and goes at once.
+//! rank, however many freedoms are gone: hinges are parallel, knees straight, and other loops need them, too.
+//!
+//! In a step, what pushes a body from the world and gives goes at that body, before any freedom. Springs and the friction of contacts give, and
+//! so do contacts with the world, by their proximal term ε alone. Such a contact is a 6 × 6 block that the body's inertia takes up,
+//!
+//! ```text
+//!     D_ki ← D_ki + J_kᵀ (B_ki/ε) J_i
+//! ```
+//!
+//! however many points of the body touch, and the bodies below in the tree see nothing of it.
 //!
 //! The number of multipliers in a front, and with it the cost, stays bounded on ladders whose rungs are numbered
 //! along them; it grows with the number of loops that pass over one body.
@@ -60,6 +68,8 @@ pub struct Elimination {
     pub operations: Vec<Operation>,
     /// For every equation the closure it belongs to: the loops first, then the mimics, then the point springs.
     pub closure_of_row: Vec<usize>,
+    /// For every equation whether it goes at its only body: its pivot is its own term alone.
+    pub given: Vec<bool>,
     /// Largest number of slots of any front.
     pub slots: usize,
     /// Largest number of fronts on the stack.

@@ -1,11 +1,12 @@
 //! The state of the planner of an elimination: which fronts are on the stack, what is in their slots, and which closures are complete.
 
 use crate::plan::elimination::{Column, Elimination, Operation, Unknown};
+use catena_mechanism::description::closure::LoopKind;
 use catena_mechanism::description::mechanism::Mechanism;
 
 impl Elimination {
     /// Plans the elimination of the loops and contacts, which have so many `rows` each, and mimics, and with `springs` of the tensions of the
-    /// point springs and of the turning friction of contacts too; twists have `width` components.
+    /// point springs and of the turning friction of contacts too, where contacts with the world go at their bodies; twists have `width` components.
     pub fn new(mechanism: &Mechanism, width: usize, rows: &[usize], springs: bool) -> Self {
         let mut planner = Planner::new(mechanism, width, rows, springs);
         let mut first_child_done = vec![false; mechanism.bodies.len()];
@@ -21,10 +22,10 @@ impl Elimination {
                 planner.open();
             }
             planner.own(index);
-            planner.close_complete(Some(index), false);
+            planner.close_on_world(index);
+            planner.close_complete(Some(index));
             planner.freedoms(index);
             let parent = mechanism.bodies[index].parent;
-            planner.close_complete(parent, true);
             let first = match parent {
                 Some(parent) => !std::mem::replace(&mut first_child_done[parent], true),
                 None => !std::mem::replace(&mut root_done, true),
@@ -32,7 +33,7 @@ impl Elimination {
             if !first {
                 planner.merge(parent.is_some());
             }
-            planner.close_complete(parent, false);
+            planner.close_complete(parent);
         }
         planner.plan
     }
@@ -48,6 +49,8 @@ struct Closure {
     ends: Vec<usize>,
     /// Where its branches meet; `None` is the world.
     meets: Option<usize>,
+    /// Whether it goes at its only body, with a pivot of its own.
+    on_world: bool,
     done: bool,
 }
 
@@ -90,6 +93,7 @@ impl<'m> Planner<'m> {
                 sides: [a, b],
                 ends: [a, b].into_iter().flatten().collect(),
                 meets,
+                on_world: false,
                 done: false,
             });
             closure_of_row.extend((0..count).map(|_| index));
@@ -105,6 +109,11 @@ impl<'m> Planner<'m> {
                 _ => None,
             };
         }
+        for (index, closure) in closures.iter_mut().enumerate().filter(|_| springs) {
+            let gives = index >= springs_from || holds_a_point(mechanism, index);
+            closure.on_world = gives && closure.ends.len() == 1;
+        }
+        let given = closures.iter().flat_map(|closure| (0..closure.rows).map(|_| closure.on_world)).collect();
         Planner {
             mechanism,
             loops,
@@ -112,7 +121,7 @@ impl<'m> Planner<'m> {
             stack: Vec::new(),
             processed: vec![false; mechanism.bodies.len()],
             gap_taken: vec![false; closure_of_row.len()],
-            plan: Elimination { width, operations: Vec::new(), closure_of_row, slots: width, levels: 0 },
+            plan: Elimination { width, operations: Vec::new(), closure_of_row, given, slots: width, levels: 0 },
         }
     }
 
@@ -227,11 +236,30 @@ impl<'m> Planner<'m> {
         }
     }
 
-    /// Eliminates the closures that are complete in the top front, whose twist is that of `twist`; with `early` the springs that end in the
-    /// world.
-    pub(crate) fn close_complete(&mut self, twist: Option<usize>, early: bool) {
+    /// Eliminates the closures that go at their body, whose front is on top and has not been touched since they came in: nothing but the twist is
+    /// coupled to them.
+    pub(crate) fn close_on_world(&mut self, body: usize) {
+        for index in 0..self.closures.len() {
+            let closure = &mut self.closures[index];
+            if !closure.on_world || closure.ends != [body] {
+                continue;
+            }
+            closure.done = true;
+            for row in closure.first_row..closure.first_row + closure.rows {
+                let top = self.top();
+                let Some(slot) = self.slot_of(&self.stack[top], row) else { continue };
+                let mut columns = self.columns(Some(body), None);
+                columns.truncate(self.plan.width);
+                self.plan.operations.push(Operation::Multiplier { row, slot, columns, measure: Vec::new() });
+                self.stack[top][slot - self.plan.width] = None;
+            }
+        }
+    }
+
+    /// Eliminates the closures that are complete in the top front, whose twist is that of `twist`.
+    pub(crate) fn close_complete(&mut self, twist: Option<usize>) {
         let complete: Vec<(usize, Vec<(usize, usize)>)> = (0..self.closures.len())
-            .filter_map(|index| self.complete(index, twist, early).map(|slots| (index, slots)))
+            .filter_map(|index| self.complete(index, twist).map(|slots| (index, slots)))
             .collect();
         // All of them before the first goes: the next may say the same, and would be measured by what is left of it.
         let mut measure: Vec<(usize, usize)> = complete.iter().flat_map(|(_, slots)| slots).copied().collect();
@@ -248,20 +276,13 @@ impl<'m> Planner<'m> {
     }
 
     /// The rows and slots of a closure, if it can be eliminated in the top front.
-    fn complete(&self, index: usize, twist: Option<usize>, early: bool) -> Option<Vec<(usize, usize)>> {
+    fn complete(&self, index: usize, twist: Option<usize>) -> Option<Vec<(usize, usize)>> {
         let closure = &self.closures[index];
-        let loops = self.loops;
-        let springs = loops + self.mechanism.mimics.len();
-        let is_mimic = (loops..springs).contains(&index);
+        let is_mimic = (self.loops..self.loops + self.mechanism.mimics.len()).contains(&index);
         let both = closure.ends.iter().all(|&end| self.processed[end]);
-        let here = if early {
-            // That springs give makes a block of full rank.
-            index >= springs && closure.meets.is_none() && closure.ends.len() == 1
-        } else {
-            // A mimic is complete only when the freedoms of both joints are gone.
-            let gone = |&end: &usize| !self.is_open(end, twist);
-            closure.meets == twist && (!is_mimic || closure.ends.iter().all(gone))
-        };
+        // A mimic is complete only when the freedoms of both joints are gone.
+        let gone = |&end: &usize| !self.is_open(end, twist);
+        let here = closure.meets == twist && (!is_mimic || closure.ends.iter().all(gone));
         if closure.done || !both || !here {
             return None;
         }
@@ -286,5 +307,13 @@ impl<'m> Planner<'m> {
         let slots = rows.iter().filter_map(|&row| Some((self.slot_of(&top, row)?, self.slot_of(front, row)?)));
         let slots = slots.collect();
         self.plan.operations.push(Operation::Merge { slots, enter, present, twist });
+    }
+}
+
+/// Whether a closure, by its number among the loops and contacts, is a contact or holds a point.
+fn holds_a_point(mechanism: &Mechanism, index: usize) -> bool {
+    match mechanism.loops.get(index) {
+        Some(joint) => joint.kind == LoopKind::Spherical,
+        None => index - mechanism.loops.len() < mechanism.touches.len(),
     }
 }

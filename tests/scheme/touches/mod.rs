@@ -2,7 +2,9 @@
 
 mod control;
 mod derivatives;
+mod elimination;
 mod features;
+mod literal;
 mod rolling;
 mod sliding;
 
