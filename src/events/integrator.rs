@@ -22,6 +22,7 @@ use crate::instant::response::Response;
 use crate::instant::touching::Touching;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{MethodDescription, StepError};
@@ -87,7 +88,7 @@ pub struct Eventful {
     pub(super) lost_at_start: f64,
     /// What stands for the steps where nothing moves.
     pub(super) idle: MethodDescription,
-    /// The error of samples inside the steps of modes that are not kept any more (m).
+    /// The error of samples inside the steps of modes that are not kept any more, and in steps of first order (m).
     between: Option<f64>,
     /// How often the law of contact could not be solved to its accuracy.
     pub(super) unsolved: usize,
@@ -197,11 +198,17 @@ impl Eventful {
         self.pieces.iter().filter_map(|piece| piece.steps.as_ref()).any(|steps| steps.was_held_by_stability())
     }
 
-    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known: inside a step of first order nothing is.
+    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known.
     pub fn between(&self) -> Option<f64> {
         let pieces = self.pieces.iter().filter_map(|piece| piece.steps.as_ref());
-        let largest = pieces.map(|steps| steps.between()).fold(self.between, larger);
-        largest.filter(|_| self.unsolved == 0)
+        pieces.map(|steps| steps.between()).fold(self.between, larger)
+    }
+
+    /// Takes note of a step of first order, inside which samples are where it began or ended, whichever is nearer in time: they are off by half of
+    /// what it moves.
+    pub(super) fn see_jump(&mut self, start: &State, end: &State) {
+        let moved = distance(&probes(&self.whole, start), &probes(&self.whole, end));
+        self.between = larger(self.between, Some(0.5 * moved));
     }
 
     /// Carries a companion from the first step on, which shows what errors the steps make, up to the first event.

@@ -77,6 +77,7 @@ impl Eventful {
         let work: f64 = efforts.iter().zip(&moved).map(|(effort, moved)| effort * moved).sum();
         self.bound(&start, state, work);
         self.unsolved += 1;
+        self.see_jump(&start, state);
         self.stepped_over = Some(state.clone());
         self.outside.clear();
         self.outside.extend_from_slice(inputs.efforts);

@@ -143,6 +143,14 @@ impl<'a> Integrators<'a> {
         all
     }
 
+    /// The error of samples inside the steps, as integrators without an estimate of their own know it (m): one entry for each.
+    pub fn between(&self) -> Vec<Option<f64>> {
+        match self {
+            Integrators::Whole(integrator) => vec![integrator.between()],
+            Integrators::Islands { islands, .. } => islands.between(),
+        }
+    }
+
     /// The method of the steps and its figures so far.
     pub fn description(&self) -> MethodDescription {
         match self {

@@ -154,6 +154,11 @@ impl<'a> Islands<'a> {
         }
     }
 
+    /// The error of samples inside the steps of each island that moves, as its integrator alone knows it (m).
+    pub(crate) fn between(&self) -> Vec<Option<f64>> {
+        self.parts.iter().filter_map(|part| part.awake.as_ref()).map(Making::between).collect()
+    }
+
     /// The figures of each island.
     pub fn figures(&self) -> impl Iterator<Item = IslandFigures> {
         self.parts.iter().map(|part| IslandFigures {

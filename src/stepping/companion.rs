@@ -3,7 +3,9 @@
 
 use catena_lobatto::stages::attempt::Carrying;
 use catena_lobatto::step::interface::Step;
-use catena_mechanism::description::mechanism::Mechanism;
+use catena_lobatto::tableau::butcher::Tableau;
+use catena_mechanism::description::joint::FreeRotation;
+use catena_mechanism::description::mechanism::{Body, Mechanism};
 use catena_mechanism::motion::state::State;
 
 /// What an iteration may leave of what parts the motions,
@@ -26,13 +28,23 @@ pub struct Companion {
     begun: bool,
     /// Truncation of the next step to be accepted (rad, m).
     truncation: f64,
+    /// The weights of the stages 2 … s in a top Legendre coefficient, and room for that of each degree of freedom.
+    top: &'static [f64],
+    coefficients: Vec<[f64; 2]>,
 }
 
 impl Companion {
     /// None so far: it begins with the next step.
-    pub(crate) fn new(mechanism: &Mechanism) -> Self {
+    pub(crate) fn new(mechanism: &Mechanism, tableau: &'static Tableau) -> Self {
         let freedoms = mechanism.velocity_count as f64 / MANY_FREEDOMS;
-        Companion { state: State::zero(mechanism), share: freedoms.min(1.0).powi(2), begun: false, truncation: 0.0 }
+        Companion {
+            state: State::zero(mechanism),
+            share: freedoms.min(1.0).powi(2),
+            begun: false,
+            truncation: 0.0,
+            top: &tableau.top_legendre[1..],
+            coefficients: vec![[0.0; 2]; mechanism.velocity_count],
+        }
     }
 
     /// Where it is.
@@ -70,8 +82,34 @@ impl Companion {
     ) {
         let pairs = self.state.position.iter().zip(&state.position);
         let apart = pairs.map(|(own, other)| (own - other).abs()).fold(0.0, f64::max);
-        let carrying = Carrying { apart, part: PART, most: MOST, rest: REST, exactly, truncation: self.truncation };
+        let mut truncation = self.truncation;
+        if truncation > 0.0 && !self.parts_further(kernel, mechanism, state, time - state.time) {
+            truncation = 0.0;
+        }
+        let carrying = Carrying { apart, part: PART, most: MOST, rest: REST, exactly, truncation };
         kernel.carry_on(mechanism, &mut self.state, &carrying);
         self.state.time = time;
+    }
+
+    /// Whether the truncation, whose sign nothing tells, takes the motions further apart over a step of `length` seconds. They part in the directions
+    /// in which errors grow, and if truncation brought them together there by chance nothing would tell of the error any more.
+    fn parts_further(&mut self, kernel: &dyn Step, mechanism: &Mechanism, state: &State, length: f64) -> bool {
+        kernel.weigh_displacements([self.top, self.top], &mut self.coefficients);
+        let mut along = 0.0;
+        for Body { joint, .. } in &mechanism.bodies {
+            let ball = joint.kind.rotation() == FreeRotation::Ball;
+            let scalars = joint.kind.velocity_count() - if ball { 3 } else { 0 };
+            for offset in 0..joint.kind.velocity_count() {
+                let freedom = joint.velocity_index + offset;
+                let mut apart = length * (self.state.velocity[freedom] - state.velocity[freedom]);
+                // Of ball joints the rates will do.
+                if offset < scalars {
+                    let entry = joint.position_index + offset;
+                    apart += self.state.position[entry] - state.position[entry];
+                }
+                along += self.coefficients[freedom][0] * apart;
+            }
+        }
+        along >= 0.0
     }
 }

@@ -9,8 +9,8 @@
 //!     h ← h · clip( min( (E_tol/E_n)^{.7/(s−1)} (E_{n−1}/E_n)^{.3/(s−1)},  ((N* + 1)/(N + 1))^{1/2} ), 0.3, 2 )
 //! ```
 //!
-//! With nine stages `E_tol ≤ (T / 2 / 0.35)^{1/1.25} / 3.3`, so that samples inside a step are within the tolerance `T`. This bound is active
-//! below 1e-7 m. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a finished one that changes the energy by more than its
+//! With nine stages `E_tol ≤ (T / 2 / 0.35)^{1/1.25} / 3.3`, with five `E_tol ≤ (T / 2 / 0.25)^{1/1.5} / 1.3⁴`, so that samples inside a step are
+//! within the tolerance `T`. These bounds are active below 1e-7 m, and below 1e-5 m where five stages fill the vectors of the processor. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a finished one that changes the energy by more than its
 //! share of the tolerance; what is near that share does not grow, unless `E` is so small that the change can only be what the iteration
 //! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
@@ -48,16 +48,17 @@ const FIRST_POWER: f64 = 1.0 / 16.0;
 /// eight hundred, and with 3 in no fewer.
 const KEPT: f64 = 3.3;
 
-/// The largest error of a sample inside a step of nine stages, over E^[`BETWEEN_POWER`]. Dense output has a lower order than the ends of steps
-/// (`doc/findings/2026-11-24-samples-between-steps.md`).
-const BETWEEN: f64 = 0.35;
-const BETWEEN_POWER: f64 = 1.25;
-/// The stages for which this was measured.
-const BETWEEN_STAGES: usize = 9;
+/// The largest error of a sample inside a step, over a power of the largest E that is kept: factor and power for a number of stages, for which they
+/// were measured. Dense output has a lower order than the ends of steps (`doc/findings/2026-11-24-samples-between-steps.md`, and
+/// `2026-11-24-between-steps-of-five-stages.md`).
+const BETWEEN: [(usize, f64, f64); 2] = [(5, 0.25, 1.5), (9, 0.35, 1.25)];
 /// The part of the tolerance that samples inside steps may be off by.
 const BETWEEN_SHARE: f64 = 0.5;
 /// Below this tolerance (m) the bound does not shrink, because rounding is larger.
 const FINEST_TOLERANCE: f64 = 1e-11;
+
+/// Steps are looked into whose E is above this part of the largest so far: what interpolation errs by grows with E.
+const AMONG_LARGEST: f64 = 0.5;
 
 /// After so many attempts at a step that were broken off, early iterates are not asked again: E may be that of a kink. And after as many
 /// whose E was too large all iterations are in double precision.
@@ -95,8 +96,10 @@ pub struct Control {
     pub telling: bool,
     /// How often a step that does not converge is halved before the exact Newton method is tried.
     pub(crate) patience: usize,
-    /// The largest E of the steps that were kept.
+    /// The largest E of the steps that were kept,
     pub(crate) largest: f64,
+    /// and the largest error of samples inside them (m), where it is known.
+    pub(crate) between: Option<f64>,
     /// Whether stability has bounded a step.
     pub(crate) held: bool,
     /// Step (s) and largest kinetic energy (J) to go on with when the motion is forgotten.
@@ -149,9 +152,10 @@ pub struct Memory {
     pub halvings: usize,
 }
 
-/// The largest E with which samples inside a step are within the tolerance (m).
-fn largest_between(tolerance: f64) -> f64 {
-    (BETWEEN_SHARE * tolerance.max(FINEST_TOLERANCE) / BETWEEN).powf(1.0 / BETWEEN_POWER)
+/// The largest E with which samples inside a step are within the tolerance (m), where it was measured.
+fn largest_between(tolerance: f64, stages: usize) -> f64 {
+    let (_, factor, power) = BETWEEN.into_iter().find(|(of, ..)| *of == stages).unwrap_or((stages, 0.0, 1.0));
+    (BETWEEN_SHARE * tolerance.max(FINEST_TOLERANCE) / factor).powf(1.0 / power)
 }
 
 impl Control {
@@ -161,7 +165,7 @@ impl Control {
         let stage_count = stages.count(isa);
         let kept = 1.3_f64.powi(stage_count as i32 - 1).min(KEPT);
         let local = stages.wanted_share(isa) * stop.sqrt();
-        let wanted = if stage_count == BETWEEN_STAGES { local.min(largest_between(tolerance) / kept) } else { local };
+        let wanted = local.min(largest_between(tolerance, stage_count) / kept);
         Control {
             tolerance,
             stages: stage_count,
@@ -171,16 +175,24 @@ impl Control {
             telling: mechanism.forces.is_empty(),
             patience: if mechanism.is_plain_tree() { PATIENCE } else { 0 },
             largest: 0.0,
+            between: Some(0.0),
             held: false,
             given: None,
             memory: Memory::default(),
         }
     }
 
-    /// The error of samples inside the steps that were kept (m): the largest that was measured in steps with such an E. `None` where it was not
-    /// measured, with other than nine stages.
+    /// The error of samples inside the steps that were kept (m), as far as a radian is one.
     pub(crate) fn between(&self) -> Option<f64> {
-        (self.stages == BETWEEN_STAGES).then(|| BETWEEN * self.largest.powf(BETWEEN_POWER))
+        self.between
+    }
+
+    /// Looks at the inside of the last step, which had this E, if it may be among the worst.
+    fn look_inside(&mut self, stepper: &mut Stepper, mechanism: &Mechanism, legendre: f64) {
+        if stepper.is_damped() || legendre >= AMONG_LARGEST * self.largest {
+            let error = stepper.look_inside(mechanism, legendre);
+            self.between = self.between.zip(error).map(|(worst, error)| worst.max(error));
+        }
     }
 
     /// Takes note of other forces.
@@ -290,6 +302,9 @@ impl Control {
                         companion.see(legendre, self.limit, self.wanted, self.stop);
                     }
                     stepper.accept(mechanism, state, length, end, &mut outcome)?;
+                    if let Attempt::Converged { legendre, .. } = attempt {
+                        self.look_inside(stepper, mechanism, legendre);
+                    }
                     self.keep_below(stepper.watch.safe_step());
                     if let Some(settling) = stepper.watch.take_settling(state.time, self.tolerance) {
                         self.memory.settling = Some(length);

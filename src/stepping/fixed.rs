@@ -87,6 +87,9 @@ impl FixedSteps {
                     let time = if halvings == 0 { target } else { state.time + length };
                     outcome.exact = exact;
                     stepper.accept(mechanism, state, length, time, &mut outcome)?;
+                    if stepper.is_damped() {
+                        stepper.look_inside(mechanism, 0.0);
+                    }
                     return Ok(outcome);
                 }
             }

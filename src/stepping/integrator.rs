@@ -16,7 +16,6 @@ use catena_lobatto::stages::attempt::StopRule;
 use catena_lobatto::step::interface::Step;
 use catena_lobatto::step::make::MOST_PRECISE_STAGES;
 use catena_lobatto::tableau::butcher::{Tableau, TableauError};
-use catena_lobatto::tableau::dense::DenseRule;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 use catena_mechanism::motion::inputs::Inputs;
@@ -55,9 +54,6 @@ pub struct Lobatto {
     precise: bool,
     /// Rules that leave nothing out.
     kept: Vec<Rule>,
-    dense: DenseRule,
-    /// Room for what dense output sums over the stages.
-    dense_sums: Vec<[f64; 2]>,
 }
 
 /// How the lengths of the steps come about.
@@ -177,7 +173,7 @@ impl Lobatto {
 
     /// Carries a companion from the next step on, which shows what errors the steps make: of trees, with chosen steps.
     pub fn accompany(&mut self, mechanism: &Mechanism) {
-        self.stepper.companion = Some(Box::new(Companion::new(mechanism)));
+        self.stepper.companion = Some(Box::new(Companion::new(mechanism, self.stepper.tableau)));
     }
 
     /// Carries it no more.
@@ -195,12 +191,11 @@ impl Lobatto {
         matches!(&self.mode, Mode::Chosen(control) if control.was_held())
     }
 
-    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known: steps that were given, few stages,
-    /// dampers too hard for the step.
+    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known: steps that were given.
     pub fn between(&self) -> Option<f64> {
         match &self.mode {
-            Mode::Chosen(control) if self.stepper.watch.ringing().is_none() => control.between(),
-            _ => None,
+            Mode::Chosen(control) => control.between(),
+            Mode::Fixed(_) | Mode::Reversible(_) => None,
         }
     }
 
@@ -215,15 +210,8 @@ impl Lobatto {
         mode: Mode,
         isa: Isa,
     ) -> Self {
-        let mut lobatto = Lobatto {
-            dense: DenseRule::new(tableau),
-            dense_sums: vec![[0.0; 2]; mechanism.velocity_count],
-            stepper: Stepper::new(mechanism, tableau, kernel),
-            mode,
-            isa,
-            precise: false,
-            kept: Vec::new(),
-        };
+        let mut lobatto =
+            Lobatto { stepper: Stepper::new(mechanism, tableau, kernel), mode, isa, precise: false, kept: Vec::new() };
         lobatto.prepare(mechanism);
         lobatto
     }
@@ -394,9 +382,7 @@ impl Integrator for Lobatto {
     }
 
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
-        let last = self.stepper.last_step();
-        let weights = self.dense.weights((time - last.origin.time) / last.length);
-        last.sample(mechanism, &weights, &mut self.dense_sums, position, velocity);
+        self.stepper.sample(mechanism, time, position, velocity);
         self.stepper.kernel.close(mechanism, position, velocity);
     }
 

@@ -5,7 +5,7 @@
 //! | the integrator | [`integrator`], [`stepper`] |
 //! | the length of a step | [`fixed`], [`control`] and [`acceptance`], [`reversible`]; how many stages: [`stage_choice`] |
 //! | monitoring every few steps | [`watch`], [`modes`], [`fastest_mode`], [`dynamics`], [`jerks`], [`linearised`] |
-//! | instants inside a step | [`sampling`], `stage_motion` |
+//! | instants inside a step | [`sampling`], `inside` (which polynomial, and its error), `stage_motion` |
 //! | on another spanning tree than the file's | [`other_tree`] |
 //! | efforts of a controller that follow the state | `feedback` |
 
@@ -23,6 +23,7 @@ pub mod fastest_mode;
 mod feedback;
 #[doc(hidden)]
 pub mod fixed;
+mod inside;
 #[doc(hidden)]
 pub mod integrator;
 #[doc(hidden)]

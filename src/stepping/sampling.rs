@@ -29,18 +29,66 @@ pub(crate) struct LastStep<'s> {
     pub length: f64,
 }
 
+/// A polynomial at a point of a step.
+pub(crate) struct Interpolation<'s> {
+    weights: DenseWeights,
+    /// The weighted sums over the stages, for each degree of freedom.
+    sums: &'s [[f64; 2]],
+}
+
+impl<'s> Interpolation<'s> {
+    /// Sums the displacements of a step with these weights; `sums` is room for two numbers for each degree of freedom.
+    pub fn new(step: &LastStep, weights: DenseWeights, sums: &'s mut [[f64; 2]]) -> Self {
+        step.kernel.weigh_displacements(weights.of_stages(step.inner), sums);
+        Interpolation { weights, sums }
+    }
+
+    /// Displacement and its derivative by x of a degree of freedom, from `h v` at both ends.
+    fn apply(&self, freedom: usize, start: f64, end: f64) -> (f64, f64) {
+        self.weights.apply(self.sums[freedom], start, end)
+    }
+}
+
 impl LastStep<'_> {
-    /// Writes positions and velocities at the point that the weights stand for; `sums` is room for two numbers for each degree of
-    /// freedom. Does not allocate.
+    /// Calls `look` with each degree of freedom and the slopes `h v` of its displacement at both ends.
+    pub fn for_each_freedom(&self, mechanism: &Mechanism, mut look: impl FnMut(usize, f64, f64)) {
+        let (start_rates, end_rates) = (&self.origin.velocity, &self.end.velocity);
+        for body in &mechanism.bodies {
+            let joint = &body.joint;
+            let ball = joint.kind.rotation() == FreeRotation::Ball;
+            let first_of_ball = joint.velocity_index + joint.kind.velocity_count() - if ball { 3 } else { 0 };
+            for freedom in joint.velocity_index..first_of_ball {
+                look(freedom, self.length * start_rates[freedom], self.length * end_rates[freedom]);
+            }
+            if ball {
+                for (axis, end) in self.end_slope_of_turn(first_of_ball).into_iter().enumerate() {
+                    let freedom = first_of_ball + axis;
+                    look(freedom, self.length * start_rates[freedom], self.length * end);
+                }
+            }
+        }
+    }
+
+    /// The slope of the rotation vector of a ball joint at the end, by time, which belongs to the angular velocity there (rad/s).
+    fn end_slope_of_turn(&self, first: usize) -> [f64; 3] {
+        let last = [0, 1, 2].map(|axis| self.kernel.last_displacement(first + axis));
+        inverse_tangent(&last, &[0, 1, 2].map(|axis| self.end.velocity[first + axis]))
+    }
+
+    /// Writes positions and velocities at a point of the step, from the polynomial `both` through stages and end velocities; those freedoms that
+    /// `alone` marks from the one through the stages alone. Does not allocate.
     pub fn sample(
         &self,
         mechanism: &Mechanism,
-        weights: &DenseWeights,
-        sums: &mut [[f64; 2]],
+        both: &Interpolation,
+        alone: Option<(&Interpolation, &[bool])>,
         position: &mut [f64],
         velocity: &mut [f64],
     ) {
-        self.kernel.weigh_displacements(weights.of_stages(self.inner), sums);
+        let apply = |freedom: usize, start: f64, end: f64| match alone {
+            Some((stages, alone)) if alone[freedom] => stages.apply(freedom, start, end),
+            _ => both.apply(freedom, start, end),
+        };
         let (start_rates, end_rates) = (&self.origin.velocity, &self.end.velocity);
         position.copy_from_slice(&self.origin.position);
         for body in &mechanism.bodies {
@@ -50,7 +98,7 @@ impl LastStep<'_> {
             for offset in 0..scalars {
                 let freedom = joint.velocity_index + offset;
                 let (start, end) = (self.length * start_rates[freedom], self.length * end_rates[freedom]);
-                let (displacement, slope) = weights.apply(sums[freedom], start, end);
+                let (displacement, slope) = apply(freedom, start, end);
                 position[joint.position_index + offset] += displacement;
                 velocity[freedom] = slope / self.length;
             }
@@ -58,12 +106,10 @@ impl LastStep<'_> {
                 let first = joint.velocity_index + scalars;
                 let mut turn = [0.0; 3];
                 let mut rate = [0.0; 3];
-                let last = [0, 1, 2].map(|axis| self.kernel.last_displacement(first + axis));
-                // The slope of the rotation vector at the end belongs to the angular velocity there.
-                let end = inverse_tangent(&last, &[0, 1, 2].map(|axis| end_rates[first + axis]));
+                let end = self.end_slope_of_turn(first);
                 for axis in 0..3 {
                     let ends = (self.length * start_rates[first + axis], self.length * end[axis]);
-                    (turn[axis], rate[axis]) = weights.apply(sums[first + axis], ends.0, ends.1);
+                    (turn[axis], rate[axis]) = apply(first + axis, ends.0, ends.1);
                 }
                 let slot = joint.position_index + scalars;
                 let turned = quaternion_product(&self.origin.position[slot..slot + 4], &quaternion_exponential(&turn));

@@ -8,6 +8,7 @@
 
 use crate::companion::Companion;
 use crate::feedback;
+use crate::inside::{Inside, has_dampers};
 use crate::modes::Modes;
 use crate::pace::Pace;
 use crate::sampling::LastStep;
@@ -81,6 +82,10 @@ pub(crate) struct Stepper {
     /// Where a step is finished before it is accepted, and where the last one ended.
     end: State,
     length: f64,
+    /// Its inside.
+    inside: Inside,
+    /// Whether dampers act.
+    damped: bool,
     ranks: Ranks,
     steps: usize,
     stepped_time: f64,
@@ -127,6 +132,8 @@ impl Stepper {
             origin: State::zero(mechanism),
             end: State::zero(mechanism),
             length: 0.0,
+            inside: Inside::new(tableau, mechanism.velocity_count),
+            damped: has_dampers(&mechanism.forces),
             ranks: Ranks::default(),
             steps: 0,
             stepped_time: 0.0,
@@ -164,6 +171,7 @@ impl Stepper {
             self.outside.driven = Some(now.clone());
         }
         self.watch = Watch::new(self.tableau, !now.forces.is_empty());
+        self.damped = has_dampers(&now.forces);
         self.modes = Modes::new(&now);
         now
     }
@@ -247,6 +255,9 @@ impl Stepper {
                 self.finish(mechanism, state);
                 let end = state.time + length;
                 self.accept(mechanism, state, length, end, &mut outcome)?;
+                if self.damped {
+                    self.look_inside(mechanism, 0.0);
+                }
                 return Ok(outcome);
             }
             outcome.rejected += 1;
@@ -330,6 +341,19 @@ impl Stepper {
         Ok(())
     }
 
+    /// Looks at the inside of the last step, of which the largest top Legendre coefficient is `legendre` (rad, m); returns the error of samples (m,
+    /// as far as a radian is one), where it is known.
+    pub fn look_inside(&mut self, mechanism: &Mechanism, legendre: f64) -> Option<f64> {
+        let Stepper { kernel, tableau, origin, end, inside, watch, length, .. } = self;
+        let last = LastStep { kernel: kernel.as_ref(), inner: tableau.stages - 1, origin, end, length: *length };
+        inside.look(mechanism, &last, self.damped && watch.is_too_hard(*length), legendre)
+    }
+
+    /// Whether dampers act, so that every step is looked at.
+    pub fn is_damped(&self) -> bool {
+        self.damped
+    }
+
     /// Looks how near a step of this length is to the limit of stability, after a step that did not converge.
     pub fn look_after_failure(&mut self, mechanism: &Mechanism, state: &State, length: f64) {
         self.look(mechanism, state, FIRST_LOOK, length);
@@ -366,15 +390,12 @@ impl Stepper {
         self.modes.pace(mechanism, state)
     }
 
-    /// The last step, for dense output.
-    pub fn last_step(&self) -> LastStep<'_> {
-        LastStep {
-            kernel: self.kernel.as_ref(),
-            inner: self.tableau.stages - 1,
-            origin: &self.origin,
-            end: &self.end,
-            length: self.length,
-        }
+    /// Positions and velocities at a time inside the last step (s), but for closures.
+    pub fn sample(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        let Stepper { kernel, tableau, origin, end, length, inside, .. } = self;
+        let (inner, length) = (tableau.stages - 1, *length);
+        let last = LastStep { kernel: kernel.as_ref(), inner, origin, end, length };
+        inside.sample(mechanism, &last, (time - origin.time) / length, position, velocity);
     }
 
     /// Mean length of the steps so far (s).

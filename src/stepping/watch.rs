@@ -49,6 +49,8 @@ pub struct Watch {
     wait: usize,
     latest: Option<FrequencyStep>,
     nearest: Option<FrequencyStep>,
+    /// The rates γ at which dampers stop the fastest mode and what was heard [1/s].
+    decays: [f64; 2],
     /// What was seen to ring first.
     ringing: Option<Ringing>,
     /// The longest step that stops it (s), and its largest rate, until it is taken.
@@ -62,7 +64,17 @@ impl Watch {
     /// at once, because springs may leave nothing to look at after a few.
     pub fn new(tableau: &'static Tableau, forces: bool) -> Self {
         let first = if forces { 1 } else { CLOSE_INTERVAL };
-        Watch { tableau, first, wait: first, latest: None, nearest: None, ringing: None, settling: None, listens: true }
+        Watch {
+            tableau,
+            first,
+            wait: first,
+            latest: None,
+            nearest: None,
+            decays: [0.0; 2],
+            ringing: None,
+            settling: None,
+            listens: true,
+        }
     }
 
     /// Forgets the last look: the motion goes on from somewhere else.
@@ -86,6 +98,7 @@ impl Watch {
     /// Takes a look: the fastest mode at `time`, where steps of `step` are being made.
     pub fn see(&mut self, mode: Mode, step: f64, time: f64) {
         self.wait = INTERVAL;
+        self.decays[0] = 2.0 * mode.damping * mode.frequency;
         let product = step * mode.frequency;
         let limit = limit_for(self.tableau, product, mode.damping);
         let seen = FrequencyStep { product, limit, step, time };
@@ -108,6 +121,7 @@ impl Watch {
     ///
     /// For long steps the velocity of a damped body changes by the factor `±(1 − 2s(s − 1)/(h γ))` in each (doc/findings/2026-11-stiff-limits.md).
     pub fn hear(&mut self, Transient { decay, rate }: Transient, step: f64, time: f64) {
+        self.decays[1] = decay;
         let s = self.tableau.stages as f64;
         if step * decay > 2.0 * s * (s - 1.0) {
             let longest = s / decay;
@@ -115,6 +129,12 @@ impl Watch {
             self.settling = Some((longest, rate));
             self.listens = false;
         }
+    }
+
+    /// Whether dampers are too hard for a step (s), as far as is known: half as hard as those that reverse a velocity in each step.
+    pub fn is_too_hard(&self, step: f64) -> bool {
+        let s = self.tableau.stages as f64;
+        self.decays.iter().any(|decay| step * decay > s * (s - 1.0))
     }
 
     /// What was seen to ring first.

@@ -135,8 +135,7 @@ pub struct AccuracyReport {
     /// The largest error to expect at the end of any step (m).
     pub estimated: f64,
     /// The largest error that interpolation inside the steps adds (m), from the last terms of their polynomials
-    /// (`doc/findings/2026-11-24-samples-between-steps.md`); `None` where it was not measured: few stages, dampers too hard for the step, steps of
-    /// first order, trial runs.
+    /// (`doc/findings/2026-11-24-between-steps-of-five-stages.md`); half of what a step moves in steps of first order.
     pub between_steps: Option<f64>,
     /// The instant up to which the wanted accuracy is expected to hold (s).
     pub holds_until: f64,
