@@ -13,8 +13,8 @@
 //! Source: P.-A. Absil, R. Mahony, R. Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), section 6.2 (Newton's method on the sphere).
 
 use crate::feature::Part;
-use crate::plane::across;
 use crate::meet::Guess;
+use crate::plane::across;
 use nalgebra::{Matrix3, Vector3};
 
 /// Newton's method has converged long before.
@@ -75,7 +75,8 @@ pub fn deepest(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Vect
                 let square = frame.transpose() * bends * frame - nalgebra::Matrix2::identity() * separation;
                 let eigen = square.symmetric_eigen();
                 let slopes = eigen.eigenvectors.tr_mul(&frame.tr_mul(&gradient));
-                let scaled = slopes.zip_map(&eigen.eigenvalues, |slope, bend| slope / bend.abs().max(f64::MIN_POSITIVE));
+                let scaled =
+                    slopes.zip_map(&eigen.eigenvalues, |slope, bend| slope / bend.abs().max(f64::MIN_POSITIVE));
                 frame * (eigen.eigenvectors * scaled)
             }
         };

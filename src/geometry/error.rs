@@ -36,7 +36,9 @@ pub enum GeometryError {
         count: usize,
     },
     /// All points nearly in one plane, on a line or at one place.
-    #[error("all points lie within {thickness:.1e} m of one plane or on a line: give the hull a thickness, or make it flat")]
+    #[error(
+        "all points lie within {thickness:.1e} m of one plane or on a line: give the hull a thickness, or make it flat"
+    )]
     Flat {
         /// Distance of the farthest point from the plane (m).
         thickness: f64,

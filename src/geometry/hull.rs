@@ -65,7 +65,8 @@ pub fn check_points(points: &[Vector3<f64>]) -> Result<(), GeometryError> {
 fn plate(points: &[Vector3<f64>], normal: &Vector3<f64>, size: f64) -> Option<Polytope> {
     let (x, y) = across(normal);
     let flat: Vec<Vector3<f64>> = points.iter().map(|point| Vector3::new(x.dot(point), y.dot(point), 0.0)).collect();
-    let vertices: Vec<Vector3<f64>> = corners(&flat, COPLANAR * size).into_iter().map(|corner| points[corner]).collect();
+    let vertices: Vec<Vector3<f64>> =
+        corners(&flat, COPLANAR * size).into_iter().map(|corner| points[corner]).collect();
     let count = vertices.len();
     let doubled = (2..count).map(|last| (vertices[last - 1] - vertices[0]).cross(&(vertices[last] - vertices[0])));
     if count < 3 || doubled.sum::<Vector3<f64>>().norm() <= FLAT * size * size {

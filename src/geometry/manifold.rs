@@ -9,10 +9,10 @@
 use crate::both::{Both, Candidate};
 use crate::convex::Core;
 use crate::feature::{FeatureId, Part, contact_features, features, inside, lies_near, part};
-use crate::plane::{across, corners};
 use crate::guesses::guesses;
 use crate::meet::{Guess, meet};
 use crate::nearest::{nearest, spans_plane};
+use crate::plane::{across, corners};
 use nalgebra::{Matrix3, Vector3};
 
 /// Places that are nearer than this to each other are one, relative to the size.

@@ -82,6 +82,14 @@ fn signed(along: &Vector3<f64>, side: &Vector3<f64>) -> Option<Vector3<f64>> {
     Some(if unit.dot(side) < 0.0 { -unit } else { unit })
 }
 
+/// The product of two directions, square to both to rounding also where they are nearly parallel.
+fn square_to(one: &Vector3<f64>, other: &Vector3<f64>) -> Vector3<f64> {
+    let product = one.cross(other);
+    let along = other.try_normalize(0.0).unwrap_or_default();
+    let across = (one - along * along.dot(one)).try_normalize(0.0).unwrap_or_default();
+    product - along * along.dot(&product) - across * across.dot(&product)
+}
+
 /// The common normal of two lines on the side of another, and its feet; `None` if the lines are parallel.
 fn line_line(
     one: &[Vector3<f64>; 2],
@@ -132,7 +140,8 @@ fn circle_line(
     let f = (line[1] - line[0]).try_normalize(0.0)?;
     let triple = |vector: Vector3<f64>| Triple(vector.into());
     let place = |side: f64, f: Vector3<f64>| {
-        let q = centre + Vector3::from(nearest(radius, side, triple(line[0] - centre), triple(*axis), triple(f)).foot.0);
+        let q =
+            centre + Vector3::from(nearest(radius, side, triple(line[0] - centre), triple(*axis), triple(f)).foot.0);
         (on_circle(centre, axis, radius, &q), q)
     };
     let goes = |out: Vector3<f64>| {
@@ -145,7 +154,7 @@ fn circle_line(
         (None, None) => place(0.0, f),
     };
     // Perpendicular to the line and to the circle's tangent, as exact as these are apart; or along q − p, as exact as that is long.
-    let product = axis.cross(&(p - centre)).cross(&f);
+    let product = square_to(&axis.cross(&(p - centre)), &f);
     let normal = if product.norm() > (q - p).norm() { product } else { q - p };
     signed(&normal, &guess.normal).or(Some(guess.normal)).map(|normal| (normal, [p, q]))
 }
@@ -193,7 +202,7 @@ fn circle_circle(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Ve
     let (arms, [turn_a, turn_b]) = at(&angles);
     let (p, q) = (centre + arms[0], other + arms[1]);
     // As of a circle and a line.
-    let product = turn_a.cross(&turn_b) / radius.max(*other_radius);
+    let product = square_to(&turn_a, &turn_b) / radius.max(*other_radius);
     let normal = if product.norm() > (q - p).norm() { product } else { q - p };
     signed(&normal, &guess.normal).or(Some(guess.normal)).map(|normal| (normal, [p, q]))
 }

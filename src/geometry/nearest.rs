@@ -7,8 +7,8 @@
 use crate::best::Best;
 use crate::both::{Both, Candidate};
 use crate::convex::{Core, Cylinder};
-use crate::feature::{FeatureId, Part, features, inside, lies_near, normals, part};
 use crate::deepest::deepest;
+use crate::feature::{FeatureId, Part, features, inside, lies_near, normals, part};
 use crate::guesses::guesses;
 use crate::meet::{Guess, meet};
 use nalgebra::Vector3;

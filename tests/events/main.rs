@@ -8,6 +8,7 @@ mod contacts;
 mod contacts_bowl;
 mod contacts_cradle;
 mod contacts_disc;
+mod contacts_mesh;
 mod contacts_orders;
 mod contacts_pairs;
 mod contacts_pressed;

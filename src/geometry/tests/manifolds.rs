@@ -1,8 +1,8 @@
 //! How many places of contact there are, and that each is what it says.
 
 use super::scenes::{Numbers, at, collider, cuboid, floor, pair};
-use crate::{FeatureId, PairGeometry, TouchPlace};
 use crate::plane::across;
+use crate::{FeatureId, PairGeometry, TouchPlace};
 use catena_mechanism::description::contact::{Feature, Shape};
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -167,10 +167,9 @@ fn the_frames_of_a_place_give_its_gap_and_its_normal_also_after_the_bodies_have_
                 );
                 for place in &places {
                     count += 1;
-                    if !place.exact {
-                        stand_ins += 1;
-                        println!("{one}-{other} at {apart:e}: {:?}", place.identity);
-                    }
+                    // Only sharp features that are apart have stand-ins: where they touch all have a form of their own.
+                    assert!(place.exact || apart > 1e-9, "{one}-{other} at {apart:e}: {place:?}");
+                    stand_ins += usize::from(!place.exact);
                     let said = gap(place, &of_a, &of_b);
                     assert!(
                         (said - place.gap).abs() <= 1e-13,
@@ -192,7 +191,7 @@ fn the_frames_of_a_place_give_its_gap_and_its_normal_also_after_the_bodies_have_
             }
         }
     }
-    assert!(stand_ins * 4 < count, "{stand_ins} of {count} places are stand-ins");
+    assert!(stand_ins * 30 < count, "{stand_ins} of {count} places are stand-ins");
 }
 
 #[test]

@@ -27,7 +27,10 @@ fn every_impossible_shape_is_refused_with_what_to_do() {
     let table = [
         (Shape::Sphere { radius: 0.0 }, "the radius of the sphere is 0 m: give a positive length below 1e150 m"),
         (Shape::Sphere { radius: f64::NAN }, "the radius of the sphere is NaN m: give a positive length below 1e150 m"),
-        (Shape::Capsule { radius: 1.0, half: -1.0 }, "the half length of the capsule is -1 m: give a positive length below 1e150 m"),
+        (
+            Shape::Capsule { radius: 1.0, half: -1.0 },
+            "the half length of the capsule is -1 m: give a positive length below 1e150 m",
+        ),
         (
             Shape::Cylinder { radius: f64::INFINITY, half: 1.0 },
             "the radius of the cylinder is inf m: give a positive length below 1e150 m",

@@ -40,7 +40,13 @@ pub struct Beside<S> {
 /// The nearest points of a circle of a radius (m) about an axis through the origin, and of the line through a point (m) along a unit vector; if `outwards`
 /// is 1, where the line goes outwards, and if it is 0 wherever they are.
 #[inline(always)]
-pub fn nearest<S: Smooth>(radius: f64, outwards: f64, point: Triple<S>, axis: Triple<S>, along: Triple<S>) -> Beside<S> {
+pub fn nearest<S: Smooth>(
+    radius: f64,
+    outwards: f64,
+    point: Triple<S>,
+    axis: Triple<S>,
+    along: Triple<S>,
+) -> Beside<S> {
     let (rho, one) = (S::constant(radius), S::constant(1.0));
     let middle = point.minus(along.times(point.dot(along)));
     let (slope, height) = (along.dot(axis), middle.dot(axis));
