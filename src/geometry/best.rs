@@ -1,4 +1,8 @@
-//! The best of several candidates: the one of the largest separation.
+//! The best of several candidates: the one with the least error.
+//!
+//! The distance is not less than the largest separation S of all normals that were tried. So the error of a candidate with the certificate ε and the
+//! separation s is `max(ε, S − s)`: of those whose points face each other the one of the largest separation is the best, and points that do not face each
+//! other are worse, whatever their normal.
 
 use crate::both::{Both, Candidate};
 use crate::feature::FeatureId;
@@ -40,9 +44,14 @@ impl<'a> Best<'a> {
         self.found
     }
 
-    /// Whether the points of the best so far prove that it is exact to rounding, at least among the normals around it.
+    /// The error of a candidate (m): see the module.
+    pub fn error(&self, candidate: &Candidate) -> f64 {
+        candidate.certificate().max(self.steepest.0 - candidate.separation)
+    }
+
+    /// Whether the points of the best so far prove that it is exact to rounding, at least among the normals that were tried.
     pub fn is_exact(&self) -> bool {
-        self.found.is_some_and(|found| found.certificate() <= 2e-14 * self.both.size())
+        self.found.is_some_and(|found| self.error(&found) <= 2e-14 * self.both.size())
     }
 
     /// Whether no other normal can be better: of shapes that overlap there can be several that are exact among the normals around them.
@@ -54,13 +63,7 @@ impl<'a> Best<'a> {
     pub fn offer(&mut self, normal: Vector3<f64>, points: [Vector3<f64>; 2], features: [FeatureId; 2]) {
         let separation = self.try_normal(&normal);
         let candidate = Candidate { normal, points, features, separation };
-        // Of two normals that separate as well the one whose points face each other.
-        let rounding = 1e-15 * self.both.size();
-        let better = self.found.is_none_or(|found| {
-            separation > found.separation + rounding
-                || (separation >= found.separation - rounding && candidate.certificate() < found.certificate())
-        });
-        if better {
+        if self.found.is_none_or(|found| self.error(&candidate) < self.error(&found)) {
             self.found = Some(candidate);
         }
     }

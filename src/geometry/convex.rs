@@ -155,6 +155,17 @@ impl Convex {
     }
 }
 
+/// Whether a shape can be used.
+///
+/// # Errors
+/// [`GeometryError`] for sizes that are no lengths, for points that have no hull, and for meshes that are too large or have coordinates that are not finite.
+pub fn check_shape(shape: &Shape) -> Result<(), GeometryError> {
+    match shape {
+        Shape::Mesh(surface) => check_points(&surface.vertices),
+        _ => Convex::new(shape, &Pose::identity()).map(drop),
+    }
+}
+
 /// A shape's kind in words.
 pub fn kind(shape: &Shape) -> &'static str {
     match shape {

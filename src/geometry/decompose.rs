@@ -1,13 +1,13 @@
 //! Convex pieces of a surface, by parry's VHACD.
 //!
-//! A surface is convex where it encloses as much as its hull, to 1e-6 of that, and is then its own piece, exactly. Another one is cut along
+//! A surface is convex where it encloses as much as its hull, to 1e-6 of that, and is then its own piece, exactly; so is a flat one. Another one is cut along
 //! planes of voxels, of which the longest side of the surface has 64. Each piece is the hull of the part of the surface in its voxels, so cuts
 //! are exact to the size of a voxel. For that reason a decomposition is made only on request.
 //!
 //! Source: Mamou, Volumetric Hierarchical Approximate Convex Decomposition, Game Engine Gems 3, chapter 12.
 
 use crate::error::GeometryError;
-use crate::hull::check_points;
+use crate::hull::{check_points, convex_hull};
 use catena_mechanism::description::contact::Surface;
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector;
@@ -37,6 +37,10 @@ pub fn decompose(surface: &Surface, most: u32) -> Result<Vec<Vec<Vector3<f64>>>,
     let size = surface.vertices.iter().map(|vertex| (vertex - middle).norm()).fold(0.0, f64::max);
     if size == 0.0 {
         return Err(GeometryError::EmptyMesh);
+    }
+    // What is flat encloses nothing, and is its own piece.
+    if convex_hull(&surface.vertices).is_ok_and(|hull| hull.faces.len() == 2) {
+        return Ok(vec![surface.vertices.clone()]);
     }
     let unit = |vertex: &Vector3<f64>| (vertex - middle) / size;
     let points: Vec<Vector> = surface.vertices.iter().map(unit).map(|p| Vector::new(p.x, p.y, p.z)).collect();

@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GeometryError {
     /// A size that is zero, negative or not finite.
-    #[error("the {what} of the {shape} is {value} m: give a positive length")]
+    #[error("the {what} of the {shape} is {value} m: give a positive length below 1e150 m")]
     Size {
         /// Kind of the shape.
         shape: &'static str,
@@ -30,13 +30,15 @@ pub enum GeometryError {
         shape: &'static str,
     },
     /// Not enough points for a hull.
-    #[error("a convex hull of {count} points has no volume: give at least 4 points that do not lie in one plane")]
+    #[error("a convex hull of {count} points has no area: give at least 3 points that do not lie on one line")]
     FewPoints {
         /// How many there are.
         count: usize,
     },
-    /// All points in one plane, on a line or at one place.
-    #[error("all points lie within {thickness:.1e} m of one plane: give the hull a thickness, or use a thin box")]
+    /// All points nearly in one plane, on a line or at one place.
+    #[error(
+        "all points lie within {thickness:.1e} m of one plane or on a line: give the hull a thickness, or make it flat"
+    )]
     Flat {
         /// Distance of the farthest point from the plane (m).
         thickness: f64,

@@ -6,6 +6,7 @@
 //! | cap, side, rim | cylinder | plane, line with a radius, circle |
 
 use crate::convex::{Core, Cylinder};
+use crate::plane::across;
 use crate::polytope::Polytope;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
@@ -48,10 +49,12 @@ pub enum Part {
 }
 
 impl Part {
-    /// Makes a line point the other way.
+    /// Makes a line, or the axis of a circle, point the other way.
     pub fn reverse(&mut self) {
-        if let Part::Line(ends, _) = self {
-            ends.reverse();
+        match self {
+            Part::Line(ends, _) => ends.reverse(),
+            Part::Circle(_, axis, _) => *axis = -*axis,
+            Part::Point(_) | Part::Plane(..) => {}
         }
     }
 
@@ -108,13 +111,6 @@ pub fn rim_point_towards(cylinder: &Cylinder, end: u32, direction: &Vector3<f64>
     let turn = (y.dot(direction).atan2(x.dot(direction)) / TAU).rem_euclid(1.0);
     // What is a rounding below zero is a whole turn.
     FeatureId::RimPoint { end, turn: (if turn < 1.0 { turn } else { 0.0 }).to_bits() }
-}
-
-/// Two unit vectors that make a right-handed frame with a third one as its z axis.
-pub fn across(axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    let other = if axis.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
-    let x = (other - axis * axis.dot(&other)).normalize();
-    (x, axis.cross(&x))
 }
 
 /// All features of a core.

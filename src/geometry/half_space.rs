@@ -49,7 +49,7 @@ impl HalfSpace {
         near: f64,
     ) -> Vec<Candidate> {
         let down = -rotation.tr_mul(&self.normal);
-        let guess = Guess { normal: self.normal, point: rotation * b.centre + translation };
+        let guess = Guess { normal: self.normal, point: rotation * b.centre + translation, at_point: false };
         let place = |feature: FeatureId| {
             let on_b = part(&b.core, feature).moved(rotation, translation);
             if !matches!(on_b, Part::Point(_) | Part::Circle(..)) {

@@ -1,9 +1,10 @@
 //! The convex hull of points, as a polytope whose coplanar triangles are merged into faces.
 //!
 //! The triangles are parry's (quickhull). Two that meet in an edge belong to one face if the opposite vertex of either lies within
-//! 1e-10 of the size in the plane of the other.
+//! 1e-10 of the size in the plane of the other. Points in one plane make a plate without thickness, with two faces.
 
 use crate::error::GeometryError;
+use crate::plane::{across, corners};
 use crate::polytope::{Face, Polytope};
 use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::math::Vector;
@@ -16,18 +17,21 @@ const MOST_POINTS: usize = 1_000_000;
 const FLAT: f64 = 1e-7;
 /// In one plane, relative to the size.
 const COPLANAR: f64 = 1e-10;
+/// In one plane to rounding, relative to the size.
+const PLANE: f64 = 1e-14;
 
 /// The convex hull of points (m).
 pub fn convex_hull(points: &[Vector3<f64>]) -> Result<Polytope, GeometryError> {
     check_points(points)?;
-    if points.len() < 4 {
+    if points.len() < 3 {
         return Err(GeometryError::FewPoints { count: points.len() });
     }
     let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
     let size = points.iter().map(|point| (point - middle).norm()).fold(0.0, f64::max);
-    let thickness = thickness(points, &middle);
+    let (normal, thickness) = plane(points, &middle);
     if thickness <= FLAT * size {
-        return Err(GeometryError::Flat { thickness });
+        let plate = if thickness <= PLANE * size { plate(points, &normal, size) } else { None };
+        return plate.ok_or(GeometryError::Flat { thickness });
     }
     // In units of the size, because parry's tolerances are absolute.
     let unit: Vec<Vector> =
@@ -57,14 +61,30 @@ pub fn check_points(points: &[Vector3<f64>]) -> Result<(), GeometryError> {
     Ok(())
 }
 
-/// Distance of the farthest point from the plane of least squares (m).
-fn thickness(points: &[Vector3<f64>], middle: &Vector3<f64>) -> f64 {
+/// The polygon of points in one plane, with a face on either side; `None` if they lie on a line.
+fn plate(points: &[Vector3<f64>], normal: &Vector3<f64>, size: f64) -> Option<Polytope> {
+    let (x, y) = across(normal);
+    let flat: Vec<Vector3<f64>> = points.iter().map(|point| Vector3::new(x.dot(point), y.dot(point), 0.0)).collect();
+    let vertices: Vec<Vector3<f64>> =
+        corners(&flat, COPLANAR * size).into_iter().map(|corner| points[corner]).collect();
+    let count = vertices.len();
+    let doubled = (2..count).map(|last| (vertices[last - 1] - vertices[0]).cross(&(vertices[last] - vertices[0])));
+    if count < 3 || doubled.sum::<Vector3<f64>>().norm() <= FLAT * size * size {
+        return None;
+    }
+    let front = Face { normal: *normal, corners: (0..count).collect() };
+    let back = Face { normal: -normal, corners: (0..count).rev().collect() };
+    Some(Polytope::of_faces(vertices, vec![front, back]))
+}
+
+/// The normal of the plane of least squares, and the distance of the farthest point from it (m).
+fn plane(points: &[Vector3<f64>], middle: &Vector3<f64>) -> (Vector3<f64>, f64) {
     let size = points.iter().map(|point| (point - middle).amax()).fold(f64::MIN_POSITIVE, f64::max);
     let spread: Matrix3<f64> =
         points.iter().map(|point| (point - middle) / size).map(|arm| arm * arm.transpose()).sum();
     let eigen = spread.symmetric_eigen();
     let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
-    points.iter().map(|point| normal.dot(&(point - middle)).abs()).fold(0.0, f64::max)
+    (normal, points.iter().map(|point| normal.dot(&(point - middle)).abs()).fold(0.0, f64::max))
 }
 
 /// The polytope whose faces are the triangles, those in one plane merged.

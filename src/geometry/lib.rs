@@ -6,13 +6,13 @@
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `polytope`, `hull`, `convex`, `half_space`, `mesh` | shapes, prepared |
+//! | `plane`, `polytope`, `hull`, `convex`, `half_space`, `mesh` | shapes, prepared |
 //! | `feature` | vertices, edges, faces, rims, sides: names, parts, borders |
-//! | `meet` | normal and points of two features: closed forms |
-//! | `both`, `best`, `nearest` | the distance of two convex shapes with its certificate |
+//! | `meet`, `guesses` | normal and points of two features: closed forms; where they are looked for |
+//! | `both`, `best`, `nearest`, `deepest` | the distance of two convex shapes with its certificate; the depth at rims |
 //! | `manifold` | all places where they touch |
 //! | `beyond` | how far the rest of two shapes is from each other while they touch |
-//! | `crossing` | which form the gap of an edge across a rim has |
+//! | `forms`, `crossing`, `rims` | which pair of a joint two features are, and which form the gap of rims has |
 //! | `place`, `pair` | answers |
 //! | `decompose` | convex pieces of a surface |
 //! | `hull_surface` | the triangles of a hull, for drawing |
@@ -27,8 +27,11 @@ mod both;
 mod convex;
 mod crossing;
 mod decompose;
+mod deepest;
 mod error;
 mod feature;
+mod forms;
+mod guesses;
 mod half_space;
 mod hull;
 mod hull_surface;
@@ -38,10 +41,13 @@ mod mesh;
 mod nearest;
 mod pair;
 mod place;
+mod plane;
 mod polytope;
+mod rims;
 #[cfg(test)]
 mod tests;
 
+pub use convex::check_shape;
 pub use decompose::decompose;
 pub use error::GeometryError;
 pub use feature::FeatureId;

@@ -8,9 +8,11 @@
 
 use crate::both::{Both, Candidate};
 use crate::convex::Core;
-use crate::feature::{FeatureId, Part, across, contact_features, features, inside, lies_near, part};
+use crate::feature::{FeatureId, Part, contact_features, features, inside, lies_near, part};
+use crate::guesses::guesses;
 use crate::meet::{Guess, meet};
 use crate::nearest::{nearest, spans_plane};
+use crate::plane::{across, corners};
 use nalgebra::{Matrix3, Vector3};
 
 /// Places that are nearer than this to each other are one, relative to the size.
@@ -47,6 +49,7 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
     // Cores that touch have no direction between two points: there a vertex that passes an edge counts as being over one face or the other.
     let sharp = closest.distance() <= 1e-9 * size;
     let outside = if sharp { -(near.abs().min(1e-3 * size) + rounding) } else { -1e-9 * size };
+    let at_closest = Guess { normal, point: closest.points[1], at_point: false };
     let mut found = Vec::new();
     let of_a: Vec<FeatureId> = contact_features(a, &normal, depth).collect();
     let of_b: Vec<FeatureId> = contact_features(b, &-own, depth).collect();
@@ -67,7 +70,7 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
             if sharp && !spans_plane(&on_a, &on_b) {
                 continue;
             }
-            for guess in guesses(&on_a, &on_b, closest).into_iter().flatten() {
+            for guess in guesses(&on_a, &on_b, at_closest) {
                 let Some((mut direction, points)) = meet(&on_a, &on_b, &guess) else { continue };
                 if guess.normal != normal && direction.dot(&normal) < 0.0 {
                     direction = -direction;
@@ -85,9 +88,14 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
             }
         }
     }
-    // Faces and vertices first: a place has the name of the simplest pair that it is.
+    // Faces and vertices first, then sides: a place has the name of the simplest pair that it is.
     found.sort_by_key(|candidate| {
-        !candidate.features.iter().any(|name| matches!(name, FeatureId::Face(_) | FeatureId::Cap(_)))
+        let of = |name: &FeatureId| match name {
+            FeatureId::Face(_) | FeatureId::Cap(_) => 0,
+            FeatureId::Side => 1,
+            _ => 2,
+        };
+        candidate.features.iter().map(of).min()
     });
     found
 }
@@ -95,19 +103,6 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
 /// The rims that lie flat, for which points stand among these features: edges cross them still.
 fn flat_rims(core: &Core, others: &[FeatureId]) -> impl Iterator<Item = FeatureId> {
     features(core).filter(move |feature| matches!(feature, FeatureId::Rim(_)) && !others.contains(feature))
-}
-
-/// Where the places of two features are looked for: at the closest points. An edge crosses a rim twice, and is looked for from both its ends, too.
-fn guesses(a: &Part, b: &Part, closest: &Candidate) -> [Option<Guess>; 3] {
-    let at = |normal: Vector3<f64>, point: Vector3<f64>| Some(Guess { normal, point });
-    let first = at(closest.normal, closest.points[1]);
-    match (a, b) {
-        (Part::Line(ends, 0.0), Part::Circle(_, axis, _)) | (Part::Circle(_, axis, _), Part::Line(ends, 0.0)) => {
-            // A normal along the axis says nothing of where on the rim.
-            [first, at(*axis, ends[0]), at(*axis, ends[1])]
-        }
-        _ => [first, None, None],
-    }
 }
 
 /// Whether a feature reaches into the slab below a support plane.
@@ -181,31 +176,4 @@ pub fn without_inner(found: &mut Vec<Candidate>, rounding: f64) {
         number += 1;
         corners.contains(&(number - 1))
     });
-}
-
-/// The corners of the convex hull of points in the plane (x, y), without those within a length of a side: Andrew's monotone chain.
-fn corners(places: &[Vector3<f64>], same: f64) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..places.len()).collect();
-    order.sort_by(|&one, &other| {
-        places[one].x.total_cmp(&places[other].x).then(places[one].y.total_cmp(&places[other].y))
-    });
-    let turns_left = |chain: &[usize], next: usize| {
-        let (from, by, to) = (places[chain[chain.len() - 2]], places[chain[chain.len() - 1]], places[next]);
-        let (first, second) = (by - from, to - from);
-        first.x * second.y - first.y * second.x > same * second.norm()
-    };
-    let half = |order: &mut dyn Iterator<Item = usize>| {
-        let mut chain: Vec<usize> = Vec::new();
-        for next in order {
-            while chain.len() >= 2 && !turns_left(&chain, next) {
-                chain.pop();
-            }
-            chain.push(next);
-        }
-        chain.pop();
-        chain
-    };
-    let mut lower = half(&mut order.iter().copied());
-    lower.extend(half(&mut order.iter().rev().copied()));
-    lower
 }

@@ -11,10 +11,13 @@
 //! | line–point | from the axis to the point | |
 //! | point–point | q − p | |
 //! | circle–point | ±(q − p) | p = c + ρ q⊥/\|q⊥\| |
-//! | circle–line | ±(q − p) | q = o + t f with (q − p) · f = 0: Newton on t |
+//! | circle–line | ±(q − p) | q = o + t f with (q − p) · f = 0: [`catena_mechanism::motion::rim_and_line`] |
 //! | circle–circle | ±(q − p) | both tangents perpendicular to q − p: Newton on two angles |
 
-use crate::feature::{Part, across};
+use crate::feature::Part;
+use crate::plane::across;
+use catena_mechanism::ground::smooth::Triple;
+use catena_mechanism::motion::rim_and_line::nearest;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Points at the same place by rounding, relative to the size of a feature: every normal that separates will do.
@@ -29,6 +32,8 @@ pub struct Guess {
     pub normal: Vector3<f64>,
     /// About q (m).
     pub point: Vector3<f64>,
+    /// Whether two circles are looked at from the point, and not from where they are farthest along the normal.
+    pub at_point: bool,
 }
 
 /// Normal and points of two features; `None` for pairs that have none: parallel lines, planes with planes or lines.
@@ -64,7 +69,7 @@ pub fn meet(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Vector3
         (Part::Circle(..), Part::Circle(..)) => circle_circle(a, b, guess),
         (Part::Plane(..), Part::Plane(..) | Part::Line(..)) | (Part::Line(..), Part::Plane(..)) => None,
         (Part::Point(..) | Part::Line(..) | Part::Circle(..), _) => {
-            let back = Guess { normal: -guess.normal, point: guess.point };
+            let back = Guess { normal: -guess.normal, ..*guess };
             meet(b, a, &back).map(|(normal, [q, p])| (-normal, [p, q]))
         }
     };
@@ -75,6 +80,14 @@ pub fn meet(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Vector3
 fn signed(along: &Vector3<f64>, side: &Vector3<f64>) -> Option<Vector3<f64>> {
     let unit = along.try_normalize(0.0)?;
     Some(if unit.dot(side) < 0.0 { -unit } else { unit })
+}
+
+/// The product of two directions, square to both to rounding also where they are nearly parallel.
+fn square_to(one: &Vector3<f64>, other: &Vector3<f64>) -> Vector3<f64> {
+    let product = one.cross(other);
+    let along = other.try_normalize(0.0).unwrap_or_default();
+    let across = (one - along * along.dot(one)).try_normalize(0.0).unwrap_or_default();
+    product - along * along.dot(&product) - across * across.dot(&product)
 }
 
 /// The common normal of two lines on the side of another, and its feet; `None` if the lines are parallel.
@@ -115,10 +128,8 @@ fn on_circle(centre: &Vector3<f64>, axis: &Vector3<f64>, radius: f64, point: &Ve
     centre + out.try_normalize(0.0).unwrap_or_else(|| across(axis).0) * radius
 }
 
-/// Nearest points of a circle and a line.
-///
-/// With ρ(t) the distance of q(t) from the axis and y(t) its height above the circle, g(t) = ((ρ − r)² + y²)/2 is stationary:
-/// `g' = (ρ − r) ρ' + y y'`, `g'' = ρ'² + y'² + (ρ − r) ρ''`, ρ' = w·f/ρ, ρ'' = (|f⊥|² − ρ'²)/ρ with w = q⊥.
+/// Nearest points of a circle and a line. Where the line goes out of the cylinder of the circle there is one such place, and one where it goes in
+/// ([`catena_mechanism::motion::rim_and_line`]): of both the one next to the point of the guess.
 fn circle_line(
     centre: &Vector3<f64>,
     axis: &Vector3<f64>,
@@ -127,44 +138,25 @@ fn circle_line(
     guess: &Guess,
 ) -> Option<(Vector3<f64>, [Vector3<f64>; 2])> {
     let f = (line[1] - line[0]).try_normalize(0.0)?;
-    // From the point of the circle that is farthest along the normal.
-    let across = guess.normal - axis * axis.dot(&guess.normal);
-    let start = across.try_normalize(1e-3).map_or(guess.point, |out| centre + out * radius);
-    let mut t = f.dot(&(start - line[0]));
-    let (rise, flat) = (axis.dot(&f), f - axis * axis.dot(&f));
-    // g, and the step of Newton's method, downhill also where g bends down.
-    let step_at = |t: f64| {
-        let arm = line[0] + f * t - centre;
-        let height = axis.dot(&arm);
-        let out = arm - axis * height;
-        let rho = out.norm().max(f64::MIN_POSITIVE);
-        let slope = out.dot(&f) / rho;
-        let bend = (flat.norm_squared() - slope * slope) / rho;
-        let (first, second) =
-            ((rho - radius) * slope + height * rise, slope * slope + rise * rise + (rho - radius) * bend);
-        (((rho - radius).powi(2) + height * height), (-first / second.abs().max(1e-14)).clamp(-radius, radius))
+    let triple = |vector: Vector3<f64>| Triple(vector.into());
+    let place = |side: f64, f: Vector3<f64>| {
+        let q =
+            centre + Vector3::from(nearest(radius, side, triple(line[0] - centre), triple(*axis), triple(f)).foot.0);
+        (on_circle(centre, axis, radius, &q), q)
     };
-    let mut now = step_at(t);
-    for _ in 0..ITERATIONS {
-        let mut step = now.1;
-        let mut next = step_at(t + step);
-        while next.0 > now.0 && step.abs() > 1e-6 * radius {
-            step *= 0.5;
-            next = step_at(t + step);
-        }
-        t += step;
-        now = next;
-        if step.abs() <= 1e-17 * (radius + t.abs()) {
-            break;
-        }
-    }
-    let q = line[0] + f * t;
-    let p = on_circle(centre, axis, radius, &q);
-    let off = (q - p).try_normalize(0.0).unwrap_or(guess.normal);
-    // Perpendicular to the line and to the circle's tangent: exact also where both nearly touch.
-    let tangent = axis.cross(&(p - centre));
-    let normal = tangent.cross(&f).try_normalize(1e-9 * radius).unwrap_or(off);
-    signed(&normal, &guess.normal).map(|normal| (normal, [p, q]))
+    let goes = |out: Vector3<f64>| {
+        Some(place(1.0, out)).filter(|(p, q)| out.dot(&(p - centre)) > 0.0 && f.dot(&(q - p)).abs() <= 1e-9 * radius)
+    };
+    let away = |(_, q): &(Vector3<f64>, Vector3<f64>)| f.dot(&(q - guess.point)).abs();
+    let (p, q) = match (goes(f), goes(-f)) {
+        (Some(one), Some(other)) if away(&other) < away(&one) => other,
+        (Some(one), _) | (None, Some(one)) => one,
+        (None, None) => place(0.0, f),
+    };
+    // Perpendicular to the line and to the circle's tangent, as exact as these are apart; or along q − p, as exact as that is long.
+    let product = square_to(&axis.cross(&(p - centre)), &f);
+    let normal = if product.norm() > (q - p).norm() { product } else { q - p };
+    signed(&normal, &guess.normal).or(Some(guess.normal)).map(|normal| (normal, [p, q]))
 }
 
 /// Nearest points of two circles: angles α, β with `d · p'(α) = 0` and `d · q'(β) = 0`, d = q − p.
@@ -176,7 +168,8 @@ fn circle_circle(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Ve
     // From the points of the circles that are farthest along the normal.
     let angle = |centre: &Vector3<f64>, out: Vector3<f64>, x: &Vector3<f64>, y: &Vector3<f64>| {
         let towards = guess.point - centre;
-        let arm = if x.dot(&out).hypot(y.dot(&out)) > 1e-3 { out } else { towards };
+        let from_normal = !guess.at_point && x.dot(&out).hypot(y.dot(&out)) > 1e-3;
+        let arm = if from_normal { out } else { towards };
         y.dot(&arm).atan2(x.dot(&arm))
     };
     let mut angles = Vector2::new(angle(centre, guess.normal, &x, &y), angle(other, -guess.normal, &u, &v));
@@ -208,10 +201,8 @@ fn circle_circle(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Ve
     }
     let (arms, [turn_a, turn_b]) = at(&angles);
     let (p, q) = (centre + arms[0], other + arms[1]);
-    let normal = turn_a
-        .cross(&turn_b)
-        .try_normalize(1e-9 * radius * other_radius)
-        .or((q - p).try_normalize(0.0))
-        .unwrap_or(guess.normal);
-    signed(&normal, &guess.normal).map(|normal| (normal, [p, q]))
+    // As of a circle and a line.
+    let product = square_to(&turn_a, &turn_b) / radius.max(*other_radius);
+    let normal = if product.norm() > (q - p).norm() { product } else { q - p };
+    signed(&normal, &guess.normal).or(Some(guess.normal)).map(|normal| (normal, [p, q]))
 }

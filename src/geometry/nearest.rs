@@ -7,7 +7,9 @@
 use crate::best::Best;
 use crate::both::{Both, Candidate};
 use crate::convex::{Core, Cylinder};
+use crate::deepest::deepest;
 use crate::feature::{FeatureId, Part, features, inside, lies_near, normals, part};
+use crate::guesses::guesses;
 use crate::meet::{Guess, meet};
 use nalgebra::Vector3;
 
@@ -44,7 +46,7 @@ pub fn nearest(both: &Both) -> Option<Candidate> {
         search_apart(&mut best, both);
     }
     let bound = supports(both, best.steepest());
-    best.found().filter(|found| found.certificate() <= bound.certificate()).or(Some(bound))
+    best.found().filter(|found| best.error(found) <= bound.certificate()).or(Some(bound))
 }
 
 /// Moves the two apart along the best normal, asks GJK there, and searches along what it finds: the normal of a small depth.
@@ -62,7 +64,7 @@ fn search_apart(best: &mut Best, both: &Both) {
 /// Offers what lies near the support planes of a normal, until the best is exact.
 fn search(best: &mut Best, both: &Both, normal: &Vector3<f64>) {
     for depth in DEPTHS {
-        offer_features(best, both, normal, depth * both.size());
+        offer_features(best, both, normal, depth * both.size(), false);
         if best.is_exact() {
             return;
         }
@@ -74,7 +76,7 @@ fn try_crossings(best: &mut Best, both: &Both) {
     let (a, b) = (&both.a.core, &both.b.core);
     let (Core::Polytope(one), Core::Polytope(other)) = (a, b) else {
         let start = best.steepest().1;
-        return offer_features(best, both, &start, f64::INFINITY);
+        return offer_features(best, both, &start, f64::INFINITY, true);
     };
     if one.edges.len() * other.edges.len() > MOST_PAIRS {
         return;
@@ -110,25 +112,30 @@ fn try_normals(best: &mut Best, both: &Both) {
     }
 }
 
-/// Offers the pairs of features that lie within a depth (m) of the support planes of a normal.
-fn offer_features(best: &mut Best, both: &Both, normal: &Vector3<f64>, depth: f64) {
+/// Offers the pairs of features that lie within a depth (m) of the support planes of a normal; looked for at the normal alone, or everywhere.
+fn offer_features(best: &mut Best, both: &Both, normal: &Vector3<f64>, depth: f64, everywhere: bool) {
     let (a, b) = (&both.a.core, &both.b.core);
     let own = both.rotation.tr_mul(normal);
     let (least_a, least_b) = (a.support(normal) - depth, b.support(&-own) - depth);
-    let guess = Guess { normal: *normal, point: both.of_b(&b.support_point(&-own)) };
+    let guess = Guess { normal: *normal, point: both.of_b(&b.support_point(&-own)), at_point: false };
     for one in features(a).filter(|&feature| lies_near(a, feature, normal, least_a)) {
         let on_a = part(a, one);
         for other in features(b).filter(|&feature| lies_near(b, feature, &-own, least_b)) {
             let on_b = part(b, other).moved(&both.rotation, &both.translation);
-            let Some((found, points)) = meet(&on_a, &on_b, &guess) else { continue };
-            if lie_on(both, [one, other], &points) {
+            if everywhere && let Some((found, points)) = deepest(&on_a, &on_b, &guess) {
                 best.offer(found, points, [one, other]);
-                // Between points that coincide every normal that separates will do.
-                if (points[1] - points[0]).norm() <= COINCIDENT * both.size() {
-                    best.offer(*normal, points, [one, other]);
+            }
+            for guess in guesses(&on_a, &on_b, guess).take(if everywhere { usize::MAX } else { 1 }) {
+                let Some((found, points)) = meet(&on_a, &on_b, &guess) else { continue };
+                if lie_on(both, [one, other], &points) {
+                    best.offer(found, points, [one, other]);
+                    // Between points that coincide every normal that separates will do.
+                    if (points[1] - points[0]).norm() <= COINCIDENT * both.size() {
+                        best.offer(*normal, points, [one, other]);
+                    }
+                } else if spans_plane(&on_a, &on_b) {
+                    best.try_normal(&found);
                 }
-            } else if spans_plane(&on_a, &on_b) {
-                best.try_normal(&found);
             }
         }
     }

@@ -7,16 +7,20 @@ use crate::both::{Both, Candidate};
 use crate::convex::{Convex, Core, kind};
 use crate::crossing::off_crossing;
 use crate::error::GeometryError;
-use crate::feature::{FeatureId, inside, off_neighbours, part, rim_point_towards};
+use crate::feature::{FeatureId, Part, inside, off_neighbours, part, rim_point_towards};
 use crate::half_space::HalfSpace;
 use crate::manifold::manifold;
 use crate::meet::{Guess, meet};
 use crate::mesh::Mesh;
 use crate::nearest::nearest;
 use crate::place::{Bearer, PlaceId, TouchPlace, place};
-use catena_mechanism::description::contact::{Collider, Shape};
+use crate::rims::{Joined, Meeting, off_rim};
+use catena_mechanism::description::contact::{Collider, Feature, Shape};
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Matrix3, Vector3};
+
+/// Two rims are at the same place up to this part of their radii.
+const CROSSES: f64 = 1e-6;
 
 /// Two colliders, prepared for questions.
 #[derive(Clone, Debug)]
@@ -146,14 +150,29 @@ impl PairGeometry {
             First::Convex(convex) => (part(&convex.core, names[0]), convex.radius),
         };
         let on_second = part(&self.second.core, names[1]).moved(&rotation, &translation);
-        let side = if self.exchanged { -1.0 } else { 1.0 };
-        let point = first.inverse_transform_point(&place.points[usize::from(!self.exchanged)].into()).coords;
-        let guess = Guess { normal: first.rotation.inverse() * place.normal * side, point };
-        let Some((_, points)) = meet(&of_first, &on_second, &guess) else { return f64::NEG_INFINITY };
         let own = |point: &Vector3<f64>| rotation.tr_mul(&(point - translation));
-        let crosses = off_crossing(&place.features, names, [&of_first, &on_second], &points);
         // The planes to neighbours count where a rounded partner rolls over an edge; of sharp ones the neighbours' own gaps tell.
         let rounded = radius + self.second.radius > 0.0;
+        let parts = [&of_first, &on_second];
+        let (points, form) = match self.rim_meets(place, [a, b]) {
+            Some(Meeting { normal, points, off_form }) => {
+                let reach = |part: &Part| match part {
+                    Part::Circle(_, _, rim) if (points[1] - points[0]).norm() < CROSSES * rim => *rim,
+                    _ => (points[1] - points[0]).norm(),
+                };
+                let off = |side: usize, normal: Vector3<f64>| {
+                    off_rim(parts[side], names[side], &points[side], &normal, reach(parts[side]))
+                };
+                (points, off_form.min(off(0, normal)).min(off(1, -normal)))
+            }
+            None => {
+                let side = if self.exchanged { -1.0 } else { 1.0 };
+                let point = first.inverse_transform_point(&place.points[usize::from(!self.exchanged)].into()).coords;
+                let guess = Guess { normal: first.rotation.inverse() * place.normal * side, point, at_point: false };
+                let Some((_, points)) = meet(&of_first, &on_second, &guess) else { return f64::NEG_INFINITY };
+                (points, off_crossing(&place.features, names, parts, &points).min(off_flat(place, [a, b])))
+            }
+        };
         let off = |core: &Core, feature: FeatureId, point: &Vector3<f64>| match core {
             Core::Polytope(polytope) if rounded => off_neighbours(polytope, feature, point),
             _ => f64::INFINITY,
@@ -166,11 +185,7 @@ impl PairGeometry {
             }
         };
         let second = &self.second.core;
-        crosses.min(of_first).min(inside(second, names[1], &own(&points[1]))).min(off(
-            second,
-            names[1],
-            &own(&points[0]),
-        ))
+        form.min(of_first).min(inside(second, names[1], &own(&points[1]))).min(off(second, names[1], &own(&points[0])))
     }
 
     /// How far what is not part of `closed` features is from the tangent plane of one of these places, which has this normal, from collider a to
@@ -227,12 +242,30 @@ impl PairGeometry {
         let of_second = part(&self.second.core, names[1]);
         let moved = of_second.moved(rotation, translation);
         let normal = first.rotation.inverse() * known.normal * if self.exchanged { -1.0 } else { 1.0 };
-        let (normal, points) = meet(&of_first, &moved, &Guess { normal, point: *translation })?;
+        let (normal, points) = meet(&of_first, &moved, &Guess { normal, point: *translation, at_point: false })?;
         let separation = normal.dot(&(points[1] - points[0]));
         let candidate = Candidate { normal, points, features: names, separation };
         let bearers = [Bearer { part: of_first, radius }, Bearer { part: of_second, radius: self.second.radius }];
         let found = place(&candidate, bearers, &in_first, first);
         Some(if self.exchanged { found.exchanged() } else { found })
+    }
+
+    /// Where a rim touches what is round, or another rim, as the joint has it: with the normal and the points from the first body to the second, in the frame of
+    /// the first. `None` for a place of other features.
+    fn rim_meets(&self, place: &TouchPlace, poses: [&Pose; 2]) -> Option<Meeting> {
+        let of = |feature: usize| {
+            let pose = poses[usize::from((feature == 1) != place.swapped)] * place.frames[feature];
+            [pose.translation.vector, pose.rotation * Vector3::z()]
+        };
+        let joined = Joined { features: place.features, side: place.side, placed: [of(0), of(1)] };
+        let Meeting { normal, points, off_form } = joined.meeting()?;
+        let first = poses[usize::from(self.exchanged)];
+        let [near, far] = points.map(|point| first.inverse_transform_point(&point.into()).coords);
+        let normal = first.rotation.inverse() * normal;
+        Some(match place.swapped != self.exchanged {
+            true => Meeting { normal: -normal, points: [far, near], off_form },
+            false => Meeting { normal, points: [near, far], off_form },
+        })
     }
 
     /// Pose of the first body, and rotation and translation of the second in it.
@@ -253,6 +286,15 @@ impl First {
             First::Convex(convex) => convex.reach(),
         }
     }
+}
+
+/// How far the axis of a rim on a plane leans to where it did when the place was found, times its radius (m); infinite for other features. At zero it may have come down
+/// flat, and goes on to lean to the other side.
+fn off_flat(place: &TouchPlace, poses: [&Pose; 2]) -> f64 {
+    let [Feature::Plane, Feature::Rim { radius }] = place.features else { return f64::INFINITY };
+    let [plane, rim] =
+        [0, 1].map(|i: usize| poses[usize::from((i == 1) != place.swapped)].rotation * place.frames[i].rotation);
+    radius * (plane * Vector3::x()).dot(&(rim * Vector3::z()))
 }
 
 /// The name of another point of the same rim, if this is the name of one.

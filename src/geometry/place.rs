@@ -1,8 +1,10 @@
 //! A place where two colliders touch, or nearly: features with their frames in the body frames, ready to be a joint.
 
 use crate::both::Candidate;
-use crate::crossing::crossing;
-use crate::feature::{FeatureId, Part, across};
+use crate::feature::{FeatureId, Part};
+use crate::forms::form;
+use crate::plane::across;
+use crate::rims::Form;
 use catena_mechanism::description::contact::Feature;
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
@@ -23,7 +25,7 @@ pub struct TouchPlace {
     pub identity: PlaceId,
     /// In the order that a joint wants; see `swapped`.
     pub features: [Feature; 2],
-    /// The sign of n, where both are lines, n = side · (z₁ × z₂)/|z₁ × z₂|, or a line and a rim.
+    /// The sign of n of lines and rims, or which place of a rim and a line it is: [`catena_mechanism::description::contact::Touch::side`].
     pub side: f64,
     /// The frames of the features, each in the frame of its body, in the order of `features`.
     pub frames: [Pose; 2],
@@ -47,6 +49,14 @@ pub fn frame(origin: Vector3<f64>, z: &Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::from(origin), rotation)
 }
 
+/// The frame of a plane with its x axis where an axis leans to: while it leans there, the rim about it stays on its side.
+fn leaning(plane: Pose, axis: &Vector3<f64>) -> Pose {
+    let z = plane.rotation * Vector3::z();
+    let Some(x) = (axis - z * z.dot(axis)).try_normalize(0.0) else { return plane };
+    let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
+    Pose::from_parts(plane.translation, rotation)
+}
+
 /// A part of a shape with a radius (m) about it, as a feature of a joint and its frame.
 pub fn feature_frame(part: &Part, radius: f64) -> (Feature, Pose) {
     match part {
@@ -57,18 +67,6 @@ pub fn feature_frame(part: &Part, radius: f64) -> (Feature, Pose) {
         }
         Part::Plane(at, normal) => (Feature::Plane, frame(*at, normal)),
         Part::Circle(centre, axis, own) => (Feature::Rim { radius: *own }, frame(*centre, axis)),
-    }
-}
-
-/// In which order a joint wants its features; `None` if it knows no such pair.
-fn order(features: &[Feature; 2]) -> Option<bool> {
-    match features {
-        [Feature::Plane, Feature::Point { .. } | Feature::Rim { .. }]
-        | [Feature::Line { .. }, Feature::Point { .. } | Feature::Line { .. }]
-        | [Feature::Point { .. }, Feature::Point { .. }] => Some(false),
-        [Feature::Point { .. } | Feature::Rim { .. }, Feature::Plane]
-        | [Feature::Point { .. }, Feature::Line { .. }] => Some(true),
-        _ => None,
     }
 }
 
@@ -94,36 +92,32 @@ pub fn place(
     let gap = candidate.distance() - radii[0] - radii[1];
     let [part_a, mut part_b] = bearers.map(|bearer| bearer.part);
     let mut part_a = part_a;
-    let across = if radii == [0.0; 2] {
-        crossing([&part_a, &part_b.moved(rotation, translation)], &surface, &normal, gap)
-    } else {
-        None
-    };
-    if across.is_some_and(|across| across.reversed) {
-        [&mut part_a, &mut part_b].into_iter().for_each(Part::reverse);
+    let found = form([&part_a, &part_b.moved(rotation, translation)], radii, &surface, &normal, gap);
+    let Form { swapped, reversed, side } = found.unwrap_or(Form::plain(false));
+    for (part, reversed) in [&mut part_a, &mut part_b].into_iter().zip(reversed) {
+        if reversed {
+            part.reverse();
+        }
     }
     let (of_a, frame_a) = feature_frame(&part_a, radii[0]);
     let (of_b, frame_b) = feature_frame(&part_b, radii[1]);
-    let known = match across {
-        Some(across) => Some(across.line_first != matches!(of_a, Feature::Line { .. })),
-        None => order(&[of_a, of_b]),
-    };
-    let (features, frames, swapped) = match known {
-        Some(false) => ([of_a, of_b], [frame_a, frame_b], false),
-        Some(true) => ([of_b, of_a], [frame_b, frame_a], true),
-        None => {
+    let (features, mut frames) = match (found, swapped) {
+        (Some(_), false) => ([of_a, of_b], [frame_a, frame_b]),
+        (Some(_), true) => ([of_b, of_a], [frame_b, frame_a]),
+        (None, _) => {
             let point = rotation.tr_mul(&(surface[1] - translation));
-            let frames = [frame(surface[0], &normal), frame(point, &Vector3::z())];
-            ([Feature::Plane, Feature::Point { radius: 0.0 }], frames, false)
+            (
+                [Feature::Plane, Feature::Point { radius: 0.0 }],
+                [frame(surface[0], &normal), frame(point, &Vector3::z())],
+            )
         }
     };
-    let lines = matches!(features, [Feature::Line { .. }, Feature::Line { .. }]);
-    let axes = (frames[0].rotation * Vector3::z(), rotation * (frames[1].rotation * Vector3::z()));
-    let side = match across {
-        Some(across) => across.side,
-        None if lines && axes.0.cross(&axes.1).dot(&normal) < 0.0 => -1.0,
-        None => 1.0,
-    };
+    if let ([Feature::Plane, Feature::Rim { .. }], Some(_)) = (features, found) {
+        // In the frame of the plane's body.
+        let axis = frames[1].rotation * Vector3::z();
+        let axis = if swapped { rotation.tr_mul(&axis) } else { rotation * axis };
+        frames[0] = leaning(frames[0], &axis);
+    }
     let world = |point: Vector3<f64>| a.rotation * point + a.translation.vector;
     TouchPlace {
         identity: PlaceId { a: candidate.features[0], b: candidate.features[1] },
@@ -134,7 +128,7 @@ pub fn place(
         gap,
         normal: a.rotation * normal,
         points: surface.map(world),
-        exact: known.is_some() && !candidate.features.iter().any(|name| matches!(name, FeatureId::RimPoint { .. })),
+        exact: found.is_some() && !candidate.features.iter().any(|name| matches!(name, FeatureId::RimPoint { .. })),
     }
 }
 

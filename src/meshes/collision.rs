@@ -11,10 +11,13 @@ use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::path::Path;
 
+/// Twice the area of a triangle that is none, relative to the square of its longest side.
+const NO_AREA: f64 = 1e-12;
+
 /// The surface in the bytes of a mesh file, scaled along the axes (m). The ending of the path says which format it has.
 ///
 /// # Errors
-/// [`MeshError`] if it is no mesh, or one without triangles.
+/// [`MeshError`] if it is no mesh, or one without triangles that have an area.
 pub fn collision_surface(path: &Path, bytes: &[u8], scale: &Vector3<f64>) -> Result<Surface, MeshError> {
     let read = read_surface(&ending_of(path), bytes, &|_| None)?;
     let corners = read.parts.iter().flat_map(|part| part.corners.chunks_exact(3));
@@ -47,7 +50,15 @@ fn surface(triangles: impl Iterator<Item = [Vector3<f64>; 3]>, scale: &Vector3<f
             surface.triangles.push(numbers);
         }
     }
-    if surface.triangles.is_empty() { Err(MeshError::Empty) } else { Ok(surface) }
+    if surface.triangles.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    let has_area = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|corner| surface.vertices[corner as usize]);
+        let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+        (b - a).cross(&(c - a)).norm() > NO_AREA * longest
+    };
+    if surface.triangles.iter().any(has_area) { Ok(surface) } else { Err(MeshError::NoArea) }
 }
 
 /// The connected parts of a surface, in the order of their first vertices.
@@ -85,22 +96,6 @@ pub fn connected_parts(surface: &Surface) -> Vec<Surface> {
         parts[part].triangles.push(corners.map(|corner| places[corner as usize].1));
     }
     parts
-}
-
-/// Whether all points lie in a plane, to a billionth of their extent.
-pub fn is_flat(points: &[Vector3<f64>]) -> bool {
-    let Some(&origin) = points.first() else { return true };
-    let farthest = |distance: &dyn Fn(&Vector3<f64>) -> f64| {
-        let far = points.iter().map(|point| (distance(point), point));
-        far.fold((0.0, origin), |best, (length, point)| if length > best.0 { (length, *point) } else { best })
-    };
-    let (extent, end) = farthest(&|point| (point - origin).norm());
-    let along = (end - origin) / extent;
-    let (width, corner) = farthest(&|point| (point - origin).cross(&along).norm());
-    let normal = along.cross(&((corner - origin) / width));
-    let (thickness, _) = farthest(&|point| (point - origin).dot(&normal).abs());
-    // Where width or extent is zero the distances are no numbers, none of which is farthest: the thickness is zero.
-    thickness <= 1e-9 * extent
 }
 
 #[cfg(test)]
@@ -152,13 +147,5 @@ mod tests {
             assert_eq!(volume(part), 1.0);
         }
         assert_eq!(parts.len(), 2);
-    }
-
-    #[test]
-    fn only_what_has_no_thickness_is_flat() {
-        let corners =
-            |z: f64| [[0.0, 0.0, 0.0], [1.0, 0.0, 0.3], [0.0, 1.0, 0.2], [1.0, 1.0, 0.5 + z]].map(Vector3::from);
-        assert!(is_flat(&corners(0.0)) && is_flat(&corners(1e-12)) && !is_flat(&corners(1e-6)));
-        assert!(is_flat(&[]) && is_flat(&[Vector3::x()]) && is_flat(&[Vector3::x(), Vector3::y(), Vector3::y()]));
     }
 }

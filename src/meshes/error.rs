@@ -26,6 +26,9 @@ pub enum MeshError {
     /// No triangle in it has three different corners.
     #[error("there is no triangle in it")]
     Empty,
+    /// All its triangles are lines.
+    #[error("none of its triangles has an area")]
+    NoArea,
     /// A coordinate that is infinite, no number, or too large for single precision.
     #[error("a corner of a triangle is not finite")]
     NotFinite,

@@ -22,7 +22,7 @@ mod obj;
 mod stl;
 mod surface;
 
-pub use collision::{collision_surface, connected_parts, is_flat};
+pub use collision::{collision_surface, connected_parts};
 pub use error::MeshError;
 pub use glb::glb;
 pub use surface::{Part, Surface};

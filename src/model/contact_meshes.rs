@@ -1,8 +1,8 @@
 //! The collision shapes of links as shapes of the mechanism: sizes checked, meshes read.
 
-use crate::geometry::decompose;
+use crate::geometry::{check_shape, decompose};
 use crate::mechanism::description::contact::Shape;
-use crate::meshes::{MeshError, collision_surface, connected_parts, is_flat};
+use crate::meshes::{MeshError, collision_surface, connected_parts};
 use crate::model::coupling_error::{CouplingError, CouplingProblem};
 use crate::model::model_error::ModelError;
 use crate::scene::{
@@ -33,15 +33,15 @@ impl ShapeReader {
         given: &LinkShape,
         choice: LinkShapes,
     ) -> Result<Vec<Shape>, ModelError> {
-        let positive = |what: &'static str, size: f64| {
-            if size > 0.0 {
-                return Ok(size);
-            }
-            let problem = CouplingProblem::ShapeSize { what, size };
+        let refuse = |problem: CouplingProblem| {
             let (file, element) = (robot.path.clone(), Element::Link(link.to_string()));
-            Err(ModelError::Coupling(CouplingError { file, line: given.line, element, problem }))
+            ModelError::Coupling(CouplingError { file, line: given.line, element, problem })
         };
-        Ok(vec![match &given.geometry {
+        let positive = |what: &'static str, size: f64| match size > 0.0 {
+            true => Ok(size),
+            false => Err(refuse(CouplingProblem::ShapeSize { what, size })),
+        };
+        let shape = match &given.geometry {
             Geometry::Box { size } => {
                 size.iter().try_for_each(|&edge| positive("size of its box", edge).map(drop))?;
                 Shape::Box { half: 0.5 * size }
@@ -64,7 +64,9 @@ impl ShapeReader {
                     Vec::new()
                 }));
             }
-        }])
+        };
+        check_shape(&shape).map_err(|problem| refuse(CouplingProblem::Shape(problem)))?;
+        Ok(vec![shape])
     }
 
     /// The convex hulls of a mesh, or why there are none.
@@ -89,9 +91,10 @@ impl ShapeReader {
             }
             LinkShapes::Hull | LinkShapes::None => vec![surface.vertices],
         };
-        if parts.iter().any(|part| is_flat(part)) {
-            return Err("is flat, and encloses nothing".to_string());
+        let shapes: Vec<Shape> = parts.into_iter().map(|part| Shape::Hull(Arc::new(part))).collect();
+        match shapes.iter().try_for_each(check_shape) {
+            Ok(()) => Ok(shapes),
+            Err(problem) => Err(format!("cannot be used: {problem}")),
         }
-        Ok(parts.into_iter().map(|part| Shape::Hull(Arc::new(part))).collect())
     }
 }

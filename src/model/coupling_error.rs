@@ -1,5 +1,6 @@
 //! Why a loop, spring, load or mimic relation cannot be part of the mechanism.
 
+use crate::geometry::GeometryError;
 use crate::scene::Element;
 use std::path::PathBuf;
 
@@ -57,6 +58,9 @@ pub enum CouplingProblem {
     /// A collision shape without size.
     #[error("the {what} is {size} m; it must be greater than zero")]
     ShapeSize { what: &'static str, size: f64 },
+    /// A collision shape that cannot be.
+    #[error("its collision shape cannot be used: {0}")]
+    Shape(GeometryError),
     /// A name of a pair that no shape has.
     #[error("{pattern:?} names no link with a collision shape and no obstacle; there are {known}")]
     NoShape { pattern: String, known: String },

@@ -1,6 +1,7 @@
 //! From the tables `[[obstacle]]`, `[contact]` and `[[link]]` to the contact settings of a scene: names resolved, keys that belong together checked,
 //! meshes read.
 
+use crate::geometry::check_shape;
 use crate::mechanism::description::contact::Shape;
 use crate::meshes::collision_surface;
 use crate::scene::contact_schema::{ContactTable, LinkTable, ObstacleTable, PairTable, ShapeKind, ShapeTable};
@@ -76,7 +77,12 @@ impl CouplingReader<'_> {
             let given = |numbers: &Option<Spanned<[Finite; 3]>>| numbers.as_ref().map(|given| vector(given.get_ref()));
             let normal = given(&shape.get_ref().normal).unwrap_or(Vector3::z());
             let scale = given(&shape.get_ref().scale).unwrap_or(Vector3::repeat(1.0));
+            let span = shape.span();
             let (shape, turn, mesh) = self.shape(shape, &owner, files)?;
+            if let Err(problem) = check_shape(&shape) {
+                let problem = Problem::Toml { key: Some("obstacle.shape".to_string()), message: problem.to_string() };
+                return Err(self.text.error(&span, Some(owner), problem));
+            }
             obstacles.push(Obstacle {
                 name,
                 shape,

@@ -1,7 +1,7 @@
 //! Cylinders that stand: the disc carries what its rim can, in every direction.
 
 use crate::continuous::run_under;
-use crate::loose::{DOWN, loose, on_floor, resting};
+use crate::loose::{DOWN, loose, meet, obstacle, on_floor, resting};
 use crate::mechanisms::{GRAVITY, fixed, run};
 use catena::mechanism::description::contact::Shape;
 use catena::mechanism::description::joint::Pose;
@@ -106,6 +106,35 @@ fn a_cylinder_on_a_slope_stays_for_ever_below_the_angle_of_its_rim_and_tips_abov
             println!("{angle}: {gone:e} of {wanted:e}");
             // What tips is 1e-8 of the forces, which are known to 1e-14.
             assert!((gone / wanted - 1.0).abs() < 1e-5, "{angle}: {gone:e} of {wanted:e}");
+        }
+    }
+}
+
+#[test]
+fn a_cylinder_that_stands_on_the_edge_of_another_stays_until_its_centre_is_beyond_the_rim() {
+    let half = 0.05;
+    for (part, angle) in [(0.5, 0.0), (0.5, 0.7), (0.999, 0.785), (0.999, 2.0), (1.001, 0.785), (1.001, 4.0)] {
+        let mut mechanism = loose(DOWN, &[(MASS, Shape::Cylinder { radius: RADIUS, half })]);
+        let below =
+            obstacle(&mut mechanism, Shape::Cylinder { radius: 1.3 * RADIUS, half }, Vector3::new(0.0, 0.0, -half));
+        meet(&mut mechanism, below, 0, 0.8, 0.0);
+        let towards = Vector3::new(f64::cos(angle), f64::sin(angle), 0.0);
+        let at = towards * (1.3 * RADIUS * part) + Vector3::z() * half;
+        let start = resting(&mechanism, &[at]);
+        let done = run(&mechanism, &start, 0.3, fixed(5, 0.01));
+        println!("{part} {angle}: {:?} {:?}", done.state.position, done.events);
+        if part < 1.0 {
+            assert_eq!(done.state.position, start.position, "{part}, {angle}");
+        } else {
+            // About the point of the lower rim, which slides on the upper cap not at all at first: m g (d − r) / J.
+            let arm = 1.3 * RADIUS * (part - 1.0);
+            let about = MASS * (0.25 * RADIUS * RADIUS + half * half / 3.0 + half * half + arm * arm);
+            let rate = (MASS * GRAVITY * half / about).sqrt();
+            // θ̈ ≈ m g (arm + h θ)/J while θ is small.
+            let angle = arm / half * ((rate * 0.3).cosh() - 1.0);
+            let found = towards.dot(&(Vector3::from_column_slice(&done.state.position[..3]) - at));
+            println!("leans {angle}: moved {found} for {}", half * angle);
+            assert!(found > 0.5 * half * angle.min(0.2), "{part}, {angle}: {found}");
         }
     }
 }

@@ -74,3 +74,42 @@ fn a_ball_on_a_mesh_leaves_a_triangle_at_its_sides() {
         assert!((margin - wanted).abs() <= 1e-15, "at {x}: {margin} for {wanted}");
     }
 }
+
+#[test]
+fn a_ball_leaves_the_cap_of_a_cylinder_for_its_rim_and_the_rim_for_its_side() {
+    let (pair, o) =
+        (pair(Shape::Cylinder { radius: 0.1, half: 0.2 }, Shape::Sphere { radius: 0.05 }), Pose::identity());
+    // In every direction from the axis.
+    for angle in [0.0, 0.7, 3.0] {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
+        let at = |x: f64, z: f64| Pose::from_parts(Translation3::from(turn * Vector3::new(x, 0.0, z)), turn);
+        let around = |out: f64| at(0.1 + out, 0.2 + (0.05f64.powi(2) - out * out).sqrt());
+        let on_cap = pair.touches(&o, &at(0.09, 0.25), 1e-9).remove(0);
+        let on_rim = pair.touches(&o, &around(0.01), 1e-9).remove(0);
+        let on_side = pair.touches(&o, &at(0.15, 0.19), 1e-9).remove(0);
+        let names = [&on_cap, &on_rim, &on_side].map(|place| place.identity.a);
+        assert_eq!(names, [FeatureId::Cap(1), FeatureId::Rim(1), FeatureId::Side]);
+        for out in [0.001, 0.02, 0.049] {
+            let b = around(out);
+            // The height over the side, or the distance from the axis beyond the rim, whichever is less.
+            let up = (0.05f64.powi(2) - out * out).sqrt();
+            assert!((pair.margin(&on_rim, &o, &b) - out.min(up)).abs() <= 1e-15, "rim at {out}");
+            assert!((pair.margin(&on_cap, &o, &b) + out).abs() <= 1e-15, "cap at {out}");
+            assert!((pair.margin(&on_side, &o, &b) + up).abs() <= 1e-15, "side at {out}");
+        }
+        assert!((pair.margin(&on_rim, &o, &at(0.099, 0.25)) + 0.001).abs() <= 1e-15);
+    }
+}
+
+#[test]
+fn a_rim_on_a_plane_leaves_its_side_where_its_axis_goes_through_the_upright() {
+    let (pair, o) = (pair(Shape::HalfSpace, Shape::Cylinder { radius: 0.05, half: 0.2 }), Pose::identity());
+    let tilted = |tilt: f64| {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.4) * Rotation3::new(Vector3::y() * tilt);
+        Pose::from_parts(Translation3::new(0.3, 0.0, 0.2 * tilt.cos() + 0.05 * tilt.sin().abs()), turn)
+    };
+    let place = pair.touches(&o, &tilted(0.1), 1e-9).remove(0);
+    for tilt in [0.3, 0.1, 1e-3, 1e-9, -1e-9, -0.1] {
+        assert!((pair.margin(&place, &o, &tilted(tilt)) - 0.05 * tilt.sin()).abs() <= 1e-16, "{tilt}");
+    }
+}

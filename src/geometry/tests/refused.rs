@@ -1,7 +1,7 @@
 //! Shapes that are no shapes, and poses that are no poses.
 
 use super::scenes::{Numbers, at, at_origin, collider, cuboid, floor, pair};
-use crate::{GeometryError, PairGeometry, decompose};
+use crate::{GeometryError, PairGeometry, check_shape, decompose};
 use catena_mechanism::description::contact::{Shape, Surface};
 use catena_mechanism::description::joint::Pose;
 use nalgebra::Vector3;
@@ -25,21 +25,24 @@ fn mesh(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Shape {
 fn every_impossible_shape_is_refused_with_what_to_do() {
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.5, 0.5, 1e-9]];
     let table = [
-        (Shape::Sphere { radius: 0.0 }, "the radius of the sphere is 0 m: give a positive length"),
-        (Shape::Sphere { radius: f64::NAN }, "the radius of the sphere is NaN m: give a positive length"),
-        (Shape::Capsule { radius: 1.0, half: -1.0 }, "the half length of the capsule is -1 m: give a positive length"),
+        (Shape::Sphere { radius: 0.0 }, "the radius of the sphere is 0 m: give a positive length below 1e150 m"),
+        (Shape::Sphere { radius: f64::NAN }, "the radius of the sphere is NaN m: give a positive length below 1e150 m"),
+        (
+            Shape::Capsule { radius: 1.0, half: -1.0 },
+            "the half length of the capsule is -1 m: give a positive length below 1e150 m",
+        ),
         (
             Shape::Cylinder { radius: f64::INFINITY, half: 1.0 },
-            "the radius of the cylinder is inf m: give a positive length",
+            "the radius of the cylinder is inf m: give a positive length below 1e150 m",
         ),
-        (cuboid(1.0, 0.0, 1.0), "the y size of the box is 0 m: give a positive length"),
+        (cuboid(1.0, 0.0, 1.0), "the y size of the box is 0 m: give a positive length below 1e150 m"),
         (
-            hull(&corners[..3]),
-            "a convex hull of 3 points has no volume: give at least 4 points that do not lie in one plane",
+            hull(&corners[..2]),
+            "a convex hull of 2 points has no area: give at least 3 points that do not lie on one line",
         ),
         (
-            hull(&corners[..4]),
-            "all points lie within 0.0e0 m of one plane: give the hull a thickness, or use a thin box",
+            hull(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]),
+            "all points lie within 0.0e0 m of one plane or on a line: give the hull a thickness, or make it flat",
         ),
         (hull(&[[f64::NAN; 3]; 5]), "coordinate x of vertex 0 is NaN: give a finite number"),
         (mesh(&corners, &[]), "the mesh has no triangle with an area: export it again with its faces"),
@@ -47,10 +50,15 @@ fn every_impossible_shape_is_refused_with_what_to_do() {
         (mesh(&corners, &[[0, 1, 7]]), "triangle 0 names vertex 7, but there are 5 vertices: export the mesh again"),
     ];
     for (shape, words) in table {
-        assert_eq!(error(shape), words);
+        assert_eq!(error(shape.clone()), words);
+        // Of a mesh only who reads it can say what its triangles are.
+        if !matches!(shape, Shape::Mesh(_)) {
+            assert_eq!(check_shape(&shape).expect_err(words).to_string(), words);
+        }
     }
     assert!(error(hull(&corners)).contains("m of one plane"), "thinner than 1e-7 of its size");
     assert!(error(hull(&[[0.3, 0.2, 0.1]; 9])).contains("of one plane"), "all at one place");
+    assert!(error(Shape::Sphere { radius: 1e200 }).contains("below 1e150 m"));
     let two = PairGeometry::new(&at_origin(Shape::HalfSpace), &at_origin(floor(1, 1.0, |_, _| 0.0)));
     assert_eq!(two.expect_err("two obstacles"), GeometryError::Obstacles { a: "half space", b: "triangle mesh" });
     assert_eq!(decompose(&Surface::default(), 4), Err(GeometryError::EmptyMesh));
@@ -90,4 +98,27 @@ fn poses_that_are_not_finite_and_poses_far_away_are_answered() {
             assert!((found / far - 1.0).abs() < 1e-5, "{kind}: {found:e} at {far:e}");
         }
     }
+}
+
+#[test]
+fn points_in_one_plane_make_a_plate_that_touches_with_its_corners_and_is_touched_on_both_sides() {
+    // A square with a point in the middle of a side and one inside, somewhere in space.
+    let turn = at(0.3, -0.2, 0.1) * Pose::rotation(Vector3::new(0.4, -0.7, 0.2));
+    let flat = [[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5], [0.0, 0.5], [0.1, 0.2]];
+    let points = |pose: &Pose| flat.map(|[x, y]| pose.transform_point(&Vector3::new(x, y, 0.0).into()).coords.into());
+    let floor = pair(Shape::HalfSpace, hull(&points(&Pose::identity())));
+    assert_eq!(floor.touches(&Pose::identity(), &at(0.0, 0.0, 0.0), 1e-9).len(), 4);
+    let plate = pair(hull(&points(&turn)), Shape::Sphere { radius: 0.2 });
+    for side in [1.0, -1.0] {
+        let over = |x: f64, height: f64| turn * at(x, 0.1, side * height);
+        let found = plate.distance(&Pose::identity(), &over(0.2, 0.3));
+        assert!((found.distance - 0.1).abs() <= 1e-15 && found.certificate <= 1e-15, "{found:?}");
+        assert!((found.normal - turn.rotation * Vector3::z() * side).norm() <= 1e-15, "{found:?}");
+        // Beyond its edge: the hypotenuse of 0.3 and 0.4.
+        let found = plate.distance(&Pose::identity(), &over(0.8, 0.4));
+        assert!((found.distance - 0.3).abs() <= 1e-15 && found.certificate <= 1e-15, "{found:?}");
+        assert_eq!(plate.touches(&Pose::identity(), &over(0.2, 0.2), 1e-9).len(), 1);
+    }
+    let boxes = pair(hull(&points(&Pose::identity())), cuboid(0.1, 0.1, 0.1));
+    assert_eq!(boxes.touches(&Pose::identity(), &at(0.3, 0.1, 0.1), 1e-9).len(), 4);
 }

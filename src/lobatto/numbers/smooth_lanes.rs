@@ -46,6 +46,14 @@ impl<V: Lanes> Smooth for Lane<V> {
     fn reciprocal(self) -> Self {
         Lane(self.0.reciprocal())
     }
+    #[inline(always)]
+    fn held(self) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn is_within(self, bound: f64) -> bool {
+        self.0.max_abs(V::zero()).largest() <= bound
+    }
 }
 
 /// A vector of such numbers.

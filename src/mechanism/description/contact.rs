@@ -135,10 +135,11 @@ pub enum Grip {
 /// The features of a contact, on the first and on the second body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim; line–rim for an edge that goes through the plane of the rim, and
-    /// rim–line for one that goes out of the rim along it.
+    /// On a, then on b: point–point, plane–point, line–point, line–line, plane–rim, rim–point and rim–line, both with a radius, rim–rim; line–rim for an
+    /// edge, without a radius, that goes through the plane of the rim, and rim–line for one that goes out of the rim along it.
     pub features: [Feature; 2],
-    /// The sign of n: of two lines `n = side · (z_a × z_b)/|z_a × z_b|`, of a line and a rim as [`crate::motion::contact_geometry`] says.
+    /// The sign of n: of two lines `n = side · (z_a × z_b)/|z_a × z_b|`, of two rims, and of an edge and a rim, as [`crate::motion::contact_geometry`]
+    /// says. Of a rim and a line with a radius: 0 for the place where the two are nearest, 1 for the one where the line goes out of the rim.
     pub side: f64,
     /// Its friction.
     pub grip: Grip,
@@ -172,6 +173,12 @@ pub enum Cores {
     LineRim(f64),
     /// A circle of this radius (m) and a line, which goes through the cylinder above it, outwards.
     RimLine(f64),
+    /// A circle of this radius (m) and a point apart from it.
+    RimPoint(f64),
+    /// A circle of this radius (m) and a line apart from it.
+    RimBesideLine(f64),
+    /// Two circles of these radii (m), of which the second goes through the plane of the first, downwards.
+    Rims(f64, f64),
 }
 
 impl Touch {
@@ -185,6 +192,11 @@ impl Touch {
             [Feature::Plane, Feature::Rim { radius }] => (Cores::PlaneRim(radius), 0.0, 0.0),
             [Feature::Line { radius: 0.0 }, Feature::Rim { radius }] => (Cores::LineRim(radius), 0.0, 0.0),
             [Feature::Rim { radius }, Feature::Line { radius: 0.0 }] => (Cores::RimLine(radius), 0.0, 0.0),
+            [Feature::Rim { radius: rim }, Feature::Line { radius }] => (Cores::RimBesideLine(rim), radius, radius),
+            [Feature::Rim { radius: rim }, Feature::Point { radius }] if radius > 0.0 => {
+                (Cores::RimPoint(rim), radius, radius)
+            }
+            [Feature::Rim { radius: a }, Feature::Rim { radius }] => (Cores::Rims(a, radius), 0.0, 0.0),
             _ => return None,
         };
         Some(Pairing { cores, reach, radius })

@@ -18,6 +18,10 @@ pub trait Smooth: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     fn square_root(self) -> Self;
     /// `1 / self`.
     fn reciprocal(self) -> Self;
+    /// The same number, held: without its derivatives.
+    fn held(self) -> Self;
+    /// Whether its value is between −bound and bound, at all its instants; never if it is not a number.
+    fn is_within(self, bound: f64) -> bool;
 }
 
 impl Smooth for f64 {
@@ -32,6 +36,14 @@ impl Smooth for f64 {
     #[inline(always)]
     fn reciprocal(self) -> Self {
         1.0 / self
+    }
+    #[inline(always)]
+    fn held(self) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn is_within(self, bound: f64) -> bool {
+        self.abs() <= bound
     }
 }
 
@@ -84,6 +96,12 @@ impl Smooth for Jet {
         let value = 1.0 / self.value;
         let rate = -self.rate * value * value;
         Jet { value, rate, second: (2.0 * self.rate * self.rate * value - self.second) * value * value }
+    }
+    fn held(self) -> Self {
+        Jet::constant(self.value)
+    }
+    fn is_within(self, bound: f64) -> bool {
+        self.value.is_within(bound)
     }
 }
 

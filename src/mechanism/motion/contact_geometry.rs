@@ -24,11 +24,25 @@
 //! ```
 //!
 //! Zero where the two touch, and with the gradient of the distance there: a gap of a contact that is closed. The first form is for lines that are
-//! steep to the plane of the circle, the second for flat ones.
+//! steep to the plane of the circle, the second for flat ones. So is that of two circles about k_a and k_b, of which the second goes through the plane of
+//! the first, downwards, at b + ρ_b u:
+//!
+//! ```text
+//!     w = d + ρ_b u,   k_a·w = 0,   (k_b × u)·k_a < 0,   m = w/|w|
+//!     n = side (k_a × m) × (k_b × u)/|…|              φ = (|w| − ρ_a) n·m        p = b + ρ_b u
+//! ```
+//!
+//! A circle and a point, or a line, with a radius are apart where they touch: φ is the distance of their cores less the radius.
+//!
+//! ```text
+//!     rim–point:     m = q/|q|, q = d − (d·k) k,  e = d − ρ m,  n = e/|e|        φ = |e| − r     p = b − r n
+//!     rim–line:      e from the circle to its nearest point of the line ([`crate::motion::rim_and_line`])
+//! ```
 
 use crate::description::contact::{Cores, Pairing};
 use crate::forces::point_spring::NO_LENGTH;
 use crate::ground::smooth::{Smooth, Triple};
+use crate::motion::rim_and_line::{Beside, nearest};
 
 /// Where a feature is: its origin (m) and its axis.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +64,7 @@ pub struct Contact<S> {
     pub point: Triple<S>,
 }
 
-/// The contact of two features; `side` is of lines alone.
+/// The contact of two features; `side` is what [`crate::description::contact::Touch::side`] says.
 #[inline(always)]
 pub fn contact<S: Smooth>(pairing: Pairing, side: f64, a: Placed<S>, b: Placed<S>) -> Contact<S> {
     let apart = b.origin.minus(a.origin);
@@ -103,6 +117,33 @@ pub fn contact<S: Smooth>(pairing: Pairing, side: f64, a: Placed<S>, b: Placed<S
             let out = arm.minus(axis.times(height)).times(rim.reciprocal());
             let normal = across_rim(axis, along, out, side);
             Contact { gap: height * normal.dot(axis), normal, point: a.origin.plus(arm) }
+        }
+        Cores::RimPoint(rim) => {
+            let level = apart.minus(a.axis.times(apart.dot(a.axis)));
+            between(apart.minus(level.times(S::constant(rim) * length(level).reciprocal())))
+        }
+        Cores::RimBesideLine(rim) => {
+            let Beside { between: off, foot } = nearest(rim, side, apart, a.axis, b.axis);
+            let length = length(off);
+            let normal = off.times(length.reciprocal());
+            let point = a.origin.plus(foot).minus(normal.times(radius));
+            Contact { gap: length - reach, normal, point }
+        }
+        Cores::Rims(rim, other) => {
+            let (rim, other) = (S::constant(rim), S::constant(other));
+            // Two directions in the plane of the second circle: up from that of the first, and along it.
+            let up = a.axis.minus(b.axis.times(a.axis.dot(b.axis)));
+            let per_slope = length(up).reciprocal();
+            let up = up.times(per_slope);
+            let cosine = apart.dot(a.axis) * per_slope * other.reciprocal();
+            let sine = (S::constant(1.0) - cosine * cosine).square_root();
+            let out = b.axis.cross(up).times(sine).minus(up.times(cosine));
+            let arm = apart.plus(out.times(other));
+            let reached = length(arm);
+            let towards = arm.times(reached.reciprocal());
+            let normal = a.axis.cross(towards).cross(b.axis.cross(out));
+            let normal = normal.times(length(normal).reciprocal() * S::constant(side));
+            Contact { gap: (reached - rim) * normal.dot(towards), normal, point: a.origin.plus(arm) }
         }
     }
 }

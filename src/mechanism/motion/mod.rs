@@ -12,6 +12,7 @@ pub mod inputs;
 pub mod integrator;
 pub mod joint_coordinates;
 pub mod kinematics;
+pub mod rim_and_line;
 pub mod state;
 pub mod step_error;
 pub mod touches;

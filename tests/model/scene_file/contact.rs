@@ -254,14 +254,17 @@ fn a_decomposed_hook_has_room_for_a_ball_inside() {
 fn a_mesh_of_a_link_that_cannot_be_used_is_left_out_with_a_warning_where_it_could_touch() {
     let folder = with_walker("bad_meshes");
     let meshed = std::fs::read_to_string(folder.join("meshed.urdf")).expect("there");
-    std::fs::write(folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n").expect("written");
+    std::fs::write(folder.join("thin.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1e-8\nf 1 2 3\nf 2 4 3\n")
+        .expect("written");
+    std::fs::write(folder.join("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").expect("written");
     std::fs::write(folder.join("empty.obj"), "v 0 0 0\n").expect("written");
     std::fs::write(folder.join("cut.stl"), [0; 90]).expect("written");
     std::fs::write(folder.join("cut.dae"), "<COLLADA>").expect("written");
     std::fs::write(folder.join("other.ply"), "ply").expect("written");
     for (file, reason) in [
         ("none.obj", "was not found"),
-        ("flat.obj", "is flat"),
+        ("thin.obj", "m of one plane"),
+        ("line.obj", "none of its triangles has an area"),
         ("empty.obj", "there is no triangle in it"),
         ("cut.dae", "is not well-formed XML"),
         ("other.ply", ".stl, .obj and .dae"),
@@ -283,6 +286,20 @@ fn a_mesh_of_a_link_that_cannot_be_used_is_left_out_with_a_warning_where_it_coul
         // Where nothing can touch, nobody looks.
         assert_eq!(said(&model(&folder, &text)), [""; 0], "{file}");
         assert_eq!(said(&model(&folder, &format!("{text}{FLOOR}[contact]\npairs = \"none\"\n"))), [""; 0], "{file}");
+    }
+}
+
+#[test]
+fn a_flat_mesh_of_a_link_is_a_plate_whole_or_in_pieces() {
+    let folder = with_walker("plates");
+    let meshed = std::fs::read_to_string(folder.join("meshed.urdf")).expect("there");
+    std::fs::write(folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n").expect("written");
+    std::fs::write(folder.join("plate.urdf"), meshed.replace("twins.obj", "flat.obj")).expect("written");
+    for shapes in ["", "[[link]]\nname = \"leg\"\ncollision = \"decompose\"\n"] {
+        let model = model(&folder, &format!("{}{FLOOR}{shapes}", FLOATING.replace("walker", "plate")));
+        let plates = model.mechanism.nonsmooth.colliders.iter().filter(|collider| collider.name == "leg");
+        assert_eq!(plates.count(), 1, "{shapes}");
+        assert!(model.warnings.iter().all(|warning| !warning.message.contains("mesh")), "{:?}", model.warnings);
     }
 }
 

@@ -27,6 +27,7 @@ fn check(folder: &std::path::Path, cases: Vec<(String, &[&str])>) {
 fn wrong_obstacles_are_refused_with_file_line_and_key() {
     let folder = folder("obstacle_errors");
     std::fs::write(folder.join("empty.obj"), "# nothing\n").expect("written");
+    std::fs::write(folder.join("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").expect("written");
     std::fs::write(folder.join("cut.stl"), "solid a\nfacet\nouter loop\nvertex 0 0 0\n").expect("written");
     std::fs::write(folder.join("mesh.ply"), "ply").expect("written");
     std::fs::write(folder.join("good.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("written");
@@ -88,6 +89,8 @@ fn wrong_obstacles_are_refused_with_file_line_and_key() {
         // Meshes.
         (mesh("none.obj"), &["scene.toml:4: obstacle \"obstacle1\": obstacle.shape.file: none.obj: cannot be read"]),
         (mesh("empty.obj"), &["scene.toml:4: ", "empty.obj: there is no triangle in it"]),
+        (mesh("line.obj"), &["scene.toml:4: ", "line.obj: none of its triangles has an area"]),
+        (of("type = \"sphere\", radius = 1e200", ""), &["scene.toml:4: ", "obstacle.shape: ", "below 1e150 m"]),
         (mesh("cut.stl"), &["scene.toml:4: ", "cut.stl: it is cut off within a facet"]),
         (mesh("mesh.ply"), &["scene.toml:4: ", "mesh.ply: meshes are read from .stl, .obj and .dae"]),
         (mesh("double.urdf"), &["scene.toml:4: ", "double.urdf: meshes are read from"]),
@@ -155,6 +158,7 @@ fn wrong_pairs_and_links_are_refused_with_file_line_and_name() {
     for (shape, what) in [
         ("sphere radius=\"0\"", "radius of its sphere is 0 m"),
         ("box size=\"1 -1 1\"", "size of its box is -1 m"),
+        ("sphere radius=\"1e200\"", "below 1e150 m"),
         ("cylinder radius=\"1\" length=\"0\"", "length of its cylinder is 0 m"),
         ("cylinder radius=\"0\" length=\"1\"", "radius of its cylinder is 0 m"),
         ("capsule radius=\"1\" length=\"-2\"", "length of its capsule is -2 m"),

@@ -175,12 +175,12 @@ fn a_start_inside_a_floor_is_moved_out_and_said() {
 }
 
 #[test]
-fn a_mesh_of_a_link_that_is_missing_flat_or_cut_off_touches_nothing_and_the_run_says_where() {
+fn a_mesh_of_a_link_that_is_missing_a_line_or_cut_off_touches_nothing_and_the_run_says_where() {
     let folder = touching("bad_meshes", "");
     let urdf = std::fs::read_to_string(folder.join("touching.urdf")).expect("there");
-    std::fs::write(folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n").expect("written");
+    std::fs::write(folder.join("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").expect("written");
     std::fs::write(folder.join("cut.stl"), [7; 90]).expect("written");
-    for (file, reason) in [("none.obj", "was not found"), ("flat.obj", "is flat"), ("cut.stl", "cannot be used")] {
+    for (file, reason) in [("none.obj", "was not found"), ("line.obj", "has an area"), ("cut.stl", "cannot be used")] {
         let mesh = format!("<mesh filename=\"{file}\"/>");
         std::fs::write(folder.join("bad.urdf"), urdf.replace("<sphere radius=\"0.1\"/>", &mesh)).expect("written");
         let arguments = ["simulate", "bad.urdf", "--floor", "-1", "--duration", "0.1", "--no-log", "--json"];

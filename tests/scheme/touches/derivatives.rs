@@ -50,12 +50,20 @@ fn rates_and_second_rates_of_all_pairs_are_those_of_differences() {
         [Feature::Plane, Feature::Rim { radius: 0.3 }],
         [Feature::Line { radius: 0.0 }, Feature::Rim { radius: 0.3 }],
         [Feature::Rim { radius: 0.3 }, Feature::Line { radius: 0.0 }],
+        [Feature::Rim { radius: 0.3 }, point],
+        [Feature::Rim { radius: 0.3 }, line],
+        [Feature::Rim { radius: 0.3 }, line],
+        [Feature::Rim { radius: 0.3 }, Feature::Rim { radius: 0.2 }],
     ];
     // The second feature is about a metre above the first, its axis across that of the first. A line goes through a rim that is next to it, or out of
-    // one that is below it.
+    // one that is below it; it lies beside it, or across it. The second rim goes down through the plane of the first, next to it.
     let place_and_turn = |pair: usize| match pair {
         5 => (Vector3::new(0.3, 0.0, 0.1), Vector3::new(0.3, 0.2, 0.0)),
         6 => (Vector3::new(0.0, 0.1, 0.1), Vector3::new(1.4, 0.0, 0.3)),
+        7 => (Vector3::new(0.4, 0.1, 0.2), Vector3::zeros()),
+        8 => (Vector3::new(0.5, 0.2, 0.2), Vector3::new(1.2, 0.3, 0.2)),
+        9 => (Vector3::new(0.1, 0.2, 0.15), Vector3::new(1.7, 0.0, 0.2)),
+        10 => (Vector3::new(0.45, 0.2, 0.1), Vector3::new(1.3, 0.0, 0.4)),
         _ => (Vector3::new(0.4, 0.3, 1.0), Vector3::new(0.9, 0.0, 0.3)),
     };
     let mut seed = 1_u64;
@@ -63,8 +71,8 @@ fn rates_and_second_rates_of_all_pairs_are_those_of_differences() {
         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     };
-    let mut worst = [[0.0_f64; 4]; 7];
-    for number in 0..560 {
+    let mut worst = [[0.0_f64; 4]; 11];
+    for number in 0..880 {
         let pair = number % pairs.len();
         // A line may pass a rim at a slant, where the seventh derivatives are a hundred times as large.
         let h = if pair >= 5 { 1e-3 } else { 2.5e-3 };
@@ -80,7 +88,9 @@ fn rates_and_second_rates_of_all_pairs_are_those_of_differences() {
         let (place, turn) = place_and_turn(pair);
         let mut paths = [path(Vector3::zeros(), Vector3::zeros()), path(place, turn)];
         let [a, b] = [0, 1].map(|body: usize| feature(Some(body), vector(0.05), vector(0.05)));
-        let joint = touch(pairs[pair], slides(0.0), a, b);
+        let mut joint = touch(pairs[pair], slides(0.0), a, b);
+        // Of a rim and a line the nearest place, or the one where the line goes outwards.
+        joint.touch.side = if pair == 8 { 0.0 } else { 1.0 };
         // The gap of a line and a rim is a distance where they touch.
         for _ in 0..if pair >= 5 { 8 } else { 0 } {
             let here = touch_motion(&joint, &paths.each_ref().map(|path| path.at(0.0)));

@@ -1,0 +1,66 @@
+//! A floor of triangles is a floor: what is pushed over it moves as over a half space, and feels none of its edges.
+
+use crate::loose::{DOWN, cuboid, loose, meet, obstacle, put};
+use crate::mechanisms::{fixed, of_kind, run};
+use catena::mechanism::description::contact::{Shape, Surface};
+use catena::mechanism::motion::event::EventKind;
+use catena::mechanism::motion::state::State;
+use catena::simulation::StepChoice;
+use nalgebra::Vector3;
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+/// A floor at z = 0 about the origin, of squares of two triangles each.
+fn squares(count: u32, square: f64) -> Shape {
+    let row = count + 1;
+    let place = |i: u32| (f64::from(i) - 0.5 * f64::from(count)) * square;
+    let vertices = (0..row * row).map(|number| Vector3::new(place(number % row), place(number / row), 0.0)).collect();
+    let triangles = (0..count * count).flat_map(|number| {
+        let corner = number / count * row + number % count;
+        [[corner, corner + 1, corner + row + 1], [corner, corner + row + 1, corner + row]]
+    });
+    Shape::Mesh(Arc::new(Surface { vertices, triangles: triangles.collect() }))
+}
+
+#[test]
+fn what_is_pushed_over_a_mesh_floor_moves_as_over_a_half_space() {
+    let none = Vector3::zeros();
+    let velocity: Vector3<f64> = Vector3::new(1.1, 0.63, 0.0);
+    // Half its height over the floor, its turn, and its spin. A capsule lies along its motion, and across it.
+    let lying = |turn: f64| {
+        nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), turn)
+            * nalgebra::Rotation3::from_axis_angle(&Vector3::y_axis(), FRAC_PI_2)
+    };
+    let capsule = Shape::Capsule { radius: 0.06, half: 0.11 };
+    let heading = velocity.y.atan2(velocity.x);
+    let bodies = [
+        ("box", cuboid(0.13, 0.09, 0.03), 0.03, Vector3::z() * 0.4, none),
+        ("ball", Shape::Sphere { radius: 0.07 }, 0.07, none, Vector3::new(3.0, -2.0, 5.0)),
+        ("capsule along", capsule.clone(), 0.06, lying(heading).scaled_axis(), none),
+        ("capsule across", capsule, 0.06, lying(heading + FRAC_PI_2).scaled_axis(), none),
+    ];
+    for (name, shape, height, turn, spin) in bodies {
+        let [on_mesh, on_plane] = [squares(30, 0.1), Shape::HalfSpace].map(|floor| {
+            let mut mechanism = loose(DOWN, &[(1.3, shape.clone())]);
+            let floor = obstacle(&mut mechanism, floor, none);
+            meet(&mut mechanism, floor, 0, 0.2, 0.0);
+            let mut start = State::zero(&mechanism);
+            put(&mechanism, &mut start, 0, [Vector3::new(-0.513, -0.327, height), turn, velocity, spin]);
+            [fixed(9, 0.01), StepChoice::Tolerance(1e-11)].map(|steps| run(&mechanism, &start, 0.7, steps))
+        });
+        for (found, wanted) in on_mesh.iter().zip(&on_plane) {
+            let apart = |one: &[f64], other: &[f64]| {
+                one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
+            };
+            let positions = apart(&found.state.position, &wanted.state.position);
+            let velocities = apart(&found.state.velocity, &wanted.state.velocity);
+            println!(
+                "{name}: {positions:e} m, {velocities:e} m/s in {} steps for {}",
+                found.summary.steps, wanted.summary.steps
+            );
+            println!("   {:?}\n   {:?}", found.events, wanted.events);
+            assert!(of_kind(found, EventKind::ContactImpact).is_empty(), "{name}: {:?}", found.events);
+            assert!(positions <= 1e-12 && velocities <= 1e-11, "{name}: {positions:e} m, {velocities:e} m/s");
+        }
+    }
+}
