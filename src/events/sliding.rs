@@ -21,7 +21,7 @@ use crate::mechanism::motion::touches::touch_motion;
 const BEYOND: f64 = 1.05;
 /// A step is no longer than this part of the time in which a slip turns by half a right angle: a slip that is slow turns faster than the polynomials
 /// through the stages can follow.
-const TURNS: f64 = 0.7;
+const TURNS: f64 = 2.0;
 /// Slips below this part of the fastest that a body has been are none.
 const NO_SLIP: f64 = 1e-10;
 /// It is no shorter than this for it (s).
