@@ -20,6 +20,10 @@ use nalgebra::{DMatrix, DVector};
 
 /// A solution of least norm with this part of its largest force to spare is margin enough.
 const CLEAR: f64 = 0.02;
+/// Rows are held to this part of what they are accelerated by,
+const HELD: f64 = 1e-8;
+/// and to this part of what they are the difference of: under a heavy body a light one is held by forces that are large against its weight.
+const ROUNDING: f64 = 1e-13;
 
 /// m; −∞ if no forces hold all rows, or the problem is malformed.
 #[cfg(test)]
@@ -107,8 +111,9 @@ fn holding_forces(scaled: &Scaled, directions: &DMatrix<f64>) -> Option<(DVector
     let matrix = DMatrix::from_fn(held.len(), held.len(), |row, column| responses[(held[row], column)]);
     let right = DVector::from_fn(held.len(), |row, _| -scaled.free[held[row]]);
     let (solution, null) = least_norm(&matrix, &right)?;
-    let off = (matrix * &solution - &right).amax();
-    (off <= 1e-8 * right.amax()).then_some((solution, null))
+    let off = (&matrix * &solution - &right).amax();
+    let terms = (matrix.abs() * solution.abs()).amax();
+    (off <= HELD * right.amax() + ROUNDING * terms).then_some((solution, null))
 }
 
 /// `forces = rows r + offset − margin · m` in cones.
