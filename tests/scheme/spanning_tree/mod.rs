@@ -1,6 +1,7 @@
 //! The same mechanism on several spanning trees: the same motion, the same numbers under the same names, the same work.
 
 mod kinds;
+mod locked;
 
 use crate::linkage::{Linkage, path};
 use crate::{closed, common};
