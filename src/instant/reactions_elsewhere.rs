@@ -17,6 +17,7 @@ use crate::mechanism::description::closure::Attachment;
 use crate::mechanism::description::mechanism::{Body, Mechanism};
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::BodyWrench;
+use crate::mechanism::motion::efforts::efforts_of_wrenches;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::other_efforts::exert;
@@ -123,13 +124,19 @@ impl<M: Borrow<Mechanism>> ReactionsElsewhere<M> {
         let ReactionsElsewhere { mechanism, other, own, bodies, exerted, motors, efforts, wrenches, along, .. } = self;
         let Some(exerted) = exerted else { return false };
         let mechanism = (*mechanism).borrow();
-        let (of_file, contacts) = exerted.at(position, velocity, motors);
-        other.take_efforts(mechanism, own, of_file, efforts);
+        let (_, contacts) = exerted.at(position, velocity, motors);
         for (body, wrench) in contacts.iter().enumerate() {
             wrenches[other.number(body)] = *wrench;
         }
-        along.fill(BodyWrench::default());
         let in_joints = exerted.in_joints();
+        other.take_efforts(mechanism, own, in_joints, efforts);
+        // What the efforts of contacts are on the file's tree would make loops carry what they do not.
+        if wrenches.iter().any(|wrench| *wrench != BodyWrench::default()) {
+            let (mut on_subtrees, mut of_contacts) = (wrenches.clone(), vec![0.0; efforts.len()]);
+            efforts_of_wrenches(&other.mechanism, bodies, &mut on_subtrees, &mut of_contacts);
+            efforts.iter_mut().zip(of_contacts).for_each(|(effort, own)| *effort += own);
+        }
+        along.fill(BodyWrench::default());
         for &body in other.computed() {
             let Body { parent, joint, .. } = &mechanism.bodies[body];
             let own_efforts = &in_joints[joint.velocity_range()];
