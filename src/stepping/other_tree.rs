@@ -10,7 +10,7 @@
 //! output inside the step where it is long.
 //!
 //! Efforts from outside act along coordinates of the file's tree. A joint that somebody drives is not cut: where one that is cut is driven for the first
-//! time, another tree is chosen ([`crate::driven_elsewhere`]).
+//! time, another tree is chosen (`driven_elsewhere`).
 
 use crate::driven_elsewhere::Driven;
 use crate::integrator::{Lobatto, MethodError, StepPace};

@@ -33,7 +33,7 @@ impl OtherTree {
         self.take_common_efforts(efforts, own);
         let acts =
             |body: &usize| efforts[file.bodies[*body].joint.velocity_range()].iter().any(|&effort| effort != 0.0);
-        if !self.computed.iter().any(|body| acts(body)) {
+        if !self.computed.iter().any(&acts) {
             return;
         }
         place_bodies(&self.mechanism, state, &mut self.bodies);
