@@ -183,7 +183,7 @@ fn as_json(&Described { model, start, redundancy, plan, kept }: &Described) -> V
     });
     let of_joints = joint_tables::as_json(model, start);
     let parts = couplings::as_json(model, redundancy).into_iter().chain(of_joints);
-    let parts = parts.chain(contact_tables::as_json(model)).chain(rules::as_json(model, start, plan, kept));
+    let parts = parts.chain(contact_tables::as_json(model)).chain(rules::as_json(model, plan, kept));
     for (key, value) in parts {
         report[key] = value;
     }
@@ -265,7 +265,7 @@ fn tables(&Described { model, start, redundancy, plan, kept }: &Described) -> Ve
     let of_couplings = couplings::tables(model, redundancy);
     let of_joints = joint_tables::tables(model, start);
     let of_contact = contact_tables::tables(model);
-    let of_rules = rules::tables(model, start, plan, kept);
+    let of_rules = rules::tables(model, plan, kept);
     std::iter::once(bodies)
         .chain(of_couplings)
         .chain(of_joints)

@@ -2,17 +2,15 @@
 
 use crate::cli::table::Table;
 use catena::mechanism::description::mechanism::Mechanism;
-use catena::mechanism::description::nonsmooth::Nonsmooth;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::counted;
-use catena::mechanism::motion::state::State;
 use catena::mechanism::structure::islands::Island;
 use catena::mechanism::structure::special_bodies::{
     pivoted_bodies, point_bodies, sliding_bodies, spherical_bodies, tumbling_bodies,
 };
 use catena::model::{Model, ReductionRule};
 use catena::simulation::partition::Plan;
-use catena::stepping::other_tree::other_tree_at;
+use catena::stepping::other_tree::other_tree;
 use serde_json::{Value, json};
 
 /// What a rule does here.
@@ -74,13 +72,10 @@ fn applied(model: &Model, cut: usize, plan: &Plan, kept: &[Rule]) -> Vec<Applied
 }
 
 /// The joints that a run cuts in place of loops of the file, with those loops, island by island.
-fn joints_cut(start: &State, plan: &Plan, kept: &[Rule]) -> Vec<(String, String)> {
+fn joints_cut(plan: &Plan, kept: &[Rule]) -> Vec<(String, String)> {
     let of_island = |island: &Island| {
         let mechanism = &island.mechanism;
-        let Nonsmooth { friction, motors, pairs, .. } = &mechanism.nonsmooth;
-        let driven = !(friction.is_empty() && motors.is_empty() && pairs.is_empty());
-        let tree = if !driven { other_tree_at(mechanism, &island.state(start), kept) } else { None };
-        let names = tree.map(|tree| {
+        let names = other_tree(mechanism, &[], kept).map(|(tree, _)| {
             let joints = tree.cut_joints().map(|body| mechanism.bodies[body].joint.name.clone());
             let loops = tree.hung_loops().map(|closing| mechanism.loops[closing].name.clone());
             joints.zip(loops).collect()
@@ -92,8 +87,8 @@ fn joints_cut(start: &State, plan: &Plan, kept: &[Rule]) -> Vec<(String, String)
 }
 
 /// The rules and islands as entries of the JSON report.
-pub fn as_json(model: &Model, start: &State, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, Value)> {
-    let cut = joints_cut(start, plan, kept);
+pub fn as_json(model: &Model, plan: &Plan, kept: &[Rule]) -> Vec<(&'static str, Value)> {
+    let cut = joints_cut(plan, kept);
     let rules = applied(model, cut.len(), plan, kept).into_iter().map(|rule| {
         json!({
             "name": rule.name,
@@ -116,7 +111,7 @@ pub fn as_json(model: &Model, start: &State, plan: &Plan, kept: &[Rule]) -> Vec<
 }
 
 /// The rules, the islands if there are several, and the joints that are cut in place of loops, as tables for people.
-pub fn tables(model: &Model, start: &State, plan: &Plan, kept: &[Rule]) -> [Table; 3] {
+pub fn tables(model: &Model, plan: &Plan, kept: &[Rule]) -> [Table; 3] {
     let mut islands = Table::new("Islands", &["island", "bodies", "hangs on the world by", "state"]);
     if plan.islands.len() > 1 {
         for (number, (island, asleep)) in plan.islands.iter().enumerate() {
@@ -130,7 +125,7 @@ pub fn tables(model: &Model, start: &State, plan: &Plan, kept: &[Rule]) -> [Tabl
     }
     let mut rules =
         Table::new("Rules that make the model smaller", &["rule", "applies where", "here", "switched off by"]);
-    let joints = joints_cut(start, plan, kept);
+    let joints = joints_cut(plan, kept);
     for rule in applied(model, joints.len(), plan, kept) {
         rules.row(vec![
             rule.name.to_string(),

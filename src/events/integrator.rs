@@ -391,8 +391,13 @@ impl Eventful {
         }
         let mut moving = Held::new(&self.whole, state, key.held.clone(), &key.closures);
         let drives = Drives::add(&self.elements, &self.mode, &self.whole, &mut moving);
+        let Elements { joints, motors, .. } = &self.elements;
+        let rubbing = joints.iter().filter(|joint| joint.friction > 0.0).map(|joint| joint.coordinate);
+        let acting = rubbing.chain(motors.iter().map(|motor| motor.coordinate));
+        let acting = acting.filter_map(|coordinate| moving.coordinate(&self.whole, coordinate));
+        let driven: Vec<usize> = acting.map(|coordinate| coordinate.body).collect();
         // Stages and steps were accepted for the whole.
-        let mut steps = if moving.is_empty() { None } else { self.recipe.make(&moving.mechanism).ok() };
+        let mut steps = if moving.is_empty() { None } else { self.recipe.make(&moving.mechanism, &driven).ok() };
         if let Some(steps) = steps.as_mut().filter(|_| self.accompanied) {
             steps.accompany(&moving.mechanism);
         }

@@ -24,13 +24,13 @@ pub(super) enum PieceRecipe {
 }
 
 impl PieceRecipe {
-    /// The integrator of what moves.
+    /// The integrator of what moves, with efforts from outside in the joints of these bodies.
     ///
     /// # Errors
     /// [`MethodError`] for stages and steps that cannot be.
-    pub fn make(&self, mechanism: &Mechanism) -> Result<Box<dyn PieceSteps>, MethodError> {
+    pub fn make(&self, mechanism: &Mechanism, driven: &[usize]) -> Result<Box<dyn PieceSteps>, MethodError> {
         Ok(match self {
-            PieceRecipe::Lobatto(recipe) => match OnOtherTree::new(mechanism, recipe)? {
+            PieceRecipe::Lobatto(recipe) => match OnOtherTree::new(mechanism, driven, recipe)? {
                 Some(other) => Box::new(other),
                 None => Box::new(recipe.lobatto(mechanism)?),
             },
@@ -52,7 +52,7 @@ impl PieceRecipe {
             velocity_count: 0,
             ..whole.clone()
         };
-        Ok(self.make(&nothing)?.description())
+        Ok(self.make(&nothing, &[])?.description())
     }
 
     /// The tolerance that steps are chosen from (m); `None` where they are given.

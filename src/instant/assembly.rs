@@ -5,6 +5,7 @@
 //! as defect/h.
 
 use crate::instant::apart::without_overlap;
+use crate::instant::assembly_elsewhere::close_elsewhere;
 use crate::instant::limits::{close_within, excess, most_exceeded, move_within, within};
 use crate::lobatto::coupled::counted::Counted;
 use crate::lobatto::coupled::deciding::{Decided, known_of_steps};
@@ -158,6 +159,16 @@ fn close(mechanism: &Mechanism, state: &mut State) -> Result<(Correction, Option
         }
         correction.position = largest_change(&wanted, state);
         return Ok((correction, None));
+    }
+    if within(simulated, state, ON_LIMIT) && close_elsewhere(mechanism, state, |other, own| close(other, own).is_ok()) {
+        let counted = Counted::at(mechanism, state);
+        let still = Decided::from(&counted, mechanism).still;
+        let rates = state.velocity.iter_mut().zip(still);
+        rates.filter(|(_, still)| *still).for_each(|(rate, _)| *rate = 0.0);
+        correction.position = largest_change(&wanted, state);
+        let changes = state.velocity.iter().zip(&wanted.velocity).map(|(after, before)| (after - before).abs());
+        correction.velocity = changes.fold(0.0, f64::max);
+        return Ok((correction, Some(Arc::new(counted))));
     }
     let mut projection = Projection::new(mechanism);
     let mut start = Start::new(mechanism);

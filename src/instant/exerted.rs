@@ -42,6 +42,8 @@ pub(crate) struct Exerted {
     state: State,
     /// One entry a degree of freedom, for the state above and these efforts of motors, with those that do the work of the contacts.
     efforts: Vec<f64>,
+    /// The same of motors, friction and limits alone.
+    in_joints: Vec<f64>,
     /// Of the contacts on the bodies.
     wrenches: Vec<BodyWrench>,
     motors: Vec<f64>,
@@ -63,6 +65,7 @@ impl Exerted {
                 response: Response::new(mechanism),
                 state: State::zero(mechanism),
                 efforts: vec![0.0; mechanism.velocity_count],
+                in_joints: vec![0.0; mechanism.velocity_count],
                 wrenches: vec![BodyWrench::default(); mechanism.bodies.len()],
                 motors: Vec::with_capacity(elements.motors.len()),
                 known: false,
@@ -102,6 +105,7 @@ impl Exerted {
                 blocks.push(Block { of: Of::Joint(index), law: Law::Interval { lower, upper }, rows });
             }
         }
+        self.in_joints.copy_from_slice(&self.efforts);
         self.wrenches.fill(BodyWrench::default());
         let bodies =
             if self.touching.pairs.is_empty() { Vec::new() } else { body_states(&self.mechanism, &self.state) };
@@ -110,6 +114,11 @@ impl Exerted {
             self.share(&bodies, &contacts);
         }
         (&self.efforts, &self.wrenches)
+    }
+
+    /// The part of the efforts that were asked for last that acts in joints: of motors, friction and limits.
+    pub fn in_joints(&self) -> &[f64] {
+        &self.in_joints
     }
 
     /// The contacts that touch and do not part, as blocks after those of the joints.
@@ -136,7 +145,7 @@ impl Exerted {
 
     /// Shares among the blocks what holds them, and adds it to the efforts and wrenches.
     fn share(&mut self, bodies: &[BodyState], contacts: &[(Contact, TouchMotion)]) {
-        let Exerted { elements, mechanism, response, state, efforts, wrenches, free, blocks, .. } = self;
+        let Exerted { elements, mechanism, response, state, efforts, in_joints, wrenches, free, blocks, .. } = self;
         response.accelerations(state, efforts, free);
         let rows = Rows::of(response, state, blocks);
         let offset =
@@ -153,6 +162,9 @@ impl Exerted {
         for block in &*blocks {
             for (row, force) in block.rows.iter().zip(&forces[first..]) {
                 efforts.iter_mut().zip(row).for_each(|(effort, row)| *effort += row * force);
+            }
+            if let Of::Joint(index) = block.of {
+                in_joints[elements.joints[index].coordinate.freedom] += forces[first];
             }
             if let Of::Contact(index) = block.of {
                 let (contact, touch) = &contacts[index];

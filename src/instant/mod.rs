@@ -2,6 +2,7 @@
 
 mod apart;
 pub mod assembly;
+mod assembly_elsewhere;
 pub(crate) mod blocks;
 mod box_programme;
 mod closing;
@@ -15,6 +16,7 @@ pub mod reactions;
 mod reactions_elsewhere;
 mod reactions_on_tree;
 pub(crate) mod response;
+mod response_on_tree;
 pub mod rest;
 #[doc(hidden)]
 pub mod snapshots;

@@ -52,8 +52,9 @@ impl<M: Borrow<Mechanism>> Reactions<M> {
 
     /// Takes the efforts of the motors for all states that follow: one entry a motor of the mechanism [N m or N]; before, no motor drives.
     pub fn drive(&mut self, motors: &[f64]) {
-        if let Way::OfMechanism(reactions) = &mut self.way {
-            reactions.drive(motors);
+        match &mut self.way {
+            Way::OfMechanism(reactions) => reactions.drive(motors),
+            Way::Elsewhere(elsewhere) => elsewhere.drive(motors),
         }
     }
 

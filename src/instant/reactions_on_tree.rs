@@ -128,21 +128,42 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
         velocity: &[f64],
         bodies: &[BodyState],
     ) -> (&[Reaction], &[LoopReaction]) {
-        if let Some(exerted) = &mut self.exerted {
-            let (efforts, _) = exerted.at(position, velocity, &self.motors);
-            self.ode.drive(Inputs::constant(efforts));
-        }
+        let Some(mut exerted) = self.exerted.take() else { return self.react(position, velocity, bodies, &[]) };
+        let (efforts, wrenches) = exerted.at(position, velocity, &self.motors);
+        self.of_placed_under(position, velocity, bodies, efforts, wrenches);
+        self.exerted = Some(exerted);
+        (&self.reactions, &self.loops)
+    }
+
+    /// The same of a mechanism whose forces are driven, under efforts along its degrees of freedom and wrenches on its bodies which do the work of some of
+    /// them.
+    pub fn of_placed_under(
+        &mut self,
+        position: &[f64],
+        velocity: &[f64],
+        bodies: &[BodyState],
+        efforts: &[f64],
+        wrenches: &[BodyWrench],
+    ) -> (&[Reaction], &[LoopReaction]) {
+        self.ode.drive(Inputs::constant(efforts));
+        self.react(position, velocity, bodies, wrenches)
+    }
+
+    /// The same under the efforts that the system in joint coordinates has been handed.
+    fn react(
+        &mut self,
+        position: &[f64],
+        velocity: &[f64],
+        bodies: &[BodyState],
+        wrenches: &[BodyWrench],
+    ) -> (&[Reaction], &[LoopReaction]) {
         self.accelerate(position, velocity, bodies);
-        let ReactionsOnTree { mechanism, accelerations, applied, reactions, loops, closing, exerted, motors, .. } =
-            self;
+        let ReactionsOnTree { mechanism, accelerations, applied, reactions, loops, closing, .. } = self;
         let mechanism = (*mechanism).borrow();
         body_wrenches(mechanism, bodies, applied);
-        if let Some(exerted) = exerted {
-            let (_, wrenches) = exerted.at(position, velocity, motors);
-            for ((force, torque), (own_force, own_torque)) in applied.iter_mut().zip(wrenches) {
-                *force += own_force;
-                *torque += own_torque;
-            }
+        for ((force, torque), (own_force, own_torque)) in applied.iter_mut().zip(wrenches) {
+            *force += own_force;
+            *torque += own_torque;
         }
         if let Some(closing) = closing {
             for (index, joint) in mechanism.loops.iter().enumerate() {

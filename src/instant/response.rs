@@ -1,77 +1,93 @@
-//! How a mechanism answers to efforts and impulses at one instant, with its closures.
+//! How a mechanism answers to efforts and impulses at one instant, with its closures, computed on the spanning tree with the least work.
 //!
 //! ```text
 //!     a = a_free + Y τ          accelerations under efforts τ            a_free: without them
 //!     v⁺ = v⁻ + Y P             velocities after impulses P
-//!     Y = H⁻¹ − H⁻¹ Jᵀ (J H⁻¹ Jᵀ)⁺ J H⁻¹      (n × n)  symmetric, positive semidefinite
 //! ```
 //!
-//! H (n × n) is the mass matrix, J the gradient of the closures. A column of Y is one solve of the articulated-body algorithm, made to fit the
-//! closures by the least motion in the metric of H ([`Closing`]); H is never formed.
+//! Y (n × n) is symmetric and positive semidefinite ([`crate::instant::response_on_tree`]). On another tree with the rates `v = S v'` of motions that the
+//! closures allow, efforts act as `τ' = Sᵀ τ`, so that `Y τ = S Y' Sᵀ τ` ([`crate::mechanism::structure::other_efforts`]).
 
-use crate::instant::closing::Closing;
-use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::instant::response_on_tree::ResponseOnTree;
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::kinematics::{BodyAcceleration, place_bodies};
+use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::state::State;
-use crate::reduced::ReducedOde;
-use nalgebra::{DMatrix, Vector3};
+use crate::mechanism::structure::other_tree::OtherTree;
+use crate::stepping::other_tree::other_tree;
+use nalgebra::DMatrix;
 
 /// The workspace of one mechanism.
 pub(crate) struct Response {
     mechanism: Mechanism,
-    /// With all forces, and efforts from outside.
-    ode: ReducedOde,
-    /// The masses alone: without gravity and forces.
-    bare: ReducedOde,
-    bodies: Vec<BodyState>,
-    accelerations: Vec<BodyAcceleration>,
-    closing: Option<Closing>,
-    zero: Vec<f64>,
-    free: Vec<f64>,
+    /// On which tree, once a state has been asked for.
+    way: Option<Way>,
     unit: Vec<f64>,
+}
+
+enum Way {
+    OfFile(Box<ResponseOnTree>),
+    Elsewhere(Box<Elsewhere>),
+}
+
+/// On another tree.
+struct Elsewhere {
+    other: OtherTree,
+    inside: ResponseOnTree,
+    state: State,
+    own: State,
+    efforts: Vec<f64>,
+    answer: Vec<f64>,
 }
 
 impl Response {
     /// For a mechanism with its forces.
     pub fn new(mechanism: &Mechanism) -> Self {
-        let mut driven = mechanism.clone();
-        driven.forces.driven = true;
-        let mut bare = mechanism.clone();
-        bare.gravity = Vector3::zeros();
-        bare.forces = Default::default();
-        Response {
-            ode: ReducedOde::new(&driven),
-            bare: ReducedOde::new(&bare),
-            bodies: vec![WORLD; mechanism.bodies.len()],
-            accelerations: vec![BodyAcceleration::default(); mechanism.bodies.len()],
-            closing: Closing::new(mechanism),
-            zero: vec![0.0; mechanism.velocity_count],
-            free: vec![0.0; mechanism.velocity_count],
-            unit: vec![0.0; mechanism.velocity_count],
-            mechanism: driven,
-        }
+        Response { mechanism: mechanism.clone(), way: None, unit: vec![0.0; mechanism.velocity_count] }
+    }
+
+    /// The way, chosen in the first state that is asked for.
+    fn way(&mut self, state: &State) -> (&Mechanism, &mut Way) {
+        let Response { mechanism, way, .. } = self;
+        (mechanism, way.get_or_insert_with(|| Way::new(mechanism, state)))
     }
 
     /// The accelerations of a state under its forces and these efforts, one entry a degree of freedom.
     pub fn accelerations(&mut self, state: &State, efforts: &[f64], out: &mut [f64]) {
-        let Response { mechanism, ode, bodies, accelerations, closing, .. } = self;
-        place_bodies(mechanism, state, bodies);
-        ode.drive(Inputs::constant(efforts));
-        ode.accelerations_of_placed(&state.position, &state.velocity, bodies, out);
-        if let Some(closing) = closing {
-            closing.place(mechanism, state);
-            closing.accelerations(mechanism, &state.velocity, bodies, out, accelerations);
+        match self.way(state) {
+            (_, Way::OfFile(response)) => response.accelerations(state, efforts, out),
+            (file, Way::Elsewhere(elsewhere)) => {
+                let Elsewhere { other, inside, own, efforts: own_efforts, answer, .. } = &mut **elsewhere;
+                other.take(file, state, own);
+                other.take_efforts(file, own, efforts, own_efforts);
+                inside.accelerations(own, own_efforts, answer);
+                other.give_accelerations(file, [state, own], answer, out);
+            }
         }
     }
 
     /// Takes a state at which columns of Y are asked for.
     fn place(&mut self, state: &State) {
-        let Response { mechanism, bare, closing, zero, free, .. } = self;
-        bare.accelerations(&state.position, zero, free);
-        if let Some(closing) = closing {
-            closing.place(mechanism, state);
+        match self.way(state) {
+            (_, Way::OfFile(response)) => response.place(state),
+            (file, Way::Elsewhere(elsewhere)) => {
+                elsewhere.other.take(file, state, &mut elsewhere.own);
+                elsewhere.inside.place(&elsewhere.own);
+            }
+        }
+    }
+
+    /// Y τ for efforts τ at the state that was taken last.
+    fn answer(&mut self, efforts: &[f64], out: &mut [f64]) {
+        let Response { mechanism: file, way, .. } = self;
+        match way {
+            None => {}
+            Some(Way::OfFile(response)) => response.answer(efforts, out),
+            Some(Way::Elsewhere(elsewhere)) => {
+                let Elsewhere { other, inside, state, own, efforts: own_efforts, answer } = &mut **elsewhere;
+                other.take_efforts(file, own, efforts, own_efforts);
+                inside.answer(own_efforts, answer);
+                other.give_coordinates(file, (&own.position, answer), &mut state.position, out);
+            }
         }
     }
 
@@ -84,20 +100,11 @@ impl Response {
         self.unit = unit;
     }
 
-    /// Y τ for efforts τ at the state that was taken last.
-    fn answer(&mut self, efforts: &[f64], out: &mut [f64]) {
-        let Response { mechanism, bare, closing, .. } = self;
-        bare.respond(efforts, out);
-        if let Some(closing) = closing {
-            closing.velocities(mechanism, out);
-        }
-    }
-
     /// Y Wᵀ (n × m) for rows W of efforts, at a state.
     pub fn answers(&mut self, state: &State, rows: &[Vec<f64>]) -> DMatrix<f64> {
         self.place(state);
-        let mut columns = DMatrix::zeros(self.mechanism.velocity_count, rows.len());
-        let mut column = vec![0.0; self.mechanism.velocity_count];
+        let mut columns = DMatrix::zeros(self.unit.len(), rows.len());
+        let mut column = vec![0.0; self.unit.len()];
         for (index, row) in rows.iter().enumerate() {
             self.answer(row, &mut column);
             columns.column_mut(index).copy_from_slice(&column);
@@ -108,7 +115,7 @@ impl Response {
     /// The entries on the diagonal of Y of some degrees of freedom at a state.
     pub fn diagonal(&mut self, state: &State, freedoms: impl Iterator<Item = usize>) -> Vec<f64> {
         self.place(state);
-        let mut column = vec![0.0; self.mechanism.velocity_count];
+        let mut column = vec![0.0; self.unit.len()];
         let entries = freedoms.map(|freedom| {
             self.column(freedom, &mut column);
             column[freedom]
@@ -119,8 +126,8 @@ impl Response {
     /// Y for some degrees of freedom: their columns (n × m), and `D = W Y Wᵀ` (m × m), the rows of which they are.
     pub fn matrix(&mut self, state: &State, freedoms: &[usize]) -> (DMatrix<f64>, DMatrix<f64>) {
         self.place(state);
-        let mut columns = DMatrix::zeros(self.mechanism.velocity_count, freedoms.len());
-        let mut column = vec![0.0; self.mechanism.velocity_count];
+        let mut columns = DMatrix::zeros(self.unit.len(), freedoms.len());
+        let mut column = vec![0.0; self.unit.len()];
         for (index, &freedom) in freedoms.iter().enumerate() {
             self.column(freedom, &mut column);
             columns.column_mut(index).copy_from_slice(&column);
@@ -135,9 +142,34 @@ impl Response {
 
     /// Brings velocities on the closures, with the least change in the metric of H.
     pub fn close_velocities(&mut self, state: &mut State) {
-        if let Some(closing) = &mut self.closing {
-            closing.place(&self.mechanism, state);
-            closing.velocities(&self.mechanism, &mut state.velocity);
+        match self.way(state) {
+            (_, Way::OfFile(response)) => response.close_velocities(state),
+            (file, Way::Elsewhere(elsewhere)) => {
+                let Elsewhere { other, inside, state: room, own, .. } = &mut **elsewhere;
+                other.take(file, state, own);
+                inside.close_velocities(own);
+                let coordinates = (&own.position[..], &own.velocity[..]);
+                other.give_coordinates(file, coordinates, &mut room.position, &mut state.velocity);
+            }
         }
+    }
+}
+
+impl Way {
+    /// The one with the least work; the axes of loop joints point as they do in a state.
+    fn new(file: &Mechanism, state: &State) -> Self {
+        // In space, as the projections are.
+        let found = other_tree(file, &[], &[Rule::Planar]);
+        let other = found.and_then(|(tree, _)| OtherTree::new(file, &tree, None, state).ok());
+        let Some(other) = other else { return Way::OfFile(Box::new(ResponseOnTree::new(file))) };
+        let freedoms = other.mechanism.velocity_count;
+        Way::Elsewhere(Box::new(Elsewhere {
+            inside: ResponseOnTree::new(&other.mechanism),
+            state: State::zero(file),
+            own: State::zero(&other.mechanism),
+            efforts: vec![0.0; freedoms],
+            answer: vec![0.0; freedoms],
+            other,
+        }))
     }
 }

@@ -40,7 +40,7 @@ impl RunIntegrator {
         if !mechanism.nonsmooth.is_empty() {
             return Ok(RunIntegrator::Eventful(Box::new(Eventful::new(mechanism, recipe)?)));
         }
-        Ok(match OnOtherTree::new(mechanism, &recipe)? {
+        Ok(match OnOtherTree::new(mechanism, &[], &recipe)? {
             Some(other) => RunIntegrator::OnOtherTree(Box::new(other)),
             None => RunIntegrator::Smooth(Box::new(recipe.lobatto(mechanism)?)),
         })

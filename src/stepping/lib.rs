@@ -6,7 +6,7 @@
 //! | the length of a step | [`fixed`], [`control`] and [`acceptance`], [`reversible`]; how many stages: [`stage_choice`] |
 //! | monitoring every few steps | [`watch`], [`modes`], [`fastest_mode`], [`dynamics`], [`jerks`], [`linearised`] |
 //! | instants inside a step | [`sampling`], `inside` (which polynomial, and its error), `stage_motion` |
-//! | on another spanning tree than the file's | [`other_tree`] |
+//! | on another spanning tree than the file's | [`other_tree`], `driven_elsewhere`, `turns` |
 //! | efforts of a controller that follow the state | `feedback` |
 
 #![deny(unsafe_code)]
@@ -16,6 +16,7 @@ pub mod acceptance;
 #[doc(hidden)]
 pub mod companion;
 pub mod control;
+mod driven_elsewhere;
 #[doc(hidden)]
 pub mod dynamics;
 #[doc(hidden)]
@@ -46,6 +47,7 @@ pub mod stage_choice;
 mod stage_motion;
 #[doc(hidden)]
 pub mod stepper;
+mod turns;
 #[doc(hidden)]
 pub mod watch;
 

@@ -9,50 +9,37 @@
 //! the places of its bodies up to whole turns, which are counted from its rates: over so short a time that no turn is missed, with dense
 //! output inside the step where it is long.
 //!
-//! Efforts from outside act along coordinates of the file's tree: whoever drives a joint gets that tree from then on. So does a mechanism with joints that
-//! its loops lock: the solve holds them by what is implied on the file's tree, which was found to lose digits on another.
+//! Efforts from outside act along coordinates of the file's tree. A joint that somebody drives is not cut: where one that is cut is driven for the first
+//! time, another tree is chosen (`driven_elsewhere`).
 
+use crate::driven_elsewhere::Driven;
 use crate::integrator::{Lobatto, MethodError, StepPace};
 use crate::recipe::Recipe;
+use crate::turns::Turns;
 use catena_lobatto::plan::spanning::spanning_tree;
 use catena_mechanism::description::closure::Coordinate;
 use catena_mechanism::description::forces::Forces;
-use catena_mechanism::description::joint::{FreeRotation, Joint};
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
-use catena_mechanism::motion::inputs::Inputs;
+use catena_mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
 use catena_mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
 use catena_mechanism::structure::other_tree::{Found, OtherTree};
 use catena_mechanism::structure::plane::Plane;
-use catena_mechanism::structure::ranks::counting::Ranks;
 use catena_mechanism::structure::spanning_tree::{Graph, SpanningTree};
 use nalgebra::Vector3;
-use std::f64::consts::{FRAC_PI_4, TAU};
 
-/// The spanning tree on which steps of a mechanism are made, if it is not the file's; `kept` are rules that leave nothing out.
-pub fn other_tree(mechanism: &Mechanism, kept: &[Rule]) -> Option<(SpanningTree, Option<Plane>)> {
-    if mechanism.loops.is_empty() || !mechanism.touches.is_empty() || kept.contains(&Rule::Tree) {
+/// The spanning tree on which steps of a mechanism are made, if it is not the file's; efforts from outside act in the joints of the bodies `driven`, and
+/// `kept` are rules that leave nothing out.
+pub fn other_tree(mechanism: &Mechanism, driven: &[usize], kept: &[Rule]) -> Option<(SpanningTree, Option<Plane>)> {
+    if mechanism.loops.is_empty() || kept.contains(&Rule::Tree) {
         return None;
     }
     let plane = if kept.contains(&Rule::Planar) { None } else { Plane::of(mechanism) };
-    let tree = spanning_tree(&Graph::new(mechanism, plane.as_ref()))?;
-    Some((tree, plane))
-}
-
-/// The same for steps that begin in a state: none, too, where loops lock joints.
-pub fn other_tree_at(mechanism: &Mechanism, state: &State, kept: &[Rule]) -> Option<SpanningTree> {
-    let (tree, plane) = other_tree(mechanism, kept)?;
-    let mut other = OtherTree::new(mechanism, &tree, plane.as_ref(), state).ok()?;
-    let mut own = State::zero(&other.mechanism);
-    other.take(mechanism, state, &mut own);
-    (!is_locked(&other.mechanism, &own)).then_some(tree)
-}
-
-/// Whether closures forbid a joint to move.
-fn is_locked(mechanism: &Mechanism, state: &State) -> bool {
-    let ranks = Ranks::at(mechanism, state);
-    ranks.locked.contains(&true) || ranks.still.contains(&true)
+    let mut graph = Graph::new(mechanism, plane.as_ref());
+    driven.iter().for_each(|&body| graph.keep(body));
+    let tree = spanning_tree(&graph)?;
+    (!graph.turns(mechanism, &tree)).then_some((tree, plane))
 }
 
 /// [`Lobatto`] on another spanning tree.
@@ -68,8 +55,21 @@ pub struct OnOtherTree {
     gravity: Vector3<f64>,
     forces: Forces,
     turns: Turns,
-    /// Steps on the file's tree, where joints are locked, or once somebody drives them or other forces act.
+    /// The bodies in whose joints efforts act from outside, and those efforts here.
+    in_joints: Vec<usize>,
+    driven: Driven,
+    /// The error of samples inside the steps that were made on other trees before this one (m).
+    earlier: Option<f64>,
+    /// Steps on the file's tree, once other forces act or no other tree is worthwhile.
     on_file: Option<Lobatto>,
+}
+
+/// The degrees of freedom along which something acts from outside.
+fn acting(inputs: Inputs<'_>) -> impl Iterator<Item = usize> {
+    let constant = inputs.efforts.iter().enumerate().filter(|(_, effort)| **effort != 0.0);
+    let changing = inputs.changing.map_or(&[][..], ChangingEfforts::freedoms);
+    let following = inputs.feedback.map_or(&[][..], Feedback::freedoms);
+    constant.map(|(freedom, _)| freedom).chain(changing.iter().chain(following).copied())
 }
 
 /// The steps on the other tree.
@@ -97,12 +97,12 @@ impl Inside {
 }
 
 impl OnOtherTree {
-    /// For a mechanism; `None` if the file's tree is as good.
+    /// For a mechanism with efforts from outside in the joints of these bodies; `None` if the file's tree is as good.
     ///
     /// # Errors
     /// [`MethodError`] for stages and steps that cannot be.
-    pub fn new(mechanism: &Mechanism, recipe: &Recipe) -> Result<Option<Self>, MethodError> {
-        let Some((tree, plane)) = other_tree(mechanism, &recipe.kept) else { return Ok(None) };
+    pub fn new(mechanism: &Mechanism, driven: &[usize], recipe: &Recipe) -> Result<Option<Self>, MethodError> {
+        let Some((tree, plane)) = other_tree(mechanism, driven, &recipe.kept) else { return Ok(None) };
         let Ok(other) = OtherTree::new(mechanism, &tree, plane.as_ref(), &State::zero(mechanism)) else {
             return Ok(None);
         };
@@ -116,7 +116,10 @@ impl OnOtherTree {
             gravity: mechanism.gravity,
             forces: mechanism.forces.clone(),
             turns: Turns::new(mechanism, other.computed()),
+            in_joints: driven.to_vec(),
+            driven: Driven::new(&other),
             inside: Inside::new(other, lobatto),
+            earlier: Some(0.0),
             on_file: None,
         }))
     }
@@ -129,7 +132,7 @@ impl OnOtherTree {
     /// The error of samples inside the steps so far, as [`Lobatto::between`] says.
     pub fn between(&self) -> Option<f64> {
         let on_file = self.on_file.as_ref().map_or(Some(0.0), Lobatto::between)?;
-        self.inside.lobatto.between().map(|other| other.max(on_file))
+        Some(self.inside.lobatto.between()?.max(self.earlier?).max(on_file))
     }
 
     /// Makes the last step again from its start with another length (s), as [`Lobatto::again`] does.
@@ -147,9 +150,11 @@ impl OnOtherTree {
             return on_file.again(mechanism, inputs, state, length);
         }
         state.copy_from(&self.origin);
-        let Inside { other, lobatto, state: own, .. } = &mut self.inside;
         self.left = None;
-        let outcome = lobatto.again(&other.mechanism, Inputs::NONE, own, length)?;
+        self.turns.begin(&self.origin);
+        let Inside { other, lobatto, state: own, .. } = &mut self.inside;
+        let again = |inputs: Inputs| lobatto.again(&other.mechanism, inputs, own, length);
+        let outcome = self.driven.within(mechanism, other, &self.turns, inputs, again)?;
         self.hand_out(mechanism, state);
         Ok(outcome)
     }
@@ -177,9 +182,8 @@ impl OnOtherTree {
 
     /// Writes where a step from the origin has ended in the coordinates of the file.
     fn hand_out(&mut self, mechanism: &Mechanism, state: &mut State) {
-        let OnOtherTree { inside, origin, turns, left, .. } = self;
+        let OnOtherTree { inside, turns, left, .. } = self;
         inside.other.give(mechanism, &inside.state, state);
-        turns.begin(origin);
         turns.follow(state, |time, position, velocity| inside.dense(mechanism, time, position, velocity));
         match left {
             Some(left) => left.copy_from(state),
@@ -204,14 +208,37 @@ impl OnOtherTree {
         if !self.inside.other.fits(mechanism, &self.tree, self.plane.as_ref(), state)
             && let Ok(other) = OtherTree::new(mechanism, &self.tree, self.plane.as_ref(), state)
         {
-            let lobatto = self.make(&other.mechanism);
-            self.inside = Inside::new(other, lobatto);
+            self.hang(mechanism, other);
         }
         self.inside.other.take(mechanism, state, &mut self.inside.state);
-        if is_locked(&self.inside.other.mechanism, &self.inside.state) {
-            self.on_file = Some(self.make(mechanism));
-        }
         self.left = Some(state.clone());
+    }
+
+    /// Makes sure that all joints which are driven are on this tree; `false` if there is none with all of them.
+    fn heed(&mut self, mechanism: &Mechanism, inputs: Inputs, state: &State) -> bool {
+        let count = self.in_joints.len();
+        for freedom in acting(inputs).filter(|&freedom| self.inside.other.freedom(freedom).is_none()) {
+            let body = mechanism.body_of_freedom(freedom).filter(|body| !self.in_joints.contains(body));
+            self.in_joints.extend(body);
+        }
+        if self.in_joints.len() == count {
+            return true;
+        }
+        let found = other_tree(mechanism, &self.in_joints, &self.recipe.kept);
+        let Some((tree, plane)) = found else { return false };
+        let Ok(other) = OtherTree::new(mechanism, &tree, plane.as_ref(), state) else { return false };
+        (self.tree, self.plane, self.left) = (tree, plane, None);
+        self.hang(mechanism, other);
+        true
+    }
+
+    /// Goes on with the same mechanism written in another way.
+    fn hang(&mut self, mechanism: &Mechanism, other: OtherTree) {
+        self.earlier = self.between();
+        let lobatto = self.make(&other.mechanism);
+        self.turns = Turns::new(mechanism, other.computed());
+        self.driven = Driven::new(&other);
+        self.inside = Inside::new(other, lobatto);
     }
 }
 
@@ -224,18 +251,18 @@ impl Integrator for OnOtherTree {
         until: f64,
     ) -> Result<StepOutcome, StepError> {
         let known = self.gravity == mechanism.gravity && self.forces.are_those_of(&mechanism.forces);
-        if self.on_file.is_none() && !(known && inputs.is_none()) {
+        if self.on_file.is_none() && !(known && self.heed(mechanism, inputs, state)) {
             self.on_file = Some(self.make(mechanism));
-        }
-        if self.on_file.is_none() {
-            self.meet(mechanism, state);
         }
         if let Some(on_file) = &mut self.on_file {
             return on_file.step(mechanism, inputs, state, until);
         }
+        self.meet(mechanism, state);
         self.origin.copy_from(state);
+        self.turns.begin(&self.origin);
         let Inside { other, lobatto, state: own, .. } = &mut self.inside;
-        let outcome = lobatto.step(&other.mechanism, Inputs::NONE, own, until)?;
+        let step = |inputs: Inputs| lobatto.step(&other.mechanism, inputs, own, until);
+        let outcome = self.driven.within(mechanism, other, &self.turns, inputs, step)?;
         self.hand_out(mechanism, state);
         Ok(outcome)
     }
@@ -250,81 +277,5 @@ impl Integrator for OnOtherTree {
 
     fn description(&self) -> MethodDescription {
         self.active().description()
-    }
-}
-
-/// The angles of joints that are computed from places, at instants of the last step between which they turn little.
-struct Turns {
-    /// Their entries of the file's position and velocity vectors.
-    joints: Vec<(usize, usize)>,
-    /// One an instant: the time (s), the angles (rad) and rates [rad/s] of all joints.
-    times: Vec<f64>,
-    angles: Vec<f64>,
-    rates: Vec<f64>,
-    position: Vec<f64>,
-    velocity: Vec<f64>,
-}
-
-/// Between two instants no joint turns by more than this (rad).
-const LITTLE: f64 = FRAC_PI_4;
-/// A step is looked at in no more parts than this: eight turns of a joint, which no step makes.
-const PARTS: usize = 64;
-
-impl Turns {
-    fn new(mechanism: &Mechanism, bodies: &[usize]) -> Self {
-        let joints = bodies.iter().map(|&body| &mechanism.bodies[body].joint);
-        let turning = joints.filter(|joint| joint.kind.rotation() == FreeRotation::AboutZ);
-        let slides = |joint: &Joint| joint.kind.translation_axes().len();
-        let entries = |joint: &Joint| (joint.position_index + slides(joint), joint.velocity_index + slides(joint));
-        let joints: Vec<_> = turning.map(entries).collect();
-        Turns {
-            times: Vec::with_capacity(PARTS),
-            angles: Vec::with_capacity(PARTS * joints.len()),
-            rates: Vec::with_capacity(PARTS * joints.len()),
-            joints,
-            position: vec![0.0; mechanism.position_count],
-            velocity: vec![0.0; mechanism.velocity_count],
-        }
-    }
-
-    /// A step begins at a state.
-    fn begin(&mut self, state: &State) {
-        self.times.clear();
-        self.angles.clear();
-        self.rates.clear();
-        self.keep(state.time, &state.position, &state.velocity);
-    }
-
-    fn keep(&mut self, time: f64, position: &[f64], velocity: &[f64]) {
-        self.times.push(time);
-        self.angles.extend(self.joints.iter().map(|&(slot, _)| position[slot]));
-        self.rates.extend(self.joints.iter().map(|&(_, freedom)| velocity[freedom]));
-    }
-
-    /// Adds whole turns to the angles at the end of a step, of whose inside `dense` writes positions and velocities.
-    fn follow(&mut self, end: &mut State, mut dense: impl FnMut(f64, &mut [f64], &mut [f64])) {
-        let begin = self.times[0];
-        let rates = self.joints.iter().map(|&(_, freedom)| end.velocity[freedom]).chain(self.rates.iter().copied());
-        let fastest = rates.fold(0.0, |most: f64, rate| most.max(rate.abs()));
-        let parts = (fastest * (end.time - begin) / LITTLE).ceil().clamp(1.0, PARTS as f64);
-        let (mut position, mut velocity) = (std::mem::take(&mut self.position), std::mem::take(&mut self.velocity));
-        for part in 1..parts as usize {
-            let time = begin + (end.time - begin) * (part as f64 / parts);
-            dense(time, &mut position, &mut velocity);
-            self.unwrap(time, &mut position, &velocity);
-            self.keep(time, &position, &velocity);
-        }
-        (self.position, self.velocity) = (position, velocity);
-        self.unwrap(end.time, &mut end.position, &end.velocity);
-    }
-
-    /// Adds whole turns to the angles at a time of the step (s), by the rates since the last instant before it.
-    fn unwrap(&self, time: f64, position: &mut [f64], velocity: &[f64]) {
-        let last = self.times.partition_point(|&before| before < time).saturating_sub(1);
-        for (joint, &(slot, freedom)) in self.joints.iter().enumerate() {
-            let entry = last * self.joints.len() + joint;
-            let turned = 0.5 * (time - self.times[last]) * (self.rates[entry] + velocity[freedom]);
-            position[slot] += TAU * ((self.angles[entry] + turned - position[slot]) / TAU).round();
-        }
     }
 }

@@ -56,7 +56,7 @@ fn a_step_on_another_spanning_tree_than_the_files_allocates_nothing() {
     // Fast enough that joints turn further in a step than is followed at once.
     let (mechanism, start) = linkage::path(8, 15.0);
     let recipe = Recipe { steps: Steps::Fixed { stages: 5, step: 0.01 }, kept: Vec::new() };
-    let mut steps = OnOtherTree::new(&mechanism, &recipe).unwrap().expect("another tree");
+    let mut steps = OnOtherTree::new(&mechanism, &[], &recipe).unwrap().expect("another tree");
     let mut state = start.clone();
     steps.advance(&mechanism, &mut state, f64::INFINITY).unwrap();
     let (mut position, mut velocity) = (state.position.clone(), state.velocity.clone());
@@ -64,6 +64,25 @@ fn a_step_on_another_spanning_tree_than_the_files_allocates_nothing() {
         for _ in 0..50 {
             steps.advance(&mechanism, &mut state, f64::INFINITY).unwrap();
             steps.dense(&mechanism, state.time - 0.003, &mut position, &mut velocity);
+        }
+    });
+    assert_eq!((change.count_total, change.count_current), (0, 0), "{change:?}");
+}
+
+#[test]
+fn a_driven_step_on_another_spanning_tree_allocates_nothing() {
+    let (mechanism, start) = linkage::path(8, 2.0);
+    let recipe = Recipe { steps: Steps::Fixed { stages: 5, step: 0.01 }, kept: Vec::new() };
+    let mut steps = OnOtherTree::new(&mechanism, &[0], &recipe).unwrap().expect("another tree");
+    let (mut state, mut efforts) = (start.clone(), vec![0.0; mechanism.velocity_count]);
+    efforts[0] = 1.0;
+    // The first step makes the kernel that knows efforts.
+    steps.step(&mechanism, Inputs::constant(&efforts), &mut state, f64::INFINITY).unwrap();
+    steps.step(&mechanism, Inputs::constant(&efforts), &mut state, f64::INFINITY).unwrap();
+    let change = measure(|| {
+        for _ in 0..50 {
+            efforts[0] += 0.1;
+            steps.step(&mechanism, Inputs::constant(&efforts), &mut state, f64::INFINITY).unwrap();
         }
     });
     assert_eq!((change.count_total, change.count_current), (0, 0), "{change:?}");

@@ -176,9 +176,15 @@ impl<V: Lanes, W: Workspace<V>> Equations for Kernel<V, W> {
 
 impl<V: Lanes, W: Workspace<V>> Guarded for Kernel<V, W> {
     fn guess(&mut self, guess: Guess) {
-        let Kernel { predictor, workspace, .. } = self;
+        let Kernel { predictor, workspace, closing, .. } = self;
         let unknowns = workspace.unknowns();
         in_lanes!(V, predictor.guess(unknowns, guess));
+        if let Some(closing) = closing {
+            // No increment takes back what the roundings of their velocities would displace them by, and extrapolation multiplies it by some hundred
+            // a step.
+            let (displacement, _) = workspace.advanced();
+            closing.known().locked_freedoms().for_each(|freedom| displacement[freedom] = V::zero());
+        }
         if W::TAKES_BOUND {
             let displacement = workspace.displacement();
             let largest = in_lanes!(V, largest(displacement));

@@ -10,6 +10,7 @@ pub mod event;
 pub mod gaps;
 pub mod inputs;
 pub mod integrator;
+pub mod joint_accelerations;
 pub mod joint_coordinates;
 pub mod kinematics;
 pub mod rim_and_line;

@@ -4,6 +4,7 @@
 #[doc(hidden)]
 pub mod definiteness;
 pub mod islands;
+pub mod other_efforts;
 pub mod other_tree;
 #[doc(hidden)]
 pub mod planar_loops;

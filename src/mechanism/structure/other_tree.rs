@@ -29,20 +29,22 @@ pub struct OtherTree {
     /// The mechanism on that tree. Limits, friction, motors and colliders are not in it.
     pub mechanism: Mechanism,
     /// Its bodies by their numbers in the file's tree.
-    of_file: Vec<usize>,
+    pub(super) of_file: Vec<usize>,
     /// Where the joints of its bodies are here, and its loop joints.
     joints: Vec<Found>,
     closing: Vec<Found>,
     /// Coordinates that both have: positions and velocities, here and in the file's tree.
-    same: Vec<[(Range<usize>, Range<usize>); 2]>,
+    pub(super) same: Vec<[(Range<usize>, Range<usize>); 2]>,
+    /// For every degree of freedom of the file's tree the one here.
+    freedoms: Vec<Option<usize>>,
     /// The bodies here whose joints have other coordinates.
     fresh: Vec<usize>,
     /// The same of the file's tree.
-    computed: Vec<usize>,
+    pub(super) computed: Vec<usize>,
     /// Which way the axes of the loop joints point on which bodies hang, body by body in the file's order: the diagonal of a half turn.
     ways: Vec<Vector3<f64>>,
     /// Room for the bodies of one tree, and of the other.
-    bodies: Vec<BodyState>,
+    pub(super) bodies: Vec<BodyState>,
     sorted: Vec<BodyState>,
 }
 
@@ -181,6 +183,10 @@ impl OtherTree {
             Some([positions, (here.velocity_range(), there.velocity_range())])
         });
         let same: Vec<_> = same.collect();
+        let mut freedoms = vec![None; file.velocity_count];
+        for [_, (here, there)] in &same {
+            there.clone().zip(here.clone()).for_each(|(there, here)| freedoms[there] = Some(here));
+        }
         let moved = |of: usize, entry: usize, range: fn(&Joint) -> Range<usize>| {
             joint_here(of).map_or(entry, |here| range(here).start + entry - range(&file.bodies[of].joint).start)
         };
@@ -201,6 +207,7 @@ impl OtherTree {
             joints,
             closing,
             same,
+            freedoms,
             fresh,
             computed,
             ways,
@@ -232,6 +239,11 @@ impl OtherTree {
     /// The bodies of the file's tree whose joints have no coordinates here, or others.
     pub fn computed(&self) -> &[usize] {
         &self.computed
+    }
+
+    /// The degree of freedom here that is one of the file's, if its joint has the same coordinates on both trees.
+    pub fn freedom(&self, of: usize) -> Option<usize> {
+        self.freedoms[of]
     }
 
     /// Takes a state of the file's tree. Does not allocate.

@@ -12,6 +12,7 @@ use crate::description::body_state::BodyState;
 use crate::description::closure::{Attachment, LoopJoint, LoopKind};
 use crate::description::joint::{JointKind, Pose};
 use crate::description::mechanism::{Body, Mechanism};
+use crate::description::nonsmooth::Nonsmooth;
 use crate::motion::kinematics::body_states;
 use crate::motion::state::State;
 use crate::structure::planar_loops::PlanarEquation;
@@ -137,13 +138,28 @@ impl Graph {
         Graph { links, bodies: mechanism.bodies.len(), width: if plane.is_some() { 3 } else { 6 } }
     }
 
+    /// Keeps the joint of this body in the tree.
+    pub fn keep(&mut self, body: usize) {
+        self.links[body].fixed = true;
+    }
+
+    /// Whether a joint that must stay is turned round by a tree though it has coordinates of its own on either end: nothing could act along them.
+    pub fn turns(&self, mechanism: &Mechanism, tree: &SpanningTree) -> bool {
+        tree.hangs.iter().any(|hang| match hang.by {
+            Edge::Tree(of) => {
+                hang.backwards && self.links[of].fixed && mechanism.bodies[of].joint.kind.position_count() > 1
+            }
+            Edge::Loop(_) => false,
+        })
+    }
+
     /// Whether there is an edge beside those of the file's tree.
     pub fn has_choice(&self) -> bool {
         self.links[self.bodies..].iter().any(|link| link.edge.is_some())
     }
 }
 
-/// For every body whether something acts along a coordinate of its own joint.
+/// For every body whether something acts along a coordinate of its own joint; limits alone do not while they are not met.
 fn fixed_joints(mechanism: &Mechanism) -> Vec<bool> {
     let mut fixed = vec![false; mechanism.bodies.len()];
     let forces = &mechanism.forces;
@@ -151,6 +167,9 @@ fn fixed_joints(mechanism: &Mechanism) -> Vec<bool> {
     let freedoms = freedoms.chain(forces.joint_loads.iter().map(|load| load.freedom));
     let bodies = freedoms.filter_map(|freedom| mechanism.body_of_freedom(freedom));
     let bodies = bodies.chain(forces.joint_springs.iter().map(|spring| spring.coordinate.body));
+    let Nonsmooth { friction, motors, .. } = &mechanism.nonsmooth;
+    let bodies = bodies.chain(friction.iter().map(|friction| friction.coordinate.body));
+    let bodies = bodies.chain(motors.iter().map(|motor| motor.coordinate.body));
     for body in bodies.chain(mechanism.mimics.iter().flat_map(|mimic| [mimic.follower.body, mimic.leader.body])) {
         fixed[body] = true;
     }

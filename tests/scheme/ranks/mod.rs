@@ -1,6 +1,6 @@
 //! Ranks are decided once, by kinematics: the count is right in every order of the loops, and every run goes to its end.
 
-mod random;
+pub(crate) mod random;
 
 use catena::instant::assembly::{assemble, assemble_counted, redundancy};
 use catena::lobatto::coupled::counted::Counted;

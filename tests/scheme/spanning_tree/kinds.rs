@@ -3,12 +3,13 @@
 use super::{apart, end, random_tree};
 use crate::common;
 use catena::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
+use catena::mechanism::description::forces::JointDamper;
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use catena::mechanism::description::mechanism::{Body, Mechanism};
 use catena::mechanism::motion::kinematics::body_states;
 use catena::mechanism::motion::state::State;
 use catena::mechanism::structure::other_tree::OtherTree;
-use catena::mechanism::structure::spanning_tree::Edge;
+use catena::mechanism::structure::spanning_tree::{Edge, Graph};
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// A tree with joints of all kinds in space, whose ends are joined by loop joints of all kinds that can carry bodies; some of their axes point
@@ -100,4 +101,34 @@ fn joints_of_all_kinds_are_cut_hung_on_and_turned_round_without_a_trace_in_the_m
         };
         assert!(of_kind(&cut) > 0 && of_kind(&turned) > 0, "{kind:?} {cut:?} {turned:?}");
     }
+}
+
+#[test]
+fn joints_with_coordinates_of_their_own_on_either_end_are_not_turned_round_where_something_acts_along_them() {
+    let mut numbers = common::Numbers::new(11);
+    let (mut mechanism, start) = all_kinds(&mut numbers);
+    // The second ball, about one of its axes more than about the others.
+    let ball = mechanism.bodies[3].joint.velocity_index;
+    for axis in 0..3 {
+        let coefficient = 0.1 + 0.3 * axis as f64;
+        mechanism.forces.joint_dampers.push(JointDamper { freedom: ball + axis, coefficient });
+    }
+    let graph = Graph::new(&mechanism, None);
+    let expected = end(&mechanism, &start, 0.01, 0.1);
+    let (mut refused, mut taken) = (0, 0);
+    for _ in 0..30 {
+        let tree = random_tree(&mechanism, None, &mut numbers);
+        if graph.turns(&mechanism, &tree) {
+            refused += 1;
+            continue;
+        }
+        taken += 1;
+        let mut other = OtherTree::new(&mechanism, &tree, None, &start).expect("depth first");
+        let mut own = State::zero(&other.mechanism);
+        other.take(&mechanism, &start, &mut own);
+        let own = end(&other.mechanism, &own, 0.01, 0.1);
+        let off = apart((&mechanism, &expected), (&other.mechanism, &own));
+        assert!(off < 1e-10, "{off:e} m apart on {tree:?}");
+    }
+    assert!(refused > 0 && taken > 3, "{refused} refused, {taken} taken");
 }

@@ -1,6 +1,9 @@
 //! The same mechanism on several spanning trees: the same motion, the same numbers under the same names, the same work.
 
+mod driven;
 mod kinds;
+mod locked;
+mod starts;
 
 use crate::linkage::{Linkage, path};
 use crate::{closed, common};
@@ -176,9 +179,9 @@ fn work_grows_like_the_number_of_loops_whichever_way_a_row_or_a_ladder_is_writte
 fn a_row_that_is_written_as_a_path_moves_like_the_row_with_the_coordinates_of_its_file_and_every_turn() {
     // Cranks that go round two or three times in a second.
     let (mechanism, start) = path(10, 15.0);
-    let (tree, _) = other_tree(&mechanism, &[]).expect("another tree");
+    let (tree, _) = other_tree(&mechanism, &[], &[]).expect("another tree");
     assert_eq!(tree.hung_loops().count(), 10, "all cranks hang on the ground");
-    assert!(other_tree(&mechanism, &[Rule::Tree]).is_none(), "the rule can be switched off");
+    assert!(other_tree(&mechanism, &[], &[Rule::Tree]).is_none(), "the rule can be switched off");
     let steps = (0.005, 1.0);
     let own = simulated(&mechanism, &start, steps, &[]);
     let kept = simulated(&mechanism, &start, steps, &[Rule::Tree]);
@@ -270,7 +273,7 @@ fn reactions_are_those_of_the_file_with_its_ends_and_signs() {
 }
 
 #[test]
-fn whoever_drives_a_joint_that_is_cut_gets_the_tree_of_the_file() {
+fn whoever_drives_joints_that_are_cut_moves_them_as_on_the_tree_of_the_file() {
     let (mechanism, start) = path(8, 1.0);
     let run = |kept: &[Rule]| {
         let steps = StepChoice::Fixed { stages: 5, step: 0.02 };
@@ -294,11 +297,11 @@ fn joints_with_springs_dampers_and_loads_of_their_own_are_not_cut() {
         let damper = catena::mechanism::description::forces::JointDamper { freedom, coefficient: 0.1 };
         mechanism.forces.joint_dampers.push(damper);
     }
-    assert!(other_tree(&mechanism, &[]).is_none());
+    assert!(other_tree(&mechanism, &[], &[]).is_none());
     // On the knees alone: the others are enough, and the dampers are where they were.
     let knees: Vec<bool> = mechanism.bodies.iter().map(|body| body.joint.name.starts_with("knee")).collect();
     mechanism.forces.joint_dampers.retain(|damper| knees[damper.freedom]);
-    let (tree, _) = other_tree(&mechanism, &[]).expect("another tree");
+    let (tree, _) = other_tree(&mechanism, &[], &[]).expect("another tree");
     assert!(tree.cut_joints().all(|body| !knees[body]));
     let [own, kept] = [&[][..], &[Rule::Tree]].map(|kept| simulated(&mechanism, &start, (0.02, 1.0), kept));
     let off = own.position.iter().zip(&kept.position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -311,14 +314,14 @@ fn loop_joints_that_no_tree_joint_is_like_stay_loops() {
     for joint in &mut mechanism.loops {
         joint.kind = LoopKind::Cylindrical;
     }
-    assert!(other_tree(&mechanism, &[]).is_none());
+    assert!(other_tree(&mechanism, &[], &[]).is_none());
 }
 
 #[test]
 fn limits_are_hit_at_the_same_instants_whichever_joints_are_cut() {
     let (mut mechanism, start) = path(8, 3.0);
     // A crank that carries no other in the file, and the first: both are met, one of them on a joint that is cut.
-    let tree = other_tree(&mechanism, &[]).expect("another tree").0;
+    let tree = other_tree(&mechanism, &[], &[]).expect("another tree").0;
     let cut = tree.cut_joints().next().expect("a joint that is cut");
     for body in [0, cut] {
         let joint = &mechanism.bodies[body].joint;
