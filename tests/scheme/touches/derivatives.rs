@@ -52,7 +52,7 @@ fn rates_and_second_rates_of_all_pairs_are_those_of_differences() {
         [Feature::Rim { radius: 0.3 }, Feature::Line { radius: 0.0 }],
         [Feature::Rim { radius: 0.3 }, Feature::Point { radius: 0.25 }],
         [Feature::Rim { radius: 0.3 }, Feature::Line { radius: 0.25 }],
-        [Feature::Rim { radius: 0.3 }, Feature::Line { radius: 0.25 }],
+        [Feature::Rim { radius: 0.3 }, line],
         [Feature::Rim { radius: 0.3 }, Feature::Rim { radius: 0.5 }],
     ];
     // The second feature is about a metre above the first, its axis across that of the first. A line goes through a rim that is next to it, or out of
