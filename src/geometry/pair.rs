@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 use crate::nearest::nearest;
 use crate::place::{Bearer, PlaceId, TouchPlace, place};
 use crate::rims::{Joined, Meeting, off_rim};
-use catena_mechanism::description::contact::{Collider, Feature, Shape};
+use catena_mechanism::description::contact::{Collider, Shape};
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Matrix3, Vector3};
 
@@ -170,7 +170,7 @@ impl PairGeometry {
                 let point = first.inverse_transform_point(&place.points[usize::from(!self.exchanged)].into()).coords;
                 let guess = Guess { normal: first.rotation.inverse() * place.normal * side, point, at_point: false };
                 let Some((_, points)) = meet(&of_first, &on_second, &guess) else { return f64::NEG_INFINITY };
-                (points, off_crossing(&place.features, names, parts, &points).min(off_flat(place, [a, b])))
+                (points, off_crossing(&place.features, names, parts, &points))
             }
         };
         let off = |core: &Core, feature: FeatureId, point: &Vector3<f64>| match core {
@@ -286,15 +286,6 @@ impl First {
             First::Convex(convex) => convex.reach(),
         }
     }
-}
-
-/// How far the axis of a rim on a plane leans to where it did when the place was found, times its radius (m); infinite for other features. At zero it may have come down
-/// flat, and goes on to lean to the other side.
-fn off_flat(place: &TouchPlace, poses: [&Pose; 2]) -> f64 {
-    let [Feature::Plane, Feature::Rim { radius }] = place.features else { return f64::INFINITY };
-    let [plane, rim] =
-        [0, 1].map(|i: usize| poses[usize::from((i == 1) != place.swapped)].rotation * place.frames[i].rotation);
-    radius * (plane * Vector3::x()).dot(&(rim * Vector3::z()))
 }
 
 /// The name of another point of the same rim, if this is the name of one.

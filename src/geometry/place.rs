@@ -49,14 +49,6 @@ pub fn frame(origin: Vector3<f64>, z: &Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::from(origin), rotation)
 }
 
-/// The frame of a plane with its x axis where an axis leans to: while it leans there, the rim about it stays on its side.
-fn leaning(plane: Pose, axis: &Vector3<f64>) -> Pose {
-    let z = plane.rotation * Vector3::z();
-    let Some(x) = (axis - z * z.dot(axis)).try_normalize(0.0) else { return plane };
-    let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
-    Pose::from_parts(plane.translation, rotation)
-}
-
 /// A part of a shape with a radius (m) about it, as a feature of a joint and its frame.
 pub fn feature_frame(part: &Part, radius: f64) -> (Feature, Pose) {
     match part {
@@ -101,7 +93,7 @@ pub fn place(
     }
     let (of_a, frame_a) = feature_frame(&part_a, radii[0]);
     let (of_b, frame_b) = feature_frame(&part_b, radii[1]);
-    let (features, mut frames) = match (found, swapped) {
+    let (features, frames) = match (found, swapped) {
         (Some(_), false) => ([of_a, of_b], [frame_a, frame_b]),
         (Some(_), true) => ([of_b, of_a], [frame_b, frame_a]),
         (None, _) => {
@@ -112,12 +104,6 @@ pub fn place(
             )
         }
     };
-    if let ([Feature::Plane, Feature::Rim { .. }], Some(_)) = (features, found) {
-        // In the frame of the plane's body.
-        let axis = frames[1].rotation * Vector3::z();
-        let axis = if swapped { rotation.tr_mul(&axis) } else { rotation * axis };
-        frames[0] = leaning(frames[0], &axis);
-    }
     let world = |point: Vector3<f64>| a.rotation * point + a.translation.vector;
     TouchPlace {
         identity: PlaceId { a: candidate.features[0], b: candidate.features[1] },

@@ -158,7 +158,6 @@ fn wrong_pairs_and_links_are_refused_with_file_line_and_name() {
     for (shape, what) in [
         ("sphere radius=\"0\"", "radius of its sphere is 0 m"),
         ("box size=\"1 -1 1\"", "size of its box is -1 m"),
-        ("sphere radius=\"1e200\"", "below 1e150 m"),
         ("cylinder radius=\"1\" length=\"0\"", "length of its cylinder is 0 m"),
         ("cylinder radius=\"0\" length=\"1\"", "radius of its cylinder is 0 m"),
         ("capsule radius=\"1\" length=\"-2\"", "length of its capsule is -2 m"),

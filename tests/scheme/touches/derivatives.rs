@@ -50,20 +50,20 @@ fn rates_and_second_rates_of_all_pairs_are_those_of_differences() {
         [Feature::Plane, Feature::Rim { radius: 0.3 }],
         [Feature::Line { radius: 0.0 }, Feature::Rim { radius: 0.3 }],
         [Feature::Rim { radius: 0.3 }, Feature::Line { radius: 0.0 }],
-        [Feature::Rim { radius: 0.3 }, point],
+        [Feature::Rim { radius: 0.3 }, Feature::Point { radius: 0.25 }],
+        [Feature::Rim { radius: 0.3 }, Feature::Line { radius: 0.25 }],
         [Feature::Rim { radius: 0.3 }, line],
-        [Feature::Rim { radius: 0.3 }, line],
-        [Feature::Rim { radius: 0.3 }, Feature::Rim { radius: 0.2 }],
+        [Feature::Rim { radius: 0.3 }, Feature::Rim { radius: 0.5 }],
     ];
     // The second feature is about a metre above the first, its axis across that of the first. A line goes through a rim that is next to it, or out of
     // one that is below it; it lies beside it, or across it. The second rim goes down through the plane of the first, next to it.
     let place_and_turn = |pair: usize| match pair {
         5 => (Vector3::new(0.3, 0.0, 0.1), Vector3::new(0.3, 0.2, 0.0)),
         6 => (Vector3::new(0.0, 0.1, 0.1), Vector3::new(1.4, 0.0, 0.3)),
-        7 => (Vector3::new(0.4, 0.1, 0.2), Vector3::zeros()),
-        8 => (Vector3::new(0.5, 0.2, 0.2), Vector3::new(1.2, 0.3, 0.2)),
+        7 => (Vector3::new(0.5, 0.1, 0.2), Vector3::zeros()),
+        8 => (Vector3::new(0.6, 0.2, 0.2), Vector3::new(1.2, 0.3, 0.2)),
         9 => (Vector3::new(0.1, 0.2, 0.15), Vector3::new(1.7, 0.0, 0.2)),
-        10 => (Vector3::new(0.45, 0.2, 0.1), Vector3::new(1.3, 0.0, 0.4)),
+        10 => (Vector3::new(0.6, 0.1, 0.0), Vector3::new(1.3, 0.0, 0.3)),
         _ => (Vector3::new(0.4, 0.3, 1.0), Vector3::new(0.9, 0.0, 0.3)),
     };
     let mut seed = 1_u64;
