@@ -11,8 +11,6 @@
 //! and its ε would be as much larger a part of what it is. But in the matrix the contact is as heavy as M/ε, beside which the inertia of a
 //! light body is rounded; and ε of a feather would be no small part of what the robot presses it with.
 
-use crate::coupled::system::{Coupled, Geometry};
-use crate::numbers::lanes::Lanes;
 use catena_mechanism::description::mechanism::Mechanism;
 
 /// The largest M, in masses of the body.
@@ -26,22 +24,4 @@ pub(crate) fn weights(mechanism: &Mechanism) -> Vec<f64> {
     let of = |mass: f64| (MOST * mass).min(whole).max(LEAST * whole);
     let masses = mechanism.bodies.iter().map(|body| of(body.mass));
     masses.map(|mass| if mass > 0.0 { 1.0 / mass } else { 1.0 }).collect()
-}
-
-impl<V: Lanes> Coupled<V> {
-    /// Finds the mobilities of the equations that go at a body, among its ends of closures: (row, slot, sign).
-    pub(crate) fn scale_given<G: Geometry<V>>(
-        &mut self,
-        geometry: &G,
-        start: &G::Start,
-        body: usize,
-        ends: &[(usize, usize, f64)],
-    ) {
-        for &(row, ..) in ends {
-            if row < self.mimic_rows.end && self.elimination.given[row] {
-                let leverage = geometry.leverage(start, body, &self.direction(row));
-                self.scales[row] = (1.0 + leverage) * self.weights[body];
-            }
-        }
-    }
 }

@@ -2,7 +2,7 @@
 
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::mixing::Mixing;
-use crate::coupled::system::{Coupled, IMPLIED, PROXIMAL, Resistance, first_lane};
+use crate::coupled::system::{Coupled, Geometry, IMPLIED, PROXIMAL, Resistance, first_lane};
 use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
 use crate::plan::elimination::{Column, Operation, TWIST, Unknown};
 use crate::plan::tree::Plan;
@@ -75,6 +75,22 @@ impl<V: Lanes> Coupled<V> {
                 for (k, integral) in self.mixing.integral[..active].iter().enumerate() {
                     self.fronts.add(level, slot, component, k, change * *integral);
                 }
+            }
+        }
+    }
+
+    /// Finds the mobilities of the equations that go at a body, among its ends of closures ([`crate::coupled::given`]): (row, slot, sign).
+    pub(crate) fn scale_given<G: Geometry<V>>(
+        &mut self,
+        geometry: &G,
+        start: &G::Start,
+        body: usize,
+        ends: &[(usize, usize, f64)],
+    ) {
+        for &(row, ..) in ends {
+            if row < self.mimic_rows.end && self.elimination.given[row] {
+                let leverage = geometry.leverage(start, body, &self.direction(row));
+                self.scales[row] = (1.0 + leverage) * self.weights[body];
             }
         }
     }
