@@ -86,12 +86,12 @@ fn fall(folder: &Path, log: &str, arguments: &[&str]) -> Value {
 #[test]
 fn the_log_of_a_run_that_begins_again_is_that_of_the_last_beginning_alone_and_replays() {
     let folder = scratch("again");
-    let report = fall(&folder, "log.mcap", &["--duration", "3"]);
+    let report = fall(&folder, "log.mcap", &["--duration", "4"]);
     let begun = report["accuracy"]["begun"].as_u64().expect("a number");
     assert!(begun > 1 && report["accuracy"]["pilots"] == 0, "{}", report["accuracy"]);
     let inspected = json(&run(&folder, &["inspect", "log.mcap", "--json"]).stdout);
-    // 20 samples a second from t = 0 to 3 s, once.
-    assert_eq!((&inspected["samples"], &inspected["duration"]), (&Value::from(61), &Value::from(3.0)), "{inspected}");
+    // 20 samples a second from t = 0 to 4 s, once.
+    assert_eq!((&inspected["samples"], &inspected["duration"]), (&Value::from(81), &Value::from(4.0)), "{inspected}");
     let lines = text(&run(&folder, &["inspect", "log.mcap"]).stdout).to_string();
     assert!(lines.contains("complete, the run has finished"), "{lines}");
     let replayed = run(&folder, &["replay", "log.mcap"]);
