@@ -32,6 +32,10 @@ const SLOWER: f64 = 0.25;
 pub(super) const JAM: f64 = 1e-7;
 /// and made in another way if more than this part of the largest kinetic energy is unaccounted for.
 const OFF: f64 = 1e-8;
+/// Given steps are made shorter if more than this part is, and more than so much of what friction takes: one that cannot follow a slip, or what jams, is
+/// off by about as much as friction does, and truncation by far less.
+const OFF_GIVEN: f64 = 1e-6;
+const OFF_FRICTION: f64 = 1e-2;
 
 /// Roundings of gaps, 1e-17 m, are velocities in steps that are shorter than this (s).
 const SHORTEST: f64 = 1e-8;
@@ -76,8 +80,8 @@ impl Eventful {
         }
     }
 
-    /// Whether contacts that slide make the step to this end wrong: friction gives energy, or the energy is off by more than the tolerance allows; in
-    /// steps so short that gaps have no digits left, by more than rounding.
+    /// Whether contacts that slide make the step to this end wrong: friction gives energy, or the energy is off by more than the tolerance allows, or than
+    /// a given step may be; in steps so short that gaps have no digits left, by more than rounding.
     pub(super) fn gains_by_friction(&self, end: &State, exchange: &Exchange) -> bool {
         let length = end.time - self.origin.time;
         if length <= 0.0 || self.mode.contacts.iter().all(|closed| closed.slides.is_none()) {
@@ -85,9 +89,13 @@ impl Eventful {
         }
         let (before, after) = (energy(&self.whole, &self.origin), energy(&self.whole, end));
         let largest = self.memory.kinetic.max(before.kinetic).max(after.kinetic);
-        let most = if length <= JAM { OFF } else { self.recipe.tolerance().map_or(f64::INFINITY, |own| own.max(OFF)) };
-        let off = after.total() - before.total() + exchange.lost();
-        off.abs() > most * largest || exchange.friction < -OFF * largest
+        let off = (after.total() - before.total() + exchange.lost()).abs();
+        let most = match self.recipe.tolerance() {
+            _ if length <= JAM => OFF * largest,
+            Some(tolerance) => tolerance.max(OFF) * largest,
+            None => (OFF_GIVEN * largest).max(OFF_FRICTION * exchange.friction.abs()),
+        };
+        off > most || exchange.friction < -OFF * largest
     }
 
     /// Takes the directions in which closed contacts slide at the end of the step that was made last.
