@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 /// The surface of the convex hull of points (m), counterclockwise from outside.
 ///
 /// # Errors
-/// [`GeometryError`] for points that have no hull with a volume.
+/// [`GeometryError`] for points on a line, or nearly in a plane; points in a plane have both faces of a plate.
 pub fn hull_surface(points: &[Vector3<f64>]) -> Result<Surface, GeometryError> {
     let hull = convex_hull(points)?;
     let fan = |corners: &Vec<usize>| -> Vec<[u32; 3]> {
@@ -47,8 +47,17 @@ mod tests {
     }
 
     #[test]
-    fn points_in_a_plane_have_no_surface() {
+    fn a_plate_has_both_of_its_faces_and_points_on_a_line_have_no_surface() {
         let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from);
-        assert!(hull_surface(&square).is_err());
+        let surface = hull_surface(&square).expect("a plate");
+        let areas = surface.triangles.iter().map(|corners| {
+            let [a, b, c] = corners.map(|corner| surface.vertices[corner as usize]);
+            0.5 * (b - a).cross(&(c - a)).z
+        });
+        let (up, down): (Vec<f64>, Vec<f64>) = areas.partition(|area| *area > 0.0);
+        // Areas of halves of a unit square have no roundings.
+        assert_eq!((up.iter().sum::<f64>(), down.iter().sum::<f64>()), (1.0, -1.0));
+        let line = [0.0, 1.0, 2.0, 3.0].map(|x| Vector3::new(x, 0.0, 0.0));
+        assert!(hull_surface(&line).is_err());
     }
 }
