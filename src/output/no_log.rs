@@ -40,6 +40,15 @@ impl Recorder {
         match *options {}
     }
 
+    pub(crate) fn create_for_restarts(
+        path: &Path,
+        model: &Model,
+        simulation: BTreeMap<String, String>,
+        options: &LogOptions,
+    ) -> Result<Self, LogError> {
+        Self::create(path, model, simulation, options)
+    }
+
     pub(crate) fn heed(&mut self, _: &Arc<AtomicBool>) {
         match *self {}
     }
