@@ -50,6 +50,7 @@ impl Model {
     ///
     /// # Errors
     /// [`ModelError`] for shapes without size.
+    #[cfg(feature = "log")]
     pub(crate) fn shapes_of_links(&self) -> Result<(Vec<Collider>, Vec<Warning>), ModelError> {
         let (mut colliders, mut reader) = (Vec::new(), ShapeReader::default());
         for number in 0..self.robots.len() {
