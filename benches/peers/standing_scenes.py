@@ -126,7 +126,7 @@ def gripper() -> Scene:
 
 
 def neutral_gripper() -> Scene:
-    """The same with forces of 2 N, whatever the place: nothing keeps the three of them together from drifting across."""
+    """The same with forces of 2 N, whatever the place: nothing but that they are equal keeps the three of them together from drifting across."""
     return Scene("neutral_gripper", "two forces hold a box, 60 s", 60.0, _gripped(), 0.5, False, effort=2.0)
 
 

@@ -117,6 +117,29 @@ pub(crate) fn closed_forces(
     found
 }
 
+/// The accelerations of a state in a mode, one entry a degree of freedom, each with the size of what it is the difference of.
+pub(crate) fn accelerations(
+    at: &Present,
+    response: &mut Response,
+    state: &State,
+    efforts: &[f64],
+    unique: bool,
+) -> Vec<(f64, f64)> {
+    let bodies = body_states(at.whole, state);
+    let blocks = blocks(at, &bodies);
+    let rows = Rows::of(response, state, &blocks);
+    let offset = offsets(at, response, state, efforts, &blocks, &bodies);
+    let forces = DVector::from_vec(Chosen::new(&blocks).solve(&rows.square, &offset, unique));
+    let mut free = vec![0.0; state.velocity.len()];
+    response.accelerations(state, efforts, &mut free);
+    // All forces are the solution of one system: those that are next to nothing are rounded by the largest.
+    let largest = forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+    let sizes = rows.columns().row_iter().map(|row| largest * row.abs().sum());
+    let held = rows.columns() * forces;
+    let all = free.iter().zip(held.iter().zip(sizes));
+    all.map(|(free, (held, size))| (free + held, free.abs() + size)).collect()
+}
+
 /// How slips go on from a state, if their rates stay as they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slipping {

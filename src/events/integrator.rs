@@ -329,6 +329,10 @@ impl Eventful {
         self.unsolved += done.unsolved;
         (self.fresh_joints, self.fresh_motors, self.fresh_pairs) = (done.joints, done.motors, done.pairs);
         self.enter(state);
+        if self.stays_at_rest(inputs, state) {
+            self.asleep = true;
+            self.enter(state);
+        }
         done.lost
     }
 

@@ -1,7 +1,10 @@
 //! Rest on contacts: bodies that have stopped moving are not simulated until something changes.
 
+use crate::events::closed_forces::accelerations;
 use crate::events::integrator::Eventful;
+use crate::events::present::Present;
 use crate::mechanism::description::nonsmooth::Motor;
+use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 
 /// Slower than this part of the fastest that any body has been, and nearer than this to where the step began (m or rad), is at rest; with a tolerance
@@ -12,7 +15,33 @@ const SHORTEST_REST: f64 = 1e-3;
 /// so many in a row.
 pub(super) const QUIET: usize = 10;
 
+/// Accelerations below this part of what they are the difference of are zero.
+const ROUNDING: f64 = 1e-14;
+
 impl Eventful {
+    /// Whether a state in which nothing moves stays as it is: no acceleration is more than a rounding, on contacts and under efforts that do not change.
+    /// So may be even what nothing holds, where the forces on it cancel. Its energies and speeds would be roundings, and with them the lengths of steps.
+    pub(super) fn stays_at_rest(&mut self, inputs: Inputs, state: &State) -> bool {
+        let asked = !(self.mode.contacts.is_empty() || self.pieces[self.current].moving.is_empty());
+        if !asked
+            || inputs.feedback.is_some()
+            || !self.is_driven_evenly()
+            || state.velocity.iter().any(|&rate| rate != 0.0)
+        {
+            return false;
+        }
+        let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
+        mode.efforts_at(elements, inputs, state.time, state, efforts);
+        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+        let all = accelerations(&present, response, state, efforts, holding.is_unique());
+        all.iter().all(|(acceleration, size)| acceleration.abs() <= ROUNDING * size)
+    }
+
+    /// Whether no motor changes what it does in time.
+    fn is_driven_evenly(&self) -> bool {
+        self.elements.motors.iter().all(|motor: &Motor| motor.period == 0.0 && motor.target.is_constant())
+    }
+
     /// Whether nothing has moved in the last step by more than does not matter, on contacts and under efforts that do not change.
     pub(super) fn is_quiet(&self, state: &State) -> bool {
         if self.asleep || self.mode.contacts.is_empty() || state.time - self.origin.time < SHORTEST_REST {
@@ -21,9 +50,8 @@ impl Eventful {
         let wanted = self.recipe.tolerance().unwrap_or(0.0);
         let slow = |rate: &f64| rate.abs() <= (REST * self.memory.fastest).max(0.1 * wanted);
         let moved = self.origin.position.iter().zip(&state.position).map(|(from, to)| (to - from).abs());
-        let constant = |motor: &Motor| motor.period == 0.0 && motor.target.is_constant();
         moved.fold(0.0, f64::max) <= REST.max(1e-3 * wanted)
             && state.velocity.iter().all(slow)
-            && self.elements.motors.iter().all(constant)
+            && self.is_driven_evenly()
     }
 }
