@@ -15,6 +15,7 @@ use crate::events::flat_ends::Asked;
 use crate::events::impact::Meeting;
 use crate::events::memory::Found;
 use crate::events::mode::{Closed, Mode};
+use crate::events::planar_rims::{land_opposite, touching_point};
 use crate::events::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::watched::Watched;
 use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
@@ -85,7 +86,13 @@ impl Contacts {
             };
             if found.anew || found.triggers.iter().any(happens) {
                 let within = size * if found.anew { TOUCHED_AT_START } else { TOUCHED };
-                for (contact, _) in touching.near(pair, &bodies, within) {
+                let mut near: Vec<Contact> =
+                    touching.near(pair, &bodies, within).into_iter().map(|(contact, _)| contact).collect();
+                if found.triggers.contains(&Watched::Approach(pair)) {
+                    let pivots: Vec<&Contact> = closed().map(|(_, closed)| &closed.contact).collect();
+                    land_opposite(touching, &pivots, &mut near, &bodies);
+                }
+                for contact in near {
                     let known = closed().find(|(_, closed)| closed.contact.features == contact.features);
                     contacts.known.push(known.map(|(index, _)| index));
                     contacts.all.push(contact);
@@ -156,6 +163,11 @@ impl Contacts {
             })
             .map(|joint| joint.coordinate.freedom)
             .collect();
+        for contact in &mut self.all {
+            if let Some(point) = touching_point(scene.touching, contact, &bodies, self.rest) {
+                *contact = point;
+            }
+        }
         // The contacts of one pair that stop together do so but for what they know of each other's forces where those are not unique.
         let mut together = vec![(0.0_f64, TOGETHER); scene.touching.pairs.len()];
         for (contact, known) in self.all.iter().zip(&self.known) {

@@ -23,6 +23,8 @@ use nalgebra::Vector3;
 const SAME: f64 = 1e-6;
 /// Centres of pressure nearer than this to a point of the rim that is there are at that point, relative to the radius.
 const THERE: f64 = 1e-3;
+/// An end is flat if its rim rises by less than this part of its radius.
+const FLAT: f64 = 2e-9;
 /// Where the centre of pressure is nearer than this to the middle of the disc the disc is far from tipping, relative to the radius.
 const MIDDLE: f64 = 0.3;
 
@@ -98,7 +100,10 @@ impl<'c> FlatEnd<'c> {
             touching.on_rim(first, towards, bodies).map(|contact| touch_motion(&contact.joint, bodies).point)
         };
         let (one, other) = (at(&tangents[0])?, at(&-tangents[0])?);
-        Some(FlatEnd { points, centre: 0.5 * (one + other), radius: 0.5 * (one - other).norm(), tangents })
+        let (centre, radius) = (0.5 * (one + other), 0.5 * (one - other).norm());
+        // What stands on one point of its rim, tilted, lacks none.
+        let rises = normal.dot(&(one - other)).hypot(normal.dot(&(at(&tangents[1])? - centre)) * 2.0);
+        (rises <= FLAT * radius).then_some(FlatEnd { points, centre, radius, tangents })
     }
 
     /// The direction of a point of the rim, from its angle in turns.

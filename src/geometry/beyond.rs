@@ -11,7 +11,7 @@
 //! bracketed.
 
 use crate::convex::{Convex, Core};
-use crate::feature::FeatureId;
+use crate::feature::{FeatureId, Part, part};
 use nalgebra::{Matrix3, Vector3};
 
 /// The least height of a core over a plane with this normal into the core's side, without what belongs to features that touch (m): the plane goes
@@ -40,7 +40,17 @@ pub fn height(shape: &Convex, closed: &[FeatureId], normal: &Vector3<f64>, foot:
                 closed.iter().any(|feature| own.contains(feature))
             };
             let across = cylinder.axis.cross(normal).norm();
-            let lowest = |end: u32| normal.dot(&(cylinder.rim_centre(end as usize) - foot)) - cylinder.radius * across;
+            let lowest = |end: u32| {
+                let centre = cylinder.rim_centre(end as usize);
+                let mut points = closed
+                    .iter()
+                    .filter(|feature| matches!(feature, FeatureId::RimPoint { end: own, .. } if *own == end));
+                // Where one point touches alone the cylinder tilts in a plane, and the opposite one is next.
+                match (points.next().map(|&point| part(&shape.core, point)), points.next()) {
+                    (Some(Part::Point(point)), None) => normal.dot(&(centre * 2.0 - point - foot)),
+                    _ => normal.dot(&(centre - foot)) - cylinder.radius * across,
+                }
+            };
             (0..2).filter(|&end| !touches(end)).map(lowest).fold(f64::INFINITY, f64::min)
         }
     }

@@ -113,6 +113,21 @@ pub fn rim_point_towards(cylinder: &Cylinder, end: u32, direction: &Vector3<f64>
     FeatureId::RimPoint { end, turn: (if turn < 1.0 { turn } else { 0.0 }).to_bits() }
 }
 
+/// A point of a rim touches in its place while the tilt across it is less than this: the rim runs then.
+const STRAIGHT: f64 = 1e-9;
+
+/// How far the tilt of a cylinder is from leaving the plane through its axis and a point of its rim, as a height on the rim (m); the plane that
+/// it touches has this normal in the frame of its body. Infinite for other features.
+pub fn off_tilt(core: &Core, name: FeatureId, normal: &Vector3<f64>) -> f64 {
+    match (core, name) {
+        (Core::Cylinder(cylinder), FeatureId::RimPoint { end, turn }) => {
+            let arm = rim_point(cylinder, end as usize, f64::from_bits(turn)) - cylinder.rim_centre(end as usize);
+            STRAIGHT * cylinder.radius - cylinder.axis.cross(&arm).dot(normal).abs()
+        }
+        _ => f64::INFINITY,
+    }
+}
+
 /// All features of a core.
 pub fn features(core: &Core) -> impl Iterator<Item = FeatureId> {
     let (faces, edges, vertices, ends) = match core {

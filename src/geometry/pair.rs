@@ -7,7 +7,7 @@ use crate::both::{Both, Candidate};
 use crate::convex::{Convex, Core, kind};
 use crate::crossing::off_crossing;
 use crate::error::GeometryError;
-use crate::feature::{FeatureId, Part, inside, off_neighbours, part, rim_point_towards};
+use crate::feature::{FeatureId, Part, inside, off_neighbours, off_tilt, part, rim_point_towards};
 use crate::half_space::HalfSpace;
 use crate::manifold::manifold;
 use crate::meet::{Guess, meet};
@@ -139,7 +139,8 @@ impl PairGeometry {
     }
 
     /// How far the place is inside the borders of its features (m): the distance of its points from the sides of faces, the ends of edges
-    /// and the planes to neighbours. Zero where another feature takes over, negative beyond; infinite if there are no borders.
+    /// and the planes to neighbours; of a point of a rim, how far the tilt is from leaving its plane. Zero where another feature takes over, negative
+    /// beyond; infinite if there are no borders.
     pub fn margin(&self, place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
         let (first, (rotation, translation)) = self.relative(a, b);
         let names = [place.identity.a, place.identity.b];
@@ -170,7 +171,12 @@ impl PairGeometry {
                 let point = first.inverse_transform_point(&place.points[usize::from(!self.exchanged)].into()).coords;
                 let guess = Guess { normal: first.rotation.inverse() * place.normal * side, point, at_point: false };
                 let Some((_, points)) = meet(&of_first, &on_second, &guess) else { return f64::NEG_INFINITY };
-                (points, off_crossing(&place.features, names, parts, &points))
+                let normals = [rotation.tr_mul(&guess.normal), -guess.normal];
+                let leaves = off_tilt(&self.second.core, names[1], &normals[0]).min(match &self.first {
+                    First::Convex(convex) => off_tilt(&convex.core, names[0], &normals[1]),
+                    First::HalfSpace(_) | First::Mesh(_) => f64::INFINITY,
+                });
+                (points, leaves.min(off_crossing(&place.features, names, parts, &points)))
             }
         };
         let off = |core: &Core, feature: FeatureId, point: &Vector3<f64>| match core {
@@ -216,21 +222,35 @@ impl PairGeometry {
         Some(least)
     }
 
-    /// The place of another point of the same rim, next to a direction in the world, if this one is a point of a rim that lies flat on a plane.
-    /// `None` if it is not. The other point may lie beside the face: [`PairGeometry::margin`] tells.
+    /// The place of a point of the same rim, next to a direction in the world, if this one is a rim on a plane or a point of it. `None` if it is not. The other
+    /// point may lie beside the face: [`PairGeometry::margin`] tells.
     pub fn rim_place(&self, known: &TouchPlace, towards: &Vector3<f64>, a: &Pose, b: &Pose) -> Option<TouchPlace> {
+        self.renamed(known, [a, b], |core, name, rotation| rim_point(core, name, &(rotation * towards)))
+    }
+
+    /// The place of the point of the same rim at a part of a turn, from 0 to 1, from this one, if this is a point of a rim on a plane.
+    pub fn turned_place(&self, known: &TouchPlace, part: f64, a: &Pose, b: &Pose) -> Option<TouchPlace> {
+        self.renamed(known, [a, b], |_, name, _| turned(name, part))
+    }
+
+    /// A place on a plane whose other feature has another name: `rename` takes its core, its name and the rotation from the world to its body.
+    fn renamed(
+        &self,
+        known: &TouchPlace,
+        [a, b]: [&Pose; 2],
+        rename: impl Fn(&Core, FeatureId, Matrix3<f64>) -> Option<FeatureId>,
+    ) -> Option<TouchPlace> {
         let (first, in_first) = self.relative(a, b);
         let (rotation, translation) = &in_first;
         let mut names = [known.identity.a, known.identity.b];
         if self.exchanged {
             names.reverse();
         }
-        let own = first.rotation.inverse() * towards;
-        let on_second = |core: &Core| rim_point(core, names[1], &rotation.tr_mul(&own));
-        if let Some(name) = on_second(&self.second.core) {
+        let own = first.rotation.matrix().transpose();
+        if let Some(name) = rename(&self.second.core, names[1], rotation.tr_mul(&own)) {
             names[1] = name;
         } else if let First::Convex(convex) = &self.first {
-            names[0] = rim_point(&convex.core, names[0], &own)?;
+            names[0] = rename(&convex.core, names[0], own)?;
         } else {
             return None;
         }
@@ -288,12 +308,21 @@ impl First {
     }
 }
 
-/// The name of another point of the same rim, if this is the name of one.
+/// The name of a point of a rim, if this is the name of the rim, or of another point of it.
 fn rim_point(core: &Core, name: FeatureId, towards: &Vector3<f64>) -> Option<FeatureId> {
     match (core, name) {
-        (Core::Cylinder(cylinder), FeatureId::RimPoint { end, .. }) => Some(rim_point_towards(cylinder, end, towards)),
+        (Core::Cylinder(cylinder), FeatureId::RimPoint { end, .. } | FeatureId::Rim(end)) => {
+            Some(rim_point_towards(cylinder, end, towards))
+        }
         _ => None,
     }
+}
+
+/// The name of the point of a rim at a part of a turn from this one, if this is the name of a point.
+fn turned(name: FeatureId, part: f64) -> Option<FeatureId> {
+    let FeatureId::RimPoint { end, turn } = name else { return None };
+    let turn = f64::from_bits(turn) + part;
+    Some(FeatureId::RimPoint { end, turn: (if turn < 1.0 { turn } else { turn - 1.0 }).to_bits() })
 }
 
 /// Two convex shapes, given the pose of the second body in the first.

@@ -62,6 +62,17 @@ impl Contact {
         };
         Some(RimOf { pair: self.pair, of_second, end })
     }
+
+    /// The rim on a plane that touches, or of which a point touches.
+    fn rim(&self) -> Option<RimOf> {
+        use FeatureId::{Cap, Face, Rim, RimPoint};
+        let (of_second, end) = match (self.features.a, self.features.b) {
+            (Rim(end) | RimPoint { end, .. }, Face(_) | Cap(_)) => (false, end),
+            (Face(_) | Cap(_), Rim(end) | RimPoint { end, .. }) => (true, end),
+            _ => return None,
+        };
+        Some(RimOf { pair: self.pair, of_second, end })
+    }
 }
 
 /// The rim of an end of a cylinder in a pair.
@@ -103,11 +114,20 @@ impl Touching {
         places.into_iter().map(|place| (place.gap, place)).map(|(gap, place)| (contact(pair, of, place), gap)).collect()
     }
 
-    /// The contact at the point of the same rim towards a direction in the world, if this one is at a point of a rim that lies flat.
+    /// The contact at the point of the same rim towards a direction in the world, if this one is that of a rim on a plane, or of a point of it.
     pub fn on_rim(&self, known: &Contact, towards: &Vector3<f64>, bodies: &[BodyState]) -> Option<Contact> {
         let Pair { geometry, bodies: of, .. } = &self.pairs[known.pair];
         let place = geometry.rim_place(&known.place, towards, &pose(of[0], bodies), &pose(of[1], bodies))?;
         Some(contact(known.pair, of, place))
+    }
+
+    /// The contact at the point of the same rim at a part of a turn from this one, and its gap (m), if this one is at a point of a rim on a plane.
+    pub fn turned(&self, known: &Contact, part: f64, bodies: &[BodyState]) -> Option<(Contact, f64)> {
+        known.rim()?;
+        let Pair { geometry, bodies: of, .. } = &self.pairs[known.pair];
+        let place = geometry.turned_place(&known.place, part, &pose(of[0], bodies), &pose(of[1], bodies))?;
+        let gap = place.gap;
+        Some((contact(known.pair, of, place), gap))
     }
 
     /// How far from overlapping the rest of a pair is that is closed at these contacts (m), as far as `within`.
@@ -125,8 +145,16 @@ impl Touching {
                 Some(height) => least = least.min(height),
                 None => {
                     let others = self.near(pair, bodies, within).into_iter();
-                    let others = others.filter(|(near, _)| !features.contains(&near.features));
-                    return others.fold(within, |least, (_, gap)| least.min(gap));
+                    // Of a rim that touches at one point alone the opposite one is next: the cylinder tilts in a plane.
+                    let points = closed.iter().filter(|contact| contact.flat_end().is_some());
+                    let ends: Vec<RimOf> = points.clone().filter_map(|contact| contact.rim()).collect();
+                    let alone = |end: &RimOf| ends.iter().filter(|other| *other == end).count() == 1;
+                    let pivots = points.filter(|contact| contact.rim().is_some_and(|end| alone(&end)));
+                    let opposite = pivots.filter_map(|contact| Some(self.turned(contact, 0.5, bodies)?.1));
+                    let others = others.filter(|(near, _)| {
+                        !features.contains(&near.features) && !near.rim().is_some_and(|end| alone(&end))
+                    });
+                    return others.map(|(_, gap)| gap).chain(opposite).fold(within, f64::min);
                 }
             }
         }

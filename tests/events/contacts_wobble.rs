@@ -117,9 +117,9 @@ fn a_wobbling_cylinder_without_friction_tilts_and_turns_as_its_three_constants_s
 /// r = ρ u + H k, u up in the plane of the rim, v = ω × r and
 ///
 /// ```text
-///     I ω̇ + m r × (ω̇ × r) = −ω × I ω − m r × (ω × ṙ) − m g r × z
+///     I ω̇ + m r × (ω̇ × r) = −ω × I ω − m r × (ω × ṙ) + m r × g
 /// ```
-fn rolling(half: f64) -> impl Fn(&[f64; 15]) -> [f64; 15] {
+fn rolling(half: f64, gravity: Vector3<f64>) -> impl Fn(&[f64; 15]) -> [f64; 15] {
     let [a, c] = moments(half);
     move |y: &[f64; 15]| {
         let rotation = Matrix3::from_column_slice(&y[..9]);
@@ -133,9 +133,8 @@ fn rolling(half: f64) -> impl Fn(&[f64; 15]) -> [f64; 15] {
         let change = (change - towards * towards.dot(&change)) / across.norm();
         let (arm, arm_rate) = (towards * RADIUS + axis * half, change * RADIUS + turning * half);
         let matrix = inertia + (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * MASS;
-        let right = -spin.cross(&(inertia * spin))
-            - arm.cross(&spin.cross(&arm_rate)) * MASS
-            - arm.cross(&up) * (MASS * GRAVITY);
+        let right =
+            -spin.cross(&(inertia * spin)) - arm.cross(&spin.cross(&arm_rate)) * MASS + arm.cross(&gravity) * MASS;
         let acceleration = matrix.lu().solve(&right).expect("a definite matrix");
         let velocity = spin.cross(&arm);
         let rates = Matrix3::from_columns(&[0, 1, 2].map(|i| spin.cross(&rotation.column(i).into_owned())));
@@ -157,7 +156,7 @@ fn a_cylinder_that_is_rough_rolls_on_its_rim_as_newton_and_euler_say() {
         let start = tilted(&mechanism, half, [tilt, 0.0], spin, spin.cross(&arm));
         let found = run(&mechanism, &start, until, fixed(9, 0.005));
         let from: Vec<f64> = turn.matrix().iter().chain(spin.iter()).chain(&[0.0, 0.0, arm.z]).copied().collect();
-        let wanted = after(rolling(half), std::array::from_fn(|i| from[i]), until, 40_000);
+        let wanted = after(rolling(half, DOWN), std::array::from_fn(|i| from[i]), until, 40_000);
         let place = Vector3::from_column_slice(&found.state.position[..3]);
         let expected = Vector3::from_column_slice(&wanted[12..]);
         println!("{:?} {:?}: {:e}", found.events, found.summary.contact, (place - expected).norm());
@@ -165,6 +164,29 @@ fn a_cylinder_that_is_rough_rolls_on_its_rim_as_newton_and_euler_say() {
         assert!((place - expected).norm() <= 1e-10, "{place} for {expected}");
         let (axis, _) = axis_and_spin(&mechanism, &found.state);
         assert!((axis - Vector3::from_column_slice(&wanted[6..9])).norm() <= 1e-10);
+        assert!(found.summary.max_relative_energy_error <= 1e-12, "{:?}", found.summary);
+    }
+}
+
+#[test]
+fn a_cylinder_that_is_pulled_out_of_the_plane_of_its_tilt_rolls_on_its_rim_as_newton_and_euler_say() {
+    let (half, until) = (0.03, 0.15);
+    // From rest, where nothing tells yet that it will leave the plane.
+    for tilt in [0.6, 1.0] {
+        let gravity = Vector3::new(0.0, 1.5, -GRAVITY);
+        let mut mechanism = loose(gravity, &[(MASS, Shape::Cylinder { radius: RADIUS, half })]);
+        on_floor(&mut mechanism, 5.0, 0.0);
+        let start = tilted(&mechanism, half, [tilt, 0.0], Vector3::zeros(), Vector3::zeros());
+        let found = run(&mechanism, &start, until, fixed(9, 0.0025));
+        let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), tilt);
+        let height = RADIUS * tilt.sin() + half * tilt.cos();
+        let from: Vec<f64> = turn.matrix().iter().chain(&[0.0, 0.0, 0.0, 0.0, 0.0, height]).copied().collect();
+        let wanted = after(rolling(half, gravity), std::array::from_fn(|i| from[i]), until, 40_000);
+        let expected = Vector3::from_column_slice(&wanted[12..]);
+        let place = Vector3::from_column_slice(&found.state.position[..3]);
+        println!("{:?} {place}: {:e} {:?}", found.events, (place - expected).norm(), found.summary);
+        assert!(found.events.is_empty(), "{:?}", found.events);
+        assert!((place - expected).norm() <= 1e-10, "{place} for {expected}");
         assert!(found.summary.max_relative_energy_error <= 1e-12, "{:?}", found.summary);
     }
 }

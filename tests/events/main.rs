@@ -16,6 +16,7 @@ mod contacts_rest;
 mod contacts_rims;
 mod contacts_robot;
 mod contacts_rocking;
+mod contacts_rocking_cylinder;
 mod contacts_rod;
 mod contacts_wall;
 mod contacts_wobble;

@@ -1,0 +1,58 @@
+//! Rims whose cylinders tilt in a plane: one point of them touches.
+//!
+//! A rim about k with the centre c and the radius ρ on a plane with the normal n touches at its lowest point, in the direction −m from its axis:
+//!
+//! ```text
+//!     m = n − (n·k) k                    |m|: sine of the tilt
+//!     ṁ = ν − (ν·k) k,  ν = n × ω        in the frame of the rim, with its angular velocity ω relative to the plane
+//! ```
+//!
+//! While ṁ is along m the lowest point is the same point of the material. It stands for the rim then: the gap of a point is smooth where
+//! the rim comes down flat, m = 0, and that of the rim is not. The opposite point is open, and meets the plane there with an impact. Where the tilt leaves
+//! the plane of k and m, the rim itself touches again ([`crate::geometry::PairGeometry::margin`]).
+//!
+//! Source: G. W. Housner, The behavior of inverted pendulum structures during earthquakes, Bulletin of the Seismological Society of America 53 (1963).
+
+use crate::instant::touching::{Contact, Touching};
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::contact::Feature;
+use nalgebra::Vector3;
+
+/// A tilt is in a plane if what leaves the plane is less than this part of its rate.
+const PLANAR: f64 = 1e-9;
+
+/// The contact at the point of a rim that touches, if the rim tilts in a plane; speeds up to `rest` [m/s] are zero.
+pub(crate) fn touching_point(
+    touching: &Touching,
+    contact: &Contact,
+    bodies: &[BodyState],
+    rest: f64,
+) -> Option<Contact> {
+    let [Feature::Plane, Feature::Rim { radius }] = contact.joint.touch.features else { return None };
+    let (plane, rim) = (&contact.joint.a, &contact.joint.b);
+    let (normal, axis) = (plane.place(bodies).1.column(2).into_owned(), rim.place(bodies).1.column(2).into_owned());
+    let level = |vector: Vector3<f64>| vector - axis * vector.dot(&axis);
+    let turning = rim.on(bodies).angular_velocity - plane.on(bodies).angular_velocity;
+    let (tilt, rate) = (level(normal), level(normal.cross(&turning)));
+    let towards = tilt.try_normalize(0.0)?;
+    let leaves = rate.dot(&axis.cross(&towards)).abs();
+    let planar = leaves <= PLANAR * rate.norm() || leaves * radius <= rest;
+    if planar { touching.on_rim(contact, &-towards, bodies) } else { None }
+}
+
+/// Where a rim comes down flat of which a point has touched alone: of what touches, the points of the rim are left for that one, the opposite one, which
+/// meets the plane, and those between. Points beside them would not rest and part in pairs.
+pub(crate) fn land_opposite(touching: &Touching, before: &[&Contact], found: &mut Vec<Contact>, bodies: &[BodyState]) {
+    let [pivot] = before else { return };
+    let end = pivot.flat_end();
+    if end.is_none() || found.iter().all(|contact| contact.flat_end() != end) {
+        return;
+    }
+    let at = |part: f64| touching.turned(pivot, part, bodies).map(|(contact, _)| contact);
+    // Of a face with borders some may be beside it.
+    let on = |contact: &Contact| touching.margin(contact, bodies) >= 0.0;
+    let others: Vec<Contact> = [0.25, 0.5, 0.75].into_iter().filter_map(at).filter(on).collect();
+    found.retain(|contact| contact.flat_end() != end);
+    found.push((*pivot).clone());
+    found.extend(others);
+}
