@@ -11,6 +11,7 @@ use crate::events::integrator::Eventful;
 use crate::events::present::Present;
 use crate::events::resting::energy;
 use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
@@ -36,6 +37,8 @@ const OFF: f64 = 1e-8;
 /// off by about as much as friction does, and truncation by far less.
 const OFF_GIVEN: f64 = 1e-6;
 const OFF_FRICTION: f64 = 1e-2;
+/// Where all contacts stick nothing takes energy, and a given step is made shorter if it is off by more than this part of the largest kinetic energy.
+const OFF_STUCK: f64 = 1e-3;
 
 /// Roundings of gaps, 1e-17 m, are velocities in steps that are shorter than this (s).
 const SHORTEST: f64 = 1e-8;
@@ -80,22 +83,31 @@ impl Eventful {
         }
     }
 
-    /// Whether contacts that slide make the step to this end wrong: friction gives energy, or the energy is off by more than the tolerance allows, or than
-    /// a given step may be; in steps so short that gaps have no digits left, by more than rounding.
+    /// Whether contacts make the step to this end wrong. Where they slide: friction gives energy, or the energy is off by more than the tolerance allows, or
+    /// than a given step may be; in steps so short that gaps have no digits left, by more than rounding. Where all stick: a given step is off by far.
     pub(super) fn gains_by_friction(&self, end: &State, exchange: &Exchange) -> bool {
         let length = end.time - self.origin.time;
-        if length <= 0.0 || self.mode.contacts.iter().all(|closed| closed.slides.is_none()) {
+        let sticks = self.mode.contacts.iter().all(|closed| closed.slides.is_none());
+        let asked = !(sticks && (self.mode.contacts.is_empty() || self.recipe.tolerance().is_some()));
+        if length <= 0.0 || !asked {
             return false;
         }
         let (before, after) = (energy(&self.whole, &self.origin), energy(&self.whole, end));
         let largest = self.memory.kinetic.max(before.kinetic).max(after.kinetic);
         let off = (after.total() - before.total() + exchange.lost()).abs();
         let most = match self.recipe.tolerance() {
+            // What begins to move has next to no kinetic energy: beside what its weight does over its size roundings do not matter.
+            _ if sticks => OFF_STUCK * largest + OFF * self.weight() * size(&self.whole, &self.origin),
             _ if length <= JAM => OFF * largest,
             Some(tolerance) => tolerance.max(OFF) * largest,
             None => (OFF_GIVEN * largest).max(OFF_FRICTION * exchange.friction.abs()),
         };
         off > most || exchange.friction < -OFF * largest
+    }
+
+    /// The weight of everything (N).
+    fn weight(&self) -> f64 {
+        self.whole.total_mass() * self.whole.gravity.norm()
     }
 
     /// Takes the directions in which closed contacts slide at the end of the step that was made last.
