@@ -6,8 +6,9 @@
 //!     W̃: the same, but n − μ t of a contact that slides along t, t at that instant
 //! ```
 //!
-//! at the level of accelerations, from the state alone: of the order of the ends of steps. Where D̃ is singular λ is the least-norm one, and the question is whether any admissible λ
-//! exists ([`crate::instant::cone::margin`]).
+//! at the level of accelerations, from the state alone: of the order of the ends of steps. Where some rows imply others, `zᵀ W = 0`, the λ of steps is taken:
+//! `zᵀ C λ = 0` with the same compliance for all contacts ([`crate::lobatto::coupled::dependent`]). Whether any admissible λ exists is another
+//! question ([`crate::instant::cone::margin`]).
 
 use crate::events::mode::{Closed, JointMode};
 use crate::events::present::Present;
@@ -207,12 +208,14 @@ pub(super) fn offsets(
 pub(super) struct Chosen {
     /// The row of each equation, and for a contact that slides μ t.
     equations: Vec<(usize, Option<[f64; 2]>)>,
+    /// Whether it is one of a contact.
+    touches: Vec<bool>,
     rows: usize,
 }
 
 impl Chosen {
     pub fn new(blocks: &[Block]) -> Self {
-        let (mut equations, mut rows) = (Vec::new(), 0);
+        let (mut equations, mut touches, mut rows) = (Vec::new(), Vec::new(), 0);
         for block in blocks {
             match block.law {
                 Law::Sliding { friction, direction } => {
@@ -220,9 +223,10 @@ impl Chosen {
                 }
                 _ => equations.extend((rows..rows + block.rows.len()).map(|row| (row, None))),
             }
+            touches.resize(equations.len(), matches!(block.of, Of::Contact(_)));
             rows += block.rows.len();
         }
-        Chosen { equations, rows }
+        Chosen { equations, touches, rows }
     }
 
     /// D̃, or without friction its symmetric part of the same rows.
@@ -238,6 +242,27 @@ impl Chosen {
         })
     }
 
+    /// The combinations z of scaled rows that are nothing, and `C z` for the same compliance of all contacts, both in columns of length one.
+    fn spread(&self, mobility: &DMatrix<f64>, scale: &impl Fn(usize) -> f64) -> Option<[DMatrix<f64>; 2]> {
+        let count = self.equations.len();
+        let square = self.square(mobility, false);
+        let scaled = DMatrix::from_fn(count, count, |row, column| square[(row, column)] * scale(row) * scale(column));
+        if !scaled.iter().all(|value| value.is_finite()) {
+            return None;
+        }
+        let eigen = scaled.symmetric_eigen();
+        let least = SINGULAR * eigen.eigenvalues.max();
+        let of_implied = (0..count).filter(|&index| eigen.eigenvalues[index] <= least);
+        let columns: Vec<DVector<f64>> = of_implied.map(|index| eigen.eigenvectors.column(index).into_owned()).collect();
+        let weighed = columns.iter().map(|column| {
+            let weight = |row: usize| if self.touches[row] { scale(row) * scale(row) } else { 1.0 };
+            DVector::from_fn(count, |row, _| column[row] * weight(row)).normalize()
+        });
+        let weighed: Vec<DVector<f64>> = weighed.collect();
+        let matrix = |columns: &[DVector<f64>]| DMatrix::from_fn(count, columns.len(), |row, index| columns[index][row]);
+        Some([matrix(&columns), matrix(&weighed)])
+    }
+
     /// λ of all rows.
     pub fn solve(&self, mobility: &DMatrix<f64>, offset: &[f64], unique: bool) -> Vec<f64> {
         let square = self.square(mobility, true);
@@ -249,7 +274,15 @@ impl Chosen {
         let count = self.equations.len();
         let scaled = DMatrix::from_fn(count, count, |row, column| square[(row, column)] * scale(row) * scale(column));
         let right = DVector::from_fn(count, |row, _| -offset[self.equations[row].0] * scale(row));
-        let direct = if unique { scaled.clone().lu().solve(&right) } else { None };
+        let direct = if unique {
+            scaled.clone().lu().solve(&right)
+        } else {
+            self.spread(mobility, &scale).and_then(|[implied, weighed]| {
+                let own = &right - &implied * (implied.transpose() * &right);
+                (&scaled + implied * weighed.transpose()).lu().solve(&own)
+            })
+        };
+        let direct = direct.filter(|solution| solution.iter().all(|value| value.is_finite()));
         let solution = direct.unwrap_or_else(|| {
             least_norm(&scaled, &right).map_or_else(|| DVector::zeros(count), |(solution, _)| solution)
         });

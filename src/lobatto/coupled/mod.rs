@@ -6,7 +6,7 @@
 //! ```
 //!
 //! [`mod@system`] defines the symbols. [`front`] and [`operations`] eliminate in the order of [`crate::plan::elimination`], contacts with the world at their
-//! bodies ([`given`]). [`space`] is the
+//! bodies ([`given`]); of those that imply each other the gaps are made [`dependent`] first. [`space`] is the
 //! geometry in space ([`crate::planar::geometry`] that in a plane), with the contacts of [`touching`]. [`newton`] iterates. [`projection`] and
 //! [`closing`] project states and velocities onto the closures. Once, at the start of a run, [`deciding`] classifies the closures from the ranks
 //! [`counted`]: which [`equations`] are empty or redundant, which freedoms cannot move ([`known`]), and which inertia is [`lent`] to light
@@ -15,6 +15,7 @@
 pub mod closing;
 pub mod counted;
 pub mod deciding;
+pub mod dependent;
 pub mod equations;
 pub mod front;
 pub mod given;

@@ -18,6 +18,12 @@ impl<V: Lanes> Coupled<V> {
         geometry.evaluate(&self.rows_of_loop, &mut self.gaps, &mut self.gradients);
     }
 
+    /// Leaves of the gaps of contacts, or of their rates, what motions can change.
+    pub(crate) fn keep_gaps_of_motions(&mut self) {
+        let Coupled { dependent, gradients, gaps, mixing, .. } = self;
+        dependent.iter_mut().for_each(|rows| rows.keep(mixing.active, gradients, gaps));
+    }
+
     /// The rows of the contacts, which come after the loops.
     pub(crate) fn rows_of_touches(&self, touching: &Touching<V>) -> &[Range<usize>] {
         &self.rows_of_loop[self.loops - touching.len()..self.loops]

@@ -76,6 +76,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         let StageUnknowns { plan, start, displacement, increment, efforts, step } = stages;
         coupled.step = step;
         in_lanes!(V, coupled.evaluate(geometry));
+        coupled.keep_gaps_of_motions();
         if let Some(touching) = geometry.touching() {
             coupled.turn(touching);
         }

@@ -145,8 +145,12 @@ impl<V: Lanes> Coupled<V> {
             self.left_over[row] = mobility(&mut self.fronts, level, slot, &self.mixing) / self.references[row];
             self.fronts.take_multiplier(level, slot, columns);
             if row < self.mimic_rows.end {
-                let part = if self.known.is_implied(row) { IMPLIED } else { self.proximal };
-                let proximal = V::splat(part * self.scales[row]);
+                let proximal = match self.even[row] {
+                    Some(even) => self.proximal * even,
+                    None if self.known.is_implied(row) => IMPLIED * self.scales[row],
+                    None => self.proximal * self.scales[row],
+                };
+                let proximal = V::splat(proximal);
                 for k in 0..self.mixing.active {
                     let pivot = self.fronts.pivot();
                     pivot[k] = self.mixing.solve[k].mul_add(proximal, pivot[k]);

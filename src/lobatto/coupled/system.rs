@@ -19,6 +19,7 @@
 //!
 //! With one stage, `B = Â = 1`, the same system projects velocities and positions on the closures ([`crate::coupled::projection`]).
 
+use crate::coupled::dependent::Dependent;
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::given::weights;
 use crate::coupled::known::Known;
@@ -151,7 +152,10 @@ pub struct Coupled<V: Lanes> {
     pub(crate) scales: Vec<f64>,
     /// How easily a push from the world moves every body, for the equations that go there [1/kg].
     pub(crate) weights: Vec<f64>,
-    /// The same, but that of the largest row for one with next to none.
+    /// Contacts of which some imply others, and for every row of them what ε is a part of [1/kg].
+    pub(crate) dependent: Vec<Dependent>,
+    pub(crate) even: Vec<Option<f64>>,
+    /// The same as the scales, but that of the largest row for one with next to none.
     pub(crate) references: Vec<f64>,
     /// The part of that which the other rows leave.
     pub left_over: Vec<f64>,
@@ -214,6 +218,13 @@ impl<V: Lanes> Coupled<V> {
             }
         }
         let (bodies, rows, nothing) = (mechanism.bodies.len(), count, [V::zero(); TWIST]);
+        let weights = weights(mechanism);
+        let dependent = Dependent::all(mechanism, &rows_of_loop);
+        let mut even = vec![None; rows];
+        for row in dependent.iter().flat_map(Dependent::rows) {
+            let closure = elimination.closure_of_row[row];
+            even[row] = Some(ends[closure].iter().flatten().map(|&body| weights[body]).sum());
+        }
         Coupled {
             fronts: Fronts::new(mixing.active, &elimination),
             mixing,
@@ -242,7 +253,9 @@ impl<V: Lanes> Coupled<V> {
             right: vec![0.0; elimination.levels * elimination.slots],
             kept_at,
             scales: vec![0.0; rows],
-            weights: weights(mechanism),
+            weights,
+            dependent,
+            even,
             references: vec![1.0; rows],
             left_over: vec![0.0; rows],
             elimination,
