@@ -6,9 +6,9 @@
 //!     W̃: the same, but n − μ t of a contact that slides along t, t at that instant
 //! ```
 //!
-//! at the level of accelerations, from the state alone: of the order of the ends of steps. Where some rows imply others, `zᵀ W = 0`, the λ of steps is taken:
-//! `zᵀ C λ = 0` with the same compliance for all contacts ([`crate::lobatto::coupled::dependent`]). Whether any admissible λ exists is another
-//! question ([`crate::instant::cone::margin`]).
+//! at the level of accelerations, from the state alone: of the order of the ends of steps. Where some rows imply others, `zᵀ W = 0`, and
+//! something slides, the λ of steps is taken: `zᵀ C λ = 0` with the same compliance C for all contacts ([`crate::lobatto::coupled::dependent`]). Where nothing
+//! slides λ moves nothing; it is the least-norm one, and the question is whether any admissible λ exists ([`crate::instant::cone::margin`]).
 
 use crate::events::mode::{Closed, JointMode};
 use crate::events::present::Present;
@@ -77,8 +77,7 @@ pub(crate) fn are_unique(at: &Present, response: &mut Response, state: &State) -
     let bodies = body_states(at.whole, state);
     let blocks = blocks(at, &bodies);
     let rows = Rows::of(response, state, &blocks);
-    let chosen = Chosen::new(&blocks);
-    is_regular(&chosen.square(&rows.square, false))
+    Chosen::new(&blocks).is_unique(&rows.square)
 }
 
 /// The forces in a state of a mode, under efforts from outside, of friction in joints and of motors.
@@ -229,6 +228,11 @@ impl Chosen {
         Chosen { equations, touches, rows }
     }
 
+    /// Whether no rows imply others.
+    pub fn is_unique(&self, mobility: &DMatrix<f64>) -> bool {
+        is_regular(&self.square(mobility, false))
+    }
+
     /// D̃, or without friction its symmetric part of the same rows.
     fn square(&self, mobility: &DMatrix<f64>, friction: bool) -> DMatrix<f64> {
         let count = self.equations.len();
@@ -253,13 +257,20 @@ impl Chosen {
         let eigen = scaled.symmetric_eigen();
         let least = SINGULAR * eigen.eigenvalues.max();
         let of_implied = (0..count).filter(|&index| eigen.eigenvalues[index] <= least);
-        let columns: Vec<DVector<f64>> = of_implied.map(|index| eigen.eigenvectors.column(index).into_owned()).collect();
+        let columns: Vec<DVector<f64>> =
+            of_implied.map(|index| eigen.eigenvectors.column(index).into_owned()).collect();
+        let (mut sum, mut contacts) = (0.0, 0);
+        for index in (0..count).filter(|&index| self.touches[index]) {
+            (sum, contacts) = (sum + square[(index, index)], contacts + 1);
+        }
+        let even = sum / f64::from(contacts.max(1));
         let weighed = columns.iter().map(|column| {
-            let weight = |row: usize| if self.touches[row] { scale(row) * scale(row) } else { 1.0 };
+            let weight = |row: usize| if self.touches[row] { even * scale(row) * scale(row) } else { 1.0 };
             DVector::from_fn(count, |row, _| column[row] * weight(row)).normalize()
         });
         let weighed: Vec<DVector<f64>> = weighed.collect();
-        let matrix = |columns: &[DVector<f64>]| DMatrix::from_fn(count, columns.len(), |row, index| columns[index][row]);
+        let matrix =
+            |columns: &[DVector<f64>]| DMatrix::from_fn(count, columns.len(), |row, index| columns[index][row]);
         Some([matrix(&columns), matrix(&weighed)])
     }
 
@@ -274,8 +285,11 @@ impl Chosen {
         let count = self.equations.len();
         let scaled = DMatrix::from_fn(count, count, |row, column| square[(row, column)] * scale(row) * scale(column));
         let right = DVector::from_fn(count, |row, _| -offset[self.equations[row].0] * scale(row));
+        let slides = self.equations.iter().any(|(_, pushes)| pushes.is_some());
         let direct = if unique {
             scaled.clone().lu().solve(&right)
+        } else if !slides {
+            None
         } else {
             self.spread(mobility, &scale).and_then(|[implied, weighed]| {
                 let own = &right - &implied * (implied.transpose() * &right);

@@ -16,6 +16,7 @@
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 
 use crate::events::closed_forces::Chosen;
+use crate::events::first_slips::Kept;
 use crate::events::mode::{Closed, JointMode, Mode};
 use crate::events::watched::Watched;
 use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
@@ -211,7 +212,7 @@ pub(crate) fn decide(
         found.rates[row].abs() > ROUNDING * (terms + offset[row].abs()) + DIFFERENCE * (1.0 + largest)
     };
     let ends = if is_flat { tipping_ends(&blocks, &found, candidates, moves) } else { Vec::new() };
-    let mut first = 0;
+    let (mut first, mut kept) = (0, Kept::default());
     for (block, is) in blocks.iter().zip(&found.states) {
         let row = first;
         first += block.rows.len();
@@ -223,6 +224,10 @@ pub(crate) fn decide(
                 if *is != BlockState::Inside && moves && !joint.is_locked() {
                     let sliding = if joint.friction > 0.0 { rate.signum() as i8 } else { 0 };
                     mode.joints[index] = JointMode::Free { sliding };
+                    // Its friction pushes as it does now.
+                    kept.push(row, found.forces[row]);
+                } else {
+                    kept.keep(block.clone(), row, false);
                 }
             }
             Of::Contact(index) => {
@@ -247,8 +252,21 @@ pub(crate) fn decide(
                     Law::Contact { .. } if *is == BlockState::Slips => begins().try_normalize(0.0),
                     Law::Contact { .. } => None,
                 };
+                let mut block = block.clone();
+                if let Some(slides) = slides.filter(|_| block.rows.len() > 1) {
+                    let direction = [along.dot(&slides), across.dot(&slides)];
+                    block.law = Law::Sliding { friction: touching.pairs[contact.pair].friction, direction };
+                }
+                let begins = slip.norm() == 0.0 && matches!(block.law, Law::Sliding { .. });
+                kept.keep(block, row, begins);
                 mode.contacts.push(Closed { contact: contact.clone(), slides });
             }
+        }
+    }
+    for (closed, direction) in mode.contacts.iter_mut().zip(kept.first_slips(&rows.square, &offset)) {
+        if let Some([x, y]) = direction {
+            let [along, across] = tangents(&touch_motion(&closed.contact.joint, &bodies).normal);
+            closed.slides = Some(along * x + across * y);
         }
     }
     rows.add(&found.forces, &mut free);

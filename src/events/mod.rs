@@ -22,7 +22,7 @@
 //! | efforts of a controller that reads the whole state, restricted to the remaining degrees of freedom | `narrowed` |
 //! | functions whose sign is watched; where one changes; the step that ends there | `watched`, `detection`, `approach`, `location` |
 //! | accelerations and velocities under efforts and impulses, and the laws | [`crate::instant::response`], [`crate::instant::blocks`], [`crate::instant::cone`] |
-//! | the effects, the memory and the list of events | `transition`, `contacts`, `flat_ends`, `planar_rims`, `impact`, `resting`, `decision`, `memory`, `noted` |
+//! | the effects, the memory and the list of events | `transition`, `contacts`, `flat_ends`, `planar_rims`, `impact`, `resting`, `decision`, `first_slips`, `memory`, `noted` |
 //! | efforts that hold joints, forces of closed contacts | `holding`, `closed_forces` |
 //! | the integrator: its modes, the moving mechanism of each mode, steps, schemes | `integrator`, `present`, `piece`, `instants`, `steps`, `piece_steps` |
 //! | rest, first-order steps in crowds of events, and the report of contacts | `quiet`, `crowding`, `stepwise`, `contact_points`, `reporting` |
@@ -35,6 +35,7 @@ mod crowding;
 mod decision;
 mod detection;
 mod drives;
+mod first_slips;
 mod flat_ends;
 mod held;
 mod holding;

@@ -1,6 +1,7 @@
 //! The contacts that are reported: where bodies touch, and the forces between them.
 //!
-//! Where several forces fit the law those of least compliance are told ([`crate::instant::cone`]), which are unique and do not pinch.
+//! Where several forces fit the law those of least compliance are told ([`crate::instant::cone`]), which are unique and do not pinch; where something slides,
+//! those of the steps ([`crate::events::closed_forces`]), because each pressure moves it in another way.
 
 use crate::events::closed_forces::{Chosen, blocks, offsets};
 use crate::events::present::Present;
@@ -11,6 +12,9 @@ use crate::instant::response::Response;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
+
+/// Forces outside their cones by less than this part of the largest are inside.
+const ROUNDING: f64 = 1e-12;
 
 /// Works out the forces that are reported, of one state after another.
 pub(crate) struct Reporting {
@@ -41,10 +45,13 @@ impl Reporting {
         let blocks = blocks(at, &bodies);
         let rows = Rows::of(&mut self.response, state, &blocks);
         let offset = offsets(at, &mut self.response, state, efforts, &blocks, &bodies);
-        self.forces = if unique {
-            Chosen::new(&blocks).solve(&rows.square, &offset, true)
+        let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
+        let slides = laws.iter().any(|law| matches!(law, Law::Sliding { .. }));
+        // What slides moves as those of the steps say.
+        let of_steps = (unique || slides).then(|| Chosen::new(&blocks).solve(&rows.square, &offset, unique));
+        self.forces = if let Some(forces) = of_steps.filter(|forces| unique || fit(&laws, forces)) {
+            forces
         } else {
-            let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
             let problem = Problem { mobility: &rows.square, free: &offset, laws: &laws };
             match solve(&problem, Some(&self.forces)) {
                 Ok(answer) => least_compliance(&problem, &answer),
@@ -65,4 +72,19 @@ impl Reporting {
         self.state = Some((state.clone(), efforts.to_vec()));
         &self.found
     }
+}
+
+/// Whether forces are within the cones and bounds of these laws, but for rounding.
+fn fit(laws: &[Law], forces: &[f64]) -> bool {
+    let rounding = ROUNDING * forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+    let mut row = 0;
+    laws.iter().all(|law| {
+        let own = &forces[row..];
+        row += law.rows();
+        match *law {
+            Law::Interval { lower, upper } => own[0] >= lower - rounding && own[0] <= upper + rounding,
+            Law::Sliding { .. } => own[0] >= -rounding,
+            Law::Contact { friction } => own[1].hypot(own[2]) <= friction * own[0] + rounding,
+        }
+    })
 }

@@ -10,7 +10,7 @@
 //!
 //! What is left has one answer: multipliers begin a step at zero, and with the same ε for every row z · λ = 0 for each z with zᵀ R = 0. So
 //! pressures lie on a plane over the place of the points, as between rigid bodies with a foundation of equal springs that are as stiff as one likes.
-//! [`catena_mechanism`]'s decisions at events follow the same law.
+//! Decisions at events follow the same law.
 //!
 //! Source of the basis: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, section 5.2.8.
 
