@@ -8,6 +8,7 @@
 
 use crate::events::closed_forces::{Slipping, slipping};
 use crate::events::integrator::Eventful;
+use crate::events::piece::Piece;
 use crate::events::present::Present;
 use crate::events::resting::energy;
 use crate::mechanism::forces::total::Exchange;
@@ -17,6 +18,7 @@ use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
+use crate::stepping::unseen::{Pushes, unseen};
 
 /// A step goes beyond the stop of a slip by this factor: there it is found, and further on the slip has no direction.
 const BEYOND: f64 = 1.05;
@@ -83,9 +85,10 @@ impl Eventful {
         }
     }
 
-    /// Whether contacts make the step to this end wrong. Where they slide: friction gives energy, or the energy is off by more than the tolerance allows, or
-    /// than a given step may be; in steps so short that gaps have no digits left, by more than rounding. Where all stick: a given step is off by far.
-    pub(super) fn gains_by_friction(&self, end: &State, exchange: &Exchange) -> bool {
+    /// Whether contacts put the energy of the step to this end off balance. Where they slide: friction gives energy, or the energy is off by more than the
+    /// tolerance allows, or than a given step may be; in steps so short that gaps have no digits left, by more than rounding. Where all stick: a given
+    /// step is off by far. What forces do over the displacements that the iteration leaves is seen by no step.
+    pub(super) fn is_off_balance(&self, inputs: Inputs, end: &State, exchange: &Exchange) -> bool {
         let length = end.time - self.origin.time;
         let sticks = self.mode.contacts.iter().all(|closed| closed.slides.is_none());
         let asked = !(sticks && (self.mode.contacts.is_empty() || self.recipe.tolerance().is_some()));
@@ -96,18 +99,26 @@ impl Eventful {
         let largest = self.memory.kinetic.max(before.kinetic).max(after.kinetic);
         let off = (after.total() - before.total() + exchange.lost()).abs();
         let most = match self.recipe.tolerance() {
-            // What begins to move has next to no kinetic energy: beside what its weight does over its size roundings do not matter.
-            _ if sticks => OFF_STUCK * largest + OFF * self.weight() * size(&self.whole, &self.origin),
+            // What begins to move has next to no kinetic energy: beside what forces do over its size roundings do not matter.
+            _ if sticks => OFF_STUCK * largest + OFF * self.pushes(inputs, end) * size(&self.whole, &self.origin),
             _ if length <= JAM => OFF * largest,
             Some(tolerance) => tolerance.max(OFF) * largest,
             None => (OFF_GIVEN * largest).max(OFF_FRICTION * exchange.friction.abs()),
         };
-        off > most || exchange.friction < -OFF * largest
+        let gained = -exchange.friction;
+        if off <= most && gained <= OFF * largest {
+            return false;
+        }
+        let unseen = unseen(self.pushes(inputs, end));
+        off > most + unseen || gained > OFF * largest + unseen
     }
 
-    /// The weight of everything (N).
-    fn weight(&self) -> f64 {
-        self.whole.total_mass() * self.whole.gravity.norm()
+    /// What all forces push with, added up [N or N m].
+    fn pushes(&self, inputs: Inputs, end: &State) -> f64 {
+        let Piece { moving, small, .. } = &self.pieces[self.current];
+        let driving = self.mode.driving_efforts(&self.elements, inputs, end);
+        let efforts = driving.iter().map(|effort| effort.abs()).sum();
+        Pushes::of(&moving.mechanism).with(energy(&moving.mechanism, small).spring, efforts)
     }
 
     /// Takes the directions in which closed contacts slide at the end of the step that was made last.

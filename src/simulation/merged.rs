@@ -12,7 +12,7 @@ use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy_so_far::AccuracySoFar;
 use crate::simulation::island::{IslandRun, frontier};
-use crate::simulation::summary::KEPT_EVENTS;
+use crate::simulation::summary::{KEPT_EVENTS, pushes};
 use crate::simulation::{Counts, Observer, RunError, RunOptions, Sample, StepEnd, Summary, show};
 use std::sync::atomic::Ordering;
 
@@ -57,6 +57,7 @@ impl MergedRun {
             summary: Summary {
                 initial_energy: initial,
                 final_energy: initial,
+                pushes: pushes(mechanism, state, initial.spring),
                 max_violation: violation(mechanism, state, &bodies),
                 ..Summary::default()
             },
