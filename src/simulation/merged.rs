@@ -152,6 +152,7 @@ impl MergedRun {
         }
         // Stable: what ends at the same time stays in the order of the islands.
         self.waiting.sort_by(|(a, _), (b, _)| a.time.total_cmp(&b.time));
+        let mut impacts = 0.0;
         for (index, (end, number)) in self.waiting.iter().enumerate() {
             let part = &mut awake[*number];
             let before = (part.kinetic, part.deviation, part.exchange);
@@ -168,9 +169,10 @@ impl MergedRun {
             self.since.rejected += end.outcome.rejected;
             self.since.exchange.dissipated += end.outcome.exchange.dissipated;
             self.since.exchange.work += end.outcome.exchange.work;
+            impacts += end.outcome.exchange.impacts.max(0.0);
             // The energy balance is complete when all steps that end at the same time are merged.
             if self.waiting.get(index + 1).is_none_or(|(next, _)| next.time > end.time) {
-                self.largest_kinetic = self.largest_kinetic.max(self.kinetic);
+                self.largest_kinetic = self.largest_kinetic.max(self.kinetic + std::mem::take(&mut impacts));
                 self.summary.largest_kinetic = self.largest_kinetic;
                 self.largest_deviation = worse(self.largest_deviation, self.deviation.abs());
             }

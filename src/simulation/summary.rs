@@ -123,7 +123,8 @@ impl Bookkeeper {
         let so_far = Counts { steps: summary.steps, iterations: summary.iterations, rejected: summary.rejected_steps };
         self.last = StepEnd { time: state.time, energy, exchange, violation, outcome, so_far };
         summary.final_energy = energy;
-        self.largest_kinetic = self.largest_kinetic.max(energy.kinetic);
+        // What impacts took was kinetic before, also where the step ends with them.
+        self.largest_kinetic = self.largest_kinetic.max(energy.kinetic + outcome.exchange.impacts.max(0.0));
         summary.largest_kinetic = self.largest_kinetic;
         summary.pushes = summary.pushes.max(pushes(mechanism, state, energy.spring));
         let balance = energy.total() - summary.initial_energy.total() + exchange.lost();

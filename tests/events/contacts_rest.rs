@@ -104,6 +104,28 @@ fn a_light_box_under_a_ball_a_hundred_million_times_as_heavy_holds_without_short
 }
 
 #[test]
+fn a_box_a_hundred_million_times_as_heavy_as_the_one_it_drops_on_stands_on_it() {
+    let (shapes, masses) = ([cuboid(0.05, 0.05, 0.05), cuboid(0.1, 0.1, 0.1)], [1.0, 1e8]);
+    let mut pair = loose(DOWN, &[0, 1].map(|body: usize| (masses[body], shapes[body].clone())));
+    on_floor(&mut pair, 0.5, 0.0);
+    let start = resting(&pair, &[Vector3::new(0.0, 0.0, 0.05), Vector3::new(0.0, 0.0, 0.21)]);
+    // The impulse of 4e7 N s leaves the light box roundings of 1e-8 m/s. Before, these were slips, with 1e9 N on 1 kg: a crowd of events (142 steps with
+    // 327 rejected in steps of 10 ms), and forces 3e8 N outside their cones.
+    for steps in [fixed(3, 0.01), fixed(9, 0.01), StepChoice::Tolerance(1e-6)] {
+        let finished = run(&pair, &start, 1.0, steps);
+        println!("{steps:?}: {:?}", finished.summary);
+        near(finished.state.position[2], 0.05, 1e-12);
+        near(finished.state.position[9], 0.2, 1e-12);
+        // Of 4e8 N.
+        assert!(finished.summary.contact.cone_violation <= 1e-6, "{steps:?}: {:?}", finished.summary.contact);
+        assert!(finished.summary.contact.penetration <= 1e-12, "{steps:?}: {:?}", finished.summary.contact);
+        // What hits the box has 9.8e6 J, and its impulse times 1e-8 m/s are 0.4 J of them.
+        assert!(finished.summary.max_relative_energy_error <= 1e-7, "{steps:?}: {:?}", finished.summary);
+        assert!(finished.summary.steps < 40, "{steps:?}: {:?}", finished.summary);
+    }
+}
+
+#[test]
 fn a_stack_of_ten_boxes_stands_for_a_minute_without_creep() {
     stands(&[1.0; 10]);
 }
@@ -225,7 +247,8 @@ fn a_box_that_nearly_equal_forces_press_too_little_slides_down_with_what_frictio
             let finished = run(&pads, &start, 0.1, steps);
             println!("{part:e}, {steps:?}: {:?}", finished.summary);
             near(-finished.state.velocity[4] / 0.1, down, 1e-9);
-            near(finished.state.velocity[2] / 0.1, across, 1e-9);
+            // What friction has of a couple turns the box by 1e-8 rad, and leans on it across.
+            near(finished.state.velocity[2] / 0.1, across, 1e-7);
             assert!(finished.summary.steps < 40, "{steps:?}: {:?}", finished.summary);
         }
     }
