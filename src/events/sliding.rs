@@ -18,7 +18,7 @@ use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
-use crate::stepping::unseen::{Pushes, unseen};
+use crate::stepping::unseen::Pushes;
 
 /// A step goes beyond the stop of a slip by this factor: there it is found, and further on the slip has no direction.
 const BEYOND: f64 = 1.05;
@@ -90,7 +90,7 @@ impl Eventful {
 
     /// Whether contacts put the energy of the step to this end off balance. Where they slide: friction gives energy, or the energy is off by more than the
     /// tolerance allows, or than a given step may be; in steps so short that gaps have no digits left, by more than rounding. Where all stick: a given
-    /// step is off by far. What forces do over the displacements that the iteration leaves is seen by no step.
+    /// step is off by far.
     pub(super) fn is_off_balance(&self, inputs: Inputs, end: &State, exchange: &Exchange) -> bool {
         let length = end.time - self.origin.time;
         let sticks = self.mode.contacts.iter().all(|closed| closed.slides.is_none());
@@ -108,12 +108,7 @@ impl Eventful {
             Some(tolerance) => tolerance.max(OFF) * largest,
             None => (OFF_GIVEN * largest).max(OFF_FRICTION * exchange.friction.abs()),
         };
-        let gained = -exchange.friction;
-        if off <= most && gained <= OFF * largest {
-            return false;
-        }
-        let unseen = unseen(self.pushes(inputs, end));
-        off > most + unseen || gained > OFF * largest + unseen
+        off > most || exchange.friction < -OFF * largest
     }
 
     /// Whether a closed contact overlaps at the end of the step by more than roundings: where contacts that slide nearly jam the iteration of the stages

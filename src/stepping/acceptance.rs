@@ -225,6 +225,18 @@ mod tests {
     }
 
     #[test]
+    fn where_nothing_moves_a_step_may_change_the_energy_by_what_forces_do_over_roundings_of_places() {
+        let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, turn: 0.0, exact: true };
+        let is_kept = |change, pushes| {
+            let energies = Energies { change, kinetic: 1e-20, potential: 0.0, pull: (0.0, 0.0), pushes };
+            control().judge(&solved, Some(energies), 0.1, Guess::Past) == Decision::Accept
+        };
+        // 7 N over 1e-13 m.
+        assert!(is_kept(5e-13, 7.0) && is_kept(-5e-13, 7.0));
+        assert!(!is_kept(1e-12, 7.0) && !is_kept(5e-13, 0.0));
+    }
+
+    #[test]
     fn a_kink_is_passed_in_the_smoothest_step_where_the_energy_allows_it_and_approached_where_not() {
         for change in [1e-9, 1e-2] {
             let mut control = control();

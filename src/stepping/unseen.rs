@@ -44,3 +44,37 @@ impl Pushes {
 pub fn unseen(pushes: f64) -> f64 {
     LEFT * pushes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use catena_mechanism::description::closure::Coordinate;
+    use catena_mechanism::description::forces::{JointLoad, JointSpring};
+    use catena_mechanism::description::joint::{Joint, JointKind, Pose};
+    use catena_mechanism::description::mechanism::Body;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn forces_of_two_slides_add_up_and_springs_push_no_more_than_what_they_store_says() {
+        let slide = |name: &str| Body {
+            name: name.into(),
+            parent: None,
+            mass: 2.0,
+            inertia: Vector3::repeat(0.1),
+            joint: Joint::new(name, JointKind::Prismatic, Pose::translation(0.0, 0.0, 1e3), Pose::identity()),
+        };
+        let gravity = Vector3::new(0.0, 0.0, -10.0);
+        let mut slides = Mechanism::new("slides", gravity, vec![slide("a"), slide("b")]).expect("two bodies");
+        slides.forces.joint_loads.push(JointLoad { freedom: 0, effort: -3.0 });
+        assert_eq!(Pushes::of(&slides).with(0.0, 5.0), 2.0 * 20.0 + 3.0 + 5.0);
+        for (body, stiffness) in [(0, 100.0), (1, 300.0)] {
+            let coordinate = Coordinate { body, position: body, freedom: body };
+            slides.forces.joint_springs.push(JointSpring { coordinate, stiffness, rest: 0.0 });
+        }
+        // Both are pressed by 0.1 m: exactly 10 N and 30 N. By 0.2 and 0.1 m: 50 N, and at most 3 N more are said.
+        let pushes = Pushes::of(&slides);
+        assert!((pushes.with(0.5 * 400.0 * 0.01, 0.0) - 83.0).abs() < 1e-12);
+        let said = pushes.with(0.5 * (100.0 * 0.04 + 300.0 * 0.01), 0.0) - 43.0;
+        assert!((50.0..53.0).contains(&said), "{said}");
+    }
+}
