@@ -137,6 +137,11 @@ impl Contacts {
         self.all.iter().enumerate().map(meeting).collect()
     }
 
+    /// What is slower than this [m/s] is at rest, too: impulses leave no less.
+    pub fn rest_below(&mut self, rounding: f64) {
+        self.rest = self.rest.max(rounding);
+    }
+
     /// A contact as a block whose friction may hold it.
     fn block(&self, scene: &Scene, bodies: &[BodyState], index: usize) -> Block {
         let contact = &self.all[index];

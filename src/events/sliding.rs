@@ -8,6 +8,7 @@
 
 use crate::events::closed_forces::{Slipping, slipping};
 use crate::events::integrator::Eventful;
+use crate::events::piece::Piece;
 use crate::events::present::Present;
 use crate::events::resting::energy;
 use crate::mechanism::forces::total::Exchange;
@@ -17,6 +18,7 @@ use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
+use crate::stepping::unseen::Pushes;
 
 /// A step goes beyond the stop of a slip by this factor: there it is found, and further on the slip has no direction.
 const BEYOND: f64 = 1.05;
@@ -39,6 +41,9 @@ const OFF_GIVEN: f64 = 1e-6;
 const OFF_FRICTION: f64 = 1e-2;
 /// Where all contacts stick nothing takes energy, and a given step is made shorter if it is off by more than this part of the largest kinetic energy.
 const OFF_STUCK: f64 = 1e-3;
+
+/// Contacts that slide overlap by no more at the end of a step (m).
+const OVERLAP: f64 = 1e-12;
 
 /// Roundings of gaps, 1e-17 m, are velocities in steps that are shorter than this (s).
 const SHORTEST: f64 = 1e-8;
@@ -83,9 +88,10 @@ impl Eventful {
         }
     }
 
-    /// Whether contacts make the step to this end wrong. Where they slide: friction gives energy, or the energy is off by more than the tolerance allows, or
-    /// than a given step may be; in steps so short that gaps have no digits left, by more than rounding. Where all stick: a given step is off by far.
-    pub(super) fn gains_by_friction(&self, end: &State, exchange: &Exchange) -> bool {
+    /// Whether contacts put the energy of the step to this end off balance. Where they slide: friction gives energy, or the energy is off by more than the
+    /// tolerance allows, or than a given step may be; in steps so short that gaps have no digits left, by more than rounding. Where all stick: a given
+    /// step is off by far.
+    pub(super) fn is_off_balance(&self, inputs: Inputs, end: &State, exchange: &Exchange) -> bool {
         let length = end.time - self.origin.time;
         let sticks = self.mode.contacts.iter().all(|closed| closed.slides.is_none());
         let asked = !(sticks && (self.mode.contacts.is_empty() || self.recipe.tolerance().is_some()));
@@ -96,8 +102,8 @@ impl Eventful {
         let largest = self.memory.kinetic.max(before.kinetic).max(after.kinetic);
         let off = (after.total() - before.total() + exchange.lost()).abs();
         let most = match self.recipe.tolerance() {
-            // What begins to move has next to no kinetic energy: beside what its weight does over its size roundings do not matter.
-            _ if sticks => OFF_STUCK * largest + OFF * self.weight() * size(&self.whole, &self.origin),
+            // What begins to move has next to no kinetic energy: beside what forces do over its size roundings do not matter.
+            _ if sticks => OFF_STUCK * largest + OFF * self.pushes(inputs, end) * size(&self.whole, &self.origin),
             _ if length <= JAM => OFF * largest,
             Some(tolerance) => tolerance.max(OFF) * largest,
             None => (OFF_GIVEN * largest).max(OFF_FRICTION * exchange.friction.abs()),
@@ -105,9 +111,23 @@ impl Eventful {
         off > most || exchange.friction < -OFF * largest
     }
 
-    /// The weight of everything (N).
-    fn weight(&self) -> f64 {
-        self.whole.total_mass() * self.whole.gravity.norm()
+    /// Whether a closed contact overlaps at the end of the step by more than roundings: where contacts that slide nearly jam the iteration of the stages
+    /// falls slowly, and ends with what it has left.
+    pub(super) fn overlaps(&mut self, end: &State) -> bool {
+        if self.mode.contacts.iter().all(|closed| closed.slides.is_none()) {
+            return false;
+        }
+        let Eventful { whole, mode, bodies, .. } = self;
+        place_bodies(whole, end, bodies);
+        mode.contacts.iter().any(|closed| touch_motion(&closed.contact.joint, bodies).gap < -OVERLAP)
+    }
+
+    /// What all forces push with, added up [N or N m].
+    fn pushes(&self, inputs: Inputs, end: &State) -> f64 {
+        let Piece { moving, small, .. } = &self.pieces[self.current];
+        let driving = self.mode.driving_efforts(&self.elements, inputs, end);
+        let efforts = driving.iter().map(|effort| effort.abs()).sum();
+        Pushes::of(&moving.mechanism).with(energy(&moving.mechanism, small).spring, efforts)
     }
 
     /// Takes the directions in which closed contacts slide at the end of the step that was made last.

@@ -92,7 +92,8 @@ impl Eventful {
         outcome.step = state.time - since;
         let kernel = if at_start { Exchange::default() } else { outcome.exchange };
         outcome.exchange = self.exchanged(state, kernel, at_start);
-        if self.gains_by_friction(state, &outcome.exchange) {
+        let overlaps = outcome.step > JAM && self.overlaps(state);
+        if overlaps || self.is_off_balance(inputs, state, &outcome.exchange) {
             if outcome.step <= JAM {
                 return Err(StepError::NotAccurate { time: since, step: outcome.step });
             }

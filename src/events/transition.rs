@@ -87,6 +87,7 @@ pub(crate) fn transit(
         done.unsolved += 1;
         bring_to_rest(scene, state, &meetings)
     });
+    contacts.rest_below(impulses.rounding);
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&velocity)).collect();
     done.lost = settled + lifted + impulses.lost;
     for _ in 0..CALMING {
@@ -213,7 +214,7 @@ fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> 
     let approach: Vec<&Meeting> = meetings.iter().filter(|meeting| meeting.rate(&state.velocity) < 0.0).collect();
     let first = approach.iter().map(|meeting| meeting.block.rows[0].clone()).collect();
     let lost = bring_rows_to_rest(scene, state, first);
-    Impulses { normal: vec![0.0; meetings.len()], lost }
+    Impulses { normal: vec![0.0; meetings.len()], lost, rounding: 0.0 }
 }
 
 /// Puts the state on the event, and changes the motors that are at it.

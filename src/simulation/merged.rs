@@ -12,7 +12,7 @@ use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use crate::simulation::accuracy_so_far::AccuracySoFar;
 use crate::simulation::island::{IslandRun, frontier};
-use crate::simulation::summary::KEPT_EVENTS;
+use crate::simulation::summary::{KEPT_EVENTS, pushes};
 use crate::simulation::{Counts, Observer, RunError, RunOptions, Sample, StepEnd, Summary, show};
 use std::sync::atomic::Ordering;
 
@@ -57,6 +57,7 @@ impl MergedRun {
             summary: Summary {
                 initial_energy: initial,
                 final_energy: initial,
+                pushes: pushes(mechanism, state, initial.spring),
                 max_violation: violation(mechanism, state, &bodies),
                 ..Summary::default()
             },
@@ -151,6 +152,7 @@ impl MergedRun {
         }
         // Stable: what ends at the same time stays in the order of the islands.
         self.waiting.sort_by(|(a, _), (b, _)| a.time.total_cmp(&b.time));
+        let mut impacts = 0.0;
         for (index, (end, number)) in self.waiting.iter().enumerate() {
             let part = &mut awake[*number];
             let before = (part.kinetic, part.deviation, part.exchange);
@@ -167,9 +169,10 @@ impl MergedRun {
             self.since.rejected += end.outcome.rejected;
             self.since.exchange.dissipated += end.outcome.exchange.dissipated;
             self.since.exchange.work += end.outcome.exchange.work;
+            impacts += end.outcome.exchange.impacts.max(0.0);
             // The energy balance is complete when all steps that end at the same time are merged.
             if self.waiting.get(index + 1).is_none_or(|(next, _)| next.time > end.time) {
-                self.largest_kinetic = self.largest_kinetic.max(self.kinetic);
+                self.largest_kinetic = self.largest_kinetic.max(self.kinetic + std::mem::take(&mut impacts));
                 self.summary.largest_kinetic = self.largest_kinetic;
                 self.largest_deviation = worse(self.largest_deviation, self.deviation.abs());
             }

@@ -1,6 +1,7 @@
 //! The figures of a run, collected step by step.
 
 use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactFigures;
@@ -11,6 +12,7 @@ use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::simulation::{Counts, StepEnd};
+use crate::stepping::unseen::Pushes;
 
 /// The figures of a whole run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,6 +41,8 @@ pub struct Summary {
     pub max_relative_energy_error: f64,
     /// The largest kinetic energy seen (J).
     pub largest_kinetic: f64,
+    /// The most that all forces have pushed with, added up [N or N m].
+    pub pushes: f64,
     /// Largest violation of any constraint at the end of any step.
     pub max_violation: Violation,
     /// How many events there were of each kind.
@@ -87,6 +91,7 @@ impl Bookkeeper {
             summary: Summary {
                 initial_energy: initial,
                 final_energy: initial,
+                pushes: pushes(mechanism, state, initial.spring),
                 max_violation: violation,
                 ..Summary::default()
             },
@@ -118,8 +123,10 @@ impl Bookkeeper {
         let so_far = Counts { steps: summary.steps, iterations: summary.iterations, rejected: summary.rejected_steps };
         self.last = StepEnd { time: state.time, energy, exchange, violation, outcome, so_far };
         summary.final_energy = energy;
-        self.largest_kinetic = self.largest_kinetic.max(energy.kinetic);
+        // What impacts took was kinetic before, also where the step ends with them.
+        self.largest_kinetic = self.largest_kinetic.max(energy.kinetic + outcome.exchange.impacts.max(0.0));
         summary.largest_kinetic = self.largest_kinetic;
+        summary.pushes = summary.pushes.max(pushes(mechanism, state, energy.spring));
         let balance = energy.total() - summary.initial_energy.total() + exchange.lost();
         self.largest_deviation = worse(self.largest_deviation, balance.abs());
         // Motors hold a robot with next to no motion: the balance is one of the energies that they move, too.
@@ -129,6 +136,15 @@ impl Bookkeeper {
         summary.max_relative_energy_error =
             if scale > 0.0 { self.largest_deviation / scale } else { self.largest_deviation };
     }
+}
+
+/// What all forces of a mechanism push with in a state, added up, for springs that store so much (J) [N or N m].
+pub(crate) fn pushes(mechanism: &Mechanism, state: &State, stored: f64) -> f64 {
+    let motors = mechanism.nonsmooth.motors.iter().map(|motor| {
+        let Coordinate { position, freedom, .. } = motor.coordinate;
+        motor.effort(state.time, state.position[position], state.velocity[freedom]).abs()
+    });
+    Pushes::of(mechanism).with(stored, motors.sum())
 }
 
 /// `sum += term`, compensated (Kahan).

@@ -30,7 +30,7 @@ const FINER: f64 = 0.1;
 /// They are never known better than this.
 const FINEST: f64 = 4.0 * f64::EPSILON;
 
-/// Attempts a step of `length` seconds from a state under efforts that follow it.
+/// Attempts a step of `length` seconds from a state under efforts that follow it; these at its end, added up, too [N or N m].
 #[expect(clippy::too_many_arguments, reason = "those of every attempt, with the law")]
 pub(crate) fn attempt(
     kernel: &mut dyn Step,
@@ -41,7 +41,7 @@ pub(crate) fn attempt(
     length: f64,
     rule: &StopRule,
     guess: Guess,
-) -> Attempt {
+) -> (Attempt, f64) {
     let (stages, count) = (tableau.stages, feedback.freedoms().len());
     let newton = newton_matrix(tableau, feedback, state, length).lu();
     let mut at_stages = AtStages::new(state, stages);
@@ -57,7 +57,7 @@ pub(crate) fn attempt(
         kernel.change(feedback.freedoms(), efforts.as_slice());
         let attempt = kernel.attempt(mechanism, length, rule, guess).after(spent);
         if !matches!(attempt, Attempt::Converged { .. }) {
-            return attempt;
+            return (attempt, 0.0);
         }
         (spent, guess) = (attempt.iterations(), Guess::Longer(length));
         let (mut largest, mut left) = (0.0_f64, 0.0_f64);
@@ -74,7 +74,7 @@ pub(crate) fn attempt(
         }
         let enough = (FINER * rule.increment).max(FINEST) * largest;
         if left <= enough || (left >= before && left <= ROUNDING * largest) {
-            return attempt;
+            return (attempt, law.iter().map(|effort| effort.abs()).sum());
         }
         if !left.is_finite() || !newton.solve_mut(&mut remainder) {
             break;
@@ -82,7 +82,8 @@ pub(crate) fn attempt(
         efforts += &remainder;
         before = left;
     }
-    Attempt::Failed { iterations: spent, freedom: feedback.freedoms().first().copied().unwrap_or(0), increment: before }
+    let freedom = feedback.freedoms().first().copied().unwrap_or(0);
+    (Attempt::Failed { iterations: spent, freedom, increment: before }, 0.0)
 }
 
 /// `1 − h² Â ⊗ f_q Y − h Ā ⊗ f_v Y`, entry after entry, each with its stages (m s × m s).

@@ -14,6 +14,8 @@ use catena_mechanism::motion::state::State;
 /// A step of a closed mechanism that changes the energy by this part of the kinetic energy has solved its equations on another
 /// branch of a singular position: it is tried again, and shortened.
 const ANOTHER_MOTION: f64 = 0.25;
+/// But not where forces change it by no more over this distance (m; rad): another branch is farther away.
+const NEAR: f64 = 1e-9;
 
 /// A grid point this close, in steps, is where rounding left us, not a step to make.
 const CLOSE: f64 = 1e-7;
@@ -82,7 +84,7 @@ impl FixedSteps {
             if let Attempt::Converged { exact, .. } = attempt {
                 let before = stepper.kernel.energy().kinetic;
                 let energies = stepper.finish(mechanism, state);
-                let allowed = ANOTHER_MOTION * before.max(energies.kinetic) + 1e-9 * energies.potential;
+                let allowed = ANOTHER_MOTION * before.max(energies.kinetic) + NEAR * energies.pushes;
                 if !mechanism.has_closures() || energies.change.abs() <= allowed {
                     let time = if halvings == 0 { target } else { state.time + length };
                     outcome.exact = exact;

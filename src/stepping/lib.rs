@@ -49,6 +49,8 @@ mod stage_motion;
 pub mod stepper;
 mod turns;
 #[doc(hidden)]
+pub mod unseen;
+#[doc(hidden)]
 pub mod watch;
 
 pub use integrator::{Lobatto, MethodError};

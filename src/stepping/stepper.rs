@@ -13,6 +13,7 @@ use crate::modes::Modes;
 use crate::pace::Pace;
 use crate::sampling::LastStep;
 use crate::stage_motion::stage_motion;
+use crate::unseen::Pushes;
 use crate::watch::{FIRST_LOOK, Watch};
 use catena_lobatto::coupled::counted::Counted;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
@@ -65,6 +66,9 @@ pub struct Energies {
     /// What joint springs pull with at the end, added up [N m or N], and their stiffness [N m/rad or N/m]: of motors that follow their laws. Zero
     /// where nothing is driven.
     pub pull: (f64, f64),
+    /// What all forces on a mechanism with closures push with, added up [N or N m]; zero without closures, where joints hold to rounding whatever the
+    /// iteration leaves.
+    pub pushes: f64,
 }
 
 /// A mechanism on its way through time.
@@ -95,6 +99,8 @@ pub(crate) struct Stepper {
     outside: Outside,
     /// Efforts that change in time, at the stages of an attempt.
     changing: Vec<f64>,
+    /// Efforts of the last attempt, added up [N or N m].
+    efforts: f64,
     /// What was counted of the closures where the first step is going to begin.
     pub counted: Option<Arc<Counted>>,
     /// What goes beside the motion, if anything does.
@@ -105,13 +111,20 @@ pub(crate) struct Stepper {
 struct Outside {
     gravity: Vector3<f64>,
     forces: Forces,
+    /// What they push with.
+    pushes: Pushes,
     /// The mechanism with forces that are driven, once efforts have been handed to a step.
     driven: Option<Arc<Mechanism>>,
 }
 
 impl Outside {
     fn new(mechanism: &Mechanism) -> Self {
-        Outside { gravity: mechanism.gravity, forces: mechanism.forces.clone(), driven: None }
+        Outside {
+            gravity: mechanism.gravity,
+            forces: mechanism.forces.clone(),
+            pushes: Pushes::of(mechanism),
+            driven: None,
+        }
     }
 
     #[inline]
@@ -140,6 +153,7 @@ impl Stepper {
             left_at: None,
             outside: Outside::new(mechanism),
             changing: Vec::new(),
+            efforts: 0.0,
             counted: None,
             companion: None,
         }
@@ -214,9 +228,13 @@ impl Stepper {
         rule: &StopRule,
         guess: Guess,
     ) -> Attempt {
+        self.efforts = inputs.efforts.iter().map(|effort| effort.abs()).sum();
         if let Some(feedback) = inputs.feedback {
             let kernel = self.kernel.as_mut();
-            return feedback::attempt(kernel, self.tableau, mechanism, feedback, state, length, rule, guess);
+            let (attempt, efforts) =
+                feedback::attempt(kernel, self.tableau, mechanism, feedback, state, length, rule, guess);
+            self.efforts += efforts;
+            return attempt;
         }
         if let Some(changing) = inputs.changing {
             let nodes = &self.tableau.nodes;
@@ -224,6 +242,8 @@ impl Stepper {
             for entry in 0..changing.freedoms().len() {
                 self.changing.extend(nodes.iter().map(|node| changing.effort(entry, state.time + node * length)));
             }
+            let at_end = self.changing.iter().skip(nodes.len() - 1).step_by(nodes.len());
+            self.efforts += at_end.map(|effort| effort.abs()).sum::<f64>();
             self.kernel.change(changing.freedoms(), &self.changing);
         }
         self.kernel.attempt(mechanism, length, rule, guess)
@@ -299,6 +319,7 @@ impl Stepper {
             kinetic: after.kinetic,
             potential: after.potential.abs() + after.spring + after.load.abs(),
             pull: if mechanism.forces.driven { pull(mechanism, &self.end) } else { (0.0, 0.0) },
+            pushes: if mechanism.has_closures() { self.outside.pushes.with(after.spring, self.efforts) } else { 0.0 },
         }
     }
 

@@ -6,6 +6,9 @@
 use crate::description::contact::ContactPair;
 use nalgebra::Vector3;
 
+/// Parts of a force that its components are not known to.
+const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
+
 /// One point at which two shapes touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
@@ -24,11 +27,13 @@ pub struct ContactPoint {
 }
 
 impl ContactPoint {
-    /// How far the force is outside the cone (N): the larger of `|f_T| − μ f_N` and `−f_N`, not negative.
+    /// How far the force is outside the cone (N): the larger of `|f_T| − μ f_N` and `−f_N`, not negative. Four roundings of the force, 9e-16 of it, are
+    /// nothing: that much is lost where it is turned into the world and back (4e-6 N of the 4e10 N of a foot that jams).
     pub fn cone_violation(&self, friction: f64) -> f64 {
         let normal = self.normal.dot(&self.force);
         let tangential = (self.force - normal * self.normal).norm();
-        (tangential - friction * normal).max(-normal).max(0.0)
+        let off = (tangential - friction * normal).max(-normal);
+        if off > ROUNDINGS * self.force.norm() { off } else { 0.0 }
     }
 
     /// How deep the shapes overlap (m), not negative.
@@ -82,6 +87,9 @@ mod tests {
             ([0.0, 0.0, -2.0], 2.0),
             ([0.0, 1.0, -2.0], 2.0),
             ([0.0, 0.0, 0.0], 0.0),
+            // 2⁻¹⁸ N of 4e10 N, and 2⁻¹⁶ N: a unit in the last place, and four.
+            ([2e10 + 3.814697265625e-6, 0.0, 4e10], 0.0),
+            ([2e10 + 6.103515625e-5, 0.0, 4e10], 6.103515625e-5),
         ] {
             assert_eq!(point(force, 0.0).cone_violation(0.5), violation, "{force:?}");
         }

@@ -3,6 +3,7 @@
 //! ```text
 //!     δ = ε max(ℓ, |P_a − x_a|, |P_b − x_b|)     (m)      of the ends of a spring, ε = 2⁻⁵²
 //!     δV = 1e-12 V                               (J)      of stored energies V, over a run
+//!     W = F 1e-12 m                              (J)      of what all forces push with, F (N; N m), over roundings of places
 //! ```
 
 use crate::mechanism::description::closure::Attachment;
@@ -13,7 +14,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::simulation::Summary;
 
-/// Changes of the energy by this part of it are rounding.
+/// Changes of the energy by this part of it, and by what forces do over this distance (m), are rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// A tolerance of so many roundings of places takes no more steps than with springs nearby.
@@ -59,6 +60,11 @@ impl FarSpring {
 
 /// Whether rounding of what is stored explains all that the energy balance of a run is off by.
 pub(super) fn is_energy_rounding(summary: &Summary) -> bool {
+    stored_rounding(summary) || summary.max_relative_energy_error * summary.largest_kinetic <= ROUNDING * summary.pushes
+}
+
+/// Whether that of stored energies alone does.
+fn stored_rounding(summary: &Summary) -> bool {
     let rounding = ROUNDING * summary.initial_energy.total().abs().max(summary.final_energy.total().abs());
     summary.max_relative_energy_error * summary.largest_kinetic <= rounding
 }
@@ -68,6 +74,13 @@ pub(crate) fn balance_warning(description: &MethodDescription, summary: &Summary
     let error = summary.max_relative_energy_error;
     if error > COARSE && is_energy_rounding(summary) {
         let (stored, kinetic) = (summary.initial_energy.total(), rounded(summary.largest_kinetic));
+        if !stored_rounding(summary) {
+            return Some(format!(
+                "what forces of {} N do over roundings of places hides the energy of the motion, {kinetic} J: the energy balance says nothing of this \
+                 run",
+                rounded(summary.pushes)
+            ));
+        }
         return Some(format!(
             "rounding of the total energy, {stored:.1e} J, hides that of the motion, {kinetic} J: the energy balance says nothing of this run; \
              move the far ends of springs nearer"
