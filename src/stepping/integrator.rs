@@ -16,6 +16,7 @@ use catena_lobatto::stages::attempt::StopRule;
 use catena_lobatto::step::interface::Step;
 use catena_lobatto::step::make::MOST_PRECISE_STAGES;
 use catena_lobatto::tableau::butcher::{Tableau, TableauError};
+use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 use catena_mechanism::motion::inputs::Inputs;
@@ -184,6 +185,11 @@ impl Lobatto {
     /// The motion beside that of the run.
     pub fn companion(&self) -> Option<&Companion> {
         self.stepper.companion.as_deref()
+    }
+
+    /// Its bodies after the last step, if there is one and it places them.
+    pub fn companion_bodies(&self) -> Option<&[BodyState]> {
+        self.companion().filter(|companion| companion.has_begun()).and_then(|_| self.stepper.kernel.carried_bodies())
     }
 
     /// Whether a step that was to be chosen for its accuracy was shortened for the stability of the scheme.
@@ -384,6 +390,10 @@ impl Integrator for Lobatto {
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         self.stepper.sample(mechanism, time, position, velocity);
         self.stepper.kernel.close(mechanism, position, velocity);
+    }
+
+    fn bodies(&self) -> Option<&[BodyState]> {
+        self.stepper.kernel.bodies()
     }
 
     fn description(&self) -> MethodDescription {
