@@ -205,6 +205,11 @@ impl Lobatto {
         }
     }
 
+    /// The largest error of samples inside steps that were too long for a damper (m), of which those of their ends know nothing.
+    pub fn ringing_inside(&self) -> f64 {
+        self.stepper.ringing_inside()
+    }
+
     fn with_tableau(mechanism: &Mechanism, tableau: &'static Tableau, mode: Mode, isa: Isa) -> Self {
         Self::with_kernel(mechanism, tableau, step_for(mechanism, tableau, isa, &[]), mode, isa)
     }
