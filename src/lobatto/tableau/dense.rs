@@ -132,8 +132,8 @@ struct Nodal {
 
 /// The nodal polynomials at `x`.
 ///
-/// Products of differences that leave out one node or two are those of the nodes before, between and behind: the first two grow with the loops,
-/// the last are taken once.
+/// All products of differences are taken from the first node to the last; those up to a node that is left out are shared by all
+/// that leave it out.
 fn nodal(nodes: &[f64], scales: &[f64], x: f64) -> Nodal {
     let count = nodes.len();
     let mut distances = [0.0; MAX_STAGES];
@@ -141,20 +141,17 @@ fn nodal(nodes: &[f64], scales: &[f64], x: f64) -> Nodal {
         *distance = x - node;
     }
     let distances = &distances[..count];
-    let mut behind = [1.0; MAX_STAGES + 1];
-    for k in (0..count).rev() {
-        behind[k] = behind[k + 1] * distances[k];
-    }
+    let rest = |start: f64, from: usize| distances[from..].iter().fold(start, |product, distance| product * distance);
     let (mut values, mut slopes) = ([0.0; MAX_STAGES], [0.0; MAX_STAGES]);
     let (mut before, mut omega_slope) = (1.0, 0.0);
     for j in 0..count {
-        let left = before * behind[j + 1];
+        let left = rest(before, j + 1);
         values[j] = left / scales[j];
         omega_slope += left;
         // Leaving out a pair of nodes counts for the slopes of both.
         let mut between = before;
         for k in j + 1..count {
-            let left = between * behind[k + 1];
+            let left = rest(between, k + 1);
             slopes[j] += left;
             slopes[k] += left;
             between *= distances[k];
