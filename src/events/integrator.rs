@@ -90,6 +90,8 @@ pub struct Eventful {
     pub(super) idle: MethodDescription,
     /// The error of samples inside the steps of modes that are not kept any more, and in steps of first order (m).
     between: Option<f64>,
+    /// The part of it in steps that were too long for a damper (m).
+    ringing: f64,
     /// How often the law of contact could not be solved to its accuracy.
     pub(super) unsolved: usize,
     /// Whether everything has come to rest on contacts, and is not moved until something changes.
@@ -181,6 +183,7 @@ impl Eventful {
             lost_at_start: 0.0,
             idle,
             between: Some(0.0),
+            ringing: 0.0,
             unsolved: 0,
             crowding: Crowding::CALM,
             stepped_over: None,
@@ -202,6 +205,12 @@ impl Eventful {
     pub fn between(&self) -> Option<f64> {
         let pieces = self.pieces.iter().filter_map(|piece| piece.steps.as_ref());
         pieces.map(|steps| steps.between()).fold(self.between, larger)
+    }
+
+    /// The largest error of samples inside steps that were too long for a damper, so far (m).
+    pub fn ringing_inside(&self) -> f64 {
+        let pieces = self.pieces.iter().filter_map(|piece| piece.steps.as_ref());
+        pieces.map(|steps| steps.ringing_inside()).fold(self.ringing, f64::max)
     }
 
     /// Takes note of a step of first order, inside which samples are where it began or ended, whichever is nearer in time: they are off by half of
@@ -428,6 +437,7 @@ impl Eventful {
                 if let Some(steps) = &self.pieces[oldest].steps {
                     self.idle.include_stability(&steps.description());
                     self.between = larger(self.between, steps.between());
+                    self.ringing = self.ringing.max(steps.ringing_inside());
                 }
                 self.pieces[oldest] = piece;
                 oldest

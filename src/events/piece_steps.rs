@@ -94,6 +94,11 @@ pub(super) trait PieceSteps: Integrator + Send {
     /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known.
     fn between(&self) -> Option<f64>;
 
+    /// The largest error of samples inside steps that were too long for a damper (m), where it is looked at.
+    fn ringing_inside(&self) -> f64 {
+        0.0
+    }
+
     /// Carries a companion from the next step on, where there can be one ([`Lobatto::accompany`]).
     fn accompany(&mut self, _mechanism: &Mechanism) {}
 
@@ -135,6 +140,10 @@ impl PieceSteps for Lobatto {
 
     fn between(&self) -> Option<f64> {
         Lobatto::between(self)
+    }
+
+    fn ringing_inside(&self) -> f64 {
+        Lobatto::ringing_inside(self)
     }
 
     fn accompany(&mut self, mechanism: &Mechanism) {

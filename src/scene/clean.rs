@@ -1,7 +1,7 @@
 //! From the XML document to a valid URDF: only elements of the schema, only valid numbers.
 //!
 //! Where the intent is plain the file is repaired and a warning says so; where it is not, the first error ends the
-//! reading. The result is written out again as XML for `urdf-rs`, whose own errors name neither line nor link.
+//! reading. The result is also written out again as XML for viewers.
 
 use crate::scene::element::{CleanAttribute, CleanElement};
 use crate::scene::error::{Element, Problem, SceneError};
@@ -186,7 +186,7 @@ impl Cleaner<'_> {
         value: &str,
     ) -> Result<String, SceneError> {
         let count = match attribute.content {
-            Content::Text => return Ok(value.to_string()),
+            Content::Text => return Ok(value.replace(['\n', '\r', '\t'], " ")),
             Content::Numbers(count) => count,
             Content::Limit => 1,
         };

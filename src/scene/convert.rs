@@ -1,4 +1,4 @@
-//! From what `urdf-rs` parsed, and the lines it came from, to a [`Robot`]'s links and joints.
+//! From the elements of a valid URDF to a [`Robot`]'s links and joints.
 
 use crate::scene::clean::error_at;
 use crate::scene::element::CleanElement;
@@ -19,7 +19,7 @@ use std::path::Path;
 pub(crate) struct Converter<'c> {
     pub file: &'c Path,
     pub meshes: &'c MeshFiles,
-    pub materials: &'c [urdf_rs::Material],
+    pub robot: &'c CleanElement,
     /// Whether the file's version (1.1 and later) knows `quat_xyzw`.
     pub quaternions: bool,
     pub warnings: Vec<Warning>,
@@ -29,38 +29,45 @@ pub(crate) struct Converter<'c> {
 
 impl Converter<'_> {
     /// A link.
-    pub fn link(&mut self, link: &urdf_rs::Link, element: &CleanElement) -> Result<Link, SceneError> {
-        let owner = Element::Link(link.name.clone());
+    pub fn link(&mut self, element: &CleanElement) -> Result<Link, SceneError> {
+        let name = element.text("name");
+        let owner = Element::Link(name.clone());
         let inertial = match element.child("inertial") {
             None => None,
-            Some(inertial) => Some(self.inertial(&link.inertial, inertial, &owner)?),
+            Some(inertial) => Some(self.inertial(inertial, &owner)?),
         };
-        let mut visuals = Vec::new();
-        for (visual, element) in link.visual.iter().zip(element.children_named("visual")) {
-            let color = visual.material.as_ref().and_then(|material| self.color(material));
-            let (origin, rpy) = self.origin(&visual.origin, element, &owner)?;
-            let geometry = self.geometry(&visual.geometry);
-            visuals.push(Shape { name: visual.name.clone(), origin, rpy, geometry, color, line: element.line });
+        let visuals = self.shapes(element, "visual", &owner)?;
+        let collisions = self.shapes(element, "collision", &owner)?;
+        Ok(Link { name, inertial, visuals, collisions, line: element.line })
+    }
+
+    /// The shapes of a link; those of collisions have no colour.
+    fn shapes(&mut self, link: &CleanElement, kind: &str, owner: &Element) -> Result<Vec<Shape>, SceneError> {
+        let mut shapes = Vec::new();
+        for element in link.children_named(kind) {
+            let Some(geometry) = element.child("geometry").and_then(|geometry| self.geometry(geometry)) else {
+                continue;
+            };
+            let name = element.attribute("name").map(str::to_string);
+            let color = element.child("material").and_then(|material| self.color(material));
+            let (origin, rpy) = self.origin(element, owner)?;
+            shapes.push(Shape { name, origin, rpy, geometry, color, line: element.line });
         }
-        let mut collisions = Vec::new();
-        for (collision, element) in link.collision.iter().zip(element.children_named("collision")) {
-            let (origin, rpy) = self.origin(&collision.origin, element, &owner)?;
-            let (name, geometry) = (collision.name.clone(), self.geometry(&collision.geometry));
-            collisions.push(Shape { name, origin, rpy, geometry, color: None, line: element.line });
-        }
-        Ok(Link { name: link.name.clone(), inertial, visuals, collisions, line: element.line })
+        Ok(shapes)
     }
 
     /// A joint.
-    pub fn joint(&mut self, joint: &urdf_rs::Joint, element: &CleanElement) -> Result<UrdfJoint, SceneError> {
-        let owner = Element::Joint(joint.name.clone());
-        let kind = joint_kind(&joint.joint_type);
-        let axis = self.axis(joint, kind, element, &owner)?;
-        let limit = element.child("limit").map(|limit| Limit {
-            lower: limit.gives("lower").then_some(joint.limit.lower),
-            upper: limit.gives("upper").then_some(joint.limit.upper),
-            effort: limit.gives("effort").then_some(joint.limit.effort),
-            velocity: limit.gives("velocity").then_some(joint.limit.velocity),
+    pub fn joint(&mut self, element: &CleanElement) -> Result<UrdfJoint, SceneError> {
+        let name = element.text("name");
+        let owner = Element::Joint(name.clone());
+        let kind = self.joint_kind(element, &owner)?;
+        // URDF's default.
+        let given_axis = element.child("axis").and_then(|axis| axis.vector("xyz")).map_or(Vector3::x(), Vector3::from);
+        let axis = self.axis(&given_axis, kind, element, &owner)?;
+        let limit = element.child("limit").map(|limit| {
+            let given = |name| limit.number(name).filter(|_| limit.gives(name));
+            let [lower, upper, effort, velocity] = ["lower", "upper", "effort", "velocity"].map(given);
+            Limit { lower, upper, effort, velocity }
         });
         if limit.is_none() && matches!(kind, UrdfJointKind::Revolute | UrdfJointKind::Prismatic) {
             self.warn(element.line, &owner, format!("a {} joint should have a <limit>; none is assumed", kind.name()));
@@ -73,30 +80,53 @@ impl Converter<'_> {
             let problem = Problem::ReversedLimits { lower, upper };
             return Err(error_at(self.file, line_of("limit"), Some(owner), problem));
         }
-        if let Some(friction) = joint.dynamics.as_ref().map(|dynamics| dynamics.friction)
+        let dynamics = element.child("dynamics").map(|dynamics| {
+            let [damping, friction] = ["damping", "friction"].map(|name| dynamics.number(name).unwrap_or(0.0));
+            Dynamics { damping, friction }
+        });
+        if let Some(Dynamics { friction, .. }) = dynamics
             && friction < 0.0
         {
             let problem = Problem::NegativeFriction(friction);
             return Err(error_at(self.file, line_of("dynamics"), Some(owner), problem));
         }
-        let (origin, rpy) = self.origin(&joint.origin, element, &owner)?;
+        let (origin, rpy) = self.origin(element, &owner)?;
+        let [parent, child] =
+            ["parent", "child"].map(|role| element.child(role).map_or(String::new(), |link| link.text("link")));
+        let mimic = element.child("mimic").map(|mimic| Mimic {
+            joint: mimic.text("joint"),
+            multiplier: mimic.number("multiplier").unwrap_or(1.0),
+            offset: mimic.number("offset").unwrap_or(0.0),
+        });
         Ok(UrdfJoint {
-            name: joint.name.clone(),
+            name,
             kind,
-            parent: joint.parent.link.clone(),
-            child: joint.child.link.clone(),
+            parent,
+            child,
             origin,
             rpy,
             axis,
-            given_axis: Vector3::from(joint.axis.xyz.0),
+            given_axis,
             limit,
-            dynamics: joint.dynamics.as_ref().map(|d| Dynamics { damping: d.damping, friction: d.friction }),
-            mimic: joint.mimic.as_ref().map(|mimic| Mimic {
-                joint: mimic.joint.clone(),
-                multiplier: mimic.multiplier.unwrap_or(1.0),
-                offset: mimic.offset.unwrap_or(0.0),
-            }),
+            dynamics,
+            mimic,
             line: element.line,
+        })
+    }
+
+    fn joint_kind(&self, element: &CleanElement, owner: &Element) -> Result<UrdfJointKind, SceneError> {
+        Ok(match element.attribute("type").unwrap_or_default() {
+            "revolute" => UrdfJointKind::Revolute,
+            "continuous" => UrdfJointKind::Continuous,
+            "prismatic" => UrdfJointKind::Prismatic,
+            "fixed" => UrdfJointKind::Fixed,
+            "floating" => UrdfJointKind::Floating,
+            "planar" => UrdfJointKind::Planar,
+            "spherical" => UrdfJointKind::Spherical,
+            other => {
+                let problem = Problem::JointType(other.to_string());
+                return Err(error_at(self.file, element.line, Some(owner.clone()), problem));
+            }
         })
     }
 
@@ -162,17 +192,16 @@ impl Converter<'_> {
     /// The axis, of length one.
     fn axis(
         &mut self,
-        joint: &urdf_rs::Joint,
+        given: &Vector3<f64>,
         kind: UrdfJointKind,
         element: &CleanElement,
         owner: &Element,
     ) -> Result<Vector3<f64>, SceneError> {
-        let given = Vector3::from(joint.axis.xyz.0);
         if !kind.has_axis() {
-            return Ok(unit(&given).map_or(Vector3::x(), |(axis, _)| axis));
+            return Ok(unit(given).map_or(Vector3::x(), |(axis, _)| axis));
         }
         let line = element.child("axis").map_or(element.line, |axis| axis.line);
-        self.unit_axis(&given, line, owner)
+        self.unit_axis(given, line, owner)
     }
 
     /// An axis that means something, of length one.
@@ -185,21 +214,17 @@ impl Converter<'_> {
         Ok(axis)
     }
 
-    fn inertial(
-        &mut self,
-        inertial: &urdf_rs::Inertial,
-        element: &CleanElement,
-        owner: &Element,
-    ) -> Result<Inertial, SceneError> {
-        let mass = inertial.mass.value;
+    fn inertial(&mut self, element: &CleanElement, owner: &Element) -> Result<Inertial, SceneError> {
+        let of = |child: &str, name: &str| element.child(child).and_then(|child| child.number(name)).unwrap_or(0.0);
+        let mass = of("mass", "value");
         if mass < 0.0 {
             let line = element.child("mass").map_or(element.line, |mass| mass.line);
             return Err(error_at(self.file, line, Some(owner.clone()), Problem::NegativeMass(mass)));
         }
-        let i = &inertial.inertia;
-        let inertia = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
+        let [xx, xy, xz, yy, yz, zz] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"].map(|moment| of("inertia", moment));
+        let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         self.check_inertia(mass, &inertia, element, owner);
-        let (origin, rpy) = self.origin(&inertial.origin, element, owner)?;
+        let (origin, rpy) = self.origin(element, owner)?;
         Ok(Inertial { origin, rpy, mass, inertia, line: element.line })
     }
 
@@ -216,15 +241,11 @@ impl Converter<'_> {
     }
 
     /// The `<origin>` of an element, and its roll, pitch and yaw (rad); without one, the identity.
-    fn origin(
-        &mut self,
-        pose: &urdf_rs::Pose,
-        parent: &CleanElement,
-        owner: &Element,
-    ) -> Result<(Pose, [f64; 3]), SceneError> {
-        let translation = Translation3::from(pose.xyz.0);
-        let by_angles = (Pose::from_parts(translation, turn(pose.rpy.0)), pose.rpy.0);
-        let Some(origin) = parent.child("origin") else { return Ok(by_angles) };
+    fn origin(&mut self, parent: &CleanElement, owner: &Element) -> Result<(Pose, [f64; 3]), SceneError> {
+        let Some(origin) = parent.child("origin") else { return Ok((Pose::identity(), [0.0; 3])) };
+        let [xyz, rpy] = ["xyz", "rpy"].map(|name| origin.vector(name).unwrap_or_default());
+        let translation = Translation3::from(xyz);
+        let by_angles = (Pose::from_parts(translation, turn(rpy)), rpy);
         let Some(q) = origin.numbers("quat_xyzw") else { return Ok(by_angles) };
         if !self.quaternions {
             self.warn(origin.line, owner, "quat_xyzw is ignored: it needs <robot version=\"1.1\">".to_string());
@@ -242,7 +263,7 @@ impl Converter<'_> {
         if origin.gives("rpy") {
             return refuse("rpy is given too");
         }
-        // urdf-rs would turn it into roll, pitch, yaw, which loses up to 4 mrad near a pitch of 90°.
+        // The rotation itself: by way of roll, pitch and yaw up to 4 mrad are lost near a pitch of 90°.
         match normalised(&Vector4::from_column_slice(&q)) {
             Some(xyzw) => {
                 let rotation = UnitQuaternion::new_unchecked(Quaternion::from(xyzw)).to_rotation_matrix();
@@ -253,26 +274,29 @@ impl Converter<'_> {
         }
     }
 
-    fn geometry(&self, geometry: &urdf_rs::Geometry) -> Geometry {
-        match geometry {
-            urdf_rs::Geometry::Box { size } => Geometry::Box { size: Vector3::from(size.0) },
-            urdf_rs::Geometry::Cylinder { radius, length } => Geometry::Cylinder { radius: *radius, length: *length },
-            urdf_rs::Geometry::Sphere { radius } => Geometry::Sphere { radius: *radius },
-            urdf_rs::Geometry::Capsule { radius, length } => Geometry::Capsule { radius: *radius, length: *length },
-            urdf_rs::Geometry::Mesh { filename, scale } => Geometry::Mesh(MeshFile {
-                path: filename.clone(),
-                resolved: self.meshes.get(filename).cloned(),
-                scale: scale.map_or(Vector3::repeat(1.0), |scale| Vector3::from(scale.0)),
+    fn geometry(&self, geometry: &CleanElement) -> Option<Geometry> {
+        let form = geometry.children.first()?;
+        let number = |name| form.number(name);
+        Some(match form.name {
+            "box" => Geometry::Box { size: form.vector("size")?.into() },
+            "cylinder" => Geometry::Cylinder { radius: number("radius")?, length: number("length")? },
+            "sphere" => Geometry::Sphere { radius: number("radius")? },
+            "capsule" => Geometry::Capsule { radius: number("radius")?, length: number("length")? },
+            _ => Geometry::Mesh(MeshFile {
+                path: form.text("filename"),
+                resolved: self.meshes.get(form.attribute("filename")?).cloned(),
+                scale: form.vector("scale").map_or(Vector3::repeat(1.0), Vector3::from),
                 carried: None,
             }),
-        }
+        })
     }
 
     /// The colour of a material, or of the robot's material of that name.
-    fn color(&self, material: &urdf_rs::Material) -> Option<[f64; 4]> {
-        let own = material.color.as_ref();
-        let named = || self.materials.iter().find(|known| known.name == material.name)?.color.as_ref();
-        own.or_else(named).map(|color| color.rgba.0)
+    fn color(&self, material: &CleanElement) -> Option<[f64; 4]> {
+        let name = material.attribute("name");
+        let named = || self.robot.children_named("material").find(|known| known.attribute("name") == name);
+        let color = material.child("color").or_else(|| named()?.child("color"))?;
+        color.numbers("rgba")?.try_into().ok()
     }
 
     fn warn(&mut self, line: usize, element: &Element, message: String) {
@@ -281,17 +305,5 @@ impl Converter<'_> {
 
     fn warning(&self, line: usize, element: &Element, message: String) -> Warning {
         Warning::odd(self.file, Some(line), Some(element.clone()), message)
-    }
-}
-
-fn joint_kind(kind: &urdf_rs::JointType) -> UrdfJointKind {
-    match kind {
-        urdf_rs::JointType::Revolute => UrdfJointKind::Revolute,
-        urdf_rs::JointType::Continuous => UrdfJointKind::Continuous,
-        urdf_rs::JointType::Prismatic => UrdfJointKind::Prismatic,
-        urdf_rs::JointType::Fixed => UrdfJointKind::Fixed,
-        urdf_rs::JointType::Floating => UrdfJointKind::Floating,
-        urdf_rs::JointType::Planar => UrdfJointKind::Planar,
-        urdf_rs::JointType::Spherical => UrdfJointKind::Spherical,
     }
 }

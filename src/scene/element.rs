@@ -1,4 +1,4 @@
-//! A URDF element after repair: what the schema knows of it, and the XML it is written as for `urdf-rs`.
+//! A URDF element after repair: what the schema knows of it, and the XML it is written as for viewers.
 
 /// An element, and the line on which it starts.
 pub(crate) struct CleanElement {
@@ -32,22 +32,26 @@ impl CleanElement {
         self.attribute(name)?.split_whitespace().map(|word| word.parse().ok()).collect()
     }
 
+    /// The number of an attribute.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.attribute(name)?.parse().ok()
+    }
+
+    /// The three numbers of an attribute.
+    pub fn vector(&self, name: &str) -> Option<[f64; 3]> {
+        self.numbers(name)?.try_into().ok()
+    }
+
+    /// The text of an attribute that the schema requires.
+    pub fn text(&self, name: &str) -> String {
+        self.attribute(name).unwrap_or_default().to_string()
+    }
+
     /// Replaces the text of an attribute.
     pub fn set(&mut self, name: &str, text: String) {
         if let Some(attribute) = self.attributes.iter_mut().find(|attribute| attribute.name == name) {
             attribute.text = text;
         }
-    }
-
-    /// Takes an attribute out.
-    pub fn take(&mut self, name: &str) -> Option<CleanAttribute> {
-        let index = self.attributes.iter().position(|attribute| attribute.name == name)?;
-        Some(self.attributes.remove(index))
-    }
-
-    /// Puts back what [`CleanElement::take`] took out.
-    pub fn put(&mut self, attribute: Option<CleanAttribute>) {
-        self.attributes.extend(attribute);
     }
 
     /// The first child with this name.

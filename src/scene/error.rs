@@ -186,9 +186,6 @@ pub enum Problem {
     /// A number that its place cannot have.
     #[error("{key} = {number}: {reason}")]
     ParameterValue { key: String, number: f64, reason: String },
-    /// What urdf-rs says about a file in which this program saw nothing wrong.
-    #[error("urdf-rs refuses it: {0}")]
-    Parser(String),
 }
 
 /// How links and joints are called where there are several robots.

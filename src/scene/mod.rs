@@ -1,7 +1,7 @@
 //! The user's files, read and validated.
 //!
 //! ```text
-//!     URDF  → text → XML → clean (schema.rs: known elements, good numbers) → urdf-rs → Robot → tree checks
+//!     URDF  → text → XML → clean (schema.rs: known elements, good numbers) → Robot → tree checks
 //!     scene → text → TOML → serde (scene_schema.rs: known keys, good numbers) → Scene of Robots, names resolved
 //! ```
 //!

@@ -37,7 +37,7 @@ pub(crate) enum Presence {
     Required,
     /// URDF has a default.
     Optional,
-    /// URDF has this default, but urdf-rs wants it written.
+    /// URDF has this default, but viewers want it written.
     Default(&'static str),
     /// URDF requires it; where it is missing this value is plainly meant (with a warning).
     Assumed(&'static str),

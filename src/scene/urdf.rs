@@ -14,8 +14,6 @@ use crate::scene::unsimulated::unsimulated;
 use crate::scene::warning::Warning;
 use std::path::Path;
 
-const JOINT_TYPES: [&str; 7] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"];
-
 /// Reads and validates a URDF file.
 ///
 /// # Errors
@@ -47,33 +45,22 @@ fn read_robot(
 ) -> Result<Robot, SceneError> {
     let xml = XmlText::new(path, source)?;
     let Cleaned { mut robot, warnings: repairs, ignored } = clean(&xml, &ROBOT)?;
-    check_joint_types(path, &robot)?;
-    // What depends on the version (quaternions, limits) is read here, so that urdf-rs need not know of it.
-    let version = robot.take("version");
-    // Nor does it know joints that close loops.
+    // Viewers do not know joints that close loops.
     let (closing, children) = std::mem::take(&mut robot.children).into_iter().partition(|e| e.name == "loop_joint");
     let closing: Vec<CleanElement> = closing;
     robot.children = children;
-    let quaternions = version.as_ref().is_some_and(|version| knows_quaternions(&version.text));
-    let parsed = parse(path, &robot)?;
     let (meshes, missing_meshes) = find_meshes(&robot);
 
     let mut converter = Converter {
         file: path,
         meshes: &meshes,
-        materials: &parsed.materials,
-        quaternions,
+        robot: &robot,
+        quaternions: robot.attribute("version").is_some_and(knows_quaternions),
         warnings: Vec::new(),
         impossible_inertias: Vec::new(),
     };
-    let mut links = Vec::with_capacity(parsed.links.len());
-    for (link, element) in parsed.links.iter().zip(robot.children_named("link")) {
-        links.push(converter.link(link, element)?);
-    }
-    let mut joints = Vec::with_capacity(parsed.joints.len());
-    for (joint, element) in parsed.joints.iter().zip(robot.children_named("joint")) {
-        joints.push(converter.joint(joint, element)?);
-    }
+    let links = robot.children_named("link").map(|link| converter.link(link)).collect::<Result<Vec<_>, _>>()?;
+    let joints = robot.children_named("joint").map(|joint| converter.joint(joint)).collect::<Result<Vec<_>, _>>()?;
     let mut loops: Vec<UrdfLoop> = Vec::with_capacity(closing.len());
     for element in &closing {
         let closing = converter.closing_joint(element, &links)?;
@@ -93,7 +80,6 @@ fn read_robot(
     warnings.extend(unsimulated(path, &joints, &ignored));
     let name = robot.attribute("name").map_or_else(|| file_stem(path), str::to_string);
     meshes.make_absolute(&mut robot);
-    robot.put(version);
     let description = write(&robot);
     Ok(Robot {
         name,
@@ -135,38 +121,10 @@ impl Robot {
     }
 }
 
-/// Hands the repaired URDF to `urdf-rs`.
-fn parse(path: &Path, robot: &CleanElement) -> Result<urdf_rs::Robot, SceneError> {
-    let refuse = |reason: String| error_at(path, robot.line, None, Problem::Parser(reason));
-    let parsed = urdf_rs::read_from_string(&write(robot)).map_err(|error| {
-        let reason: String = error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        refuse(reason)
-    })?;
-    // Lines are found by order, so both sides must have seen the same elements.
-    let counts = |links: usize, joints: usize| format!("{links} links and {joints} joints");
-    let written = counts(robot.children_named("link").count(), robot.children_named("joint").count());
-    let read = counts(parsed.links.len(), parsed.joints.len());
-    if written != read {
-        return Err(refuse(format!("it read {read}, but the file has {written}")));
-    }
-    Ok(parsed)
-}
-
 fn write(robot: &CleanElement) -> String {
     let mut text = String::from("<?xml version=\"1.0\"?>\n");
     robot.write(0, &mut text);
     text
-}
-
-fn check_joint_types(path: &Path, robot: &CleanElement) -> Result<(), SceneError> {
-    for joint in robot.children_named("joint") {
-        let kind = joint.attribute("type").unwrap_or_default();
-        if !JOINT_TYPES.contains(&kind) {
-            let element = joint.attribute("name").map(|name| Element::Joint(name.to_string()));
-            return Err(error_at(path, joint.line, element, Problem::JointType(kind.to_string())));
-        }
-    }
-    Ok(())
 }
 
 /// Whether a URDF version is 1.1 or later.

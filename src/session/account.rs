@@ -17,10 +17,10 @@ use crate::output::report::{
     singular_warning, unsolved_warning,
 };
 use crate::session::asked::{DEFAULT_TOLERANCE, Settled};
-use crate::session::description::{DRIVEN, Origin, TOLD, description, figures};
+use crate::session::description::{Origin, TOLD, description, figures};
 use crate::session::error::Error;
 use crate::session::recording::Recording;
-use crate::simulation::{Finished, RunError, Simulation};
+use crate::simulation::{Finished, RunError, Simulation, Summary};
 use cpu_time::ProcessTime;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -39,12 +39,19 @@ pub struct Account {
 /// A run that has made its first step.
 pub struct Begun {
     account: Account,
-    method: MethodDescription,
-    /// Whether the run itself estimates its error (without trial runs).
-    told: bool,
+    course: Described,
     model: ModelReport,
     /// Warnings about accuracies that no step size can reach.
     warnings: Vec<String>,
+}
+
+/// What a log says of a run before its first step. It is put into words for logs alone.
+#[derive(Clone, Debug)]
+struct Described {
+    settled: Settled,
+    method: MethodDescription,
+    /// Whether the run itself estimates its error (without trial runs).
+    told: bool,
 }
 
 /// The report and the outcome of a finished run.
@@ -60,10 +67,13 @@ pub struct Closed {
 /// The entries of a run's log besides its samples.
 #[derive(Clone, Debug)]
 pub struct Told {
-    described: BTreeMap<String, String>,
+    course: Described,
+    origin: Origin,
     before: Vec<String>,
     after: Vec<String>,
-    figures: BTreeMap<String, String>,
+    summary: Summary,
+    /// The estimated error of positions (m), if it is known.
+    estimated_error: Option<f64>,
     /// The kind and the message of the failure that ended the run early, if any.
     failure: Option<(Outcome, String)>,
 }
@@ -97,8 +107,19 @@ impl Account {
         let tolerance = self.settled.choice.tolerance().unwrap_or(DEFAULT_TOLERANCE);
         let warnings = self.far.iter().filter_map(|far| far.warning(tolerance)).collect();
         let model = ModelReport::new(model, &redundancy, simulation.parts());
-        let told = simulation.tells_at_once();
-        Begun { account: self, method: simulation.description(), told, model, warnings }
+        let (method, told) = (simulation.description(), simulation.tells_at_once());
+        Begun { course: Described { settled: self.settled, method, told }, account: self, model, warnings }
+    }
+}
+
+impl Described {
+    fn in_words(&self, model: &Model, origin: &Origin) -> BTreeMap<String, String> {
+        let Settled { duration, rate, choice } = self.settled;
+        let mut described = description(model, duration, rate, choice, self.method.clone(), origin);
+        if self.told {
+            described.insert(TOLD.to_string(), "by the run".to_string());
+        }
+        described
     }
 }
 
@@ -115,26 +136,16 @@ impl Begun {
         options: &LogOptions,
         interrupted: &Arc<AtomicBool>,
     ) -> Result<Recorder, Error> {
-        let create = if self.told { Recorder::create_for_restarts } else { Recorder::create };
-        let mut recorder = create(path, model, self.described(model, origin), options)?;
+        let create = if self.course.told { Recorder::create_for_restarts } else { Recorder::create };
+        let mut recorder = create(path, model, self.course.in_words(model, origin), options)?;
         recorder.heed(interrupted);
         self.warnings.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
         Ok(recorder)
     }
 
-    fn described(&self, model: &Model, origin: &Origin) -> BTreeMap<String, String> {
-        let Settled { duration, rate, choice } = self.account.settled;
-        let mut described = description(model, duration, rate, choice, self.method.clone(), origin);
-        if self.told {
-            described.insert(TOLD.to_string(), "by the run".to_string());
-        }
-        described
-    }
-
     /// Completes the log, however the run ended, and returns the outcome, the report and the warnings. `input` is the user's name of the model.
     pub fn close(self, model: &Model, input: String, origin: &Origin, run: Ended) -> Closed {
-        let described = self.described(model, origin);
-        let Begun { account, model: model_report, warnings: unreached, .. } = self;
+        let Begun { account, course, model: model_report, warnings: unreached } = self;
         let Ended { finished, ended, checked, speeds, recorder, output } = run;
         let Settled { duration, choice, .. } = account.settled;
         let mechanism = &model.mechanism;
@@ -170,14 +181,13 @@ impl Begun {
             .collect();
         let estimated_error =
             accuracy.as_ref().map(|accuracy| accuracy.estimated).or(step_error.map(|error| error.estimated));
-        let figures = figures(&summary, estimated_error);
         let failure = ended.as_ref().err().map(|error| (outcome(error), error.to_string()));
-        let told =
-            Told { described, before: unreached.clone(), after: of_method.clone(), figures: figures.clone(), failure };
+        let (origin, before, after) = (origin.clone(), unreached.clone(), of_method.clone());
+        let told = Told { course, origin, before, after, summary, estimated_error, failure };
         let (ended, log) = match (recorder, output) {
             (Some(mut recorder), Some(output)) => {
                 of_method.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
-                complete(recorder, ended, figures, output)
+                complete(recorder, ended, figures(&summary, estimated_error), output)
             }
             _ => (ended, None),
         };
@@ -221,7 +231,7 @@ impl Begun {
 impl Told {
     /// Who controlled the run, if its files alone do not say.
     pub fn driven(&self) -> Option<&str> {
-        self.described.get(DRIVEN).map(String::as_str)
+        self.origin.driven.as_deref()
     }
 
     /// Writes the log of a recorded run: the same bytes as a log written during the run.
@@ -229,7 +239,7 @@ impl Told {
     /// # Errors
     /// [`Error::Log`] if it cannot be written.
     pub fn write(&self, path: &Path, model: &Model, recording: &Recording, options: &LogOptions) -> Result<(), Error> {
-        let mut recorder = Recorder::create(path, model, self.described.clone(), options)?;
+        let mut recorder = Recorder::create(path, model, self.course.in_words(model, &self.origin), options)?;
         self.before.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
         let shown = recording.show_to(&mut recorder);
         self.after.iter().for_each(|warning| recorder.say(Severity::Warning, warning));
@@ -243,7 +253,8 @@ impl Told {
             Some((_, why)) => recorder.say(Severity::Error, why),
             None => recorder.say(Severity::Info, AT_END),
         }
-        let written = recorder.finish(Ending { outcome, figures: self.figures.clone() }).map_err(Error::from);
+        let figures = figures(&self.summary, self.estimated_error);
+        let written = recorder.finish(Ending { outcome, figures }).map_err(Error::from);
         ended.and(written)
     }
 }

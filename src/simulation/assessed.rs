@@ -15,9 +15,10 @@
 //! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds.
 
 use crate::lobatto::numbers::lanes::Isa;
+use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
-use crate::mechanism::motion::distance::{distance, probes, size};
+use crate::mechanism::motion::distance::{distance, probes, probes_of_bodies, size};
 use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
@@ -85,6 +86,8 @@ pub struct Assessed<'a> {
     /// Number of steps at the last estimate, and the time of the next one (s).
     looked: usize,
     due: f64,
+    /// The largest error of ends of steps so far (m).
+    largest: f64,
     /// The last estimate.
     so_far: Option<AccuracySoFar>,
     parted: bool,
@@ -121,6 +124,7 @@ impl<'a> Assessed<'a> {
             steps: 0,
             looked: 0,
             due: 0.0,
+            largest: 0.0,
             so_far: None,
             parted: false,
             events: Vec::new(),
@@ -147,7 +151,7 @@ impl<'a> Assessed<'a> {
         self.run = self.terms.run(mechanism, self.stop, self.stages)?;
         self.forecast = Forecast::new(wanted(mechanism, &self.terms, self.stop));
         (self.steps, self.looked, self.parted) = (0, 0, false);
-        self.so_far = None;
+        (self.largest, self.so_far) = (0.0, None);
         self.events.clear();
         self.differ = None;
         self.accompany(mechanism);
@@ -184,31 +188,30 @@ impl<'a> Assessed<'a> {
         self.so_far
     }
 
-    fn worst(&self) -> f64 {
-        self.so_far.map_or(0.0, |so_far| so_far.estimate)
-    }
-
     /// The present error (m), or `None` if the run was interrupted before it was known; infinite if it cannot be estimated any more.
     fn error(&mut self, mechanism: &Mechanism, state: &State) -> Option<f64> {
-        let mut there = state.clone();
-        if matches!(self.by, By::Carried) && !self.run.place_companion(&mut there) {
+        let carried = match self.by {
+            By::Carried => self.run.companion_probes(mechanism, state),
+            _ => None,
+        };
+        if matches!(self.by, By::Carried) && carried.is_none() {
             self.by = self.origin.as_ref().map_or(By::Nothing, |origin| self.beside(mechanism, origin));
         }
-        let share = match &mut self.by {
+        let (there, share) = match &mut self.by {
             By::Nothing => return Some(f64::INFINITY),
-            By::Carried if self.stop < ROUNDED => OWN_ROUNDINGS,
-            By::Carried => 1.0,
+            By::Carried => (carried.unwrap_or_default(), if self.stop < ROUNDED { OWN_ROUNDINGS } else { 1.0 }),
             By::Beside(beside) => {
                 match beside.advance(mechanism, &self.terms, state.time) {
                     Ok(()) => {}
                     Err(Behind::Failed) => return Some(f64::INFINITY),
                     Err(Behind::Interrupted) => return None,
                 }
-                there.copy_from(&beside.state);
-                if RATIO * self.stop < ROUNDED { OWN_ROUNDINGS } else { LUCK / RATIO }
+                let share = if RATIO * self.stop < ROUNDED { OWN_ROUNDINGS } else { LUCK / RATIO };
+                (probes(mechanism, &beside.state), share)
             }
         };
-        let apart = distance(&probes(mechanism, &there), &probes(mechanism, state));
+        let placed = self.run.bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
+        let apart = distance(&there, &placed.unwrap_or_else(|| probes(mechanism, state)));
         // NaN counts as parted.
         Some(if apart <= PARTED * self.size { apart * share } else { f64::INFINITY })
     }
@@ -219,16 +222,20 @@ impl<'a> Assessed<'a> {
             return;
         }
         let Some(error) = self.error(mechanism, state) else { return };
-        let error = error.max(self.worst());
+        let error = error.max(self.largest);
+        // Samples inside steps that are too long for a damper may be off where the ends are right.
+        let ringing = self.run.ringing_inside();
+        let estimate = error.max(ringing);
         let Terms { start, end, tolerance: wanted, .. } = self.terms;
         let held = self.so_far.map_or(start, |so_far| so_far.holds_until);
-        let holds_until = if error <= wanted { state.time } else { held };
-        self.so_far = Some(AccuracySoFar { time: state.time, wanted, estimate: error, holds_until });
+        let holds_until = if estimate <= wanted { state.time } else { held };
+        self.so_far = Some(AccuracySoFar { time: state.time, wanted, estimate, holds_until });
+        self.largest = error;
         let later = (state.time - start) * LATER;
         (self.looked, self.due) = (self.steps, (state.time + (end - start) / self.looks()).min(start + later));
         if self.may_begin_again
             && self.stop > FINEST
-            && let Some(predicted) = self.forecast.too_coarse(state.time, self.steps, error)
+            && let Some(predicted) = self.forecast.too_coarse(state.time, self.steps, error, ringing)
         {
             let stop = self.forecast.finer(predicted, self.begun > 1);
             self.next = Some((stop, StageChoice::of(mechanism, OPTIMISTIC * stop)));
@@ -269,7 +276,11 @@ impl<'a> Assessed<'a> {
             stop: self.stop,
             stages: self.stages,
             // Runs that have parted may end at any distance up to the size of the mechanism. No position is more accurate than its rounding.
-            estimate: if self.parted { self.size } else { self.worst().max(f64::EPSILON * self.size) },
+            estimate: if self.parted {
+                self.size
+            } else {
+                self.so_far.map_or(0.0, |so_far| so_far.estimate).max(f64::EPSILON * self.size)
+            },
             between_steps: self.run.between(),
             holds_until: differ.map_or(holds_until, |differ| holds_until.min(differ)),
             told_until: if self.parted { state.time } else { time },
@@ -328,6 +339,10 @@ impl Integrator for Assessed<'_> {
 
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         self.run.dense(mechanism, time, position, velocity);
+    }
+
+    fn bodies(&self) -> Option<&[BodyState]> {
+        self.run.bodies()
     }
 
     fn description(&self) -> MethodDescription {

@@ -104,6 +104,7 @@ pub(crate) struct Course {
 impl Course {
     /// A run of `duration` from `state` with `rate` samples a second.
     pub(crate) fn new(mechanism: &Mechanism, state: &State, duration: f64, rate: Option<f64>) -> Self {
+        let bodies = body_states(mechanism, state);
         Course {
             start: state.time,
             end: state.time + duration,
@@ -111,10 +112,10 @@ impl Course {
             sampled: 0,
             position: state.position.clone(),
             velocity: state.velocity.clone(),
-            bodies: body_states(mechanism, state),
+            bookkeeper: Bookkeeper::new(mechanism, state, &bodies),
+            bodies,
             figures: true,
             solving: Duration::ZERO,
-            bookkeeper: Bookkeeper::new(mechanism, state),
             happened: Vec::new(),
             events: Vec::new(),
             told: None,
@@ -239,8 +240,11 @@ impl Course {
         integrator: &I,
         outcome: StepOutcome,
     ) {
-        place_bodies(mechanism, state, &mut self.bodies);
-        self.bookkeeper.record(mechanism, state, &self.bodies, outcome);
+        let bodies = integrator.bodies().unwrap_or_else(|| {
+            place_bodies(mechanism, state, &mut self.bodies);
+            &self.bodies
+        });
+        self.bookkeeper.record(mechanism, state, bodies, outcome);
         if self.sampled_state.is_some() {
             self.contacts.clear();
             integrator.contacts(mechanism, state, &mut self.contacts);

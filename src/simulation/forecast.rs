@@ -5,12 +5,13 @@
 //! end,
 //!
 //! ```text
-//!     g = (log₁₀(e/ε) + M g₀) / (n + M)        growth a step, drawn to what is usual, g₀ = 0.04, as if M = 100 steps had been seen before
+//!     g = (log₁₀(e/ε) + M g₀) / (n + M)        growth a step, drawn to what is usual, g₀ = 0.04, as if M = 15 steps had been seen before
 //!     ê = e max(10^{g (N − n)}, T/t)           the error at the end                                                    (m)
-//!     ε ← min(ε/10, ε E/(30 ê))                where e > E/2, or where ê > 300 E at T/16, T/8, T/4 or T/2
+//!     ε ← min(ε/10, ε E/(300 ê))               where e > E/2, or where ê > 3 E at T/16, T/8, T/4, 3T/8, T/2 or 5T/8
 //! ```
 //!
-//! with the wanted accuracy `E`. Below a stop of 1e-13 there are only rounding errors; so the second restart uses the finest stop.
+//! with the wanted accuracy `E`. The constants are those with which 700 random motions took the least time and the fewest of them several times that of
+//! the run that was accepted (`doc/findings/2026-11-25-small-costs-and-restarts.md`). Below a stop of 1e-13 there are only rounding errors; so the second restart uses the finest stop.
 
 /// The finest stop, at rounding.
 pub(crate) const FINEST: f64 = 1e-16;
@@ -19,17 +20,17 @@ pub(crate) const ROUNDED: f64 = 1e-13;
 /// The prior: a growth of errors per step in powers of ten,
 const USUAL: f64 = 0.04;
 /// with the weight of this many observed steps.
-const SEEN: f64 = 100.0;
+const SEEN: f64 = 15.0;
 /// A run is too coarse if its forecast error exceeds the tolerance by this factor.
-const TOO_COARSE: f64 = 300.0;
+const TOO_COARSE: f64 = 3.0;
 /// A restarted run aims at the wanted accuracy over this.
-const AIM: f64 = 30.0;
+const AIM: f64 = 300.0;
 /// A run that has parted from its companion restarts with a stop smaller by this factor.
 const PARTED: f64 = 1e-4;
 /// Runs of fewer steps are not forecast, because restarting them would save little.
-const FEWEST: f64 = 80.0;
+const FEWEST: f64 = 30.0;
 /// Times of the forecasts, over the duration.
-const INSTANTS: [f64; 4] = [1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0];
+const INSTANTS: [f64; 6] = [1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 3.0 / 8.0, 1.0 / 2.0, 5.0 / 8.0];
 
 /// The data and the target of a forecast.
 #[derive(Clone, Copy, Debug)]
@@ -59,8 +60,9 @@ impl Forecast {
         Forecast { wanted, looked: 0 }
     }
 
-    /// The forecast error at the end (m) if the run must restart, from its error at a time (s) after this many steps.
-    pub fn too_coarse(&mut self, time: f64, steps: usize, error: f64) -> Option<f64> {
+    /// The forecast error at the end (m) if the run must restart, from its error at a time (s) after this many steps, and from an error that does not
+    /// grow (m).
+    pub fn too_coarse(&mut self, time: f64, steps: usize, error: f64, constant: f64) -> Option<f64> {
         let Wanted { accuracy, stop, start, end, grows } = self.wanted;
         let (passed, whole, steps) = (time - start, end - start, steps as f64);
         let all = steps * whole / passed;
@@ -71,7 +73,10 @@ impl Forecast {
         let is_due = due > std::mem::replace(&mut self.looked, due);
         let is_over = error.is_nan() || error > 0.5 * accuracy;
         let will_be = is_due && grows && all >= FEWEST && predicted > TOO_COARSE * accuracy;
-        (is_over || will_be).then_some(predicted)
+        if is_over || will_be {
+            return Some(predicted);
+        }
+        (constant > 0.5 * accuracy).then_some(constant)
     }
 
     /// The stop of the restarted run, from the forecast error at the end (m); `again` for a second restart.
@@ -92,7 +97,7 @@ mod tests {
 
     #[test]
     fn an_error_above_half_of_what_is_wanted_begins_the_run_again_and_a_smaller_one_does_not() {
-        let look = |error| Forecast::new(WANTED).too_coarse(2.1, 5, error).is_some();
+        let look = |error| Forecast::new(WANTED).too_coarse(2.1, 5, error, 0.0).is_some();
         assert!([4.9e-7, 5.1e-7, f64::INFINITY, f64::NAN].map(look) == [false, true, true, true]);
     }
 
@@ -100,23 +105,30 @@ mod tests {
     fn errors_that_grow_by_a_tenth_each_step_are_forecast_at_a_sixteenth_of_the_run() {
         // 50 steps of 400, with an error of 10^0.1 a step: at 1/16 it is 1e-8 · 10^2.5, at the end it would be 1e-8 · 10^40.
         let mut forecast = Forecast::new(WANTED);
-        assert_eq!(forecast.too_coarse(2.6, 24, 1e-8), None, "before the first instant");
-        let predicted = forecast.too_coarse(2.0 + 10.0 / 16.0, 25, 3.2e-8).expect("too coarse");
-        // g = (0.5 + 4)/125, 375 steps left.
-        let expected = 3.2e-8 * 10_f64.powf(375.0 * (3.2_f64.log10() + 4.0) / 125.0);
+        assert_eq!(forecast.too_coarse(2.6, 24, 1e-8, 0.0), None, "before the first instant");
+        let predicted = forecast.too_coarse(2.0 + 10.0 / 16.0, 25, 3.2e-8, 0.0).expect("too coarse");
+        // g = (0.5 + 0.6)/40, 375 steps left.
+        let expected = 3.2e-8 * 10_f64.powf(375.0 * (3.2_f64.log10() + 0.6) / 40.0);
         assert!((predicted / expected - 1.0).abs() < 1e-9, "{predicted:e}, not {expected:e}");
-        assert_eq!(forecast.too_coarse(2.7, 28, 3.2e-8), None, "once at each instant");
+        assert_eq!(forecast.too_coarse(2.7, 28, 3.2e-8, 0.0), None, "once at each instant");
         assert_eq!(forecast.finer(predicted, false), FINEST, "of {predicted:e} m");
         let finer = forecast.finer(1e-3, false);
-        assert!((finer / (1e-8 * 1e-6 / (30.0 * 1e-3)) - 1.0).abs() < 1e-12, "{finer:e}");
+        assert!((finer / (1e-8 * 1e-6 / (300.0 * 1e-3)) - 1.0).abs() < 1e-12, "{finer:e}");
+    }
+
+    #[test]
+    fn an_error_that_does_not_grow_begins_the_run_again_with_a_stop_for_itself() {
+        let mut forecast = Forecast::new(WANTED);
+        assert_eq!(forecast.too_coarse(2.1, 5, 1e-9, 4.9e-7), None);
+        assert_eq!(forecast.too_coarse(2.2, 10, 1e-9, 8e-6), Some(8e-6));
     }
 
     #[test]
     fn a_run_of_few_steps_or_of_one_freedom_is_not_forecast() {
         let at = 2.0 + 10.0 / 16.0;
-        assert_eq!(Forecast::new(WANTED).too_coarse(at, 4, 3e-7), None, "64 steps in all");
+        assert_eq!(Forecast::new(WANTED).too_coarse(at, 1, 3e-7, 0.0), None, "16 steps in all");
         let calm = Wanted { grows: false, ..WANTED };
-        assert_eq!(Forecast::new(calm).too_coarse(at, 25, 3e-7), None, "one freedom");
+        assert_eq!(Forecast::new(calm).too_coarse(at, 25, 3e-7, 0.0), None, "one freedom");
     }
 
     #[test]
@@ -124,7 +136,7 @@ mod tests {
         let forecast = Forecast::new(Wanted { stop: 1e-11, ..WANTED });
         assert_eq!(forecast.finer(1e-4, true), FINEST);
         let once = forecast.finer(1e-4, false);
-        assert!((once / (1e-13 / 30.0) - 1.0).abs() < 1e-12, "{once:e}");
+        assert!((once / (1e-13 / 300.0) - 1.0).abs() < 1e-12, "{once:e}");
         assert_eq!(forecast.finer(f64::INFINITY, false), 1e-4 * 1e-11);
         // A restarted run is always finer, however small the error.
         assert!((forecast.finer(1e-12, false) / 1e-12 - 1.0).abs() < 1e-12);

@@ -1,5 +1,6 @@
 //! The integrator of a run or of an island: with an estimate of its error, or without.
 
+use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::event::{Event, JointStatus};
@@ -99,6 +100,10 @@ impl Integrator for Making<'_> {
 
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         self.inner_mut().dense(mechanism, time, position, velocity);
+    }
+
+    fn bodies(&self) -> Option<&[BodyState]> {
+        self.inner().bodies()
     }
 
     fn description(&self) -> MethodDescription {

@@ -2,9 +2,11 @@
 
 use crate::events::Eventful;
 use crate::lobatto::coupled::counted::Counted;
+use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::distance::{probes, probes_of_bodies};
 use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
@@ -12,6 +14,7 @@ use crate::mechanism::motion::state::State;
 use crate::stepping::integrator::{Lobatto, MethodError};
 use crate::stepping::other_tree::OnOtherTree;
 use crate::stepping::recipe::{Recipe, Steps};
+use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// The integrator of a run, or of an island.
@@ -74,6 +77,16 @@ impl RunIntegrator {
         }
     }
 
+    /// The largest error of samples inside steps that were too long for a damper (m), of which those of their ends know nothing.
+    pub(crate) fn ringing_inside(&self) -> f64 {
+        match self {
+            RunIntegrator::Smooth(lobatto) => lobatto.ringing_inside(),
+            RunIntegrator::Eventful(eventful) => eventful.ringing_inside(),
+            // With closed loops a run beside this one has steps of its own.
+            RunIntegrator::OnOtherTree(_) => 0.0,
+        }
+    }
+
     /// Carries a companion from the first step on, where that tells the errors of the steps: until the first event, if there are any; returns whether it
     /// does.
     pub(crate) fn accompany(&mut self, mechanism: &Mechanism) -> bool {
@@ -96,14 +109,19 @@ impl RunIntegrator {
         }
     }
 
-    /// Writes where it is after the last step; `false` if there is none, or none any more.
-    pub(crate) fn place_companion(&self, state: &mut State) -> bool {
+    /// Its probes after the last step, which has left the run in `state`; `None` if there is none, or none any more.
+    pub(crate) fn companion_probes(&self, mechanism: &Mechanism, state: &State) -> Option<Vec<Vector3<f64>>> {
         match self {
             RunIntegrator::Smooth(lobatto) => {
-                lobatto.companion().inspect(|companion| state.copy_from(companion.state())).is_some()
+                let companion = lobatto.companion()?;
+                let placed = lobatto.companion_bodies().map(|bodies| probes_of_bodies(mechanism, bodies));
+                Some(placed.unwrap_or_else(|| probes(mechanism, companion.state())))
             }
-            RunIntegrator::Eventful(eventful) => eventful.place_companion(state),
-            RunIntegrator::OnOtherTree(_) => false,
+            RunIntegrator::Eventful(eventful) => {
+                let mut there = state.clone();
+                eventful.place_companion(&mut there).then(|| probes(mechanism, &there))
+            }
+            RunIntegrator::OnOtherTree(_) => None,
         }
     }
 
@@ -137,6 +155,13 @@ impl Integrator for RunIntegrator {
 
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         self.inner_mut().dense(mechanism, time, position, velocity);
+    }
+
+    fn bodies(&self) -> Option<&[BodyState]> {
+        match self {
+            RunIntegrator::Smooth(lobatto) => lobatto.bodies(),
+            RunIntegrator::OnOtherTree(_) | RunIntegrator::Eventful(_) => None,
+        }
     }
 
     fn description(&self) -> MethodDescription {

@@ -9,7 +9,6 @@ use crate::mechanism::motion::energy::{Energy, Violation, energy_with_forces, vi
 use crate::mechanism::motion::event::EventCounts;
 use crate::mechanism::motion::gaps::worse;
 use crate::mechanism::motion::integrator::StepOutcome;
-use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::simulation::{Counts, StepEnd};
 use crate::stepping::unseen::Pushes;
@@ -83,10 +82,9 @@ pub(crate) struct Bookkeeper {
 }
 
 impl Bookkeeper {
-    pub fn new(mechanism: &Mechanism, state: &State) -> Self {
-        let bodies = body_states(mechanism, state);
-        let initial = energy_with_forces(mechanism, &state.position, &bodies);
-        let violation = violation(mechanism, state, &bodies);
+    pub fn new(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> Self {
+        let initial = energy_with_forces(mechanism, &state.position, bodies);
+        let violation = violation(mechanism, state, bodies);
         Bookkeeper {
             summary: Summary {
                 initial_energy: initial,

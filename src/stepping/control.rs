@@ -182,7 +182,7 @@ impl Control {
         }
     }
 
-    /// The error of samples inside the steps that were kept (m), as far as a radian is one.
+    /// The error of samples inside the steps that were kept (m).
     pub(crate) fn between(&self) -> Option<f64> {
         self.between
     }

@@ -6,14 +6,16 @@
 //! error then. In steps with such a damper a freedom is interpolated through the stages alone where `S + B` is more than half of its own top
 //! Legendre coefficient `E_i`.
 //!
-//! The error of samples inside a step of `s` stages, from the largest top Legendre coefficient `E` of the step and the largest `S + B`:
+//! The error of samples inside a step of `s` stages, from the largest top Legendre coefficient `E` of the step, and from `S + B`, `E_i` and the
+//! [lever](crate::levers) `l` of each freedom:
 //!
 //! ```text
-//!     w = c_s √(S + B) E^{3/4},    or half of the largest E_i of those that are interpolated through the stages alone
+//!     w = max l c_s √(S + B) E^{3/4},    or max ½ l E_i of those that are interpolated through the stages alone
 //! ```
 //!
 //! with the constants measured in `doc/findings/2026-11-24-between-steps-of-five-stages.md`.
 
+use crate::levers::levers;
 use crate::sampling::{Interpolation, LastStep};
 use catena_lobatto::tableau::butcher::Tableau;
 use catena_lobatto::tableau::dense::DenseRule;
@@ -39,6 +41,10 @@ pub(crate) struct Inside {
     alone: Vec<bool>,
     /// and whether any is.
     any_alone: bool,
+    /// What a displacement of each freedom moves the bodies by (1, m).
+    levers: Vec<f64>,
+    /// The largest error of samples of freedoms that were interpolated through the stages alone, so far (m).
+    ringing: f64,
     /// Room for sums over the stages, with the weights of two polynomials.
     sums: Vec<[f64; 2]>,
     other_sums: Vec<[f64; 2]>,
@@ -50,8 +56,9 @@ pub(crate) fn has_dampers(forces: &Forces) -> bool {
 }
 
 impl Inside {
-    /// For steps of a scheme and a number of degrees of freedom.
-    pub fn new(tableau: &'static Tableau, freedoms: usize) -> Self {
+    /// For steps of a scheme and a mechanism.
+    pub fn new(tableau: &'static Tableau, mechanism: &Mechanism) -> Self {
+        let freedoms = mechanism.velocity_count;
         let factor = match tableau.stages {
             5 => Some(FIVE),
             9 => Some(NINE),
@@ -63,15 +70,17 @@ impl Inside {
             factor,
             alone: vec![false; freedoms],
             any_alone: false,
+            levers: levers(mechanism),
+            ringing: 0.0,
             sums: vec![[0.0; 2]; freedoms],
             other_sums: vec![[0.0; 2]; freedoms],
         }
     }
 
     /// Looks at the last step, of which the largest top Legendre coefficient is `legendre` (rad, m): chooses the polynomials, with a damper that is
-    /// too hard for the step or without, and returns the error of samples (m, as far as a radian is one), where it is known.
+    /// too hard for the step or without, and returns the error of samples (m), where it is known.
     pub fn look(&mut self, mechanism: &Mechanism, last: &LastStep, too_hard: bool, legendre: f64) -> Option<f64> {
-        let Inside { rule, top, factor, alone, any_alone, sums, other_sums } = self;
+        let Inside { rule, top, factor, alone, any_alone, levers, ringing, sums, other_sums } = self;
         *any_alone = false;
         if too_hard {
             last.kernel.weigh_displacements([top, top], other_sums);
@@ -79,17 +88,24 @@ impl Inside {
         last.kernel.weigh_displacements(rule.end_slopes(last.inner), sums);
         let (mut largest, mut largest_alone) = (0.0_f64, 0.0_f64);
         last.for_each_freedom(mechanism, |freedom, start, end| {
+            let lever = levers[freedom];
             let added: f64 = rule.additions(sums[freedom], start, end).iter().sum();
             let own = if too_hard { other_sums[freedom][0].abs() } else { f64::INFINITY };
             alone[freedom] = added > ADDED * own;
             if alone[freedom] {
                 *any_alone = true;
-                largest_alone = largest_alone.max(own);
+                largest_alone = largest_alone.max(ALONE * lever * own);
             } else {
-                largest = largest.max(added);
+                largest = largest.max(lever * lever * added);
             }
         });
-        factor.map(|factor| (factor * (largest * legendre * legendre.sqrt()).sqrt()).max(ALONE * largest_alone))
+        *ringing = ringing.max(largest_alone);
+        factor.map(|factor| (factor * (largest * legendre * legendre.sqrt()).sqrt()).max(largest_alone))
+    }
+
+    /// The largest error of samples in steps that are too long for a damper, so far (m).
+    pub fn ringing(&self) -> f64 {
+        self.ringing
     }
 
     /// Writes positions and velocities at the point `x` of the last step, from 0 to 1. Does not allocate.

@@ -16,6 +16,7 @@ use catena_lobatto::stages::attempt::StopRule;
 use catena_lobatto::step::interface::Step;
 use catena_lobatto::step::make::MOST_PRECISE_STAGES;
 use catena_lobatto::tableau::butcher::{Tableau, TableauError};
+use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 use catena_mechanism::motion::inputs::Inputs;
@@ -186,6 +187,11 @@ impl Lobatto {
         self.stepper.companion.as_deref()
     }
 
+    /// Its bodies after the last step, if there is one and it places them.
+    pub fn companion_bodies(&self) -> Option<&[BodyState]> {
+        self.companion().filter(|companion| companion.has_begun()).and_then(|_| self.stepper.kernel.carried_bodies())
+    }
+
     /// Whether a step that was to be chosen for its accuracy was shortened for the stability of the scheme.
     pub fn was_held_by_stability(&self) -> bool {
         matches!(&self.mode, Mode::Chosen(control) if control.was_held())
@@ -197,6 +203,11 @@ impl Lobatto {
             Mode::Chosen(control) => control.between(),
             Mode::Fixed(_) | Mode::Reversible(_) => None,
         }
+    }
+
+    /// The largest error of samples inside steps that were too long for a damper (m), of which those of their ends know nothing.
+    pub fn ringing_inside(&self) -> f64 {
+        self.stepper.ringing_inside()
     }
 
     fn with_tableau(mechanism: &Mechanism, tableau: &'static Tableau, mode: Mode, isa: Isa) -> Self {
@@ -384,6 +395,10 @@ impl Integrator for Lobatto {
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
         self.stepper.sample(mechanism, time, position, velocity);
         self.stepper.kernel.close(mechanism, position, velocity);
+    }
+
+    fn bodies(&self) -> Option<&[BodyState]> {
+        self.stepper.kernel.bodies()
     }
 
     fn description(&self) -> MethodDescription {

@@ -5,7 +5,7 @@
 //! | the integrator | [`integrator`], [`stepper`] |
 //! | the length of a step | [`fixed`], [`control`] and [`acceptance`], [`reversible`]; how many stages: [`stage_choice`] |
 //! | monitoring every few steps | [`watch`], [`modes`], [`fastest_mode`], [`dynamics`], [`jerks`], [`linearised`] |
-//! | instants inside a step | [`sampling`], `inside` (which polynomial, and its error), `stage_motion` |
+//! | instants inside a step | [`sampling`], `inside` (which polynomial, and its error), `levers`, `stage_motion` |
 //! | on another spanning tree than the file's | [`other_tree`], `driven_elsewhere`, `turns` |
 //! | efforts of a controller that follow the state | `feedback` |
 
@@ -29,6 +29,7 @@ mod inside;
 pub mod integrator;
 #[doc(hidden)]
 pub mod jerks;
+mod levers;
 #[doc(hidden)]
 pub mod linearised;
 #[doc(hidden)]

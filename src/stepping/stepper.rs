@@ -145,7 +145,7 @@ impl Stepper {
             origin: State::zero(mechanism),
             end: State::zero(mechanism),
             length: 0.0,
-            inside: Inside::new(tableau, mechanism.velocity_count),
+            inside: Inside::new(tableau, mechanism),
             damped: has_dampers(&mechanism.forces),
             ranks: Ranks::default(),
             steps: 0,
@@ -362,12 +362,17 @@ impl Stepper {
         Ok(())
     }
 
-    /// Looks at the inside of the last step, of which the largest top Legendre coefficient is `legendre` (rad, m); returns the error of samples (m,
-    /// as far as a radian is one), where it is known.
+    /// Looks at the inside of the last step, of which the largest top Legendre coefficient is `legendre` (rad, m); returns the error of samples (m),
+    /// where it is known.
     pub fn look_inside(&mut self, mechanism: &Mechanism, legendre: f64) -> Option<f64> {
         let Stepper { kernel, tableau, origin, end, inside, watch, length, .. } = self;
         let last = LastStep { kernel: kernel.as_ref(), inner: tableau.stages - 1, origin, end, length: *length };
         inside.look(mechanism, &last, self.damped && watch.is_too_hard(*length), legendre)
+    }
+
+    /// The largest error of samples in steps that were too long for a damper (m).
+    pub fn ringing_inside(&self) -> f64 {
+        self.inside.ringing()
     }
 
     /// Whether dampers act, so that every step is looked at.

@@ -164,17 +164,22 @@ fn largest_distance(mechanism: &Mechanism, start: &State, one: &[(f64, Vec<f64>)
 #[test]
 fn samples_inside_steps_of_a_damper_that_is_too_hard_for_them_are_as_accurate_as_the_run_says() {
     let (mechanism, start) = scene("flyball_governor");
-    for tolerance in [1e-6, 1e-8] {
+    for tolerance in [1e-6, 1e-7, 1e-8, 1e-9] {
         let (samples, told) = sampled(&mechanism, &start, 1.0, tolerance);
         let (truth, _) = sampled(&mechanism, &start, 1.0, 1e-3 * tolerance);
         let error = largest_distance(&mechanism, &start, &samples, &truth);
         let between = told.between_steps.expect("an estimate");
         println!("{tolerance:e}: {error:.2e} m, ends {:.2e} m, between {between:.2e} m", told.estimate);
-        // With the velocities at the ends it was 2e-6 m and 4.9e-7 m.
-        assert!(error <= 2.5e-7, "{error:e} m");
-        // Half of the top coefficient was measured for steps of one to some of the damper's time constants.
-        assert!(error <= 3.0 * between + 30.0 * told.estimate, "{error:e} m, {told:?}");
-        assert!(between <= 30.0 * error, "{between:e} m for {error:e} m");
+        // With the velocities at the ends it was 2e-6 m at 1e-6 m, and 5.2e-8 m at 1e-8 m before such samples made the run restart with finer steps.
+        // Largest since: 0.17 of what is wanted.
+        assert!(error <= 0.2 * tolerance && told.holds_until >= 1.0, "{error:e} m, {told:?}");
+        assert_eq!(told.begun > 1, tolerance < 1e-6, "{told:?}");
+        if told.begun == 1 {
+            // Half of the top coefficient was measured for steps of one to some of the damper's time constants. The shorter first steps of a run that
+            // has restarted are up to ten times further off than that (1e-9 m at 1e-8 m).
+            assert!(error <= 3.0 * between + 30.0 * told.estimate, "{error:e} m, {told:?}");
+            assert!(between <= 30.0 * error, "{between:e} m for {error:e} m");
+        }
     }
 }
 

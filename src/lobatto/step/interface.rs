@@ -4,6 +4,7 @@
 use crate::coupled::counted::Counted;
 use crate::coupled::known::Known;
 use crate::stages::attempt::{Attempt, Carrying, Guess, StopRule};
+use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::energy::Energy;
@@ -31,6 +32,14 @@ pub trait Step: Send {
     fn stage_displacements(&self, _freedom: usize, _displacements: &mut [f64]) {}
     /// Energy at the start of the step.
     fn energy(&self) -> Energy;
+    /// Poses and velocities of all bodies at the start of the step; `None` where steps do not place them in space.
+    fn bodies(&self) -> Option<&[BodyState]> {
+        None
+    }
+    /// The same of the carried motion.
+    fn carried_bodies(&self) -> Option<&[BodyState]> {
+        None
+    }
     /// Whether there is a step before this one to guess from: without, every guess is a plain one.
     fn has_past(&self) -> bool;
     /// Solves the stage equations of a step of length `step` from the start and a guess.

@@ -17,6 +17,7 @@ use crate::stages::attempt::{Attempt, Carrying, Guess, StopRule};
 use crate::step::interface::Step;
 use crate::step::kernel::{Kernel, land};
 use crate::step::workspace::Workspace;
+use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::Exchange;
 use catena_mechanism::motion::energy::Energy;
@@ -92,6 +93,14 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
 
     fn energy(&self) -> Energy {
         W::energy(self.workspace.start())
+    }
+
+    fn bodies(&self) -> Option<&[BodyState]> {
+        W::bodies(self.workspace.start())
+    }
+
+    fn carried_bodies(&self) -> Option<&[BodyState]> {
+        self.carried.as_ref().and_then(|carried| W::bodies(&carried.start))
     }
 
     fn has_past(&self) -> bool {

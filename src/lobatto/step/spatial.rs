@@ -29,6 +29,7 @@ use crate::stages::unknowns::Unknowns;
 use crate::stages::workspace::{Stages, furthest_turn};
 use crate::step::workspace::Workspace;
 use crate::tableau::butcher::Tableau;
+use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 use catena_mechanism::motion::energy::Energy;
@@ -69,6 +70,10 @@ impl<V: Lanes> Workspace<V> for SpatialWorkspace<V> {
 
     fn energy(start: &Start) -> Energy {
         start.energy
+    }
+
+    fn bodies(start: &Start) -> Option<&[BodyState]> {
+        Some(start.body_states())
     }
 
     fn full_plan(&self, mechanism: &Mechanism) -> Plan {

@@ -21,6 +21,7 @@ use crate::stages::forces::Applied;
 use crate::stages::pose::Turn;
 use crate::stages::unknowns::Unknowns;
 use crate::tableau::butcher::Tableau;
+use catena_mechanism::description::body_state::BodyState;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
@@ -38,6 +39,10 @@ pub(crate) trait Workspace<V: Lanes>: Send + 'static {
     fn new_start(mechanism: &Mechanism) -> Self::Start;
     /// Energy at a start (J).
     fn energy(start: &Self::Start) -> Energy;
+    /// The bodies at a start, where they are placed in space.
+    fn bodies(_start: &Self::Start) -> Option<&[BodyState]> {
+        None
+    }
     /// What is constant, without the rules that leave something out.
     fn full_plan(&self, mechanism: &Mechanism) -> Self::Plan;
     /// The bodies and closures: at all stages of a scheme, with the lines of springs, or without it at one configuration.

@@ -11,8 +11,8 @@ use crate::description::body_state::{BodyState, WORLD};
 use crate::description::joint::FreeRotation;
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::stored;
-use crate::ground::matrices::{column, product, times, transpose_times};
-use crate::motion::gaps::{loop_gaps, mimic_gap, touch_gaps, worse};
+use crate::ground::matrices::{column, cross, dot, product, times, transpose_times};
+use crate::motion::gaps::{loop_gaps, mimic_gap, touch_gaps};
 use crate::motion::state::State;
 use nalgebra::Vector3;
 
@@ -85,16 +85,16 @@ pub fn momentum(mechanism: &Mechanism, bodies: &[BodyState]) -> (Vector3<f64>, V
 /// joint coordinates know, are measured on the maximal coordinates alone.
 #[inline]
 pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> Violation {
-    let mut worst = Violation::default();
-    let mut see = |position: f64, velocity: f64| {
-        worst.position = worse(worst.position, position.abs());
-        worst.velocity = worse(worst.velocity, velocity.abs());
+    // The bits of numbers without a sign are in the order of the numbers, and those of what is not a number are beyond all.
+    let [mut position, mut velocity] = [0; 2];
+    let mut see = |gap: f64, rate: f64| {
+        position = gap.abs().to_bits().max(position);
+        velocity = rate.abs().to_bits().max(velocity);
     };
     for (body, here) in mechanism.bodies.iter().zip(bodies) {
         let parent = body.parent.map_or(WORLD, |parent| bodies[parent]);
         let joint = &body.joint;
         let frame_p = product(&parent.rotation, joint.on_parent.rotation.matrix());
-        let frame_c = product(&here.rotation, joint.on_child.rotation.matrix());
         let arm_p = times(&parent.rotation, &joint.on_parent.translation.vector);
         let arm_c = times(&here.rotation, &joint.on_child.translation.vector);
         let gap = here.position + arm_c - parent.position - arm_p;
@@ -106,19 +106,25 @@ pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> 
             let direction = column(&frame_p, axis);
             see(direction.dot(&gap), direction.dot(&gap_rate));
         }
-        // Each pair (i, j) asks e_i(parent) · e_j(child) = 0; the rate is −(e_i × e_j) · (ω − ω_p).
-        let perpendicular: &[(usize, usize)] = match joint.kind.rotation() {
-            FreeRotation::None => &[(0, 1), (1, 2), (2, 0)],
-            FreeRotation::AboutZ => &[(0, 2), (1, 2)],
+        // Each axis e_j of the child asks e_i(parent) · e_j(child) = 0 of these; the rate is −(e_i × e_j) · (ω − ω_p).
+        let perpendicular: &[(usize, &[usize])] = match joint.kind.rotation() {
+            FreeRotation::None => &[(1, &[0]), (2, &[1]), (0, &[2])],
+            FreeRotation::AboutZ => &[(2, &[0, 1])],
             FreeRotation::Ball => &[],
         };
-        for &(on_parent, on_child) in perpendicular {
-            let (first, second) = (column(&frame_p, on_parent), column(&frame_c, on_child));
-            see(first.dot(&second), relative_spin.dot(&second.cross(&first)));
+        for &(on_child, on_parent) in perpendicular {
+            let second = times(&here.rotation, &column(joint.on_child.rotation.matrix(), on_child));
+            for &axis in on_parent {
+                let first = column(&frame_p, axis);
+                see(dot(&first, &second), dot(&relative_spin, &cross(&second, &first)));
+            }
         }
-        let across = here.rotation.transpose();
-        let defect = product(&across, &here.rotation) - nalgebra::Matrix3::identity();
-        see(defect.amax(), 0.0);
+        // RᵀR is symmetric to the last bit.
+        let [x, y, z] = [0, 1, 2].map(|axis| column(&here.rotation, axis));
+        let lengths = [dot(&x, &x) - 1.0, dot(&y, &y) - 1.0, dot(&z, &z) - 1.0];
+        for defect in lengths.into_iter().chain([dot(&x, &y), dot(&y, &z), dot(&z, &x)]) {
+            see(defect, 0.0);
+        }
     }
     for joint in &mechanism.loops {
         let (gap, rate) = loop_gaps(joint, bodies).largest();
@@ -132,5 +138,5 @@ pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> 
         let (gap, rate) = mimic_gap(mimic, state);
         see(gap, rate);
     }
-    worst
+    Violation { position: f64::from_bits(position), velocity: f64::from_bits(velocity) }
 }

@@ -1,5 +1,6 @@
 //! The trait of integrators: they make steps, fail with a reason, and give the state at any instant of their last step.
 
+use crate::description::body_state::BodyState;
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::Exchange;
 use crate::motion::contact_point::ContactPoint;
@@ -156,6 +157,11 @@ pub trait Integrator {
 
     /// Positions and velocities at a `time` inside the last step, from its dense output.
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]);
+
+    /// Poses and velocities of all bodies at the end of the last step, where the step has placed them.
+    fn bodies(&self) -> Option<&[BodyState]> {
+        None
+    }
 
     /// Whether the steps so far were too coarse for the accuracy that is wanted of the run: the caller begins it again with finer ones.
     fn begins_again(&self) -> bool {
