@@ -16,6 +16,9 @@ const TANGENT: f64 = 1e-3;
 /// A pair is kept until it suits so many times less than the other.
 const KEPT: f64 = 3.0;
 
+/// Normals whose cosine with that of a cap is more than this are along it.
+const OUT_OF_CAP: f64 = 1.0 - 1e-6;
+
 /// How an edge and a rim are a pair of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
@@ -79,6 +82,35 @@ pub fn crossing(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<
     let from_line = if line_first { *normal } else { -normal };
     let from_first = if steeper { from_line } else { -from_line };
     Some(Crossing { line_first: steeper, reversed, side: if across.dot(&from_first) < 0.0 { -1.0 } else { 1.0 } })
+}
+
+/// The point that stands for what of an edge lies on a cap beside the tangent of its rim, where the edge is about to leave the cap or has just come over it: the
+/// two places where it crosses the rim run together there. It is the middle of both, so that the edge leaves with it exactly.
+pub struct Beside {
+    /// As a part of the way from the first to the second end.
+    pub part: f64,
+    /// On the edge and on the plane of the cap (m).
+    pub points: [Vector3<f64>; 2],
+    /// Along the axis of the circle, either way.
+    pub normal: Vector3<f64>,
+}
+
+/// That point of a sharp edge and the circle of a rim, if the edge is along the tangent of the rim at their place (m) and their normal is along the axis.
+pub fn beside_tangent(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<f64>) -> Option<Beside> {
+    let LineAndCircle { ends, circle: [centre, axis], radius, line_first } = line_and_circle(parts)?;
+    let (along, [steep, outwards]) = slopes(ends, [centre, axis], &points[usize::from(line_first)]);
+    let up = axis.dot(normal);
+    if steep.abs().max(outwards.abs()) >= TANGENT || up.abs() < OUT_OF_CAP {
+        return None;
+    }
+    let level = along - axis * steep;
+    let way = -level.dot(&(ends[0] - centre)) / level.norm_squared();
+    let at = ends[0] + along * way;
+    let height = axis.dot(&(at - centre));
+    let part = way / (ends[1] - ends[0]).norm();
+    let inside = (at - centre).norm_squared() <= radius * radius + height * height;
+    let on = inside && (0.0..=1.0).contains(&part);
+    on.then_some(Beside { part, points: [at, at - axis * height], normal: axis * up.signum() })
 }
 
 /// How far two features that cross so are from another place (m): where the other pair suits better, or where the edge lies on the cap or on the side beside

@@ -8,6 +8,7 @@
 
 use crate::both::{Both, Candidate};
 use crate::convex::Core;
+use crate::crossing::beside_tangent;
 use crate::feature::{FeatureId, Part, contact_features, features, inside, lies_near, part};
 use crate::guesses::guesses;
 use crate::meet::{Guess, meet};
@@ -80,8 +81,12 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
                 if far || inside(a, one, &points[0]) < outside || inside(b, other, &place) < outside {
                     continue;
                 }
-                let separation = both.separation(&direction);
-                let candidate = Candidate { normal: direction, points, features: [one, other], separation };
+                let mut candidate = Candidate { normal: direction, points, features: [one, other], separation: 0.0 };
+                if crosses && sharp {
+                    leave_tangent(&mut candidate, [&on_a, &on_b]);
+                }
+                let separation = both.separation(&candidate.normal);
+                candidate.separation = separation;
                 if candidate.distance() - separation <= tolerance {
                     found.push(candidate);
                 }
@@ -98,6 +103,20 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
         candidate.features.iter().map(of).min()
     });
     found
+}
+
+/// Makes a place of an edge and a rim, in these parts, one of a point of the edge and the cap, where the edge is along the tangent.
+fn leave_tangent(candidate: &mut Candidate, parts: [&Part; 2]) {
+    let Some(found) = beside_tangent(parts, &candidate.points, &candidate.normal) else { return };
+    let renamed = |name: FeatureId| match name {
+        FeatureId::Edge(edge) => FeatureId::EdgePoint { edge, part: found.part.to_bits() },
+        FeatureId::Rim(end) => FeatureId::Cap(end),
+        other => other,
+    };
+    let edge_first = matches!(candidate.features[0], FeatureId::Edge(_));
+    candidate.features = candidate.features.map(renamed);
+    candidate.points = if edge_first { found.points } else { [found.points[1], found.points[0]] };
+    candidate.normal = found.normal;
 }
 
 /// The rims that lie flat, for which points stand among these features: edges cross them still.

@@ -151,6 +151,10 @@ impl Mesh {
             FeatureId::Edge(number) => {
                 Part::Line(parts.edges[number as usize].ends.map(|end| parts.vertices[end]), 0.0)
             }
+            FeatureId::EdgePoint { edge, part } => {
+                let [from, to] = parts.edges[edge as usize].ends.map(|end| parts.vertices[end]);
+                Part::Point(from + (to - from) * f64::from_bits(part))
+            }
             FeatureId::Vertex(number) => Part::Point(parts.vertices[number as usize]),
             FeatureId::Face(number) => {
                 let triangle = &parts.triangles[number as usize];
@@ -258,10 +262,22 @@ impl Mesh {
         let triangle = &self.parts.triangles[number];
         let name = match candidate.features[0] {
             FeatureId::Edge(edge) => FeatureId::Edge(triangle.edges[edge as usize] as u32),
+            FeatureId::EdgePoint { edge, part } => self.named_point(triangle, edge as usize, f64::from_bits(part)),
             FeatureId::Vertex(vertex) => FeatureId::Vertex(triangle.corners[vertex as usize] as u32),
             _ => FeatureId::Face(number as u32),
         };
         Candidate { features: [name, candidate.features[1]], ..candidate }
+    }
+
+    /// The name in the whole mesh of the point at a part of an edge of a triangle.
+    fn named_point(&self, triangle: &Triangle, edge: usize, part: f64) -> FeatureId {
+        let number = triangle.edges[edge];
+        let start = match &triangle.shape.core {
+            Core::Polytope(polytope) => triangle.corners[polytope.edges[edge].ends[0]],
+            Core::Cylinder(_) => triangle.corners[0],
+        };
+        let part = if self.parts.edges[number].ends[0] == start { part } else { 1.0 - part };
+        FeatureId::EdgePoint { edge: number as u32, part: part.to_bits() }
     }
 
     /// Whether the surface can be touched there with that normal.
@@ -269,7 +285,7 @@ impl Mesh {
         let normal = &candidate.normal;
         match candidate.features[0] {
             FeatureId::Face(number) => normal.dot(&self.parts.triangles[number as usize].normal) > 0.0,
-            FeatureId::Edge(number) => {
+            FeatureId::Edge(number) | FeatureId::EdgePoint { edge: number, .. } => {
                 let edge = &self.parts.edges[number as usize];
                 edge.open && edge.beside.iter().all(|&triangle| self.inward(edge, triangle).dot(normal) <= ALONG)
             }
