@@ -57,8 +57,8 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
     let mut of_b: Vec<FeatureId> = contact_features(b, &-own, depth).collect();
     points_of_arcs(both, &normal, &mut of_a, &mut of_b);
     let rims_of_b: Vec<FeatureId> = flat_rims(b, &of_b).collect();
-    let within_a = |feature: &FeatureId| touches(a, *feature, &normal, least_a);
-    let within_b = |feature: &FeatureId| touches(b, *feature, &-own, least_b);
+    let within_a = |feature: &FeatureId| is_open(a, *feature) && touches(a, *feature, &normal, least_a);
+    let within_b = |feature: &FeatureId| is_open(b, *feature) && touches(b, *feature, &-own, least_b);
     for one in of_a.iter().copied().chain(flat_rims(a, &of_a)).filter(within_a) {
         let on_a = part(a, one);
         for other in of_b.iter().chain(&rims_of_b).copied().filter(within_b) {
@@ -124,6 +124,14 @@ fn leave_tangent(candidate: &mut Candidate, parts: [&Part; 2]) {
 /// The rims that lie flat, for which points stand among these features: edges cross them still.
 fn flat_rims(core: &Core, others: &[FeatureId]) -> impl Iterator<Item = FeatureId> {
     features(core).filter(move |feature| matches!(feature, FeatureId::Rim(_)) && !others.contains(feature))
+}
+
+/// Whether a feature can be touched.
+fn is_open(core: &Core, feature: FeatureId) -> bool {
+    match (core, feature) {
+        (Core::Polytope(polytope), FeatureId::Edge(number)) => polytope.edges[number as usize].open,
+        _ => true,
+    }
 }
 
 /// Whether a feature reaches into the slab below a support plane.

@@ -124,10 +124,11 @@ impl Mesh {
             let edge = MeshEdge { ends, open: is_open(&ends, &beside, &triangles, &vertices), beside };
             for &triangle in &edge.beside {
                 let Triangle { corners, shape, edges: own, .. } = &mut triangles[triangle];
-                if let Core::Polytope(polytope) = &shape.core {
+                if let Core::Polytope(polytope) = &mut shape.core {
                     let same = |local: [usize; 2]| local.map(|end| corners[end]).iter().all(|end| ends.contains(end));
-                    let place = polytope.edges.iter().position(|edge| same(edge.ends));
-                    own[place.unwrap_or(0)] = edges.len();
+                    let place = polytope.edges.iter().position(|edge| same(edge.ends)).unwrap_or(0);
+                    polytope.edges[place].open = edge.open;
+                    own[place] = edges.len();
                 }
             }
             ends.iter().for_each(|&end| around[end].push(edges.len()));
@@ -211,6 +212,11 @@ impl Mesh {
             let mut all: Vec<u32> = self.parts.tree.intersect_aabb(&region).collect();
             all.sort_unstable();
             for number in &all {
+                if best
+                    .is_some_and(|found| self.gap_over(*number as usize, b, rotation, translation) > found.distance())
+                {
+                    continue;
+                }
                 let candidate = self.ask(*number as usize, b, rotation, translation);
                 let Some(candidate) = candidate else { continue };
                 if best.is_none_or(|found| candidate.distance() < found.distance()) {
@@ -239,6 +245,9 @@ impl Mesh {
         all.sort_unstable();
         let mut found = Vec::new();
         for number in all {
+            if self.gap_over(number as usize, b, rotation, translation) - b.radius >= near {
+                continue;
+            }
             let triangle = &self.parts.triangles[number as usize];
             let both = Both { a: &triangle.shape, b, rotation: *rotation, translation: *translation };
             let named = manifold(&both, near).into_iter().map(|candidate| self.named(number as usize, candidate));
@@ -248,6 +257,16 @@ impl Mesh {
         without_doubles(&mut found, 1e-7 * b.size, [0.0, b.radius]);
         without_inner(&mut found, 1e-12 * b.size);
         found
+    }
+
+    /// A length that a triangle and a core are at least apart (m): the largest separation along its normal and straight out of its sides.
+    fn gap_over(&self, number: usize, b: &Convex, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> f64 {
+        let triangle = &self.parts.triangles[number];
+        let both = Both { a: &triangle.shape, b, rotation: *rotation, translation: *translation };
+        let [one, two, three] = triangle.corners.map(|corner| self.parts.vertices[corner]);
+        let sides = [two - one, three - two, one - three].map(|side| side.cross(&triangle.normal).normalize());
+        let normals = [triangle.normal, -triangle.normal].into_iter().chain(sides);
+        normals.map(|normal| both.separation(&normal)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The nearest points of one triangle and a convex core.
