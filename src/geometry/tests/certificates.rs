@@ -58,13 +58,17 @@ fn distances_of_all_pairs_are_certified_at_a_kilometre() {
 
 /// A hundred thousand poses of a pair of kinds at each of three sizes; the worst of each is printed, with the time of a pose.
 fn certified_at_length(one: &str, other: &str) {
+    let mut missed = Vec::new();
     for size in [1e-5, 1.0, 1e3] {
         let start = std::time::Instant::now();
         let (worst, at) = worst_certificate(one, other, size, 100_000);
         let each = start.elapsed().as_secs_f64() * 1e6 / 2e5;
         println!("{one}-{other}, size {size:e}: {worst:.1e} ({at}), {each:.0} µs for a distance");
-        assert!(worst <= 1e-13, "{at}: {worst:.1e} of the size {size:e}");
+        if worst.is_nan() || worst > 1e-13 {
+            missed.push((size, worst, at));
+        }
     }
+    assert!(missed.is_empty(), "{missed:?}");
 }
 
 /// One test for each pair of kinds, so that pairs can be run one by one:
