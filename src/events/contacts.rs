@@ -92,8 +92,12 @@ impl Contacts {
                     let pivots: Vec<&Contact> = closed().map(|(_, closed)| &closed.contact).collect();
                     land_opposite(touching, &pivots, &mut near, &bodies);
                 }
+                // An edge crosses a rim at two places that have the same features.
+                let place = |contact: &Contact| touch_motion(&contact.joint, &bodies).point;
                 for contact in near {
-                    let known = closed().find(|(_, closed)| closed.contact.features == contact.features);
+                    let same = closed().filter(|(_, closed)| closed.contact.features == contact.features);
+                    let apart = |closed: &Closed| (place(&closed.contact) - place(&contact)).norm();
+                    let known = same.min_by(|(_, one), (_, other)| apart(one).total_cmp(&apart(other)));
                     contacts.known.push(known.map(|(index, _)| index));
                     contacts.all.push(contact);
                 }

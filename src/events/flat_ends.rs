@@ -28,6 +28,9 @@ const FLAT: f64 = 2e-9;
 /// Where the centre of pressure is nearer than this to the middle of the disc the disc is far from tipping, relative to the radius.
 const MIDDLE: f64 = 0.3;
 
+/// Contacts whose normals have at least this cosine are in one plane.
+const IN_PLANE: f64 = 1.0 - 1e-12;
+
 /// A flat end, and what is known of it.
 struct FlatEnd<'c> {
     /// Contacts at points of its rim.
@@ -57,23 +60,24 @@ impl<V: Fn(&TouchJoint) -> f64> Asked<'_, V> {
         for contact in contacts {
             ends.extend(contact.flat_end().filter(|end| !ends.contains(end)));
         }
-        let of = |end: &RimOf| {
-            let own = |contact: &&Contact| contact.flat_end() == Some(*end);
+        let own = |end: &RimOf| contacts.iter().copied().filter(|contact| contact.flat_end() == Some(*end)).collect();
+        let of_pair = |end: &RimOf| {
             let with_pressures = contacts.iter().copied().zip(pressures.iter().copied());
-            with_pressures.filter(|(contact, _)| own(contact)).collect::<Vec<_>>()
+            with_pressures.filter(|(contact, _)| contact.pair == end.pair).collect::<Vec<_>>()
         };
-        ends.iter().filter_map(|end| self.lacking_point(&of(end))).collect()
+        ends.iter().filter_map(|end| self.lacking_point(own(end), &of_pair(end))).collect()
     }
 
-    fn lacking_point(&self, points: &[(&Contact, f64)]) -> Option<Contact> {
+    /// The point that the rim with these contacts lacks, of a pair with these contacts and normal forces (N).
+    fn lacking_point(&self, points: Vec<&Contact>, of_pair: &[(&Contact, f64)]) -> Option<Contact> {
         let Asked { touching, bodies, .. } = *self;
-        let end = FlatEnd::new(points.iter().map(|(contact, _)| *contact).collect(), touching, bodies)?;
+        let end = FlatEnd::new(points, touching, bodies)?;
         let arms: Vec<Vector3<f64>> = (0..3).map(|third| end.arm(f64::from(third) / 3.0)).collect();
         let values = arms.iter().map(|arm| Some((self.value)(&touching.on_rim(end.points[0], arm, bodies)?.joint)));
         let values: Vec<f64> = values.collect::<Option<_>>()?;
         let slope: Vector3<f64> = arms.iter().zip(&values).map(|(arm, value)| arm * (value * 2.0 / 3.0)).sum();
         let lowest = values.iter().sum::<f64>() / 3.0 - slope.norm();
-        let pressed = end.towards_pressure(points, bodies);
+        let pressed = end.towards_pressure(of_pair, bodies);
         let wanted = if lowest < self.least {
             let new = pressed.filter(|towards| !end.has(towards, THERE, bodies));
             new.or_else(|| (-slope).try_normalize(0.0))?
@@ -120,14 +124,22 @@ impl<'c> FlatEnd<'c> {
         self.points.iter().any(near)
     }
 
-    /// The direction of the centre of pressure of its points; none if nothing presses, or near the middle.
-    fn towards_pressure(&self, points: &[(&Contact, f64)], bodies: &[BodyState]) -> Option<Vector3<f64>> {
-        let sum: f64 = points.iter().map(|(_, pressure)| pressure).sum();
-        let arm = |contact: &Contact| {
-            let arm = touch_motion(&contact.joint, bodies).point - self.centre;
-            self.tangents.iter().map(|along| along * along.dot(&arm)).sum::<Vector3<f64>>()
-        };
-        let moment: Vector3<f64> = points.iter().map(|(contact, pressure)| arm(contact) * *pressure).sum();
+    /// The direction of the centre of pressure of all contacts of its pair that are in its plane, whichever feature has them: where a disc lies on another,
+    /// the points of both rims carry it. None if nothing presses, or near the middle.
+    fn towards_pressure(&self, of_pair: &[(&Contact, f64)], bodies: &[BodyState]) -> Option<Vector3<f64>> {
+        let normal = self.tangents[0].cross(&self.tangents[1]);
+        let mut sum = 0.0;
+        let mut moment = Vector3::zeros();
+        for (contact, pressure) in of_pair {
+            let touch = touch_motion(&contact.joint, bodies);
+            let arm = touch.point - self.centre;
+            let height = normal.dot(&arm);
+            if touch.normal.dot(&normal).abs() < IN_PLANE || height.abs() > SAME * self.radius {
+                continue;
+            }
+            sum += pressure;
+            moment += (arm - normal * height) * *pressure;
+        }
         (sum > 0.0 && moment.norm() > MIDDLE * self.radius * sum).then(|| moment.normalize())
     }
 }

@@ -13,6 +13,7 @@
 //!
 //! Source: G. W. Housner, The behavior of inverted pendulum structures during earthquakes, Bulletin of the Seismological Society of America 53 (1963).
 
+use crate::geometry::FeatureId;
 use crate::instant::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::Feature;
@@ -48,11 +49,23 @@ pub(crate) fn land_opposite(touching: &Touching, before: &[&Contact], found: &mu
     if end.is_none() || found.iter().all(|contact| contact.flat_end() != end) {
         return;
     }
-    let at = |part: f64| touching.turned(pivot, part, bodies).map(|(contact, _)| contact);
-    // Of a face with borders some may be beside it.
-    let on = |contact: &Contact| touching.margin(contact, bodies) >= 0.0;
-    let others: Vec<Contact> = [0.25, 0.5, 0.75].into_iter().filter_map(at).filter(on).collect();
+    let Some(from) = turn(pivot) else { return };
+    // Of a face with borders some may be beside it; of a mesh another triangle may be below, which has one of the points that were found.
+    let at = |part: f64| {
+        let known = || std::iter::once(*pivot).chain(found.iter().filter(|contact| contact.flat_end() == end));
+        let same = |known: &Contact| touching.turned(known, (from + part - turn(known)?).rem_euclid(1.0), bodies);
+        known().filter_map(same).map(|(contact, _)| contact).find(|contact| touching.margin(contact, bodies) >= 0.0)
+    };
+    let others: Vec<Contact> = [0.25, 0.5, 0.75].into_iter().filter_map(at).collect();
     found.retain(|contact| contact.flat_end() != end);
     found.push((*pivot).clone());
     found.extend(others);
+}
+
+/// Where on its rim the point of a contact is, in turns; none if it has no such point.
+fn turn(contact: &Contact) -> Option<f64> {
+    match (contact.features.a, contact.features.b) {
+        (FeatureId::RimPoint { turn, .. }, _) | (_, FeatureId::RimPoint { turn, .. }) => Some(f64::from_bits(turn)),
+        _ => None,
+    }
 }

@@ -44,6 +44,12 @@ impl<'a> Best<'a> {
         self.found
     }
 
+    /// A length (m) that neither the distance nor the depth exceeds, if the points of the best so far lie on both shapes; infinite if there is none.
+    pub fn reach(&self) -> f64 {
+        let apart = self.found.map_or(f64::INFINITY, |found| (found.points[1] - found.points[0]).norm());
+        apart.max(-self.steepest.0) + TOUCHING * self.both.size()
+    }
+
     /// The error of a candidate (m): see the module.
     pub fn error(&self, candidate: &Candidate) -> f64 {
         candidate.certificate().max(self.steepest.0 - candidate.separation)

@@ -22,7 +22,7 @@ pub fn height(shape: &Convex, closed: &[FeatureId], normal: &Vector3<f64>, foot:
             let touches = |number: usize| {
                 closed.iter().any(|feature| match *feature {
                     FeatureId::Vertex(vertex) => vertex as usize == number,
-                    FeatureId::Edge(edge) => {
+                    FeatureId::Edge(edge) | FeatureId::EdgePoint { edge, .. } => {
                         polytope.edges.get(edge as usize).is_some_and(|edge| edge.ends.contains(&number))
                     }
                     FeatureId::Face(face) => {

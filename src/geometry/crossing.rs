@@ -13,8 +13,15 @@ use nalgebra::Vector3;
 const CLOSED: f64 = 1e-6;
 /// An edge that leaves the tangent of the rim by less than this (rad) has no certain point on it.
 const TANGENT: f64 = 1e-3;
+/// Nor has one in the plane of the rim that leaves it by less than this: both its places run together ever faster, and what each of them carries is a difference.
+const FLAT_TANGENT: f64 = 1e-2;
+/// An edge is in the plane of a rim if it leaves it by less than this (rad).
+const FLAT: f64 = 1e-6;
 /// A pair is kept until it suits so many times less than the other.
 const KEPT: f64 = 3.0;
+
+/// Normals whose cosine with that of a cap is more than this are along it.
+const OUT_OF_CAP: f64 = 1.0 - 1e-6;
 
 /// How an edge and a rim are a pair of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,13 +67,18 @@ fn slopes(
     (along, [axis.dot(&along), out.dot(&along)])
 }
 
+/// The least angle (rad) with the tangent at which an edge is steep to the plane of the rim by this sine has a certain point on it.
+fn least_angle(steep: f64) -> f64 {
+    if steep.abs() < FLAT { FLAT_TANGENT } else { TANGENT }
+}
+
 /// How two parts in one frame are such a pair, with their points (m), the normal from the first to the second, and their gap (m). `None` if they are not: other
 /// features, an edge along the rim, or parts that are too far from each other.
 pub fn crossing(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<f64>, gap: f64) -> Option<Crossing> {
     let LineAndCircle { ends, circle, radius, line_first } = line_and_circle(parts)?;
     let point = points[usize::from(line_first)];
     let (along, [steep, outwards]) = slopes(ends, circle, &point);
-    if gap.abs() > CLOSED * radius || steep.abs().max(outwards.abs()) < TANGENT {
+    if gap.abs() > CLOSED * radius || steep.abs().max(outwards.abs()) < least_angle(steep) {
         return None;
     }
     let steeper = steep.abs() >= outwards.abs();
@@ -81,6 +93,35 @@ pub fn crossing(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<
     Some(Crossing { line_first: steeper, reversed, side: if across.dot(&from_first) < 0.0 { -1.0 } else { 1.0 } })
 }
 
+/// The point that stands for what of an edge lies on a cap beside the tangent of its rim, where the edge is about to leave the cap or has just come over it: the
+/// two places where it crosses the rim run together there. It is the middle of both, so that the edge leaves with it exactly.
+pub struct Beside {
+    /// As a part of the way from the first to the second end.
+    pub part: f64,
+    /// On the edge and on the plane of the cap (m).
+    pub points: [Vector3<f64>; 2],
+    /// Along the axis of the circle, either way.
+    pub normal: Vector3<f64>,
+}
+
+/// That point of a sharp edge and the circle of a rim, if the edge is along the tangent of the rim at their place (m) and their normal is along the axis.
+pub fn beside_tangent(parts: [&Part; 2], points: &[Vector3<f64>; 2], normal: &Vector3<f64>) -> Option<Beside> {
+    let LineAndCircle { ends, circle: [centre, axis], radius, line_first } = line_and_circle(parts)?;
+    let (along, [steep, outwards]) = slopes(ends, [centre, axis], &points[usize::from(line_first)]);
+    let up = axis.dot(normal);
+    if steep.abs().max(outwards.abs()) >= least_angle(steep) || up.abs() < OUT_OF_CAP {
+        return None;
+    }
+    let level = along - axis * steep;
+    let way = -level.dot(&(ends[0] - centre)) / level.norm_squared();
+    let at = ends[0] + along * way;
+    let height = axis.dot(&(at - centre));
+    let part = way / (ends[1] - ends[0]).norm();
+    let inside = (at - centre).norm_squared() <= radius * radius + height * height;
+    let on = inside && (0.0..=1.0).contains(&part);
+    on.then_some(Beside { part, points: [at, at - axis * height], normal: axis * up.signum() })
+}
+
 /// How far two features that cross so are from another place (m): where the other pair suits better, or where the edge lies on the cap or on the side beside
 /// the rim, and would go into the cylinder beyond. Negative there; infinite for other features. The parts, in one frame, have these names and points (m).
 pub fn off_crossing(
@@ -93,6 +134,7 @@ pub fn off_crossing(
     let LineAndCircle { ends, circle, radius, line_first } = found;
     let rim = usize::from(line_first);
     let (_, [steep, outwards]) = slopes(ends, circle, &points[rim]);
+    let least = 0.5 * least_angle(steep);
     // Out of the cap, which is at the end of the axis or at its start.
     let steep = if names[rim] == FeatureId::Rim(0) { -steep } else { steep };
     let (own, other) = match features {
@@ -102,5 +144,5 @@ pub fn off_crossing(
     };
     // Outside of the cylinder an edge that goes outwards goes down, and one that goes up inwards.
     let outside = -own.signum() * other;
-    radius * (own.abs() - other.abs() / KEPT).min(own.abs() - 0.5 * TANGENT).min(outside)
+    radius * (own.abs() - other.abs() / KEPT).min(own.abs() - least).min(outside)
 }

@@ -3,6 +3,7 @@
 //! | name | of | it is |
 //! |---|---|---|
 //! | face, edge, vertex | polytope | plane, line, point |
+//! | edge point | polytope | point: the middle of what of an edge lies on a cap, where that is short |
 //! | cap, side, rim | cylinder | plane, line with a radius, circle |
 
 use crate::convex::{Core, Cylinder};
@@ -30,6 +31,13 @@ pub enum FeatureId {
         end: u32,
         /// The bits of its angle in turns, from 0 to 1.
         turn: u64,
+    },
+    /// A point of an edge that stands for what of it lies on a cap, where that is short.
+    EdgePoint {
+        /// The number of the edge.
+        edge: u32,
+        /// The bits of its place as a part of the way from the first to the second end.
+        part: u64,
     },
     /// A vertex of a polytope or a mesh, the centre of a sphere, the end of a capsule's core.
     Vertex(u32),
@@ -81,6 +89,10 @@ pub fn part(core: &Core, feature: FeatureId) -> Part {
             Part::Line(polytope.edges[number as usize].ends.map(|end| polytope.vertices[end]), 0.0)
         }
         (Core::Polytope(polytope), FeatureId::Vertex(number)) => Part::Point(polytope.vertices[number as usize]),
+        (Core::Polytope(polytope), FeatureId::EdgePoint { edge, part }) => {
+            let [from, to] = polytope.edges[edge as usize].ends.map(|end| polytope.vertices[end]);
+            Part::Point(from + (to - from) * f64::from_bits(part))
+        }
         (Core::Cylinder(cylinder), FeatureId::Cap(end)) => {
             Part::Plane(cylinder.rim_centre(end as usize), cylinder.cap_normal(end as usize))
         }
@@ -116,13 +128,14 @@ pub fn rim_point_towards(cylinder: &Cylinder, end: u32, direction: &Vector3<f64>
 /// A point of a rim touches in its place while the tilt across it is less than this: the rim runs then.
 const STRAIGHT: f64 = 1e-9;
 
-/// How far the tilt of a cylinder is from leaving the plane through its axis and a point of its rim, as a height on the rim (m); the plane that
-/// it touches has this normal in the frame of its body. Infinite for other features.
+/// How far the tilt of a cylinder is from leaving the plane through its axis and a point of its rim: the radius (m) where it is in that plane, and zero where it
+/// is out of it by [`STRAIGHT`]; the plane that it touches has this normal in the frame of its body. Infinite for other features. In lengths of the size of the
+/// cylinder, because the nearest border is the least of several: one that is always next to zero would hide the others until they are crossed.
 pub fn off_tilt(core: &Core, name: FeatureId, normal: &Vector3<f64>) -> f64 {
     match (core, name) {
         (Core::Cylinder(cylinder), FeatureId::RimPoint { end, turn }) => {
             let arm = rim_point(cylinder, end as usize, f64::from_bits(turn)) - cylinder.rim_centre(end as usize);
-            STRAIGHT * cylinder.radius - cylinder.axis.cross(&arm).dot(normal).abs()
+            cylinder.radius - cylinder.axis.cross(&arm).dot(normal).abs() / STRAIGHT
         }
         _ => f64::INFINITY,
     }

@@ -49,3 +49,29 @@ fn through_plane(plane: &Part, circle: &Part) -> Option<[Vector3<f64>; 2]> {
     let y = axis.cross(&x);
     Some([sine, -sine].map(|sine| centre + (x * cosine + y * sine) * *radius))
 }
+
+/// Whether a circle and a point, or an edge, are certainly farther from each other than a length (m): the edge lies beyond that length on one side of the
+/// plane of the circle, within its cylinder, or outside of the ball about it. The distances from the plane, from the axis and from the centre are bounded
+/// by those of the ends of the edge and of its nearest point.
+pub fn is_beyond(a: &Part, b: &Part, length: f64) -> bool {
+    let ((Part::Circle(centre, axis, radius), other) | (other, Part::Circle(centre, axis, radius))) = (a, b) else {
+        return false;
+    };
+    let ends = match other {
+        Part::Point(at) => [*at; 2],
+        Part::Line(ends, 0.0) => *ends,
+        _ => return false,
+    };
+    let arms = ends.map(|end| end - centre);
+    let heights = arms.map(|arm| axis.dot(&arm));
+    if heights[0].min(heights[1]) > length || heights[0].max(heights[1]) < -length {
+        return true;
+    }
+    let from_axis = [0, 1].map(|end| (arms[end] - axis * heights[end]).norm());
+    if from_axis[0].max(from_axis[1]) < radius - length {
+        return true;
+    }
+    let along = arms[1] - arms[0];
+    let part = (-arms[0].dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (arms[0] + along * part).norm() > radius + length
+}

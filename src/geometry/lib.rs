@@ -10,7 +10,7 @@
 //! | `feature` | vertices, edges, faces, rims, sides: names, parts, borders |
 //! | `meet`, `guesses` | normal and points of two features: closed forms; where they are looked for |
 //! | `both`, `best`, `nearest`, `deepest` | the distance of two convex shapes with its certificate; the depth at rims |
-//! | `manifold` | all places where they touch |
+//! | `manifold`, `lens` | all places where they touch; the points of two discs on each other |
 //! | `beyond` | how far the rest of two shapes is from each other while they touch |
 //! | `forms`, `crossing`, `rims` | which pair of a joint two features are, and which form the gap of rims has |
 //! | `place`, `pair` | answers |
@@ -35,6 +35,7 @@ mod guesses;
 mod half_space;
 mod hull;
 mod hull_surface;
+mod lens;
 mod manifold;
 mod meet;
 mod mesh;

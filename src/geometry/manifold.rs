@@ -8,8 +8,10 @@
 
 use crate::both::{Both, Candidate};
 use crate::convex::Core;
+use crate::crossing::beside_tangent;
 use crate::feature::{FeatureId, Part, contact_features, features, inside, lies_near, part};
 use crate::guesses::guesses;
+use crate::lens::points_of_arcs;
 use crate::meet::{Guess, meet};
 use crate::nearest::{nearest, spans_plane};
 use crate::plane::{across, corners};
@@ -51,11 +53,12 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
     let outside = if sharp { -(near.abs().min(1e-3 * size) + rounding) } else { -1e-9 * size };
     let at_closest = Guess { normal, point: closest.points[1], at_point: false };
     let mut found = Vec::new();
-    let of_a: Vec<FeatureId> = contact_features(a, &normal, depth).collect();
-    let of_b: Vec<FeatureId> = contact_features(b, &-own, depth).collect();
+    let mut of_a: Vec<FeatureId> = contact_features(a, &normal, depth).collect();
+    let mut of_b: Vec<FeatureId> = contact_features(b, &-own, depth).collect();
+    points_of_arcs(both, &normal, &mut of_a, &mut of_b);
     let rims_of_b: Vec<FeatureId> = flat_rims(b, &of_b).collect();
-    let within_a = |feature: &FeatureId| touches(a, *feature, &normal, least_a);
-    let within_b = |feature: &FeatureId| touches(b, *feature, &-own, least_b);
+    let within_a = |feature: &FeatureId| is_open(a, *feature) && touches(a, *feature, &normal, least_a);
+    let within_b = |feature: &FeatureId| is_open(b, *feature) && touches(b, *feature, &-own, least_b);
     for one in of_a.iter().copied().chain(flat_rims(a, &of_a)).filter(within_a) {
         let on_a = part(a, one);
         for other in of_b.iter().chain(&rims_of_b).copied().filter(within_b) {
@@ -80,8 +83,12 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
                 if far || inside(a, one, &points[0]) < outside || inside(b, other, &place) < outside {
                     continue;
                 }
-                let separation = both.separation(&direction);
-                let candidate = Candidate { normal: direction, points, features: [one, other], separation };
+                let mut candidate = Candidate { normal: direction, points, features: [one, other], separation: 0.0 };
+                if crosses && sharp {
+                    leave_tangent(&mut candidate, [&on_a, &on_b]);
+                }
+                let separation = both.separation(&candidate.normal);
+                candidate.separation = separation;
                 if candidate.distance() - separation <= tolerance {
                     found.push(candidate);
                 }
@@ -100,9 +107,31 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
     found
 }
 
+/// Makes a place of an edge and a rim, in these parts, one of a point of the edge and the cap, where the edge is along the tangent.
+fn leave_tangent(candidate: &mut Candidate, parts: [&Part; 2]) {
+    let Some(found) = beside_tangent(parts, &candidate.points, &candidate.normal) else { return };
+    let renamed = |name: FeatureId| match name {
+        FeatureId::Edge(edge) => FeatureId::EdgePoint { edge, part: found.part.to_bits() },
+        FeatureId::Rim(end) => FeatureId::Cap(end),
+        other => other,
+    };
+    let edge_first = matches!(candidate.features[0], FeatureId::Edge(_));
+    candidate.features = candidate.features.map(renamed);
+    candidate.points = if edge_first { found.points } else { [found.points[1], found.points[0]] };
+    candidate.normal = found.normal;
+}
+
 /// The rims that lie flat, for which points stand among these features: edges cross them still.
 fn flat_rims(core: &Core, others: &[FeatureId]) -> impl Iterator<Item = FeatureId> {
     features(core).filter(move |feature| matches!(feature, FeatureId::Rim(_)) && !others.contains(feature))
+}
+
+/// Whether a feature can be touched.
+fn is_open(core: &Core, feature: FeatureId) -> bool {
+    match (core, feature) {
+        (Core::Polytope(polytope), FeatureId::Edge(number)) => polytope.edges[number as usize].open,
+        _ => true,
+    }
 }
 
 /// Whether a feature reaches into the slab below a support plane.

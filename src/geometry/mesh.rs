@@ -124,10 +124,11 @@ impl Mesh {
             let edge = MeshEdge { ends, open: is_open(&ends, &beside, &triangles, &vertices), beside };
             for &triangle in &edge.beside {
                 let Triangle { corners, shape, edges: own, .. } = &mut triangles[triangle];
-                if let Core::Polytope(polytope) = &shape.core {
+                if let Core::Polytope(polytope) = &mut shape.core {
                     let same = |local: [usize; 2]| local.map(|end| corners[end]).iter().all(|end| ends.contains(end));
-                    let place = polytope.edges.iter().position(|edge| same(edge.ends));
-                    own[place.unwrap_or(0)] = edges.len();
+                    let place = polytope.edges.iter().position(|edge| same(edge.ends)).unwrap_or(0);
+                    polytope.edges[place].open = edge.open;
+                    own[place] = edges.len();
                 }
             }
             ends.iter().for_each(|&end| around[end].push(edges.len()));
@@ -150,6 +151,10 @@ impl Mesh {
         match feature {
             FeatureId::Edge(number) => {
                 Part::Line(parts.edges[number as usize].ends.map(|end| parts.vertices[end]), 0.0)
+            }
+            FeatureId::EdgePoint { edge, part } => {
+                let [from, to] = parts.edges[edge as usize].ends.map(|end| parts.vertices[end]);
+                Part::Point(from + (to - from) * f64::from_bits(part))
             }
             FeatureId::Vertex(number) => Part::Point(parts.vertices[number as usize]),
             FeatureId::Face(number) => {
@@ -207,6 +212,11 @@ impl Mesh {
             let mut all: Vec<u32> = self.parts.tree.intersect_aabb(&region).collect();
             all.sort_unstable();
             for number in &all {
+                if best
+                    .is_some_and(|found| self.gap_over(*number as usize, b, rotation, translation) > found.distance())
+                {
+                    continue;
+                }
                 let candidate = self.ask(*number as usize, b, rotation, translation);
                 let Some(candidate) = candidate else { continue };
                 if best.is_none_or(|found| candidate.distance() < found.distance()) {
@@ -235,6 +245,9 @@ impl Mesh {
         all.sort_unstable();
         let mut found = Vec::new();
         for number in all {
+            if self.gap_over(number as usize, b, rotation, translation) - b.radius >= near {
+                continue;
+            }
             let triangle = &self.parts.triangles[number as usize];
             let both = Both { a: &triangle.shape, b, rotation: *rotation, translation: *translation };
             let named = manifold(&both, near).into_iter().map(|candidate| self.named(number as usize, candidate));
@@ -244,6 +257,16 @@ impl Mesh {
         without_doubles(&mut found, 1e-7 * b.size, [0.0, b.radius]);
         without_inner(&mut found, 1e-12 * b.size);
         found
+    }
+
+    /// A length that a triangle and a core are at least apart (m): the largest separation along its normal and straight out of its sides.
+    fn gap_over(&self, number: usize, b: &Convex, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> f64 {
+        let triangle = &self.parts.triangles[number];
+        let both = Both { a: &triangle.shape, b, rotation: *rotation, translation: *translation };
+        let [one, two, three] = triangle.corners.map(|corner| self.parts.vertices[corner]);
+        let sides = [two - one, three - two, one - three].map(|side| side.cross(&triangle.normal).normalize());
+        let normals = [triangle.normal, -triangle.normal].into_iter().chain(sides);
+        normals.map(|normal| both.separation(&normal)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The nearest points of one triangle and a convex core.
@@ -258,10 +281,22 @@ impl Mesh {
         let triangle = &self.parts.triangles[number];
         let name = match candidate.features[0] {
             FeatureId::Edge(edge) => FeatureId::Edge(triangle.edges[edge as usize] as u32),
+            FeatureId::EdgePoint { edge, part } => self.named_point(triangle, edge as usize, f64::from_bits(part)),
             FeatureId::Vertex(vertex) => FeatureId::Vertex(triangle.corners[vertex as usize] as u32),
             _ => FeatureId::Face(number as u32),
         };
         Candidate { features: [name, candidate.features[1]], ..candidate }
+    }
+
+    /// The name in the whole mesh of the point at a part of an edge of a triangle.
+    fn named_point(&self, triangle: &Triangle, edge: usize, part: f64) -> FeatureId {
+        let number = triangle.edges[edge];
+        let start = match &triangle.shape.core {
+            Core::Polytope(polytope) => triangle.corners[polytope.edges[edge].ends[0]],
+            Core::Cylinder(_) => triangle.corners[0],
+        };
+        let part = if self.parts.edges[number].ends[0] == start { part } else { 1.0 - part };
+        FeatureId::EdgePoint { edge: number as u32, part: part.to_bits() }
     }
 
     /// Whether the surface can be touched there with that normal.
@@ -269,7 +304,7 @@ impl Mesh {
         let normal = &candidate.normal;
         match candidate.features[0] {
             FeatureId::Face(number) => normal.dot(&self.parts.triangles[number as usize].normal) > 0.0,
-            FeatureId::Edge(number) => {
+            FeatureId::Edge(number) | FeatureId::EdgePoint { edge: number, .. } => {
                 let edge = &self.parts.edges[number as usize];
                 edge.open && edge.beside.iter().all(|&triangle| self.inward(edge, triangle).dot(normal) <= ALONG)
             }

@@ -9,7 +9,7 @@ use crate::both::{Both, Candidate};
 use crate::convex::{Core, Cylinder};
 use crate::deepest::deepest;
 use crate::feature::{FeatureId, Part, features, inside, lies_near, normals, part};
-use crate::guesses::guesses;
+use crate::guesses::{guesses, is_beyond};
 use crate::meet::{Guess, meet};
 use nalgebra::Vector3;
 
@@ -118,10 +118,15 @@ fn offer_features(best: &mut Best, both: &Both, normal: &Vector3<f64>, depth: f6
     let own = both.rotation.tr_mul(normal);
     let (least_a, least_b) = (a.support(normal) - depth, b.support(&-own) - depth);
     let guess = Guess { normal: *normal, point: both.of_b(&b.support_point(&-own)), at_point: false };
+    // What was found so far lies on both, so no pair that is farther apart is nearer, or less deep.
+    let reach = if everywhere { best.reach() } else { f64::INFINITY };
     for one in features(a).filter(|&feature| lies_near(a, feature, normal, least_a)) {
         let on_a = part(a, one);
         for other in features(b).filter(|&feature| lies_near(b, feature, &-own, least_b)) {
             let on_b = part(b, other).moved(&both.rotation, &both.translation);
+            if is_beyond(&on_a, &on_b, reach) {
+                continue;
+            }
             if everywhere && let Some((found, points)) = deepest(&on_a, &on_b, &guess) {
                 best.offer(found, points, [one, other]);
             }

@@ -170,8 +170,8 @@ impl PairGeometry {
                 let side = if self.exchanged { -1.0 } else { 1.0 };
                 let point = first.inverse_transform_point(&place.points[usize::from(!self.exchanged)].into()).coords;
                 let guess = Guess { normal: first.rotation.inverse() * place.normal * side, point, at_point: false };
-                let Some((_, points)) = meet(&of_first, &on_second, &guess) else { return f64::NEG_INFINITY };
-                let normals = [rotation.tr_mul(&guess.normal), -guess.normal];
+                let Some((normal, points)) = meet(&of_first, &on_second, &guess) else { return f64::NEG_INFINITY };
+                let normals = [rotation.tr_mul(&normal), -normal];
                 let leaves = off_tilt(&self.second.core, names[1], &normals[0]).min(match &self.first {
                     First::Convex(convex) => off_tilt(&convex.core, names[0], &normals[1]),
                     First::HalfSpace(_) | First::Mesh(_) => f64::INFINITY,

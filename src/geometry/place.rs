@@ -114,7 +114,11 @@ pub fn place(
         gap,
         normal: a.rotation * normal,
         points: surface.map(world),
-        exact: found.is_some() && !candidate.features.iter().any(|name| matches!(name, FeatureId::RimPoint { .. })),
+        exact: found.is_some()
+            && !candidate
+                .features
+                .iter()
+                .any(|name| matches!(name, FeatureId::RimPoint { .. } | FeatureId::EdgePoint { .. })),
     }
 }
 

@@ -12,6 +12,8 @@ pub struct Edge {
     pub ends: [usize; 2],
     /// The faces that meet in it; `None` for a segment.
     pub faces: Option<[usize; 2]>,
+    /// Whether it can be touched; edges of triangles between which a mesh is flat or concave cannot.
+    pub open: bool,
 }
 
 /// A flat face.
@@ -42,7 +44,11 @@ impl Polytope {
 
     /// The segment between two points (m).
     pub fn segment(ends: [Vector3<f64>; 2]) -> Self {
-        Polytope { vertices: ends.to_vec(), edges: vec![Edge { ends: [0, 1], faces: None }], faces: Vec::new() }
+        Polytope {
+            vertices: ends.to_vec(),
+            edges: vec![Edge { ends: [0, 1], faces: None, open: true }],
+            faces: Vec::new(),
+        }
     }
 
     /// The polytope of these vertices (m) and faces, each counterclockwise from outside; every edge belongs to two faces.
@@ -57,6 +63,7 @@ impl Polytope {
         let edge = |(ends, faces): ([usize; 2], Vec<usize>)| Edge {
             ends,
             faces: (faces.len() == 2).then(|| [faces[0], faces[1]]),
+            open: true,
         };
         let edges = found.into_iter().map(edge).collect();
         Polytope { vertices, edges, faces }

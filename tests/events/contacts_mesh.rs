@@ -35,6 +35,7 @@ fn what_is_pushed_over_a_mesh_floor_moves_as_over_a_half_space() {
     let heading = velocity.y.atan2(velocity.x);
     let bodies = [
         ("box", cuboid(0.13, 0.09, 0.03), 0.03, Vector3::z() * 0.4, none),
+        ("cylinder", Shape::Cylinder { radius: 0.11, half: 0.05 }, 0.05, Vector3::z() * 0.4, none),
         ("ball", Shape::Sphere { radius: 0.07 }, 0.07, none, Vector3::new(3.0, -2.0, 5.0)),
         ("capsule along", capsule.clone(), 0.06, lying(heading).scaled_axis(), none),
         ("capsule across", capsule, 0.06, lying(heading + FRAC_PI_2).scaled_axis(), none),
@@ -61,6 +62,36 @@ fn what_is_pushed_over_a_mesh_floor_moves_as_over_a_half_space() {
             println!("   {:?}\n   {:?}", found.events, wanted.events);
             assert!(of_kind(found, EventKind::ContactImpact).is_empty(), "{name}: {:?}", found.events);
             assert!(positions <= 1e-12 && velocities <= 1e-11, "{name}: {positions:e} m, {velocities:e} m/s");
+        }
+    }
+}
+
+#[test]
+fn a_cylinder_that_rocks_on_a_mesh_floor_or_on_the_cap_of_another_has_the_impacts_of_a_half_space() {
+    let (radius, half) = (0.05, 0.15);
+    let cap = Shape::Cylinder { radius: 0.4, half: 0.2 };
+    for restitution in [0.0, 0.3] {
+        let floors = [(Shape::HalfSpace, 0.0), (squares(20, 0.1), 0.0), (cap.clone(), -0.2)];
+        let [plane, mesh, disc] = floors.map(|(floor, height)| {
+            let mut mechanism = loose(DOWN, &[(1.3, Shape::Cylinder { radius, half })]);
+            let floor = obstacle(&mut mechanism, floor, Vector3::z() * height);
+            meet(&mut mechanism, floor, 0, 1.5, restitution);
+            let mut start = State::zero(&mechanism);
+            let none = Vector3::zeros();
+            put(&mechanism, &mut start, 0, [Vector3::new(0.013, 0.027, 0.17), Vector3::x() * 0.1, none, none]);
+            run(&mechanism, &start, 0.6, fixed(9, 0.01))
+        });
+        let impacts = of_kind(&plane, EventKind::ContactImpact);
+        for (name, found) in [("mesh", &mesh), ("cap", &disc)] {
+            let found = of_kind(found, EventKind::ContactImpact);
+            // The first of them follow each other slowly enough to be told apart whatever the roundings.
+            for (found, wanted) in found.iter().zip(&impacts).take(3) {
+                let impulses = [found, wanted].map(|impact| impact.impulse.unwrap_or(f64::NAN));
+                let [late, more] = [found.time - wanted.time, impulses[0] - impulses[1]];
+                println!("{name} {restitution}: {late:e} s, {more:e} N s");
+                assert!(late.abs() < 1e-10 && more.abs() < 1e-10, "{name} {restitution}: {found:?} {wanted:?}");
+            }
+            assert!(found.len() >= 3 && impacts.len() >= 3, "{name}: {found:?}");
         }
     }
 }

@@ -6,6 +6,7 @@ mod common;
 mod closed;
 mod contacts;
 mod contacts_bowl;
+mod contacts_cans;
 mod contacts_cradle;
 mod contacts_disc;
 mod contacts_mesh;

@@ -253,3 +253,54 @@ fn four_points_stand_for_the_rim_of_a_cylinder_only_while_it_is_flat_on_the_plan
     assert_eq!(slanted.len(), 1);
     assert_eq!((slanted[0].identity.b, slanted[0].exact), (FeatureId::Rim(0), true));
 }
+
+#[test]
+fn two_discs_that_lie_on_each_other_touch_on_the_arcs_of_both_rims_wherever_they_are() {
+    let [radius, half] = [0.3, 0.2];
+    for other in [0.3, 0.1, 0.02] {
+        let pair = pair(Shape::Cylinder { radius, half }, Shape::Cylinder { radius: other, half });
+        for turn in [0.0, 0.4, 1.0, 2.5] {
+            // From next to the middle to where a tenth of the smaller disc is left on the other.
+            for beside in [1e-6, 0.01, 0.1, 0.2, radius - 0.5 * other, radius, radius + 0.9 * other] {
+                let (sine, cosine) = f64::sin_cos(turn);
+                let upper = at(beside * cosine, beside * sine, 2.0 * half);
+                let places = pair.touches(&at(0.0, 0.0, 0.0), &upper, 1e-9);
+                let on: Vec<Vector3<f64>> = places.iter().map(|place| place.points[1]).collect();
+                for point in &on {
+                    let apart = [point.xy().norm(), (point - upper.translation.vector).xy().norm()];
+                    // Rim points are on one circle to rounding, and in the other.
+                    assert!(apart[0] <= radius + 1e-12 && apart[1] <= other + 1e-12, "{other} {beside}: {apart:?}");
+                }
+                // Twice the area of the largest triangle, for that of the lens: they carry what presses in any direction.
+                let mut area = 0.0_f64;
+                for a in &on {
+                    for b in &on {
+                        on.iter().for_each(|c| area = area.max((b - a).cross(&(c - a)).norm()));
+                    }
+                }
+                let wide = (radius + other - beside).min(2.0 * other);
+                assert!(on.len() >= 3 && area > 0.2 * wide * wide, "{other} {beside} {turn}: {area} of {on:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_edge_beside_the_tangent_of_a_rim_touches_the_cap_with_its_middle() {
+    let pair = pair(Shape::Cylinder { radius: 0.3, half: 0.2 }, cuboid(1.0, 0.5, 0.1));
+    // The edge of the box at x = −1 is this far inside the rim, in a direction in which no other point of the rim is looked at.
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.3);
+    for (inside, meets) in [(1e-9, true), (1e-6, true), (-1e-6, false)] {
+        let pose = Pose::from_parts(Translation3::from(turn * Vector3::new(1.3 - inside, 0.1, 0.3)), turn);
+        let places = pair.touches(&at(0.0, 0.0, 0.0), &pose, 1e-9);
+        if !meets {
+            assert!(places.is_empty(), "{places:?}");
+            continue;
+        }
+        let [place] = &places[..] else { panic!("{inside}: {places:?}") };
+        // On the cap, next to the tangent, and as far inside as the edge.
+        assert!((place.points[0] - turn * Vector3::new(0.3 - inside, 0.0, 0.2)).norm() < 1e-14, "{place:?}");
+        let margin = pair.margin(place, &at(0.0, 0.0, 0.0), &pose);
+        assert!((margin - inside).abs() < 1e-14, "{margin:e}");
+    }
+}
