@@ -15,6 +15,8 @@ pub(super) struct Instants {
     velocities: Vec<f64>,
     /// Where the next state is kept when there is no more room.
     oldest: usize,
+    /// How often the step was another.
+    makings: u64,
 }
 
 impl Instants {
@@ -24,6 +26,12 @@ impl Instants {
         self.positions.clear();
         self.velocities.clear();
         self.oldest = 0;
+        self.makings += 1;
+    }
+
+    /// A number that is another one after each step, and each time that one is made again.
+    pub fn makings(&self) -> u64 {
+        self.makings
     }
 
     /// Writes the state at a time (s), if it is known.

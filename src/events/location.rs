@@ -9,10 +9,10 @@
 //! shows on the shortened step it is taken instead.
 
 use crate::events::approach::{Closing, first_closing};
-use crate::events::detection::{Bracket, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change};
+use crate::events::detection::{Bracket, FIRST_SAMPLES, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change};
 use crate::events::integrator::Eventful;
-use crate::events::present::Present;
-use crate::events::watched::{Seen, Watched};
+use crate::events::last_step::Evaluated;
+use crate::events::watched::Watched;
 use crate::instant::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
@@ -30,6 +30,8 @@ const RESOLUTION: f64 = 2e-3;
 const STOPPED: f64 = 1e-10;
 /// A slip that keeps this part of its speed has turned.
 const TURNED: f64 = 0.1;
+/// After so many attempts that have not halved the smallest value of a function there is no root to be found.
+const STALE: usize = 3;
 /// Slips below this part of it say nothing of how fast they fall.
 const STEEP: f64 = 1e-7;
 
@@ -116,7 +118,12 @@ impl Eventful {
         let end = self.pieces[self.current].small.time;
         let mut speeds = std::mem::take(&mut self.speeds);
         speeds.reset(self.whole.bodies.len());
-        for sample in 0..=SAMPLES {
+        let first = FIRST_SAMPLES.len();
+        let rest = (0..=SAMPLES).filter(|sample| !FIRST_SAMPLES.contains(sample));
+        for (count, sample) in FIRST_SAMPLES.into_iter().chain(rest).enumerate() {
+            if count == first && speeds.are_steady() {
+                break;
+            }
             let time = if sample == SAMPLES { end } else { since + (end - since) * sample as f64 / SAMPLES as f64 };
             self.place(time);
             for (index, body) in self.bodies.iter().enumerate() {
@@ -147,50 +154,6 @@ impl Eventful {
         }
         self.speeds = speeds;
         first
-    }
-
-    /// Places the sample and its bodies at a time of the last step.
-    fn place(&mut self, time: f64) {
-        let Eventful { whole, pieces, current, sample, origin, bodies, .. } = self;
-        sample.copy_from(origin);
-        pieces[*current].place(whole, time, sample);
-        place_bodies(whole, sample, bodies);
-    }
-
-    /// The values of some functions at a time of the last step.
-    fn evaluate(&mut self, inputs: Inputs, since: f64, time: f64, which: &[usize], values: &mut [f64]) {
-        let Eventful {
-            whole,
-            elements,
-            touching,
-            mode,
-            response,
-            pieces,
-            current,
-            holding,
-            sample,
-            watched,
-            origin,
-            efforts,
-            bodies,
-            slips,
-            ..
-        } = self;
-        let piece = &mut pieces[*current];
-        sample.copy_from(origin);
-        piece.place(whole, time, sample);
-        if which.iter().any(|&index| watched[index].needs_efforts()) {
-            mode.efforts_at(elements, inputs, since, sample, efforts);
-            let present = Present { whole, elements, touching, mode, moving: &piece.moving };
-            holding.evaluate(&present, response, sample, efforts);
-        }
-        if which.iter().any(|&index| watched[index].needs_bodies()) {
-            place_bodies(whole, sample, bodies);
-        }
-        let seen = Seen { elements, touching, mode, holding, since, time, state: sample, bodies, slips };
-        for (value, &index) in values.iter_mut().zip(which) {
-            *value = watched[index].value(&seen);
-        }
     }
 
     /// Makes the step again so that it ends at the first event; returns the functions that are zero there.
@@ -263,6 +226,7 @@ impl Eventful {
     /// The function that is negative from the start on, and all pairs that overlap there.
     fn overlaps_at_start(&mut self, negative: usize) -> Vec<Watched> {
         place_bodies(&self.whole, &self.origin, &mut self.bodies);
+        self.evaluated = Evaluated::default();
         let overlaps = |index: usize| match self.watched[index] {
             Watched::Approach(pair) => {
                 self.touching.distance(pair, &self.bodies) < -TOGETHER * self.touching.pairs[pair].size
@@ -295,6 +259,8 @@ impl Eventful {
             length = before;
         }
         let mut before: Option<(f64, f64)> = None;
+        // Whether an end beyond the root is known; the smallest value so far, and attempts since it was halved.
+        let (mut passed, mut smallest, mut stale) = (false, f64::INFINITY, 0);
         for attempt in 0..ATTEMPTS {
             // So near to the start it is there.
             if length <= self.shortest(since) {
@@ -308,6 +274,7 @@ impl Eventful {
                 Err(StepError::NotConverged { .. }) if stops && attempt + 1 < ATTEMPTS => {
                     piece.go_back(since, &self.recipe);
                     high = high.min(length);
+                    passed = true;
                     let done = self.step_towards(inputs, since, since + 0.5 * (low + length))?;
                     length = self.pieces[self.current].small.time - since;
                     done
@@ -334,7 +301,14 @@ impl Eventful {
                     slope = -value / (bracket.root - since - length).max(f64::MIN_POSITIVE);
                 }
             }
-            if value.abs() <= 2e-16 * scale || slope == 0.0 || stops && value.abs() <= STOPPED * self.memory.fastest {
+            let noise = self.watched[bracket.watched].rounding(&self.holding).max(2e-16 * scale);
+            if value.abs() <= noise || slope == 0.0 || stops && value.abs() <= STOPPED * self.memory.fastest {
+                break;
+            }
+            stale = if value.abs() < 0.5 * smallest { 0 } else { stale + 1 };
+            smallest = smallest.min(value.abs());
+            // It is noise, or has no root here.
+            if stale >= STALE {
                 break;
             }
             let change = -value / slope;
@@ -349,13 +323,23 @@ impl Eventful {
             if value > 0.0 {
                 low = low.max(length)
             } else {
-                high = high.min(length)
+                high = high.min(length);
+                passed = true;
             }
             before = Some((length, value));
             let wanted = length + change;
             // The dense output that has bracketed the root may be off by its error.
             let (from, to) = (low.min(length) - 1e-3 * full, high.max(length) + 1e-3 * full);
-            length = if wanted > from.max(0.0) && wanted < to { wanted } else { 0.5 * (low + high) };
+            length = if wanted > from.max(0.0) && wanted < to {
+                wanted
+            } else if passed {
+                0.5 * (low + high)
+            } else if length < high {
+                high
+            } else {
+                // What the dense output has shown is none of the steps that end there.
+                break;
+            };
         }
         Ok(())
     }
