@@ -153,6 +153,23 @@ mod tests {
     }
 
     #[test]
+    fn speeds_are_steady_until_a_body_is_a_tenth_slower_or_turns_a_tenth_slower() {
+        let steady = |samples: &[(f64, f64)]| {
+            let mut speeds = Speeds::default();
+            speeds.reset(2);
+            for &(speed, turning) in samples {
+                speeds.take(0, speed, turning);
+                // One that rests is steady.
+                speeds.take(1, 0.0, 0.0);
+            }
+            speeds.are_steady()
+        };
+        assert!(steady(&[(2.0, 1.0), (1.81, 0.91), (1.9, 0.95)]));
+        assert!(!steady(&[(2.0, 1.0), (1.79, 0.91), (1.9, 0.95)]));
+        assert!(!steady(&[(2.0, 1.0), (1.81, 0.89), (1.9, 0.95)]));
+    }
+
+    #[test]
     fn what_is_far_away_is_looked_at_twice() {
         let mut looks = 0;
         let mut gap = |time: f64| {

@@ -264,6 +264,25 @@ mod tests {
     }
 
     #[test]
+    fn a_function_that_stays_far_from_zero_is_looked_at_three_times_and_one_that_comes_near_at_all_samples() {
+        let looks = |function: &dyn Fn(f64) -> f64| {
+            let mut count = 0;
+            let found = first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], |time, _, values| {
+                count += 1;
+                values[0] = function(time);
+            });
+            (count, found.is_some())
+        };
+        // It changes by 0.4, and is 0.8 at least; the other is 0.79.
+        assert_eq!(looks(&|time| 1.21 - 0.4 * time), (FIRST_SAMPLES.len(), false));
+        assert_eq!(looks(&|time| 1.19 - 0.4 * time), (SAMPLES + 1, false));
+        // What is not looked at: infinite, as of an element without bound.
+        assert_eq!(looks(&|_| f64::INFINITY), (FIRST_SAMPLES.len(), false));
+        // Negative from the start on, however little it changes.
+        assert!(looks(&|_| -1.0).1);
+    }
+
+    #[test]
     fn the_start_is_no_root_and_one_soon_after_it_is_found() {
         // A bounce that ends at 1e-4 of the step: positive only before.
         let found = first(|time| time * (1e-4 - time)).expect("a root");

@@ -9,11 +9,32 @@ use crate::events::watched::Seen;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::place_bodies;
 
+/// An instant of the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Inside {
+    /// s.
+    pub time: f64,
+    /// Whether the state is as interpolated, so that closures are off by as much as interpolation errs. Bringing it on them takes ten times as long.
+    pub roughly: bool,
+}
+
+impl Inside {
+    /// With a state on all closures.
+    pub fn at(time: f64) -> Self {
+        Inside { time, roughly: false }
+    }
+
+    /// With a state as interpolated.
+    pub fn roughly(time: f64) -> Self {
+        Inside { time, roughly: true }
+    }
+}
+
 /// What is known of the sample of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Evaluated {
-    /// Where it is (s), in which making of the step; `None` if nothing is known.
-    at: Option<(f64, u64)>,
+    /// Where it is, in which making of the step; `None` if nothing is known.
+    at: Option<(Inside, u64)>,
     /// Whether the bodies are placed there,
     bodies: bool,
     /// and the forces are those of this instant.
@@ -21,9 +42,9 @@ pub(super) struct Evaluated {
 }
 
 impl Eventful {
-    /// Places the sample and its bodies at a time of the last step.
-    pub(super) fn place(&mut self, time: f64) {
-        self.go_to(time);
+    /// Places the sample and its bodies at an instant of the last step.
+    pub(super) fn place(&mut self, instant: Inside) {
+        self.go_to(instant);
         if !self.evaluated.bodies {
             place_bodies(&self.whole, &self.sample, &mut self.bodies);
             self.evaluated.bodies = true;
@@ -31,20 +52,27 @@ impl Eventful {
     }
 
     /// Puts the sample there.
-    fn go_to(&mut self, time: f64) {
+    fn go_to(&mut self, instant: Inside) {
         let Eventful { whole, pieces, current, sample, origin, evaluated, .. } = self;
         let piece = &mut pieces[*current];
-        let at = Some((time, piece.instants.makings()));
+        let at = Some((instant, piece.instants.makings()));
         if evaluated.at != at {
             sample.copy_from(origin);
-            piece.place(whole, time, sample);
+            piece.place(whole, instant.time, instant.roughly, sample);
             *evaluated = Evaluated { at, bodies: false, efforts: false };
         }
     }
 
-    /// The values of some functions at a time of the last step.
-    pub(super) fn evaluate(&mut self, inputs: Inputs, since: f64, time: f64, which: &[usize], values: &mut [f64]) {
-        self.go_to(time);
+    /// The values of some functions at an instant of the last step.
+    pub(super) fn evaluate(
+        &mut self,
+        inputs: Inputs,
+        since: f64,
+        instant: Inside,
+        which: &[usize],
+        values: &mut [f64],
+    ) {
+        self.go_to(instant);
         let Eventful {
             whole,
             elements,
@@ -72,7 +100,7 @@ impl Eventful {
             place_bodies(whole, sample, bodies);
             evaluated.bodies = true;
         }
-        let seen = Seen { elements, touching, mode, holding, since, time, state: sample, bodies, slips };
+        let seen = Seen { elements, touching, mode, holding, since, time: instant.time, state: sample, bodies, slips };
         for (value, &index) in values.iter_mut().zip(which) {
             *value = watched[index].value(&seen);
         }

@@ -11,7 +11,7 @@
 use crate::events::approach::{Closing, first_closing};
 use crate::events::detection::{Bracket, FIRST_SAMPLES, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change};
 use crate::events::integrator::Eventful;
-use crate::events::last_step::Evaluated;
+use crate::events::last_step::{Evaluated, Inside};
 use crate::events::watched::Watched;
 use crate::instant::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
@@ -30,6 +30,8 @@ const RESOLUTION: f64 = 2e-3;
 const STOPPED: f64 = 1e-10;
 /// A slip that keeps this part of its speed has turned.
 const TURNED: f64 = 0.1;
+/// A force is located to this part of its roundings, by which it is beyond its bound then: what it holds lets go at once.
+const WITHIN: f64 = 0.1;
 /// After so many attempts that have not halved the smallest value of a function there is no root to be found.
 const STALE: usize = 3;
 /// Slips below this part of it say nothing of how fast they fall.
@@ -100,7 +102,7 @@ impl Eventful {
         }));
         let end = self.pieces[self.current].small.time;
         let found = first_sign_change(room, which.len(), since, end, noise, |time, of, values| {
-            self.evaluate(inputs, since, time, &which[of], values);
+            self.evaluate(inputs, since, Inside::at(time), &which[of], values);
         });
         found.map(|found| Bracket { watched: which[found.watched], ..found })
     }
@@ -125,7 +127,7 @@ impl Eventful {
                 break;
             }
             let time = if sample == SAMPLES { end } else { since + (end - since) * sample as f64 / SAMPLES as f64 };
-            self.place(time);
+            self.place(Inside::roughly(time));
             for (index, body) in self.bodies.iter().enumerate() {
                 speeds.take(index, body.velocity.norm(), body.angular_velocity.norm());
             }
@@ -135,9 +137,12 @@ impl Eventful {
             let Pair { bodies, reach, size, .. } = self.touching.pairs[pair];
             let speed = speeds.closing(bodies, reach);
             let noise = if self.fresh_pairs[pair] { f64::INFINITY } else { TOGETHER * size };
+            // What was open before is as well known from the interpolation alone. Where it touches, roundings count.
+            let roughly =
+                !self.fresh_pairs[pair] && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair);
             let mut gap = |time: f64| {
                 let mut value = [0.0];
-                self.evaluate(inputs, since, time, &[watched], &mut value);
+                self.evaluate(inputs, since, Inside { time, roughly }, &[watched], &mut value);
                 value[0]
             };
             let until = first.map_or(end, |known| known.high);
@@ -180,7 +185,7 @@ impl Eventful {
         let all: Vec<usize> = (0..self.watched.len()).collect();
         let mut values = vec![0.0; all.len()];
         let end = self.pieces[self.current].small.time;
-        self.evaluate(inputs, since, end, &all, &mut values);
+        self.evaluate(inputs, since, Inside::at(end), &all, &mut values);
         let state = &self.sample;
         let meets = |index: usize| {
             let watched = self.watched[index];
@@ -214,7 +219,7 @@ impl Eventful {
             return false;
         }
         let mut speed = |part: f64| {
-            self.place(since + part * (end - since));
+            self.place(Inside::at(since + part * (end - since)));
             let of =
                 |contact: &usize| touch_motion(&self.mode.contacts[*contact].contact.joint, &self.bodies).slip.norm();
             contacts.iter().map(of).fold(0.0, f64::max)
@@ -286,7 +291,7 @@ impl Eventful {
             outcome.rejected += usize::from(attempt == 0);
             let mut value = [0.0];
             let end = self.pieces[self.current].small.time;
-            self.evaluate(inputs, since, end, &which, &mut value);
+            self.evaluate(inputs, since, Inside::at(end), &which, &mut value);
             let [value] = value;
             if let Some((other, there)) = before
                 && other != length
@@ -301,7 +306,7 @@ impl Eventful {
                     slope = -value / (bracket.root - since - length).max(f64::MIN_POSITIVE);
                 }
             }
-            let noise = self.watched[bracket.watched].rounding(&self.holding).max(2e-16 * scale);
+            let noise = (WITHIN * self.watched[bracket.watched].rounding(&self.holding)).max(2e-16 * scale);
             if value.abs() <= noise || slope == 0.0 || stops && value.abs() <= STOPPED * self.memory.fastest {
                 break;
             }

@@ -283,7 +283,8 @@ impl<'a> Assessed<'a> {
 
 fn wanted(mechanism: &Mechanism, terms: &Terms, stop: f64) -> Wanted {
     let grows = mechanism.velocity_count > 1;
-    Wanted { accuracy: terms.tolerance, stop, start: terms.start, end: terms.end, grows }
+    let events = !mechanism.nonsmooth.is_empty();
+    Wanted { accuracy: terms.tolerance, stop, start: terms.start, end: terms.end, grows, events }
 }
 
 impl Integrator for Assessed<'_> {

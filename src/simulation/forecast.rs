@@ -10,7 +10,8 @@
 //!     ε ← min(ε/10, ε E/(30 ê))                where e > E/2, or where ê > 300 E at T/16, T/8, T/4 or T/2
 //! ```
 //!
-//! with the wanted accuracy `E`. Below a stop of 1e-13 there are only rounding errors; so the second restart uses the finest stop.
+//! with the wanted accuracy `E`. Below a stop of 1e-13 there are only rounding errors; so the second restart uses the finest stop. So does the first one of
+//! a run with events, below 1e-12: what amplifies errors there are impacts, and a run that is finer by ten thousand keeps its accuracy hardly longer.
 
 /// The finest stop, at rounding.
 pub(crate) const FINEST: f64 = 1e-16;
@@ -20,6 +21,8 @@ pub(crate) const ROUNDED: f64 = 1e-13;
 const USUAL: f64 = 0.04;
 /// with the weight of this many observed steps.
 const SEEN: f64 = 100.0;
+/// A restart of a run with events whose stop would be below this has the finest stop.
+const FINEST_WITH_EVENTS: f64 = 1e-12;
 /// A run is too coarse if its forecast error exceeds the tolerance by this factor.
 const TOO_COARSE: f64 = 300.0;
 /// A restarted run aims at the wanted accuracy over this.
@@ -43,6 +46,8 @@ pub(crate) struct Wanted {
     pub end: f64,
     /// Whether its errors may grow exponentially. Motions with one degree of freedom are not chaotic.
     pub grows: bool,
+    /// Whether it has events.
+    pub events: bool,
 }
 
 /// Forecasts of a run at a few instants.
@@ -61,7 +66,7 @@ impl Forecast {
 
     /// The forecast error at the end (m) if the run must restart, from its error at a time (s) after this many steps.
     pub fn too_coarse(&mut self, time: f64, steps: usize, error: f64) -> Option<f64> {
-        let Wanted { accuracy, stop, start, end, grows } = self.wanted;
+        let Wanted { accuracy, stop, start, end, grows, .. } = self.wanted;
         let (passed, whole, steps) = (time - start, end - start, steps as f64);
         let all = steps * whole / passed;
         let growth = ((error / stop).log10().max(0.0) + SEEN * USUAL) / (steps + SEEN);
@@ -76,11 +81,11 @@ impl Forecast {
 
     /// The stop of the restarted run, from the forecast error at the end (m); `again` for a second restart.
     pub fn finer(&self, predicted: f64, again: bool) -> f64 {
-        let Wanted { accuracy, stop, .. } = self.wanted;
+        let Wanted { accuracy, stop, events, .. } = self.wanted;
         // A run that has parted only shows that it was much too coarse.
         let wanted = if predicted.is_finite() { stop * accuracy / (AIM * predicted) } else { PARTED * stop };
         let stop = wanted.min(0.1 * stop).max(FINEST);
-        if again && stop < ROUNDED { FINEST } else { stop }
+        if again && stop < ROUNDED || events && stop < FINEST_WITH_EVENTS { FINEST } else { stop }
     }
 }
 
@@ -88,7 +93,7 @@ impl Forecast {
 mod tests {
     use super::*;
 
-    const WANTED: Wanted = Wanted { accuracy: 1e-6, stop: 1e-8, start: 2.0, end: 12.0, grows: true };
+    const WANTED: Wanted = Wanted { accuracy: 1e-6, stop: 1e-8, start: 2.0, end: 12.0, grows: true, events: false };
 
     #[test]
     fn an_error_above_half_of_what_is_wanted_begins_the_run_again_and_a_smaller_one_does_not() {
@@ -117,6 +122,17 @@ mod tests {
         assert_eq!(Forecast::new(WANTED).too_coarse(at, 4, 3e-7), None, "64 steps in all");
         let calm = Wanted { grows: false, ..WANTED };
         assert_eq!(Forecast::new(calm).too_coarse(at, 25, 3e-7), None, "one freedom");
+    }
+
+    #[test]
+    fn a_run_with_events_restarts_once_if_it_would_need_nearly_the_finest_stop() {
+        let forecast = Forecast::new(Wanted { stop: 1e-9, events: true, ..WANTED });
+        // 1e-9 · 1e-6 / (30 · 1e-3) is 3e-14, and with 1e-6 it is 3e-11.
+        assert_eq!(forecast.finer(1e-3, false), FINEST);
+        let finer = forecast.finer(1e-6, false);
+        assert!((finer / (1e-9 / 30.0) - 1.0).abs() < 1e-12, "{finer:e}");
+        // One that has parted from its companion.
+        assert_eq!(forecast.finer(f64::INFINITY, false), FINEST);
     }
 
     #[test]
