@@ -32,8 +32,12 @@ const STOPPED: f64 = 1e-10;
 const TURNED: f64 = 0.1;
 /// A force is located to this part of its roundings, by which it is beyond its bound then: what it holds lets go at once.
 const WITHIN: f64 = 0.1;
-/// After so many attempts that have not halved the smallest value of a function there is no root to be found.
+/// The smallest value of a function has fallen if it is less than this part of what it was. After so many attempts in which it has not there is no
+/// root to be found.
+const FALLS: f64 = 0.8;
 const STALE: usize = 3;
+/// In steps below this (s) that is so for slips as well.
+const SHORT: f64 = 1e-5;
 /// Slips below this part of it say nothing of how fast they fall.
 const STEEP: f64 = 1e-7;
 
@@ -264,7 +268,7 @@ impl Eventful {
             length = before;
         }
         let mut before: Option<(f64, f64)> = None;
-        // Whether an end beyond the root is known; the smallest value so far, and attempts since it was halved.
+        // Whether an end beyond the root is known; the smallest value so far, and attempts since it fell.
         let (mut passed, mut smallest, mut stale) = (false, f64::INFINITY, 0);
         for attempt in 0..ATTEMPTS {
             // So near to the start it is there.
@@ -310,10 +314,10 @@ impl Eventful {
             if value.abs() <= noise || slope == 0.0 || stops && value.abs() <= STOPPED * self.memory.fastest {
                 break;
             }
-            stale = if value.abs() < 0.5 * smallest { 0 } else { stale + 1 };
+            stale = if value.abs() < FALLS * smallest { 0 } else { stale + 1 };
             smallest = smallest.min(value.abs());
-            // It is noise, or has no root here.
-            if stale >= STALE {
+            // It is noise, or has no root here. In a long step the attempts may still find the stop of a slip that turns.
+            if stale >= STALE && (!stops || full < SHORT) {
                 break;
             }
             let change = -value / slope;
@@ -337,7 +341,7 @@ impl Eventful {
             let (from, to) = (low.min(length) - 1e-3 * full, high.max(length) + 1e-3 * full);
             length = if wanted > from.max(0.0) && wanted < to {
                 wanted
-            } else if passed {
+            } else if passed || stops {
                 0.5 * (low + high)
             } else if length < high {
                 high
