@@ -6,6 +6,38 @@
 /// States that are kept at most: the samples of a step, and those in which one root is looked for.
 const KEPT: usize = 32;
 
+/// An instant of the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Inside {
+    /// s.
+    pub time: f64,
+    /// Whether the state is as interpolated, so that closures are off by as much as interpolation errs. Bringing it on them takes ten times as long.
+    pub roughly: bool,
+}
+
+impl Inside {
+    /// With a state on all closures.
+    pub fn at(time: f64) -> Self {
+        Inside { time, roughly: false }
+    }
+
+    /// With a state as interpolated.
+    pub fn roughly(time: f64) -> Self {
+        Inside { time, roughly: true }
+    }
+}
+
+/// What is known of the sample of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Evaluated {
+    /// Where it is, in which making of the step; `None` if nothing is known.
+    pub at: Option<(Inside, u64)>,
+    /// Whether the bodies are placed there,
+    pub bodies: bool,
+    /// and the forces are those of this instant.
+    pub efforts: bool,
+}
+
 /// Positions and velocities at some times of one step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Instants {

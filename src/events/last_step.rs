@@ -3,43 +3,12 @@
 //! Functions are asked one by one at the samples of a step, and at one instant again and again. What was worked out there last is kept: where the bodies are,
 //! and the forces that hold joints and contacts.
 
+use crate::events::instants::{Evaluated, Inside};
 use crate::events::integrator::Eventful;
 use crate::events::present::Present;
 use crate::events::watched::Seen;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::place_bodies;
-
-/// An instant of the last step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Inside {
-    /// s.
-    pub time: f64,
-    /// Whether the state is as interpolated, so that closures are off by as much as interpolation errs. Bringing it on them takes ten times as long.
-    pub roughly: bool,
-}
-
-impl Inside {
-    /// With a state on all closures.
-    pub fn at(time: f64) -> Self {
-        Inside { time, roughly: false }
-    }
-
-    /// With a state as interpolated.
-    pub fn roughly(time: f64) -> Self {
-        Inside { time, roughly: true }
-    }
-}
-
-/// What is known of the sample of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Evaluated {
-    /// Where it is, in which making of the step; `None` if nothing is known.
-    at: Option<(Inside, u64)>,
-    /// Whether the bodies are placed there,
-    bodies: bool,
-    /// and the forces are those of this instant.
-    efforts: bool,
-}
 
 impl Eventful {
     /// Places the sample and its bodies at an instant of the last step.

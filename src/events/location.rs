@@ -10,8 +10,8 @@
 
 use crate::events::approach::{Closing, first_closing};
 use crate::events::detection::{Bracket, FIRST_SAMPLES, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change};
+use crate::events::instants::{Evaluated, Inside};
 use crate::events::integrator::Eventful;
-use crate::events::last_step::{Evaluated, Inside};
 use crate::events::watched::Watched;
 use crate::instant::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;

@@ -7,8 +7,8 @@
 
 use crate::events::detection::ONE_INSTANT;
 use crate::events::drives::displacement;
+use crate::events::instants::Evaluated;
 use crate::events::integrator::Eventful;
-use crate::events::last_step::Evaluated;
 use crate::events::mode::{JointMode, MotorMode};
 use crate::events::noted::{note_bound, side_of_bound};
 use crate::events::piece::Piece;
