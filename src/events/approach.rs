@@ -17,12 +17,16 @@ use crate::events::detection::soon_positive;
 const DEPTH: usize = 20;
 /// Bodies may be faster between the samples of a step than at them by this factor.
 const FASTER: f64 = 1.25;
+/// Speeds are steady while the least of them is this part of the largest.
+const STEADY: f64 = 0.9;
 
 /// What limits the speed of a gap over a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Speeds {
     /// Largest speed of the centre of mass [m/s] and largest angular speed [rad/s] of each body.
     bodies: Vec<(f64, f64)>,
+    /// The smallest.
+    least: Vec<(f64, f64)>,
 }
 
 /// A gap that closes between two times (s): open at the first, closed at the second.
@@ -39,12 +43,22 @@ impl Speeds {
     pub fn reset(&mut self, bodies: usize) {
         self.bodies.clear();
         self.bodies.resize(bodies, (0.0, 0.0));
+        self.least.clear();
+        self.least.resize(bodies, (f64::INFINITY, f64::INFINITY));
     }
 
     /// Takes a sample of the step.
     pub fn take(&mut self, body: usize, speed: f64, turning: f64) {
         let (fastest, most) = &mut self.bodies[body];
         (*fastest, *most) = (fastest.max(speed), most.max(turning));
+        let (slowest, least) = &mut self.least[body];
+        (*slowest, *least) = (slowest.min(speed), least.min(turning));
+    }
+
+    /// Whether no body has changed its speeds by more than a tenth, so that more samples would tell nothing.
+    pub fn are_steady(&self) -> bool {
+        let all = self.bodies.iter().zip(&self.least);
+        all.into_iter().all(|(most, least)| least.0 >= STEADY * most.0 && least.1 >= STEADY * most.1)
     }
 
     /// V of two bodies with their reaches [m/s].
@@ -136,6 +150,23 @@ mod tests {
                 assert!(low <= enters && enters <= high + 5e-4, "{low} {enters} {high}");
             }
         }
+    }
+
+    #[test]
+    fn speeds_are_steady_until_a_body_is_a_tenth_slower_or_turns_a_tenth_slower() {
+        let steady = |samples: &[(f64, f64)]| {
+            let mut speeds = Speeds::default();
+            speeds.reset(2);
+            for &(speed, turning) in samples {
+                speeds.take(0, speed, turning);
+                // One that rests is steady.
+                speeds.take(1, 0.0, 0.0);
+            }
+            speeds.are_steady()
+        };
+        assert!(steady(&[(2.0, 1.0), (1.81, 0.91), (1.9, 0.95)]));
+        assert!(!steady(&[(2.0, 1.0), (1.79, 0.91), (1.9, 0.95)]));
+        assert!(!steady(&[(2.0, 1.0), (1.81, 0.89), (1.9, 0.95)]));
     }
 
     #[test]

@@ -27,6 +27,11 @@ impl Crowding {
     pub const CALM: Crowding =
         Crowding { counts: [(0, f64::NEG_INFINITY); 2], left: 0, made: 0, ended: f64::NEG_INFINITY };
 
+    /// Counts steps that would only repeat what has happened, and are not made.
+    pub fn count_repeated(&mut self, steps: usize) {
+        self.counts.iter_mut().for_each(|(count, _)| *count += steps);
+    }
+
     /// Counts a step that begins at a time (s); whether it is to be one of first order.
     pub fn count(&mut self, time: f64) -> bool {
         if self.left == 0 {

@@ -1,6 +1,7 @@
 //! Where a watched function changes its sign first within a step, on dense output.
 //!
-//! Samples at `x_j = j/6`; a sign that changes between two of them is a bracket. Two roots between samples are found by the least value: where
+//! Samples at `x_j = j/6`, of which those at 0, 1/3 and 1 come first: a function whose least value there is more than twice what it changes by is not
+//! looked at any further. A sign that changes between two of them is a bracket. Two roots between samples are found by the least value: where
 //! the middle one of three samples is the least, the parabola through them tells whether a minimum may be below zero, and the
 //! minimum is looked for. The start of a step may be a root itself, of an element that has just changed its state: it counts as positive, and where the
 //! first sample is negative an earlier one that is positive is looked for.
@@ -11,6 +12,10 @@ use std::ops::Range;
 
 /// Samples of a step besides its start.
 pub(super) const SAMPLES: usize = 6;
+/// The samples that are looked at first,
+pub(super) const FIRST_SAMPLES: [usize; 3] = [0, 2, SAMPLES];
+/// and the least value of a function there over all that it changes by, above which it is not looked at any more.
+const CALM: f64 = 2.0;
 /// Halvings of the first interval in search of a positive value.
 const HALVINGS: i32 = 44;
 /// The root is bracketed to this part of the step.
@@ -50,6 +55,8 @@ pub(crate) struct Looking {
 pub(crate) struct Room {
     /// Sample after sample.
     values: Vec<f64>,
+    /// Which functions the first of them have shown to stay far from zero.
+    calm: Vec<bool>,
 }
 
 /// The first sign change of any function over `start … end` (s): `sample(time, which, values)` evaluates those that are asked for. Values down to
@@ -66,13 +73,20 @@ pub(crate) fn first_sign_change(
 ) -> Option<Bracket> {
     let length = end - start;
     let time = |j: usize| if j == SAMPLES { end } else { start + length * j as f64 / SAMPLES as f64 };
-    let values = &mut room.values;
+    let Room { values, calm } = room;
     values.resize(count * (SAMPLES + 1), 0.0);
-    for (j, values) in values.chunks_mut(count).enumerate() {
-        sample(time(j), 0..count, values);
+    for j in FIRST_SAMPLES {
+        sample(time(j), 0..count, &mut values[j * count..][..count]);
+    }
+    calm.clear();
+    calm.extend((0..count).map(|watched| is_calm(FIRST_SAMPLES.map(|j| values[j * count + watched]))));
+    for j in (0..=SAMPLES).filter(|j| !FIRST_SAMPLES.contains(j)) {
+        for watched in (0..count).filter(|&watched| !calm[watched]) {
+            sample(time(j), watched..watched + 1, &mut values[j * count + watched..][..1]);
+        }
     }
     let mut earliest: Option<Bracket> = None;
-    for watched in 0..count {
+    for watched in (0..count).filter(|&watched| !calm[watched]) {
         let of: [f64; SAMPLES + 1] = std::array::from_fn(|j| values[j * count + watched]);
         let mut value = |at: f64| {
             if let Some(j) = (0..=SAMPLES).find(|&j| time(j) == at) {
@@ -97,6 +111,14 @@ pub(crate) fn first_sign_change(
         }
     }
     earliest
+}
+
+/// Whether a function stays far from zero: it is larger at all samples than all that it changes by between them, several times.
+fn is_calm(samples: [f64; FIRST_SAMPLES.len()]) -> bool {
+    let (least, most) = samples
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(*value), most.max(*value)));
+    least > 0.0 && (least == f64::INFINITY || least > CALM * (most - least))
 }
 
 /// The first interval in which the sampled function becomes negative: positive at its start, negative at its end.
@@ -239,6 +261,25 @@ mod tests {
                 assert!((found.root - root).abs() < 1e-7, "{} for {root}", found.root);
             }
         }
+    }
+
+    #[test]
+    fn a_function_that_stays_far_from_zero_is_looked_at_three_times_and_one_that_comes_near_at_all_samples() {
+        let looks = |function: &dyn Fn(f64) -> f64| {
+            let mut count = 0;
+            let found = first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], |time, _, values| {
+                count += 1;
+                values[0] = function(time);
+            });
+            (count, found.is_some())
+        };
+        // It changes by 0.4, and is 0.8 at least; the other is 0.79.
+        assert_eq!(looks(&|time| 1.21 - 0.4 * time), (FIRST_SAMPLES.len(), false));
+        assert_eq!(looks(&|time| 1.19 - 0.4 * time), (SAMPLES + 1, false));
+        // What is not looked at: infinite, as of an element without bound.
+        assert_eq!(looks(&|_| f64::INFINITY), (FIRST_SAMPLES.len(), false));
+        // Negative from the start on, however little it changes.
+        assert!(looks(&|_| -1.0).1);
     }
 
     #[test]

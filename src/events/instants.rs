@@ -6,6 +6,38 @@
 /// States that are kept at most: the samples of a step, and those in which one root is looked for.
 const KEPT: usize = 32;
 
+/// An instant of the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Inside {
+    /// s.
+    pub time: f64,
+    /// Whether the state is as interpolated, so that closures are off by as much as interpolation errs. Bringing it on them takes ten times as long.
+    pub roughly: bool,
+}
+
+impl Inside {
+    /// With a state on all closures.
+    pub fn at(time: f64) -> Self {
+        Inside { time, roughly: false }
+    }
+
+    /// With a state as interpolated.
+    pub fn roughly(time: f64) -> Self {
+        Inside { time, roughly: true }
+    }
+}
+
+/// What is known of the sample of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Evaluated {
+    /// Where it is, in which making of the step; `None` if nothing is known.
+    pub at: Option<(Inside, u64)>,
+    /// Whether the bodies are placed there,
+    pub bodies: bool,
+    /// and the forces are those of this instant.
+    pub efforts: bool,
+}
+
 /// Positions and velocities at some times of one step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Instants {
@@ -15,6 +47,8 @@ pub(super) struct Instants {
     velocities: Vec<f64>,
     /// Where the next state is kept when there is no more room.
     oldest: usize,
+    /// How often the step was another.
+    makings: u64,
 }
 
 impl Instants {
@@ -24,6 +58,12 @@ impl Instants {
         self.positions.clear();
         self.velocities.clear();
         self.oldest = 0;
+        self.makings += 1;
+    }
+
+    /// A number that is another one after each step, and each time that one is made again.
+    pub fn makings(&self) -> u64 {
+        self.makings
     }
 
     /// Writes the state at a time (s), if it is known.

@@ -2,12 +2,13 @@
 
 use crate::events::approach::Speeds;
 use crate::events::crowding::Crowding;
+use crate::events::cycle::Cycle;
 use crate::events::decision::{Scene, held_bodies};
 use crate::events::detection::Looking;
 use crate::events::drives::Drives;
 use crate::events::held::Held;
 use crate::events::holding::Holding;
-use crate::events::instants::Instants;
+use crate::events::instants::{Evaluated, Instants};
 use crate::events::memory::{Found, Memory};
 use crate::events::mode::{Closures, JointMode, Mode, MotorMode};
 use crate::events::narrowed::Felt;
@@ -63,6 +64,8 @@ pub struct Eventful {
     pub(super) origin: State,
     pub(super) left: Option<State>,
     pub(super) sample: State,
+    /// What is known of it.
+    pub(super) evaluated: Evaluated,
     /// Room for looks at steps.
     pub(super) looking: Looking,
     pub(super) speeds: Speeds,
@@ -78,6 +81,8 @@ pub struct Eventful {
     /// When the run began (s).
     pub(super) began: f64,
     pub(super) flips: (usize, f64),
+    /// Modes in which steps ended where they began.
+    pub(super) cycle: Cycle,
     /// How often in a row an event at the start of a step has changed nothing.
     pub(super) unfounded: i32,
     /// Whether the next step does not look at these functions.
@@ -167,6 +172,7 @@ impl Eventful {
             holding,
             origin: state.clone(),
             sample: state,
+            evaluated: Evaluated::default(),
             looking: Looking::default(),
             left: None,
             efforts: vec![0.0; mechanism.velocity_count],
@@ -175,6 +181,7 @@ impl Eventful {
             felt: Felt::default(),
             began: 0.0,
             flips: (0, f64::MIN),
+            cycle: Cycle::default(),
             unfounded: 0,
             looks_away: false,
             ignored: Vec::new(),

@@ -9,10 +9,10 @@
 //! shows on the shortened step it is taken instead.
 
 use crate::events::approach::{Closing, first_closing};
-use crate::events::detection::{Bracket, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change};
+use crate::events::detection::{Bracket, FIRST_SAMPLES, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change};
+use crate::events::instants::{Evaluated, Inside};
 use crate::events::integrator::Eventful;
-use crate::events::present::Present;
-use crate::events::watched::{Seen, Watched};
+use crate::events::watched::Watched;
 use crate::instant::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
@@ -30,6 +30,14 @@ const RESOLUTION: f64 = 2e-3;
 const STOPPED: f64 = 1e-10;
 /// A slip that keeps this part of its speed has turned.
 const TURNED: f64 = 0.1;
+/// A force is located to this part of its roundings, by which it is beyond its bound then: what it holds lets go at once.
+const WITHIN: f64 = 0.1;
+/// The smallest value of a function has fallen if it is less than this part of what it was. After so many attempts in which it has not there is no
+/// root to be found.
+const FALLS: f64 = 0.8;
+const STALE: usize = 3;
+/// In steps below this (s) that is so for slips as well.
+const SHORT: f64 = 1e-5;
 /// Slips below this part of it say nothing of how fast they fall.
 const STEEP: f64 = 1e-7;
 
@@ -98,7 +106,7 @@ impl Eventful {
         }));
         let end = self.pieces[self.current].small.time;
         let found = first_sign_change(room, which.len(), since, end, noise, |time, of, values| {
-            self.evaluate(inputs, since, time, &which[of], values);
+            self.evaluate(inputs, since, Inside::at(time), &which[of], values);
         });
         found.map(|found| Bracket { watched: which[found.watched], ..found })
     }
@@ -116,9 +124,14 @@ impl Eventful {
         let end = self.pieces[self.current].small.time;
         let mut speeds = std::mem::take(&mut self.speeds);
         speeds.reset(self.whole.bodies.len());
-        for sample in 0..=SAMPLES {
+        let first = FIRST_SAMPLES.len();
+        let rest = (0..=SAMPLES).filter(|sample| !FIRST_SAMPLES.contains(sample));
+        for (count, sample) in FIRST_SAMPLES.into_iter().chain(rest).enumerate() {
+            if count == first && speeds.are_steady() {
+                break;
+            }
             let time = if sample == SAMPLES { end } else { since + (end - since) * sample as f64 / SAMPLES as f64 };
-            self.place(time);
+            self.place(Inside::roughly(time));
             for (index, body) in self.bodies.iter().enumerate() {
                 speeds.take(index, body.velocity.norm(), body.angular_velocity.norm());
             }
@@ -128,9 +141,12 @@ impl Eventful {
             let Pair { bodies, reach, size, .. } = self.touching.pairs[pair];
             let speed = speeds.closing(bodies, reach);
             let noise = if self.fresh_pairs[pair] { f64::INFINITY } else { TOGETHER * size };
+            // What was open before is as well known from the interpolation alone. Where it touches, roundings count.
+            let roughly =
+                !self.fresh_pairs[pair] && self.mode.contacts.iter().all(|closed| closed.contact.pair != pair);
             let mut gap = |time: f64| {
                 let mut value = [0.0];
-                self.evaluate(inputs, since, time, &[watched], &mut value);
+                self.evaluate(inputs, since, Inside { time, roughly }, &[watched], &mut value);
                 value[0]
             };
             let until = first.map_or(end, |known| known.high);
@@ -147,50 +163,6 @@ impl Eventful {
         }
         self.speeds = speeds;
         first
-    }
-
-    /// Places the sample and its bodies at a time of the last step.
-    fn place(&mut self, time: f64) {
-        let Eventful { whole, pieces, current, sample, origin, bodies, .. } = self;
-        sample.copy_from(origin);
-        pieces[*current].place(whole, time, sample);
-        place_bodies(whole, sample, bodies);
-    }
-
-    /// The values of some functions at a time of the last step.
-    fn evaluate(&mut self, inputs: Inputs, since: f64, time: f64, which: &[usize], values: &mut [f64]) {
-        let Eventful {
-            whole,
-            elements,
-            touching,
-            mode,
-            response,
-            pieces,
-            current,
-            holding,
-            sample,
-            watched,
-            origin,
-            efforts,
-            bodies,
-            slips,
-            ..
-        } = self;
-        let piece = &mut pieces[*current];
-        sample.copy_from(origin);
-        piece.place(whole, time, sample);
-        if which.iter().any(|&index| watched[index].needs_efforts()) {
-            mode.efforts_at(elements, inputs, since, sample, efforts);
-            let present = Present { whole, elements, touching, mode, moving: &piece.moving };
-            holding.evaluate(&present, response, sample, efforts);
-        }
-        if which.iter().any(|&index| watched[index].needs_bodies()) {
-            place_bodies(whole, sample, bodies);
-        }
-        let seen = Seen { elements, touching, mode, holding, since, time, state: sample, bodies, slips };
-        for (value, &index) in values.iter_mut().zip(which) {
-            *value = watched[index].value(&seen);
-        }
     }
 
     /// Makes the step again so that it ends at the first event; returns the functions that are zero there.
@@ -217,7 +189,7 @@ impl Eventful {
         let all: Vec<usize> = (0..self.watched.len()).collect();
         let mut values = vec![0.0; all.len()];
         let end = self.pieces[self.current].small.time;
-        self.evaluate(inputs, since, end, &all, &mut values);
+        self.evaluate(inputs, since, Inside::at(end), &all, &mut values);
         let state = &self.sample;
         let meets = |index: usize| {
             let watched = self.watched[index];
@@ -251,7 +223,7 @@ impl Eventful {
             return false;
         }
         let mut speed = |part: f64| {
-            self.place(since + part * (end - since));
+            self.place(Inside::at(since + part * (end - since)));
             let of =
                 |contact: &usize| touch_motion(&self.mode.contacts[*contact].contact.joint, &self.bodies).slip.norm();
             contacts.iter().map(of).fold(0.0, f64::max)
@@ -263,6 +235,7 @@ impl Eventful {
     /// The function that is negative from the start on, and all pairs that overlap there.
     fn overlaps_at_start(&mut self, negative: usize) -> Vec<Watched> {
         place_bodies(&self.whole, &self.origin, &mut self.bodies);
+        self.evaluated = Evaluated::default();
         let overlaps = |index: usize| match self.watched[index] {
             Watched::Approach(pair) => {
                 self.touching.distance(pair, &self.bodies) < -TOGETHER * self.touching.pairs[pair].size
@@ -295,6 +268,8 @@ impl Eventful {
             length = before;
         }
         let mut before: Option<(f64, f64)> = None;
+        // Whether an end beyond the root is known; the smallest value so far, and attempts since it fell.
+        let (mut passed, mut smallest, mut stale) = (false, f64::INFINITY, 0);
         for attempt in 0..ATTEMPTS {
             // So near to the start it is there.
             if length <= self.shortest(since) {
@@ -308,6 +283,7 @@ impl Eventful {
                 Err(StepError::NotConverged { .. }) if stops && attempt + 1 < ATTEMPTS => {
                     piece.go_back(since, &self.recipe);
                     high = high.min(length);
+                    passed = true;
                     let done = self.step_towards(inputs, since, since + 0.5 * (low + length))?;
                     length = self.pieces[self.current].small.time - since;
                     done
@@ -319,7 +295,7 @@ impl Eventful {
             outcome.rejected += usize::from(attempt == 0);
             let mut value = [0.0];
             let end = self.pieces[self.current].small.time;
-            self.evaluate(inputs, since, end, &which, &mut value);
+            self.evaluate(inputs, since, Inside::at(end), &which, &mut value);
             let [value] = value;
             if let Some((other, there)) = before
                 && other != length
@@ -334,7 +310,14 @@ impl Eventful {
                     slope = -value / (bracket.root - since - length).max(f64::MIN_POSITIVE);
                 }
             }
-            if value.abs() <= 2e-16 * scale || slope == 0.0 || stops && value.abs() <= STOPPED * self.memory.fastest {
+            let noise = (WITHIN * self.watched[bracket.watched].rounding(&self.holding)).max(2e-16 * scale);
+            if value.abs() <= noise || slope == 0.0 || stops && value.abs() <= STOPPED * self.memory.fastest {
+                break;
+            }
+            stale = if value.abs() < FALLS * smallest { 0 } else { stale + 1 };
+            smallest = smallest.min(value.abs());
+            // It is noise, or has no root here. In a long step the attempts may still find the stop of a slip that turns.
+            if stale >= STALE && (!stops || full < SHORT) {
                 break;
             }
             let change = -value / slope;
@@ -349,13 +332,23 @@ impl Eventful {
             if value > 0.0 {
                 low = low.max(length)
             } else {
-                high = high.min(length)
+                high = high.min(length);
+                passed = true;
             }
             before = Some((length, value));
             let wanted = length + change;
             // The dense output that has bracketed the root may be off by its error.
             let (from, to) = (low.min(length) - 1e-3 * full, high.max(length) + 1e-3 * full);
-            length = if wanted > from.max(0.0) && wanted < to { wanted } else { 0.5 * (low + high) };
+            length = if wanted > from.max(0.0) && wanted < to {
+                wanted
+            } else if passed || stops {
+                0.5 * (low + high)
+            } else if length < high {
+                high
+            } else {
+                // What the dense output has shown is none of the steps that end there.
+                break;
+            };
         }
         Ok(())
     }

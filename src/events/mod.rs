@@ -25,13 +25,14 @@
 //! | the effects, the memory and the list of events | `transition`, `contacts`, `flat_ends`, `planar_rims`, `impact`, `resting`, `decision`, `first_slips`, `memory`, `noted` |
 //! | efforts that hold joints, forces of closed contacts | `holding`, `closed_forces` |
 //! | the integrator: its modes, the moving mechanism of each mode, steps, schemes | `integrator`, `present`, `piece`, `instants`, `steps`, `piece_steps` |
-//! | rest, first-order steps in crowds of events, and the report of contacts | `quiet`, `crowding`, `stepwise`, `contact_points`, `reporting` |
+//! | rest, first-order steps in crowds of events, and the report of contacts | `quiet`, `cycle`, `crowding`, `stepwise`, `contact_points`, `reporting` |
 
 mod approach;
 mod closed_forces;
 mod contact_points;
 mod contacts;
 mod crowding;
+mod cycle;
 mod decision;
 mod detection;
 mod drives;
@@ -42,6 +43,7 @@ mod holding;
 mod impact;
 mod instants;
 mod integrator;
+mod last_step;
 mod location;
 mod memory;
 mod mode;

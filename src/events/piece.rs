@@ -105,8 +105,8 @@ impl Piece {
         }
     }
 
-    /// Puts what moves where it was at a time of the last step (s).
-    pub(super) fn place(&mut self, whole: &Mechanism, time: f64, state: &mut State) {
+    /// Puts what moves where it was at a time of the last step (s); roughly is as interpolated, but for closures.
+    pub(super) fn place(&mut self, whole: &Mechanism, time: f64, roughly: bool, state: &mut State) {
         let Piece { moving, steps, small, small_start, small_position, small_velocity, instants, .. } = self;
         state.time = time;
         let Some(steps) = steps else { return };
@@ -116,7 +116,9 @@ impl Piece {
                 return;
             }
         }
-        if !instants.recall(time, small_position, small_velocity) {
+        if roughly {
+            steps.interpolate(&moving.mechanism, time, small_position, small_velocity);
+        } else if !instants.recall(time, small_position, small_velocity) {
             steps.dense(&moving.mechanism, time, small_position, small_velocity);
             instants.keep(time, small_position, small_velocity);
         }

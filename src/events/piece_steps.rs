@@ -79,6 +79,12 @@ pub(super) trait PieceSteps: Integrator + Send {
         length: f64,
     ) -> Result<StepOutcome, StepError>;
 
+    /// Positions and velocities at a time inside the last step (s), which closures may be off from by as much as interpolation errs: for a fraction of
+    /// the time of [`Integrator::dense`].
+    fn interpolate(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        self.dense(mechanism, time, position, velocity);
+    }
+
     /// The mean square of the rate of a coordinate over the last step [(m/s)² or (rad/s)²]; `rates` is room.
     fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64;
 
@@ -120,6 +126,10 @@ impl PieceSteps for Lobatto {
         length: f64,
     ) -> Result<StepOutcome, StepError> {
         Lobatto::again(self, mechanism, inputs, state, length)
+    }
+
+    fn interpolate(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        Lobatto::interpolate(self, mechanism, time, position, velocity);
     }
 
     fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {

@@ -7,6 +7,7 @@
 
 use crate::events::detection::ONE_INSTANT;
 use crate::events::drives::displacement;
+use crate::events::instants::Evaluated;
 use crate::events::integrator::Eventful;
 use crate::events::mode::{JointMode, MotorMode};
 use crate::events::noted::{note_bound, side_of_bound};
@@ -53,6 +54,7 @@ impl Eventful {
         }
         self.origin.copy_from(state);
         self.last = self.current;
+        self.evaluated = Evaluated::default();
         inputs.write_constant(&mut self.efforts);
         self.mode.add_constant_efforts(&self.elements, &mut self.efforts);
         self.note_slips(state);
@@ -123,12 +125,21 @@ impl Eventful {
                 (count, time) if state.time - time <= ONE_INSTANT * time.abs().max(1.0) => (count + 1, time),
                 _ => (0, state.time),
             };
+            if at_start && !blind {
+                self.cycle.see(&self.mode, state);
+            } else {
+                self.cycle.leave();
+            }
             self.note_what_happens(&triggers, at_start);
             if triggers.is_empty() && blind {
                 triggers = self.overlooked();
             }
             let mode = self.mode.clone();
             outcome.exchange.impacts += self.pass(inputs, state, &triggers);
+            if at_start && self.flips.0 <= FLIPS && self.cycle.comes_back(&self.mode, state, self.memory.fastest) {
+                self.crowding.count_repeated(FLIPS - self.flips.0);
+                self.flips.0 = FLIPS + 1;
+            }
             // What changes nothing is a trick of the dense output: the next step does not look, and is longer each time that this happens.
             self.looks_away = at_start && mode.is_like(&self.mode);
             if self.looks_away || self.flips.0 > FLIPS {

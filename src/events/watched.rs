@@ -219,6 +219,15 @@ impl Watched {
         }
     }
 
+    /// What is rounding of its value, where that is known.
+    pub fn rounding(self, holding: &Holding) -> f64 {
+        match self {
+            Watched::Bears(index, _) => holding.rounding(index),
+            Watched::Presses(_) | Watched::Grips(_) => holding.rounding_of_contacts(),
+            _ => 0.0,
+        }
+    }
+
     /// Whether it is a function of the forces that hold joints and contacts.
     pub fn needs_efforts(self) -> bool {
         matches!(self, Watched::Bears(..) | Watched::Margin | Watched::Presses(_) | Watched::Grips(_))

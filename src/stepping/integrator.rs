@@ -277,6 +277,11 @@ impl Lobatto {
         self.stepper.again(driven.as_deref().unwrap_or(mechanism), inputs, state, length)
     }
 
+    /// Positions and velocities at a time inside the last step (s), as interpolated: closures may be off by as much as that errs.
+    pub fn interpolate(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        self.stepper.sample(mechanism, time, position, velocity);
+    }
+
     /// Rates of a scalar coordinate at all stages of the last step [m/s or rad/s], with the weights of the stages: what a damper along it
     /// has turned into heat is `h Σ_k b_k c ẏ_k²`.
     pub fn stage_rates(&self, freedom: usize, rates: &mut [f64]) -> &'static [f64] {
@@ -393,7 +398,7 @@ impl Integrator for Lobatto {
     }
 
     fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
-        self.stepper.sample(mechanism, time, position, velocity);
+        self.interpolate(mechanism, time, position, velocity);
         self.stepper.kernel.close(mechanism, position, velocity);
     }
 

@@ -1,0 +1,77 @@
+//! The inside of the last step: states, and functions of them, at its instants.
+//!
+//! Functions are asked one by one at the samples of a step, and at one instant again and again. What was worked out there last is kept: where the bodies are,
+//! and the forces that hold joints and contacts.
+
+use crate::events::instants::{Evaluated, Inside};
+use crate::events::integrator::Eventful;
+use crate::events::present::Present;
+use crate::events::watched::Seen;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::kinematics::place_bodies;
+
+impl Eventful {
+    /// Places the sample and its bodies at an instant of the last step.
+    pub(super) fn place(&mut self, instant: Inside) {
+        self.go_to(instant);
+        if !self.evaluated.bodies {
+            place_bodies(&self.whole, &self.sample, &mut self.bodies);
+            self.evaluated.bodies = true;
+        }
+    }
+
+    /// Puts the sample there.
+    fn go_to(&mut self, instant: Inside) {
+        let Eventful { whole, pieces, current, sample, origin, evaluated, .. } = self;
+        let piece = &mut pieces[*current];
+        let at = Some((instant, piece.instants.makings()));
+        if evaluated.at != at {
+            sample.copy_from(origin);
+            piece.place(whole, instant.time, instant.roughly, sample);
+            *evaluated = Evaluated { at, bodies: false, efforts: false };
+        }
+    }
+
+    /// The values of some functions at an instant of the last step.
+    pub(super) fn evaluate(
+        &mut self,
+        inputs: Inputs,
+        since: f64,
+        instant: Inside,
+        which: &[usize],
+        values: &mut [f64],
+    ) {
+        self.go_to(instant);
+        let Eventful {
+            whole,
+            elements,
+            touching,
+            mode,
+            response,
+            pieces,
+            current,
+            holding,
+            sample,
+            evaluated,
+            watched,
+            efforts,
+            bodies,
+            slips,
+            ..
+        } = self;
+        if !evaluated.efforts && which.iter().any(|&index| watched[index].needs_efforts()) {
+            mode.efforts_at(elements, inputs, since, sample, efforts);
+            let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
+            holding.evaluate(&present, response, sample, efforts);
+            evaluated.efforts = true;
+        }
+        if !evaluated.bodies && which.iter().any(|&index| watched[index].needs_bodies()) {
+            place_bodies(whole, sample, bodies);
+            evaluated.bodies = true;
+        }
+        let seen = Seen { elements, touching, mode, holding, since, time: instant.time, state: sample, bodies, slips };
+        for (value, &index) in values.iter_mut().zip(which) {
+            *value = watched[index].value(&seen);
+        }
+    }
+}
