@@ -24,7 +24,7 @@ const USUAL: f64 = 0.04;
 /// with the weight of this many observed steps.
 const SEEN: f64 = 15.0;
 /// A restart of a run with events whose stop would be below this has the finest stop.
-const FINEST_WITH_EVENTS: f64 = 1e-13;
+const FINEST_WITH_EVENTS: f64 = 3e-13;
 /// A run is too coarse if its forecast error exceeds the tolerance by this factor.
 const TOO_COARSE: f64 = 3.0;
 /// A restarted run aims at the wanted accuracy over this.

@@ -14,7 +14,6 @@
 //!
 //! Source of the basis: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, section 5.2.8.
 
-use crate::coupled::system::Screw;
 use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::TWIST;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -67,7 +66,7 @@ impl Dependent {
     }
 
     /// Leaves of the gaps of so many stages what motions change, with the gradients at the columns' stages. Does not allocate.
-    pub fn keep<V: Lanes>(&mut self, stages: usize, gradients: &[[Screw<V>; 2]], gaps: &mut [V]) {
+    pub fn keep<V: Lanes>(&mut self, stages: usize, gradients: &[[[V; TWIST]; 2]], gaps: &mut [V]) {
         let count = self.rows.len();
         for stage in 0..stages {
             for (index, &(row, sign)) in self.rows.iter().enumerate() {
