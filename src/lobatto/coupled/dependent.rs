@@ -14,7 +14,6 @@
 //!
 //! Source of the basis: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, section 5.2.8.
 
-use crate::coupled::system::Screw;
 use crate::numbers::lanes::Lanes;
 use crate::plan::elimination::TWIST;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -28,7 +27,7 @@ const ROUNDING: f64 = 1e-9;
 /// The equations between two bodies.
 #[derive(Clone, Debug)]
 pub(crate) struct Dependent {
-    /// Their rows, and 1 or −1 for the order of their ends.
+    /// Their rows, and −1 where the second of their ends is the first of the others: gaps change by the opposite of the gradient then.
     rows: Vec<(usize, f64)>,
     /// The columns of R, then of Q, one after the other.
     columns: Vec<f64>,
@@ -67,19 +66,19 @@ impl Dependent {
     }
 
     /// Leaves of the gaps of so many stages what motions change, with the gradients at the columns' stages. Does not allocate.
-    pub fn keep<V: Lanes>(&mut self, stages: usize, gradients: &[[Screw<V>; 2]], gaps: &mut [V]) {
+    pub fn keep<V: Lanes>(&mut self, stages: usize, gradients: &[[[V; TWIST]; 2]], gaps: &mut [V]) {
         let count = self.rows.len();
         for stage in 0..stages {
             for (index, &(row, sign)) in self.rows.iter().enumerate() {
                 for (component, lanes) in gradients[row][0].iter().enumerate() {
                     self.columns[component * count + index] = sign * lanes.to_array().as_ref()[stage];
                 }
-                self.gaps[index] = sign * gaps[row].to_array().as_ref()[stage];
+                self.gaps[index] = gaps[row].to_array().as_ref()[stage];
             }
             project(&mut self.columns, &mut self.gaps);
-            for (index, &(row, sign)) in self.rows.iter().enumerate() {
+            for (&(row, _), gap) in self.rows.iter().zip(&self.gaps) {
                 let mut lanes = gaps[row].to_array();
-                lanes.as_mut()[stage] = sign * self.gaps[index];
+                lanes.as_mut()[stage] = *gap;
                 gaps[row] = V::from_array(lanes);
             }
         }

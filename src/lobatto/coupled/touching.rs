@@ -128,29 +128,25 @@ impl<V: Lanes> Touching<V> {
         self.touches.iter().filter(|touch| touch.friction() != 0.0)
     }
 
-    /// How friction changes as slips turn and what slips that it lags behind make of it, contact by contact that has friction, and what the rates of
-    /// rolling contacts change by, row by row; the contacts have the rows `touches`, of which these are all multipliers. Returns whether the direction of
-    /// any friction lags behind its slip.
+    /// How friction changes as slips turn, contact by contact that has friction, and what the rates of rolling contacts change by, row by row; the
+    /// contacts have the rows `touches`, of which these are all multipliers.
     pub(crate) fn turn(
-        &mut self,
+        &self,
         touches: &[Range<usize>],
         multipliers: &[V],
-        [friction, behind]: [&mut [V]; 2],
+        friction: &mut [V],
         rolling: &mut [Option<[[V; TWIST]; 2]>],
-    ) -> bool {
-        let mut friction = friction.iter_mut().zip(behind);
-        let mut lags = false;
-        for (touch, rows) in self.touches.iter_mut().zip(touches).filter(|(touch, _)| touch.feels_slip()) {
+    ) {
+        let mut friction = friction.iter_mut();
+        for (touch, rows) in self.touches.iter().zip(touches).filter(|(touch, _)| touch.feels_slip()) {
             if touch.friction() == 0.0 {
                 for (axis, change) in touch.rolling().into_iter().enumerate() {
                     rolling[rows.start + 1 + axis] = Some(change);
                 }
-            } else if let Some((friction, behind)) = friction.next() {
-                [*friction, *behind] = touch.turning_friction(self.step, multipliers[rows.start]);
-                lags |= touch.iterated();
+            } else if let Some(friction) = friction.next() {
+                *friction = touch.turning_friction(self.step, multipliers[rows.start]);
             }
         }
-        lags
     }
 
     /// What friction took in the rows of the step for which the bodies are placed, for the multipliers `λ = h² Λ` (J).
