@@ -24,11 +24,15 @@ const INDEPENDENT: usize = 3;
 /// What is left of a column is rounding below this part of the largest of its kind.
 const ROUNDING: f64 = 1e-9;
 
+/// The bodies at the ends of equations, and a row with 1 or −1.
+type Ends = [Option<usize>; 2];
+type Signed = (usize, f64);
+
 /// The equations between two bodies.
 #[derive(Clone, Debug)]
 pub(crate) struct Dependent {
     /// Their rows, and −1 where the second of their ends is the first of the others: gaps change by the opposite of the gradient then.
-    rows: Vec<(usize, f64)>,
+    rows: Vec<Signed>,
     /// The columns of R, then of Q, one after the other.
     columns: Vec<f64>,
     gaps: Vec<f64>,
@@ -37,11 +41,11 @@ pub(crate) struct Dependent {
 impl Dependent {
     /// Those of a mechanism in which contacts slide with friction, for the rows of its loops and then of its contacts.
     pub fn all(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Self> {
-        let rubs = |body: [Option<usize>; 2]| {
-            let ends = |[a, b]: [Option<usize>; 2]| if a < b { [a, b] } else { [b, a] };
-            mechanism.rubbing().any(|joint| ends([joint.a.body, joint.b.body]) == body)
+        let rubs = |between: Ends| {
+            let sorted = |[a, b]: Ends| if a < b { [a, b] } else { [b, a] };
+            mechanism.rubbing().any(|joint| sorted([joint.a.body, joint.b.body]) == between)
         };
-        let mut found: Vec<([Option<usize>; 2], Vec<(usize, f64)>)> = Vec::new();
+        let mut found: Vec<(Ends, Vec<Signed>)> = Vec::new();
         for (number, ([a, b], rows)) in mechanism.closing_ends().zip(rows_of_closure).enumerate() {
             let (ends, sign) = if a.body < b.body { ([a.body, b.body], 1.0) } else { ([b.body, a.body], -1.0) };
             // Of a contact the first row is its gap; what rolls has others, of rates.
@@ -53,7 +57,7 @@ impl Dependent {
             }
         }
         let dependent = found.into_iter().filter(|(ends, rows)| rows.len() > INDEPENDENT && rubs(*ends));
-        let new = |rows: Vec<(usize, f64)>| {
+        let new = |rows: Vec<Signed>| {
             let (columns, gaps) = (vec![0.0; TWIST * rows.len()], vec![0.0; rows.len()]);
             Dependent { rows, columns, gaps }
         };
