@@ -37,7 +37,7 @@ const WITHIN: f64 = 0.1;
 const FALLS: f64 = 0.8;
 const STALE: usize = 3;
 /// In steps below this (s) that is so for slips as well.
-const SHORT: f64 = 1e-5;
+const SHORT: f64 = 1e-6;
 /// Slips below this part of it say nothing of how fast they fall.
 const STEEP: f64 = 1e-7;
 
