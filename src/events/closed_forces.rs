@@ -41,7 +41,7 @@ pub(crate) struct ClosedForces {
 }
 
 /// The blocks of a mode: held joints, then closed contacts; joints that slide have given efforts.
-pub(super) fn blocks(at: &Present, bodies: &[BodyState]) -> Vec<Block> {
+fn blocks(at: &Present, bodies: &[BodyState]) -> Vec<Block> {
     let Present { whole, elements, touching, mode, .. } = *at;
     let held = elements.joints.iter().zip(&mode.joints).enumerate();
     let held = held.filter(|(_, (_, mode))| matches!(mode, JointMode::Held { .. })).map(|(index, (joint, mode))| {
@@ -80,6 +80,47 @@ pub(crate) fn are_unique(at: &Present, response: &mut Response, state: &State) -
     Chosen::new(&blocks).is_unique(&rows.square)
 }
 
+/// What is closed and held at an instant, and how it answers.
+pub(super) struct Closing {
+    bodies: Vec<BodyState>,
+    pub blocks: Vec<Block>,
+    rows: Rows,
+    /// The accelerations without what is held, one entry a degree of freedom.
+    free: Vec<f64>,
+    /// b: what the rows of the blocks are accelerated by then.
+    offset: Vec<f64>,
+}
+
+impl Closing {
+    /// In a state of a mode, under efforts from outside, of friction in joints and of motors.
+    pub fn at(at: &Present, response: &mut Response, state: &State, efforts: &[f64]) -> Self {
+        let Present { whole, elements, mode, .. } = *at;
+        let bodies = body_states(whole, state);
+        let blocks = blocks(at, &bodies);
+        let rows = Rows::of(response, state, &blocks);
+        let mut free = vec![0.0; whole.velocity_count];
+        response.accelerations(state, efforts, &mut free);
+        let joint = |contact: usize| &mode.contacts[contact].contact.joint;
+        let offset = second_rates(whole, elements, &bodies, state, &free, &blocks, joint);
+        Closing { bodies, blocks, rows, free, offset }
+    }
+
+    /// λ of all rows.
+    pub fn forces(&self, unique: bool) -> Vec<f64> {
+        Chosen::new(&self.blocks).solve(&self.rows.square, &self.offset, unique)
+    }
+
+    /// The laws of the blocks.
+    pub fn laws(&self) -> Vec<Law> {
+        self.blocks.iter().map(|block| block.law).collect()
+    }
+
+    /// The problem of these laws.
+    pub fn problem<'p>(&'p self, laws: &'p [Law]) -> Problem<'p> {
+        Problem { mobility: &self.rows.square, free: &self.offset, laws }
+    }
+}
+
 /// The forces in a state of a mode, under efforts from outside, of friction in joints and of motors.
 pub(crate) fn closed_forces(
     at: &Present,
@@ -88,15 +129,12 @@ pub(crate) fn closed_forces(
     efforts: &[f64],
     unique: bool,
 ) -> ClosedForces {
-    let bodies = body_states(at.whole, state);
-    let blocks = blocks(at, &bodies);
-    let rows = Rows::of(response, state, &blocks);
-    let offset = offsets(at, response, state, efforts, &blocks, &bodies);
-    let chosen = Chosen::new(&blocks);
-    let forces = chosen.solve(&rows.square, &offset, unique);
+    let held = Closing::at(at, response, state, efforts);
+    let Closing { blocks, rows, offset, .. } = &held;
+    let forces = held.forces(unique);
     let mut found = ClosedForces { margin: f64::INFINITY, ..ClosedForces::default() };
     let mut row = 0;
-    for block in &blocks {
+    for block in blocks {
         match block.of {
             Of::Joint(index) => found.joints.push((index, forces[row])),
             Of::Contact(_) => {
@@ -111,8 +149,7 @@ pub(crate) fn closed_forces(
         .map(|row| forces[row].abs().max(offset[row].abs() / rows.square[(row, row)].max(f64::MIN_POSITIVE)))
         .fold(0.0, f64::max);
     if !unique {
-        let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
-        found.margin = margin_or_clear(&Problem { mobility: &rows.square, free: &offset, laws: &laws });
+        found.margin = margin_or_clear(&held.problem(&held.laws()));
     }
     found
 }
@@ -125,19 +162,15 @@ pub(crate) fn accelerations(
     efforts: &[f64],
     unique: bool,
 ) -> Vec<(f64, f64)> {
-    let bodies = body_states(at.whole, state);
-    let blocks = blocks(at, &bodies);
-    let rows = Rows::of(response, state, &blocks);
-    let offset = offsets(at, response, state, efforts, &blocks, &bodies);
-    let forces = DVector::from_vec(Chosen::new(&blocks).solve(&rows.square, &offset, unique));
-    let mut free = vec![0.0; state.velocity.len()];
-    response.accelerations(state, efforts, &mut free);
+    let held = Closing::at(at, response, state, efforts);
+    let forces = DVector::from_vec(held.forces(unique));
+    let columns = held.rows.columns();
     // All forces are the solution of one system: those that are next to nothing are rounded by the largest.
     let largest = forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
-    let sizes = rows.columns().row_iter().map(|row| largest * row.abs().sum());
-    let held = rows.columns() * forces;
-    let all = free.iter().zip(held.iter().zip(sizes));
-    all.map(|(free, (held, size))| (free + held, free.abs() + size)).collect()
+    let sizes = columns.row_iter().map(|row| largest * row.abs().sum());
+    let pushed = columns * forces;
+    let all = held.free.iter().zip(pushed.iter().zip(sizes));
+    all.map(|(free, (pushed, size))| (free + pushed, free.abs() + size)).collect()
 }
 
 /// How slips go on from a state, if their rates stay as they are.
@@ -158,20 +191,17 @@ pub(crate) fn slipping(
     unique: bool,
     rest: f64,
 ) -> Slipping {
-    let bodies = body_states(at.whole, state);
-    let blocks = blocks(at, &bodies);
-    let rows = Rows::of(response, state, &blocks);
-    let offset = offsets(at, response, state, efforts, &blocks, &bodies);
-    let forces = Chosen::new(&blocks).solve(&rows.square, &offset, unique);
-    let rates = &rows.square * DVector::from_vec(forces) + DVector::from_vec(offset);
+    let held = Closing::at(at, response, state, efforts);
+    let Closing { bodies, blocks, rows, offset, .. } = &held;
+    let rates = &rows.square * DVector::from_vec(held.forces(unique)) + DVector::from_column_slice(offset);
     // Where forces are not unique those of one pair stop together.
     let mut stops: Vec<(usize, f64, f64)> = Vec::new();
     let mut turns = f64::INFINITY;
     let mut row = 0;
-    for block in &blocks {
+    for block in blocks {
         if let (Of::Contact(index), Law::Sliding { direction: [x, y], .. }) = (block.of, block.law) {
             let Contact { pair, joint, .. } = &at.mode.contacts[index].contact;
-            let speed = touch_motion(joint, &bodies).slip.norm();
+            let speed = touch_motion(joint, bodies).slip.norm();
             let falls = -(x * rates[row + 1] + y * rates[row + 2]);
             let across = (x * rates[row + 2] - y * rates[row + 1]).abs();
             if speed > rest && across > 0.0 {
@@ -186,21 +216,6 @@ pub(crate) fn slipping(
     }
     let time = |&(_, speed, falls): &(usize, f64, f64)| if falls > 0.0 { speed / falls } else { f64::INFINITY };
     Slipping { stops: stops.iter().map(time).fold(f64::INFINITY, f64::min), turns }
-}
-
-/// b: what the rows of the blocks are accelerated by without what is held.
-pub(super) fn offsets(
-    at: &Present,
-    response: &mut Response,
-    state: &State,
-    efforts: &[f64],
-    blocks: &[Block],
-    bodies: &[BodyState],
-) -> Vec<f64> {
-    let Present { whole, elements, mode, .. } = *at;
-    let mut free = vec![0.0; whole.velocity_count];
-    response.accelerations(state, efforts, &mut free);
-    second_rates(whole, elements, bodies, state, &free, blocks, |contact| &mode.contacts[contact].contact.joint)
 }
 
 /// Which rows are equations, and what their forces push with.
@@ -246,11 +261,23 @@ impl Chosen {
         })
     }
 
+    /// To a unit diagonal of the symmetric part, so that what is singular does not depend on units.
+    fn scales(&self, mobility: &DMatrix<f64>) -> Vec<f64> {
+        let own = self.equations.iter().map(|&(row, _)| mobility[(row, row)]);
+        own.map(|own| if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }).collect()
+    }
+
+    /// [`Chosen::square`], scaled.
+    fn scaled(&self, mobility: &DMatrix<f64>, friction: bool, scales: &[f64]) -> DMatrix<f64> {
+        let square = self.square(mobility, friction);
+        let entry = |row: usize, column: usize| square[(row, column)] * scales[row] * scales[column];
+        DMatrix::from_fn(square.nrows(), square.ncols(), entry)
+    }
+
     /// The combinations z of scaled rows that are nothing, and `C z` for the same compliance of all contacts, both in columns of length one.
-    fn spread(&self, mobility: &DMatrix<f64>, scale: &impl Fn(usize) -> f64) -> Option<[DMatrix<f64>; 2]> {
+    fn spread(&self, mobility: &DMatrix<f64>, scales: &[f64]) -> Option<[DMatrix<f64>; 2]> {
         let count = self.equations.len();
-        let square = self.square(mobility, false);
-        let scaled = DMatrix::from_fn(count, count, |row, column| square[(row, column)] * scale(row) * scale(column));
+        let scaled = self.scaled(mobility, false, scales);
         if !scaled.iter().all(|value| value.is_finite()) {
             return None;
         }
@@ -261,11 +288,12 @@ impl Chosen {
             of_implied.map(|index| eigen.eigenvectors.column(index).into_owned()).collect();
         let (mut sum, mut contacts) = (0.0, 0);
         for index in (0..count).filter(|&index| self.touches[index]) {
-            (sum, contacts) = (sum + square[(index, index)], contacts + 1);
+            let row = self.equations[index].0;
+            (sum, contacts) = (sum + mobility[(row, row)], contacts + 1);
         }
         let even = sum / f64::from(contacts.max(1));
         let weighed = columns.iter().map(|column| {
-            let weight = |row: usize| if self.touches[row] { even * scale(row) * scale(row) } else { 1.0 };
+            let weight = |row: usize| if self.touches[row] { even * scales[row] * scales[row] } else { 1.0 };
             DVector::from_fn(count, |row, _| column[row] * weight(row)).normalize()
         });
         let weighed: Vec<DVector<f64>> = weighed.collect();
@@ -276,25 +304,20 @@ impl Chosen {
 
     /// λ of all rows.
     pub fn solve(&self, mobility: &DMatrix<f64>, offset: &[f64], unique: bool) -> Vec<f64> {
-        let square = self.square(mobility, true);
-        // Scaled to a unit diagonal of the symmetric part, so that what is singular does not depend on units.
-        let scale = |row: usize| {
-            let own = mobility[(self.equations[row].0, self.equations[row].0)];
-            if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }
-        };
         let count = self.equations.len();
-        let scaled = DMatrix::from_fn(count, count, |row, column| square[(row, column)] * scale(row) * scale(column));
-        let right = DVector::from_fn(count, |row, _| -offset[self.equations[row].0] * scale(row));
+        let scales = self.scales(mobility);
+        let scaled = self.scaled(mobility, true, &scales);
+        let right = DVector::from_fn(count, |row, _| -offset[self.equations[row].0] * scales[row]);
         let slides = self.equations.iter().any(|(_, pushes)| pushes.is_some());
         let direct = if unique {
             scaled.clone().lu().solve(&right)
-        } else if !slides {
-            None
-        } else {
-            self.spread(mobility, &scale).and_then(|[implied, weighed]| {
+        } else if slides {
+            self.spread(mobility, &scales).and_then(|[implied, weighed]| {
                 let own = &right - &implied * (implied.transpose() * &right);
                 (&scaled + implied * weighed.transpose()).lu().solve(&own)
             })
+        } else {
+            None
         };
         let direct = direct.filter(|solution| solution.iter().all(|value| value.is_finite()));
         let solution = direct.unwrap_or_else(|| {
@@ -302,7 +325,7 @@ impl Chosen {
         });
         let mut forces = vec![0.0; self.rows];
         for (index, &(row, pushes)) in self.equations.iter().enumerate() {
-            forces[row] = solution[index] * scale(index);
+            forces[row] = solution[index] * scales[index];
             if let Some([x, y]) = pushes {
                 (forces[row + 1], forces[row + 2]) = (-x * forces[row], -y * forces[row]);
             }

@@ -24,8 +24,10 @@ const ROUNDING: f64 = 1e-10;
 /// What a decision keeps closed or held.
 #[derive(Debug, Default)]
 pub(super) struct Kept {
-    /// With the first row of each block of the decision, and whether it is a contact that begins to slide.
-    blocks: Vec<(Block, usize, bool)>,
+    blocks: Vec<Block>,
+    /// The first row of each in the decision, and whether it is a contact that begins to slide.
+    firsts: Vec<usize>,
+    begins: Vec<bool>,
     /// Rows of joints that move, and their friction there [N m or N].
     pushes: Vec<(usize, f64)>,
 }
@@ -33,7 +35,9 @@ pub(super) struct Kept {
 impl Kept {
     /// Keeps a block; the law of a contact that slides has its direction.
     pub fn keep(&mut self, block: Block, row: usize, begins: bool) {
-        self.blocks.push((block, row, begins));
+        self.blocks.push(block);
+        self.firsts.push(row);
+        self.begins.push(begins);
     }
 
     /// Takes the friction of a joint that moves.
@@ -44,20 +48,20 @@ impl Kept {
     /// The directions, in the tangents of each kept contact, of those that begin to slide; none where the forces are unique, so that the directions are
     /// right, or where no directions fit.
     pub fn first_slips(mut self, mobility: &DMatrix<f64>, free: &[f64]) -> Vec<Option<[f64; 2]>> {
-        if !self.blocks.iter().any(|(.., begins)| *begins) {
+        if !self.begins.contains(&true) {
             return Vec::new();
         }
-        let rows: Vec<usize> = self.blocks.iter().flat_map(|(block, row, _)| *row..*row + block.rows.len()).collect();
+        let of_block = |(block, &first): (&Block, &usize)| first..first + block.rows.len();
+        let rows: Vec<usize> = self.blocks.iter().zip(&self.firsts).flat_map(of_block).collect();
         let own = DMatrix::from_fn(rows.len(), rows.len(), |row, column| mobility[(rows[row], rows[column])]);
         let pushed =
             |row: usize| self.pushes.iter().map(|(other, effort)| mobility[(row, *other)] * effort).sum::<f64>();
         let free: Vec<f64> = rows.iter().map(|&row| free[row] + pushed(row)).collect();
-        let blocks = |kept: &[(Block, usize, bool)]| kept.iter().map(|(block, ..)| block.clone()).collect::<Vec<_>>();
-        if Chosen::new(&blocks(&self.blocks)).is_unique(&own) {
+        if Chosen::new(&self.blocks).is_unique(&own) {
             return Vec::new();
         }
         for _ in 0..ROUNDS {
-            let forces = Chosen::new(&blocks(&self.blocks)).solve(&own, &free, false);
+            let forces = Chosen::new(&self.blocks).solve(&own, &free, false);
             let rates = &own * DVector::from_column_slice(&forces) + DVector::from_column_slice(&free);
             match self.turn(&forces, rates.as_slice()) {
                 Some(turned) if turned <= FOUND => return self.directions(),
@@ -72,7 +76,7 @@ impl Kept {
     fn turn(&mut self, forces: &[f64], rates: &[f64]) -> Option<f64> {
         let least = -ROUNDING * forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
         let (mut row, mut turned) = (0, 0.0_f64);
-        for (block, _, begins) in &mut self.blocks {
+        for (block, begins) in self.blocks.iter_mut().zip(&self.begins) {
             if let Law::Sliding { direction, .. } = &mut block.law {
                 let along = [rates[row + 1], rates[row + 2]];
                 let size = along[0].hypot(along[1]);
@@ -91,11 +95,11 @@ impl Kept {
     }
 
     fn directions(&self) -> Vec<Option<[f64; 2]>> {
-        let contacts = self.blocks.iter().filter(|(block, ..)| matches!(block.of, Of::Contact(_)));
-        let direction = |(block, _, begins): &(Block, usize, bool)| match block.law {
+        let direction = |(block, begins): (&Block, &bool)| match block.law {
             Law::Sliding { direction, .. } if *begins => Some(direction),
             _ => None,
         };
+        let contacts = self.blocks.iter().zip(&self.begins).filter(|(block, _)| matches!(block.of, Of::Contact(_)));
         contacts.map(direction).collect()
     }
 }

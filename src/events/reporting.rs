@@ -3,14 +3,13 @@
 //! Where several forces fit the law those of least compliance are told ([`crate::instant::cone`]), which are unique and do not pinch; where something slides,
 //! those of the steps ([`crate::events::closed_forces`]), because each pressure moves it in another way.
 
-use crate::events::closed_forces::{Chosen, blocks, offsets};
+use crate::events::closed_forces::Closing;
 use crate::events::present::Present;
-use crate::instant::blocks::{Of, Rows};
-use crate::instant::cone::problem::{Law, Problem, Unsolved};
+use crate::instant::blocks::Of;
+use crate::instant::cone::problem::{Law, Unsolved};
 use crate::instant::cone::{least_compliance, solve};
 use crate::instant::response::Response;
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 
 /// Forces outside their cones by less than this part of the largest are inside.
@@ -41,27 +40,24 @@ impl Reporting {
         if self.found.len() == at.mode.contacts.len() && self.state.as_ref().is_some_and(same) {
             return &self.found;
         }
-        let bodies = body_states(at.whole, state);
-        let blocks = blocks(at, &bodies);
-        let rows = Rows::of(&mut self.response, state, &blocks);
-        let offset = offsets(at, &mut self.response, state, efforts, &blocks, &bodies);
-        let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
+        let held = Closing::at(at, &mut self.response, state, efforts);
+        let laws = held.laws();
         let slides = laws.iter().any(|law| matches!(law, Law::Sliding { .. }));
         // What slides moves as those of the steps say.
-        let of_steps = (unique || slides).then(|| Chosen::new(&blocks).solve(&rows.square, &offset, unique));
+        let of_steps = (unique || slides).then(|| held.forces(unique));
         self.forces = if let Some(forces) = of_steps.filter(|forces| unique || fit(&laws, forces)) {
             forces
         } else {
-            let problem = Problem { mobility: &rows.square, free: &offset, laws: &laws };
+            let problem = held.problem(&laws);
             match solve(&problem, Some(&self.forces)) {
                 Ok(answer) => least_compliance(&problem, &answer),
                 Err(Unsolved::Stopped { best }) => best.forces,
-                Err(_) => Chosen::new(&blocks).solve(&rows.square, &offset, false),
+                Err(_) => held.forces(false),
             }
         };
         self.found.clear();
         let mut row = 0;
-        for block in &blocks {
+        for block in &held.blocks {
             if let Of::Contact(_) = block.of {
                 let mut force = [0.0; 3];
                 force[..block.rows.len()].copy_from_slice(&self.forces[row..row + block.rows.len()]);
