@@ -1,7 +1,7 @@
 //! The closed contacts in a state of the last step, as reports name them.
 
 use crate::events::integrator::Eventful;
-use crate::events::present::Present;
+use crate::events::modes::present::Present;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -9,7 +9,7 @@ use crate::mechanism::motion::touches::{tangents, touch_motion};
 
 impl Eventful {
     /// Adds the closed contacts in a state of the last step: at its end, or inside it.
-    pub(super) fn report_contacts(&self, state: &State, out: &mut Vec<ContactPoint>) {
+    pub(crate) fn report_contacts(&self, state: &State, out: &mut Vec<ContactPoint>) {
         let inside = self.left.as_ref().is_some_and(|left| state.time < left.time);
         let mode = self.stepped_in.as_ref().filter(|_| inside).unwrap_or(&self.mode);
         if mode.contacts.is_empty() {

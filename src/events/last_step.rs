@@ -3,16 +3,16 @@
 //! Functions are asked one by one at the samples of a step, and at one instant again and again. What was worked out there last is kept: where the bodies are,
 //! and the forces that hold joints and contacts.
 
-use crate::events::instants::{Evaluated, Inside};
+use crate::events::finding::watched::Seen;
 use crate::events::integrator::Eventful;
-use crate::events::present::Present;
-use crate::events::watched::Seen;
+use crate::events::modes::instants::{Evaluated, Inside};
+use crate::events::modes::present::Present;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::place_bodies;
 
 impl Eventful {
     /// Places the sample and its bodies at an instant of the last step.
-    pub(super) fn place(&mut self, instant: Inside) {
+    pub(crate) fn place(&mut self, instant: Inside) {
         self.go_to(instant);
         if !self.evaluated.bodies {
             place_bodies(&self.whole, &self.sample, &mut self.bodies);
@@ -33,7 +33,7 @@ impl Eventful {
     }
 
     /// The values of some functions at an instant of the last step.
-    pub(super) fn evaluate(
+    pub(crate) fn evaluate(
         &mut self,
         inputs: Inputs,
         since: f64,

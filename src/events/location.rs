@@ -8,11 +8,13 @@
 //! order of the scheme, so that a secant is as good as one more unknown in the equations of the stages. Where an earlier root
 //! shows on the shortened step it is taken instead.
 
-use crate::events::approach::{Closing, first_closing};
-use crate::events::detection::{Bracket, FIRST_SAMPLES, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change};
-use crate::events::instants::{Evaluated, Inside};
+use crate::events::finding::approach::{Closing, first_closing};
+use crate::events::finding::detection::{
+    Bracket, FIRST_SAMPLES, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change,
+};
+use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
-use crate::events::watched::Watched;
+use crate::events::modes::instants::{Evaluated, Inside};
 use crate::instant::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
@@ -67,7 +69,7 @@ impl Eventful {
     }
 
     /// Where a function changes its sign first in the last step; `but` is one that is known.
-    pub(super) fn detect(&mut self, inputs: Inputs, since: f64, but: Option<usize>) -> Option<Bracket> {
+    pub(crate) fn detect(&mut self, inputs: Inputs, since: f64, but: Option<usize>) -> Option<Bracket> {
         let mut looking = std::mem::take(&mut self.looking);
         let found = self.look(inputs, since, but, &mut looking);
         self.looking = looking;
@@ -166,7 +168,7 @@ impl Eventful {
     }
 
     /// Makes the step again so that it ends at the first event; returns the functions that are zero there.
-    pub(super) fn locate(
+    pub(crate) fn locate(
         &mut self,
         inputs: Inputs,
         first: Bracket,

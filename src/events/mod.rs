@@ -14,52 +14,30 @@
 //! The dense output is of lower order than the ends of steps, so it only brackets the event. One problem for all closures, joints and contacts
 //! ([`crate::instant::cone`]) decides at the end of the step on impacts, sticking and release.
 //!
-//! | what | where |
+//! | room | what is in it |
 //! |---|---|
-//! | limits, friction, motors, pairs of shapes, and the states they can be in | [`crate::instant::elements`], [`crate::instant::touching`], `mode` |
-//! | the remaining degrees of freedom while joints are held and contacts closed | `held` |
-//! | motors within steps; contacts that slide within steps | `drives`, `sliding` |
-//! | efforts of a controller that reads the whole state, restricted to the remaining degrees of freedom | `narrowed` |
-//! | functions whose sign is watched; where one changes; the step that ends there | `watched`, `detection`, `approach`, `location` |
-//! | accelerations and velocities under efforts and impulses, and the laws | [`crate::instant::response`], [`crate::instant::blocks`], [`crate::instant::cone`] |
-//! | the effects, the memory and the list of events | `transition`, `contacts`, `flat_ends`, `planar_rims`, `impact`, `resting`, `decision`, `first_slips`, `memory`, `noted` |
-//! | efforts that hold joints, forces of closed contacts | `holding`, `closed_forces` |
-//! | the integrator: its modes, the moving mechanism of each mode, steps, schemes | `integrator`, `present`, `piece`, `instants`, `steps`, `piece_steps` |
-//! | rest, first-order steps in crowds of events, and the report of contacts | `quiet`, `cycle`, `crowding`, `stepwise`, `contact_points`, `reporting` |
+//! | `modes` | the states of joints, motors and contacts; what is left to move in them, with its steps |
+//! | `forces` | efforts that hold joints, forces of closed contacts, and their report |
+//! | `finding` | functions whose sign is watched, where one changes within a step, distances that close |
+//! | `effects` | what follows: impulses, which contacts stay closed and stick, the next mode, the list of events |
+//! | here | the integrator: its steps, those that end at events, rest, and crowds of events |
+//!
+//! A room imports those above it in this table. Limits, friction, motors and pairs of shapes are in [`crate::instant::elements`] and
+//! [`crate::instant::touching`], accelerations and velocities under efforts and impulses in [`crate::instant::response`],
+//! [`crate::instant::blocks`] and [`crate::instant::cone`].
 
-mod approach;
-mod closed_forces;
 mod contact_points;
-mod contacts;
 mod crowding;
-mod cycle;
-mod decision;
-mod detection;
-mod drives;
-mod first_slips;
-mod flat_ends;
-mod held;
-mod holding;
-mod impact;
-mod instants;
+mod effects;
+mod finding;
+mod forces;
 mod integrator;
 mod last_step;
 mod location;
-mod memory;
-mod mode;
-mod narrowed;
-mod noted;
-mod piece;
-mod piece_steps;
-mod planar_rims;
-mod present;
+mod modes;
 mod quiet;
-mod reporting;
-mod resting;
 mod sliding;
 mod steps;
 mod stepwise;
-mod transition;
-mod watched;
 
 pub use integrator::Eventful;

@@ -1,8 +1,8 @@
 //! Rest on contacts: bodies that have stopped moving are not simulated until something changes.
 
-use crate::events::closed_forces::accelerations;
+use crate::events::forces::closed_forces::accelerations;
 use crate::events::integrator::Eventful;
-use crate::events::present::Present;
+use crate::events::modes::present::Present;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;

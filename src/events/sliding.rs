@@ -6,11 +6,11 @@
 //!
 //! Beyond the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
-use crate::events::closed_forces::{Slipping, slipping};
+use crate::events::effects::resting::energy;
+use crate::events::forces::closed_forces::{Slipping, slipping};
 use crate::events::integrator::Eventful;
-use crate::events::piece::Piece;
-use crate::events::present::Present;
-use crate::events::resting::energy;
+use crate::events::modes::piece::Piece;
+use crate::events::modes::present::Present;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::inputs::Inputs;

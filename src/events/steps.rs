@@ -5,16 +5,16 @@
 //!                                                   └▶ a bracket: located (location.rs)
 //! ```
 
-use crate::events::detection::ONE_INSTANT;
-use crate::events::drives::displacement;
-use crate::events::instants::Evaluated;
+use crate::events::effects::noted::{note_bound, side_of_bound};
+use crate::events::finding::detection::ONE_INSTANT;
+use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
-use crate::events::mode::{JointMode, MotorMode};
-use crate::events::noted::{note_bound, side_of_bound};
-use crate::events::piece::Piece;
+use crate::events::modes::drives::displacement;
+use crate::events::modes::instants::Evaluated;
+use crate::events::modes::mode::{JointMode, MotorMode};
+use crate::events::modes::piece::Piece;
 use crate::events::quiet::QUIET;
 use crate::events::sliding::JAM;
-use crate::events::watched::Watched;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::contact_point::ContactPoint;

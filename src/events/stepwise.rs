@@ -15,8 +15,8 @@
 //! Computer Methods in Applied Mechanics and Engineering 177 (1999).
 
 use crate::events::crowding::STEP;
+use crate::events::effects::resting::energy;
 use crate::events::integrator::Eventful;
-use crate::events::resting::energy;
 use crate::instant::assembly::assemble;
 use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::cone::problem::{Law, Problem, Unsolved};

@@ -9,7 +9,7 @@ use crate::model::robot_model::{JointRecord, Model};
 use crate::scene::Scene;
 use crate::scene::coupling::LinkReference;
 use crate::scene::robot::{Pose, UrdfJoint, UrdfJointKind};
-use crate::scene::schema::WORLD_LINK;
+use crate::scene::world::WORLD_LINK;
 use crate::scene::{Element, Warning};
 use std::path::{Path, PathBuf};
 

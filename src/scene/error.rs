@@ -145,10 +145,10 @@ pub enum Problem {
     #[error("the scene has no [[robot]]")]
     NoRobots,
     /// A name that cannot be told from another.
-    #[error("the name of a robot must not be empty, {WORLD_LINK:?} or contain \"/\"", WORLD_LINK = crate::scene::schema::WORLD_LINK)]
+    #[error("the name of a robot must not be empty, {WORLD_LINK:?} or contain \"/\"", WORLD_LINK = crate::scene::world::WORLD_LINK)]
     RobotName,
     /// An obstacle whose name says something else, too.
-    #[error("the name of an obstacle must not be empty, {WORLD_LINK:?} or contain \"|\" or \"*\"", WORLD_LINK = crate::scene::schema::WORLD_LINK)]
+    #[error("the name of an obstacle must not be empty, {WORLD_LINK:?} or contain \"|\" or \"*\"", WORLD_LINK = crate::scene::world::WORLD_LINK)]
     ObstacleName,
     /// A link or joint that no robot has.
     #[error("there is no {what} {name:?}{}", hint(*robots))]

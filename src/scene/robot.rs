@@ -3,8 +3,9 @@
 //! Units: m, rad, kg, kg m², N m. A [`Pose`] `X` places a child frame in its parent: `p_parent = X p_child`.
 
 use crate::scene::bounded::read_bounded;
-use crate::scene::schema::WORLD_LINK;
 use crate::scene::warning::Warning;
+use crate::scene::world::WORLD_LINK;
+
 use nalgebra::{IsometryMatrix3, Matrix3, Vector3};
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -14,7 +14,7 @@ const MOMENTS: [(&str, usize, usize); 6] =
     [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)];
 
 /// All parameters of a scene, without what the files say.
-pub(super) fn all(scene: &Scene) -> Vec<Parameter> {
+pub(crate) fn all(scene: &Scene) -> Vec<Parameter> {
     let mut keys = Keys { several: scene.robots.len() > 1, all: Vec::new() };
     keys.vector("scene", "gravity", Range::Finite, Place::Gravity);
     for (index, robot) in scene.robots.iter().enumerate() {

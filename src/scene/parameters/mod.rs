@@ -40,7 +40,7 @@ mod stand;
 
 use crate::scene::description::Scene;
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::scene_numbers::{Bound, Finite, Fraction, NotNegative, Positive, STAGES};
+use crate::scene::scene_reading::scene_numbers::{Bound, Finite, Fraction, NotNegative, Positive, STAGES};
 use place::Place;
 
 /// A number of a scene: where it is, what it may be, and what the files say it is.

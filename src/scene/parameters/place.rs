@@ -4,7 +4,7 @@ use crate::scene::coupling::JointReference;
 
 /// A place of a number. Robots, links and all tables are counted from 0.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Place {
+pub(crate) enum Place {
     Gravity(usize),
     BasePosition {
         robot: usize,
@@ -190,7 +190,7 @@ pub(super) enum Place {
 
 /// The numbers of a motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum MotorNumber {
+pub(crate) enum MotorNumber {
     Kp,
     Kd,
     Target,
@@ -200,7 +200,7 @@ pub(super) enum MotorNumber {
 
 /// The numbers of a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum SpringNumber {
+pub(crate) enum SpringNumber {
     Stiffness,
     Damping,
     Rest,
@@ -208,7 +208,7 @@ pub(super) enum SpringNumber {
 
 /// The numbers of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum ShapeNumber {
+pub(crate) enum ShapeNumber {
     Radius,
     Length,
     /// Along an axis.

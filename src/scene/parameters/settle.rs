@@ -8,11 +8,11 @@ use crate::meshes::collision_surface;
 use crate::scene::contact_settings::Obstacle;
 use crate::scene::description::Scene;
 use crate::scene::error::{Element, Problem};
-use crate::scene::inertia::impossible_inertia;
 use crate::scene::joint_settings::LimitChoice;
 use crate::scene::numbers::{normalised, turn, turn_of_z};
 use crate::scene::parameters::place::{Place, ShapeNumber};
 use crate::scene::robot::Geometry;
+use crate::scene::urdf_reading::inertia::impossible_inertia;
 use nalgebra::Vector3;
 use std::sync::Arc;
 

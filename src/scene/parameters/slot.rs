@@ -4,7 +4,7 @@ use crate::mechanism::description::target::Target;
 use nalgebra::Matrix3;
 
 /// A number that can be read and replaced.
-pub(super) enum Slot<'s> {
+pub(crate) enum Slot<'s> {
     Number(&'s mut f64),
     Optional(&'s mut Option<f64>),
     /// Half of the number is what is kept.

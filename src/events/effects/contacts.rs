@@ -1,0 +1,341 @@
+//! The contacts of an event: which of them meet, as elements of the impact problem, and how they come to rest.
+//!
+//! ```text
+//!     met:      n, t₁, t₂ of every contact with |φ| ≤ 1e-11 of its size
+//!     closed:   γ = φ̇ ≤ rest                          it may stay
+//!     at rest:  closed, and |u_T| ≤ rest              friction may hold it
+//! ```
+//!
+//! A contact that slides while no acceleration fits Coulomb's law (Painlevé) is seized: an impulse without collision, all contacts plastic.
+//!
+//! Source: F. Génot, B. Brogliato, New results on Painlevé paradoxes, European Journal of Mechanics A 18 (1999).
+
+use crate::events::effects::decision::{Candidate, Decided, Scene, Yielding};
+use crate::events::effects::flat_ends::Asked;
+use crate::events::effects::impact::Meeting;
+use crate::events::effects::memory::Found;
+use crate::events::effects::planar_rims::{land_opposite, touching_point};
+use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
+use crate::events::finding::watched::Watched;
+use crate::events::modes::mode::{Closed, Mode};
+use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
+use crate::instant::cone::bounded::minimise;
+use crate::instant::cone::impact::impulse_without_collision;
+use crate::instant::cone::problem::{Law, Problem};
+use crate::instant::touching::Contact;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::contact::TouchJoint;
+use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, body_states};
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::{tangents, touch_accelerations, touch_motion};
+use nalgebra::Vector3;
+
+/// Features this near to each other, relative to the size of their pair, touch.
+const TOUCHED: f64 = 1e-11;
+/// The same at the start of a run.
+const TOUCHED_AT_START: f64 = 1e-9;
+/// Overlaps of more than this part of the size of a pair are moved apart.
+const OVERLAP: f64 = 1e-12;
+/// Gaps up to this are closed (m).
+const CLOSED: f64 = 1e-15;
+/// Slower than this part of the fastest that any body has been is rest.
+const REST: f64 = 1e-10;
+/// So is this [m/s].
+const SLOWEST: f64 = 1e-13;
+/// The contacts of a pair are at rest if none of them is faster than this many times what is rest for one.
+const TOGETHER: f64 = 100.0;
+/// Slips that have been seen to stop may be faster by this factor: a step that ends at the stop leaves what lies across them.
+const STOPPED: f64 = 1e4;
+/// Slips of contacts that jam may be faster than rest by this factor at most.
+const JAMMED: f64 = 1e6;
+/// Points of a flat end whose gaps fall with less than this part of the largest acceleration do not: laws are solved to 1e-10.
+const LOWEST: f64 = 1e-9;
+
+/// The contacts of an event.
+pub(crate) struct Contacts {
+    all: Vec<Contact>,
+    /// Their numbers in the mode before, where they were closed.
+    known: Vec<Option<usize>>,
+    /// What is left to be decided once impacts are over.
+    pub candidates: Vec<Candidate>,
+    rest: f64,
+    /// By how much slips may be faster than rest and are stopped even so; 1 unless contacts jam ([`Contacts::jams`]).
+    jam: f64,
+}
+
+impl Contacts {
+    /// Those that touch in a state: the closed ones of the mode before, and of pairs in which something happens whatever touches.
+    pub fn gather(scene: &Scene, before: &Mode, state: &State, found: &Found, fastest: f64) -> Self {
+        let Scene { whole, touching, .. } = scene;
+        let mut contacts =
+            Contacts { all: Vec::new(), known: Vec::new(), candidates: Vec::new(), rest: SLOWEST, jam: 1.0 };
+        if touching.pairs.is_empty() {
+            return contacts;
+        }
+        let bodies = body_states(whole, state);
+        let speeds = bodies.iter().map(|body| body.velocity.norm());
+        contacts.rest = SLOWEST.max(REST * speeds.fold(fastest, f64::max));
+        for (pair, size) in touching.pairs.iter().map(|pair| pair.size).enumerate() {
+            let closed = || before.contacts.iter().enumerate().filter(|(_, closed)| closed.contact.pair == pair);
+            let happens = |trigger: &Watched| match *trigger {
+                Watched::Approach(of) => of == pair,
+                Watched::Feature(contact) => before.contacts[contact].contact.pair == pair,
+                // A flat end is looked at without the points that its load has needed before.
+                Watched::Margin => closed().any(|(_, closed)| closed.contact.flat_end().is_some()),
+                _ => false,
+            };
+            if found.anew || found.triggers.iter().any(happens) {
+                let within = size * if found.anew { TOUCHED_AT_START } else { TOUCHED };
+                let mut near: Vec<Contact> =
+                    touching.near(pair, &bodies, within).into_iter().map(|(contact, _)| contact).collect();
+                if found.triggers.contains(&Watched::Approach(pair)) {
+                    let pivots: Vec<&Contact> = closed().map(|(_, closed)| &closed.contact).collect();
+                    land_opposite(touching, &pivots, &mut near, &bodies);
+                }
+                // An edge crosses a rim at two places that have the same features.
+                let place = |contact: &Contact| touch_motion(&contact.joint, &bodies).point;
+                for contact in near {
+                    let same = closed().filter(|(_, closed)| closed.contact.features == contact.features);
+                    let apart = |closed: &Closed| (place(&closed.contact) - place(&contact)).norm();
+                    let known = same.min_by(|(_, one), (_, other)| apart(one).total_cmp(&apart(other)));
+                    contacts.known.push(known.map(|(index, _)| index));
+                    contacts.all.push(contact);
+                }
+            } else {
+                contacts.known.extend(closed().map(|(index, _)| Some(index)));
+                contacts.all.extend(closed().map(|(_, closed)| closed.contact.clone()));
+            }
+        }
+        contacts
+    }
+
+    /// Whether some are at the rim of an end that lies flat.
+    pub fn has_flat_ends(&self) -> bool {
+        self.all.iter().any(|contact| contact.flat_end().is_some())
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.all.len()
+    }
+
+    /// The pair of a block, where it is one of a contact.
+    pub fn pair_of(&self, of: Of) -> Option<usize> {
+        match of {
+            Of::Contact(index) => Some(self.all[index].pair),
+            Of::Joint(_) => None,
+        }
+    }
+
+    /// All of them as things that are met; without restitution in a crowd of impacts.
+    pub fn meetings(&self, scene: &Scene, state: &State, crowded: bool) -> Vec<Meeting> {
+        if self.all.is_empty() {
+            return Vec::new();
+        }
+        let bodies = body_states(scene.whole, state);
+        let meeting = |(index, contact): (usize, &Contact)| {
+            let pair = &scene.touching.pairs[contact.pair];
+            let restitution = if crowded { 0.0 } else { pair.restitution };
+            Meeting { block: self.block(scene, &bodies, index), restitution, rest: self.rest }
+        };
+        self.all.iter().enumerate().map(meeting).collect()
+    }
+
+    /// What is slower than this [m/s] is at rest, too: impulses leave no less.
+    pub fn rest_below(&mut self, rounding: f64) {
+        self.rest = self.rest.max(rounding);
+    }
+
+    /// A contact as a block whose friction may hold it.
+    fn block(&self, scene: &Scene, bodies: &[BodyState], index: usize) -> Block {
+        let contact = &self.all[index];
+        let friction = scene.touching.pairs[contact.pair].friction;
+        let rows = rows_of_contact(scene.whole, bodies, &contact.joint, friction > 0.0);
+        let law = Law::of_contact(friction, None);
+        Block { of: Of::Contact(index), law, rows }
+    }
+
+    /// Takes those that do not part as candidates, and what is left of rates that have ended out of the velocities; returns the energy that this
+    /// takes (J).
+    pub fn come_to_rest(&mut self, scene: &mut Scene, state: &mut State, yielding: &Yielding) -> f64 {
+        self.candidates.clear();
+        if self.all.is_empty() {
+            return 0.0;
+        }
+        let bodies = body_states(scene.whole, state);
+        let still: Vec<usize> = scene
+            .elements
+            .joints
+            .iter()
+            .filter(|joint| {
+                joint.rate(state) == 0.0 && (joint.friction > 0.0 || joint.side(joint.position(state)).is_some())
+            })
+            .map(|joint| joint.coordinate.freedom)
+            .collect();
+        for contact in &mut self.all {
+            if let Some(point) = touching_point(scene.touching, contact, &bodies, self.rest) {
+                *contact = point;
+            }
+        }
+        // The contacts of one pair that stop together do so but for what they know of each other's forces where those are not unique.
+        let mut together = vec![(0.0_f64, TOGETHER); scene.touching.pairs.len()];
+        for (contact, known) in self.all.iter().zip(&self.known) {
+            let (slip, most) = &mut together[contact.pair];
+            *slip = slip.max(touch_motion(&contact.joint, &bodies).slip.norm());
+            let stops = known.is_some_and(|known| yielding.stops.contains(&known));
+            if stops || yielding.stops_together.contains(&contact.pair) {
+                *most = STOPPED;
+            }
+        }
+        let mut rows = Vec::new();
+        for (index, contact) in self.all.iter().enumerate() {
+            let touch = touch_motion(&contact.joint, &bodies);
+            let rubs = scene.touching.pairs[contact.pair].friction > 0.0;
+            if touch.rate > self.rest {
+                continue;
+            }
+            let is = |list: &[usize]| self.known[index].is_some_and(|known| list.contains(&known));
+            let (slip, (largest, most)) = (touch.slip.norm(), together[contact.pair]);
+            let own = if is(&yielding.stops) { STOPPED.max(self.jam) } else { self.jam };
+            let sticks = slip <= own * self.rest || largest <= most * self.rest;
+            let slip = if sticks { Vector3::zeros() } else { touch.slip };
+            let own = rows_of_contact(scene.whole, &bodies, &contact.joint, rubs && sticks);
+            rows.extend(own);
+            let (slides, opens) = (is(&yielding.slides), is(&yielding.opens));
+            self.candidates.push(Candidate { contact: contact.clone(), slip, slides, opens });
+        }
+        rows.extend(still.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));
+        let lost = bring_rows_to_rest(scene, state, rows);
+        self.close_gaps(scene, state, &bodies, &still);
+        still.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
+        // Slips that are next to nothing turn when others come to rest.
+        let bodies = body_states(scene.whole, state);
+        for candidate in self.candidates.iter_mut().filter(|candidate| candidate.slip != Vector3::zeros()) {
+            candidate.slip = touch_motion(&candidate.contact.joint, &bodies).slip;
+        }
+        lost
+    }
+
+    /// Moves apart what overlaps, by the least motion in the metric of the mass matrix; returns the energy that this takes (J). An event that was found
+    /// late leaves such overlaps. What they would gain in height is taken from the velocities.
+    pub fn move_apart(&self, scene: &mut Scene, state: &mut State) -> f64 {
+        let bodies = body_states(scene.whole, state);
+        let gap = |contact: &Contact| touch_motion(&contact.joint, &bodies).gap;
+        let gaps: Vec<f64> = self.all.iter().map(gap).collect();
+        let deep = |(gap, contact): (&f64, &Contact)| *gap < -OVERLAP * scene.touching.pairs[contact.pair].size;
+        if !gaps.iter().zip(&self.all).any(deep) {
+            return 0.0;
+        }
+        let normal = |contact: &Contact| rows_of_contact(scene.whole, &bodies, &contact.joint, false);
+        let rows: Vec<Vec<f64>> = self.all.iter().flat_map(normal).collect();
+        let rows = Rows::new(scene.response, state, rows);
+        let apart = vec![(0.0, f64::INFINITY); gaps.len()];
+        let mut change = vec![0.0; state.velocity.len()];
+        rows.add(&minimise(&rows.square, &gaps, &apart).efforts, &mut change);
+        let before = energy(scene.whole, state).total();
+        state.displace(scene.whole, &change);
+        keep_from_gaining(scene, state, before)
+    }
+
+    /// Moves the candidates onto each other to the last bit: what is left of their gaps, 1e-12 m, would be a velocity in a short step.
+    fn close_gaps(&self, scene: &mut Scene, state: &mut State, bodies: &[BodyState], still: &[usize]) {
+        let gap = |candidate: &Candidate| touch_motion(&candidate.contact.joint, bodies).gap;
+        let mut gaps: Vec<f64> = self.candidates.iter().map(gap).collect();
+        if gaps.iter().all(|gap| gap.abs() <= CLOSED) {
+            return;
+        }
+        let normal = |candidate: &Candidate| rows_of_contact(scene.whole, bodies, &candidate.contact.joint, false);
+        let mut rows: Vec<Vec<f64>> = self.candidates.iter().flat_map(normal).collect();
+        rows.extend(still.iter().map(|&freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)));
+        gaps.resize(rows.len(), 0.0);
+        let rows = Rows::new(scene.response, state, rows);
+        let unbounded = vec![(f64::NEG_INFINITY, f64::INFINITY); gaps.len()];
+        let pushes = minimise(&rows.square, &gaps, &unbounded).efforts;
+        let mut change = vec![0.0; state.velocity.len()];
+        rows.add(&pushes, &mut change);
+        still.iter().for_each(|&freedom| change[freedom] = 0.0);
+        state.displace(scene.whole, &change);
+    }
+
+    /// Adds the points that flat ends lack after an impact; `holding` are the normal impulses that would hold all. Whether there are any.
+    pub fn complete_impact(&mut self, scene: &Scene, state: &State, holding: &[f64]) -> bool {
+        let bodies = body_states(scene.whole, state);
+        let value = |joint: &TouchJoint| touch_motion(joint, &bodies).rate;
+        let asked = Asked { touching: scene.touching, bodies: &bodies, value, least: -self.rest, pressed: false };
+        let lacking = asked.lacking(&self.all.iter().collect::<Vec<_>>(), holding);
+        self.known.extend(lacking.iter().map(|_| None));
+        let any = !lacking.is_empty();
+        self.all.extend(lacking);
+        any
+    }
+
+    /// Adds the points that flat ends lack that have been decided to stay; `pressed` asks for those towards the centres of pressure in any case. Whether
+    /// there are any.
+    pub fn complete_decision(&mut self, scene: &Scene, state: &State, decided: &Decided, pressed: bool) -> bool {
+        if !self.candidates.iter().any(|candidate| candidate.contact.flat_end().is_some()) {
+            return false;
+        }
+        let bodies = body_states(scene.whole, state);
+        let mut accelerations = vec![BodyAcceleration::default(); bodies.len()];
+        body_accelerations(scene.whole, &bodies, &state.velocity, &decided.accelerations, &mut accelerations);
+        let largest = decided.accelerations.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        // What has begun to tilt touches at one point, whatever its accelerations.
+        let value = |joint: &TouchJoint| {
+            let touch = touch_motion(joint, &bodies);
+            let tilts = touch.rate.abs() > TOGETHER * self.rest;
+            if tilts { 0.0 } else { touch_accelerations(joint, &bodies, &accelerations, &tangents(&touch.normal))[0] }
+        };
+        let least = -LOWEST * (scene.whole.gravity.norm() + largest).max(f64::MIN_POSITIVE);
+        let asked = Asked { touching: scene.touching, bodies: &bodies, value, least, pressed };
+        let contacts: Vec<&Contact> = self.candidates.iter().map(|candidate| &candidate.contact).collect();
+        let lacking = asked.lacking(&contacts, &decided.pressures);
+        for contact in &lacking {
+            let own = |candidate: &&Candidate| candidate.contact.pair == contact.pair;
+            let slips = self.candidates.iter().filter(own).any(|candidate| candidate.slip != Vector3::zeros());
+            let slip = if slips { touch_motion(&contact.joint, &bodies).slip } else { Vector3::zeros() };
+            self.candidates.push(Candidate { contact: contact.clone(), slip, slides: false, opens: false });
+            self.known.push(None);
+            self.all.push(contact.clone());
+        }
+        !lacking.is_empty()
+    }
+
+    /// Keeps all candidates closed, those that slip sliding: what is done where the law could not be solved.
+    pub fn keep_closed(&self) -> Vec<Closed> {
+        let closed = |candidate: &Candidate| Closed {
+            contact: candidate.contact.clone(),
+            slides: candidate.slip.try_normalize(0.0),
+        };
+        self.candidates.iter().filter(|candidate| !candidate.opens).map(closed).collect()
+    }
+
+    /// Whether more slips that are next to nothing are stopped from now on, because contacts that slide have no consistent accelerations together: a
+    /// slip that falls so fast stops within the next instant. The slowest are stopped first. False if none is slow enough.
+    pub fn jams(&mut self) -> bool {
+        let slips = self.candidates.iter().map(|candidate| candidate.slip.norm());
+        let slowest = slips.filter(|slip| *slip > 0.0).fold(f64::INFINITY, f64::min);
+        while self.jam < JAMMED {
+            self.jam = STOPPED.max(10.0 * self.jam);
+            if slowest <= self.jam * self.rest {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The impulse where no acceleration of a candidate fits the law; returns the energy that it takes (J), nothing if it is not found.
+    pub fn seize(&self, scene: &mut Scene, state: &mut State, candidate: usize) -> Option<f64> {
+        let bodies = body_states(scene.whole, state);
+        let number = |candidate: &Candidate| self.all.iter().position(|contact| *contact == candidate.contact);
+        let numbers: Vec<usize> = self.candidates.iter().filter_map(number).collect();
+        let blocks: Vec<Block> = numbers.iter().map(|&index| self.block(scene, &bodies, index)).collect();
+        let rows = Rows::of(scene.response, state, &blocks);
+        let before = rows.rates(&state.velocity);
+        let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
+        let problem = Problem { mobility: &rows.square, free: &before, laws: &laws };
+        let impulses = impulse_without_collision(&problem, candidate).ok()?.forces;
+        rows.add(&impulses, &mut state.velocity);
+        let after = rows.rates(&state.velocity);
+        Some(impulses.iter().zip(before.iter().zip(&after)).map(|(impulse, (a, b))| -0.5 * impulse * (a + b)).sum())
+    }
+}

@@ -1,0 +1,368 @@
+//! Decides what elements at rest do next: which joints are held (by friction or on a limit), which way the others move, which contacts stay closed, and
+//! which of these slide.
+//!
+//! All joints whose rate is zero and that have friction or are on a limit, and all contacts that do not part, are decided together, at the
+//! level of accelerations:
+//!
+//! ```text
+//!     a = b + D λ,   b = W a_free + Ẇ v,  D = W Y Wᵀ      a_free under all efforts but λ; friction that slides in joints is among them
+//!     joints:    λ_i ∈ [lo_i, hi_i]:   a_i = 0 inside,  a_i ≥ 0 at lo_i,  a_i ≤ 0 at hi_i           (the box of `mode`)
+//!     contacts:  Signorini's and Coulomb's law between λ and a; where one slides, λ_T = −μ λ_N t    (`crate::instant::cone`)
+//! ```
+//!
+//! A joint with `a_i = 0` is held; one with `a_i > 0` goes forward with friction `−τ_f = lo_i` against it, or leaves its lower limit. With closures
+//! whatever can then not move any more is held, too, so that what is left has no closure that says nothing.
+//!
+//! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
+
+use crate::events::effects::first_slips::Kept;
+use crate::events::finding::watched::Watched;
+use crate::events::forces::closed_forces::Chosen;
+use crate::events::modes::mode::{Closed, JointMode, Mode};
+use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
+use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
+use crate::instant::cone::solve;
+use crate::instant::elements::Elements;
+use crate::instant::response::Response;
+use crate::instant::touching::{Contact, RimOf, Touching};
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::contact::TouchJoint;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::event::Side;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::{tangents, touch_motion};
+use nalgebra::{DMatrix, Vector3};
+
+/// Accelerations below this part of their terms are zero.
+const ROUNDING: f64 = 1e-10;
+/// And so are those below this part of the largest of all, and of one unit.
+const DIFFERENCE: f64 = 1e-14;
+/// The part by which a joint that has been seen to reach the end of what holds it is held less.
+const LESS: f64 = 1e-9;
+/// A point of a flat end that tips over another carries nothing if it carries less than this part of what the other carries.
+const UNLOADED: f64 = 1e-9;
+/// A freedom that answers to an effort with less than this part of its free answer cannot move.
+const IMMOBILE: f64 = 1e-10;
+
+/// A mechanism at an event.
+pub(crate) struct Scene<'s> {
+    pub whole: &'s Mechanism,
+    pub elements: &'s Elements,
+    pub touching: &'s Touching,
+    pub response: &'s mut Response,
+}
+
+/// What has been seen to reach its end.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Yielding {
+    /// Joints at an end of the efforts that can hold them, and the direction in which they go.
+    pub joints: Vec<(usize, i8)>,
+    /// All held joints and contacts together.
+    pub all: bool,
+    /// Closed contacts that press no more, and those that stick no more, by their numbers in the mode.
+    pub opens: Vec<usize>,
+    pub slides: Vec<usize>,
+    /// Closed contacts whose slip stops, by their numbers in the mode.
+    pub stops: Vec<usize>,
+    /// Pairs whose slips stop together.
+    pub stops_together: Vec<usize>,
+}
+
+impl Yielding {
+    /// What the functions that are zero say.
+    pub fn of(triggers: &[Watched]) -> Self {
+        let mut yielding = Yielding::default();
+        for trigger in triggers {
+            match *trigger {
+                // It needs less than the least that can act: it goes forward.
+                Watched::Bears(index, Side::Lower) => yielding.joints.push((index, 1)),
+                Watched::Bears(index, Side::Upper) => yielding.joints.push((index, -1)),
+                Watched::Margin => yielding.all = true,
+                Watched::Presses(contact) => yielding.opens.push(contact),
+                Watched::Grips(contact) => yielding.slides.push(contact),
+                Watched::Slips(contact) => yielding.stops.push(contact),
+                Watched::SlipsTogether(pair) => yielding.stops_together.push(pair),
+                _ => {}
+            }
+        }
+        yielding
+    }
+}
+
+/// A contact that touches, to be decided.
+#[derive(Clone, Debug)]
+pub(crate) struct Candidate {
+    pub contact: Contact,
+    /// The velocity of its slip in the world [m/s]; zero if it does not.
+    pub slip: Vector3<f64>,
+    /// Whether it has been seen to reach the end of what friction can hold, and whether the end of its pressure.
+    pub slides: bool,
+    pub opens: bool,
+}
+
+/// What cannot be decided at the level of accelerations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Undecided {
+    /// A candidate that slides, by its number, has no consistent acceleration: an impulse must follow.
+    Inconsistent(usize),
+    /// The problem could not be solved.
+    Unsolved,
+}
+
+/// What the decided accelerations are of.
+#[derive(Clone, Debug)]
+pub(crate) struct Decided {
+    /// Whether the law was solved to its accuracy; if not the best that was found is taken.
+    pub exact: bool,
+    /// One entry a degree of freedom.
+    pub accelerations: Vec<f64>,
+    /// λ_N of every candidate (N) that would hold all of them; zero where none is at the rim of a flat end.
+    pub pressures: Vec<f64>,
+}
+
+/// Decides the joints whose rate is zero and the contacts that touch; `efforts` are those from outside and of motors.
+pub(crate) fn decide(
+    scene: &mut Scene,
+    mode: &mut Mode,
+    state: &State,
+    efforts: &[f64],
+    yielding: &Yielding,
+    candidates: &[Candidate],
+) -> Result<Decided, Undecided> {
+    let Scene { whole, elements, touching, response } = scene;
+    let (whole, elements, touching) = (*whole, *elements, *touching);
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut efforts = efforts.to_vec();
+    for (index, joint) in elements.joints.iter().enumerate() {
+        let (rate, side) = (joint.rate(state), joint.side(joint.position(state)));
+        let goes = yielding.joints.iter().find(|(yields, _)| *yields == index).map(|(_, direction)| *direction);
+        let goes = if rate != 0.0 { Some(rate.signum() as i8) } else { goes };
+        mode.joints[index] = if let Some(direction) = goes {
+            let sliding = if joint.friction > 0.0 { direction } else { 0 };
+            efforts[joint.coordinate.freedom] -= f64::from(sliding) * joint.friction;
+            JointMode::Free { sliding }
+        } else if joint.friction > 0.0 || side.is_some() {
+            let held = JointMode::Held { on: side };
+            let (lower, upper) = held.holding(joint);
+            let row = row_of_freedom(whole.velocity_count, joint.coordinate.freedom, 1.0);
+            blocks.push(Block { of: Of::Joint(index), law: Law::Interval { lower, upper }, rows: vec![row] });
+            held
+        } else {
+            JointMode::Free { sliding: 0 }
+        };
+    }
+    mode.contacts.clear();
+    let bodies = if candidates.is_empty() { Vec::new() } else { body_states(whole, state) };
+    for (index, candidate) in candidates.iter().enumerate() {
+        if candidate.opens {
+            continue;
+        }
+        let friction = touching.pairs[candidate.contact.pair].friction;
+        let joint = &candidate.contact.joint;
+        let law = Law::of_contact(friction, direction_in(joint, &bodies, &candidate.slip));
+        let rows = rows_of_contact(whole, &bodies, joint, friction > 0.0);
+        blocks.push(Block { of: Of::Contact(index), law, rows });
+    }
+    let mut free = vec![0.0; state.velocity.len()];
+    let mut pressures = vec![0.0; candidates.len()];
+    if blocks.is_empty() {
+        return Ok(Decided { exact: true, accelerations: free, pressures });
+    }
+    response.accelerations(state, &efforts, &mut free);
+    let rows = Rows::of(response, state, &blocks);
+    let offset =
+        second_rates(whole, elements, &bodies, state, &free, &blocks, |contact| &candidates[contact].contact.joint);
+    let mut row = 0;
+    for block in &mut blocks {
+        let load = offset[row].abs() / rows.square[(row, row)].max(f64::MIN_POSITIVE);
+        if let (Of::Joint(index), Law::Interval { lower, upper }) = (block.of, &mut block.law) {
+            let less = if yielding.all { LESS * elements.joints[index].friction.max(load) } else { 0.0 };
+            let less = less.min(0.25 * (*upper - *lower));
+            if lower.is_finite() || upper.is_finite() {
+                (*lower, *upper) = (*lower + less, *upper - less);
+            }
+        }
+        if let (Of::Contact(index), Law::Contact { friction }) = (block.of, &mut block.law)
+            && (yielding.all || candidates[index].slides)
+        {
+            *friction *= 1.0 - LESS;
+        }
+        row += block.rows.len();
+    }
+    let is_flat = candidates.iter().any(|candidate| candidate.contact.flat_end().is_some());
+    let holding = is_flat.then(|| Chosen::new(&blocks).solve(&rows.square, &offset, false));
+    let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
+    let (found, exact) = match solve(&Problem { mobility: &rows.square, free: &offset, laws: &laws }, None) {
+        Ok(found) => (found, true),
+        Err(Unsolved::Stopped { best }) => (*best, false),
+        Err(Unsolved::Inconsistent { block, .. }) => {
+            return Err(match blocks[block].of {
+                Of::Contact(index) => Undecided::Inconsistent(index),
+                Of::Joint(_) => Undecided::Unsolved,
+            });
+        }
+        Err(_) => return Err(Undecided::Unsolved),
+    };
+    // Each acceleration is a difference of others.
+    let largest = free.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let moves = |row: usize| {
+        let terms: f64 =
+            (0..offset.len()).map(|column| (rows.square[(row, column)] * found.forces[column]).abs()).sum();
+        found.rates[row].abs() > ROUNDING * (terms + offset[row].abs()) + DIFFERENCE * (1.0 + largest)
+    };
+    let ends = if is_flat { tipping_ends(&blocks, &found, candidates, moves) } else { Vec::new() };
+    let (mut first, mut kept) = (0, Kept::default());
+    for (block, is) in blocks.iter().zip(&found.states) {
+        let row = first;
+        first += block.rows.len();
+        let rate = found.rates[row];
+        let moves = moves(row);
+        match block.of {
+            Of::Joint(index) => {
+                let joint = &elements.joints[index];
+                if *is != BlockState::Inside && moves && !joint.is_locked() {
+                    let sliding = if joint.friction > 0.0 { rate.signum() as i8 } else { 0 };
+                    mode.joints[index] = JointMode::Free { sliding };
+                    // Its friction pushes as it does now.
+                    kept.push(row, found.forces[row]);
+                } else {
+                    kept.keep(block.clone(), row, false);
+                }
+            }
+            Of::Contact(index) => {
+                if let Some(holding) = &holding {
+                    pressures[index] = holding[row];
+                }
+                let Candidate { contact, slip, .. } = &candidates[index];
+                if matches!(is, BlockState::Open | BlockState::AtLower) && moves {
+                    continue;
+                }
+                // Points next to the one over which a flat end tips leave too slowly to be told.
+                let end = contact.flat_end();
+                let most = ends.iter().find(|(of, _)| Some(*of) == end).map(|(_, most)| *most);
+                if most.is_some_and(|most| found.forces[row] <= UNLOADED * most) {
+                    continue;
+                }
+                let [along, across] = tangents(&touch_motion(&contact.joint, &bodies).normal);
+                let begins = || along * found.rates[row + 1] + across * found.rates[row + 2];
+                let slides = match block.law {
+                    Law::Sliding { .. } => slip.try_normalize(0.0),
+                    Law::Interval { .. } => Some(slip.try_normalize(0.0).unwrap_or(along)),
+                    Law::Contact { .. } if *is == BlockState::Slips => begins().try_normalize(0.0),
+                    Law::Contact { .. } => None,
+                };
+                let mut block = block.clone();
+                if let Some(slides) = slides.filter(|_| block.rows.len() > 1) {
+                    let direction = [along.dot(&slides), across.dot(&slides)];
+                    block.law = Law::Sliding { friction: touching.pairs[contact.pair].friction, direction };
+                }
+                let begins = slip.norm() == 0.0 && matches!(block.law, Law::Sliding { .. });
+                kept.keep(block, row, begins);
+                mode.contacts.push(Closed { contact: contact.clone(), slides });
+            }
+        }
+    }
+    for (closed, direction) in mode.contacts.iter_mut().zip(kept.first_slips(&rows.square, &offset)) {
+        if let Some([x, y]) = direction {
+            let [along, across] = tangents(&touch_motion(&closed.contact.joint, &bodies).normal);
+            closed.slides = Some(along * x + across * y);
+        }
+    }
+    rows.add(&found.forces, &mut free);
+    Ok(Decided { exact, accelerations: free, pressures })
+}
+
+/// The flat ends of which a point leaves, with the largest of the forces at their points (N).
+fn tipping_ends(
+    blocks: &[Block],
+    found: &Answer,
+    candidates: &[Candidate],
+    moves: impl Fn(usize) -> bool,
+) -> Vec<(RimOf, f64)> {
+    let mut ends: Vec<(RimOf, f64)> = Vec::new();
+    let mut leaving: Vec<RimOf> = Vec::new();
+    let mut row = 0;
+    for (block, is) in blocks.iter().zip(&found.states) {
+        if let Of::Contact(index) = block.of
+            && let Some(end) = candidates[index].contact.flat_end()
+        {
+            match ends.iter_mut().find(|(known, _)| *known == end) {
+                Some((_, most)) => *most = most.max(found.forces[row]),
+                None => ends.push((end, found.forces[row])),
+            }
+            if matches!(is, BlockState::Open | BlockState::AtLower) && moves(row) {
+                leaving.push(end);
+            }
+        }
+        row += block.rows.len();
+    }
+    ends.retain(|(end, _)| leaving.contains(end));
+    ends
+}
+
+/// The direction of a slip in the tangents of a contact; none where it does not slip.
+fn direction_in(joint: &TouchJoint, bodies: &[BodyState], slip: &Vector3<f64>) -> Option<[f64; 2]> {
+    let direction = slip.try_normalize(0.0)?;
+    let [first, second] = tangents(&touch_motion(joint, bodies).normal);
+    Some([direction.dot(&first), direction.dot(&second)])
+}
+
+/// For each body whether it is held: its joint is, or cannot move because others are.
+pub(crate) fn held_bodies(
+    whole: &Mechanism,
+    elements: &Elements,
+    mode: &Mode,
+    response: &mut Response,
+    state: &State,
+) -> Vec<bool> {
+    let mut held = mode.held_bodies(elements, whole.bodies.len());
+    let sticks = mode.contacts.iter().any(|closed| closed.slides.is_none());
+    // What follows a joint is held with it; loops and contacts may hold more.
+    if !(sticks || (held.contains(&true) && !whole.loops.is_empty())) {
+        return held;
+    }
+    let joints = (0..whole.bodies.len()).filter(|&body| held[body]);
+    let freedoms = joints.flat_map(|body| whole.bodies[body].joint.velocity_range());
+    let mut rows: Vec<Vec<f64>> = freedoms.map(|freedom| row_of_freedom(whole.velocity_count, freedom, 1.0)).collect();
+    if sticks {
+        let bodies = body_states(whole, state);
+        for closed in mode.contacts.iter().filter(|closed| closed.slides.is_none()) {
+            rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, true));
+        }
+    }
+    let rows = Rows::new(response, state, rows);
+    let inverse = pseudo_inverse(&rows.square);
+    let rest = |body: &usize| !held[*body] && (sticks || whole.bodies[*body].joint.velocity_range().len() == 1);
+    let others: Vec<usize> = (0..whole.bodies.len()).filter(rest).collect();
+    let freedoms = others.iter().flat_map(|&body| whole.bodies[body].joint.velocity_range());
+    let mut answers = response.diagonal(state, freedoms).into_iter();
+    for &body in &others {
+        // Y_ii − Y_iS (Y_SS)⁺ Y_Si: what is left of the answer.
+        held[body] = true;
+        for (freedom, answer) in whole.bodies[body].joint.velocity_range().zip(answers.by_ref()) {
+            let row = rows.columns().row(freedom);
+            let taken = (row * &inverse * row.transpose())[(0, 0)];
+            held[body] &= answer - taken <= IMMOBILE * answer;
+        }
+    }
+    held
+}
+
+/// The Moore–Penrose inverse of a positive semidefinite matrix, whatever the units of its rows.
+fn pseudo_inverse(square: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = square.nrows();
+    let inverse: Vec<f64> =
+        (0..count).map(|row| if square[(row, row)] > 0.0 { 1.0 / square[(row, row)].sqrt() } else { 0.0 }).collect();
+    let scaled = DMatrix::from_fn(count, count, |row, column| square[(row, column)] * inverse[row] * inverse[column]);
+    let eigen = scaled.symmetric_eigen();
+    let largest = eigen.eigenvalues.max();
+    let mut sum = DMatrix::zeros(count, count);
+    for (index, &value) in eigen.eigenvalues.iter().enumerate() {
+        if value > IMMOBILE * largest {
+            let vector = eigen.eigenvectors.column(index);
+            sum += vector * vector.transpose() / value;
+        }
+    }
+    DMatrix::from_fn(count, count, |row, column| sum[(row, column)] * inverse[row] * inverse[column])
+}

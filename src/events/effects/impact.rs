@@ -1,0 +1,102 @@
+//! Impacts: the momentum of the whole mechanism, with all its closures, on all limits and contacts that are met at once.
+//!
+//! With the rows W of what is met ([`crate::instant::blocks`]), their rates `u = W v` and `D = W Y Wᵀ`:
+//!
+//! ```text
+//!     u⁺ = D P + u⁻,     limits:  0 ≤ P ⊥ u⁺ + e min(u⁻, 0) ≥ 0,     contacts: the same along the normal, within Coulomb's cone
+//!     v⁺ = v⁻ + Y Wᵀ P,  lost = −½ (u⁻ + u⁺)ᵀ P ≥ 0  (J)
+//! ```
+//!
+//! in the rounds of [`crate::instant::cone::impact`]. Efforts that are finite, of friction in joints and of motors, give no impulse.
+//!
+//! Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics" (1988).
+
+use crate::events::effects::decision::Scene;
+use crate::events::forces::closed_forces::Chosen;
+use crate::instant::blocks::{Block, Of, Rows};
+use crate::instant::cone::impact::impact;
+use crate::instant::cone::problem::{Law, Problem, Unsolved};
+use crate::mechanism::motion::state::State;
+
+/// A rate that an impact leaves is zero if it is this part of the largest before.
+const STOPPED: f64 = 1e-9;
+
+/// Rates that are this part of the terms that they are the sum of are roundings.
+const ROUNDING: f64 = 1e-14;
+
+/// Something that is met.
+#[derive(Clone, Debug)]
+pub(crate) struct Meeting {
+    /// Its first row is positive into what is allowed.
+    pub block: Block,
+    /// e.
+    pub restitution: f64,
+    /// Rates along its first row below this are rest [rad/s or m/s].
+    pub rest: f64,
+}
+
+impl Meeting {
+    /// The rate along its first row.
+    pub fn rate(&self, velocity: &[f64]) -> f64 {
+        self.block.rows[0].iter().zip(velocity).map(|(a, b)| a * b).sum()
+    }
+}
+
+/// What impacts did.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Impulses {
+    /// Along the first row of everything that is met [N m s or N s].
+    pub normal: Vec<f64>,
+    /// Kinetic energy that was lost (J).
+    pub lost: f64,
+    /// Rates below this [m/s or rad/s] are roundings of the terms that they are the sum of: between heavy bodies a light one has such.
+    pub rounding: f64,
+}
+
+/// The normal impulses that would hold everything that is met (N s), the least ones: where they press says where a flat end begins to tip.
+pub(crate) fn holding_impulses(scene: &mut Scene, state: &State, meetings: &[Meeting]) -> Vec<f64> {
+    let blocks: Vec<Block> = meetings.iter().map(|meeting| meeting.block.clone()).collect();
+    let rows = Rows::of(scene.response, state, &blocks);
+    let impulses = Chosen::new(&blocks).solve(&rows.square, &rows.rates(&state.velocity), false);
+    let mut row = 0;
+    let normal = |block: &Block| {
+        row += block.rows.len();
+        impulses[row - block.rows.len()]
+    };
+    blocks.iter().map(normal).collect()
+}
+
+/// Changes the velocities of a state so that nothing approaches; rates of limits that end at rest are exactly zero.
+pub(crate) fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
+    let mut done = Impulses { normal: vec![0.0; meetings.len()], lost: 0.0, rounding: 0.0 };
+    if meetings.is_empty() {
+        return Ok(done);
+    }
+    if !meetings.iter().any(|meeting| meeting.rate(&state.velocity) < -meeting.rest) {
+        return Ok(done);
+    }
+    let blocks: Vec<Block> = meetings.iter().map(|meeting| meeting.block.clone()).collect();
+    let rows = Rows::of(scene.response, state, &blocks);
+    let before = rows.rates(&state.velocity);
+    let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
+    let restitution: Vec<f64> = meetings.iter().map(|meeting| meeting.restitution).collect();
+    let found = impact(&Problem { mobility: &rows.square, free: &before, laws: &laws }, &restitution)?;
+    rows.add(&found.impulses, &mut state.velocity);
+    done.lost = found.lost;
+    let terms = rows.square.row_iter().map(|row| row.iter().zip(&found.impulses).map(|(d, p)| (d * p).abs()).sum());
+    done.rounding = ROUNDING * terms.fold(0.0, f64::max);
+    let largest = before.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    let mut row = 0;
+    for (index, meeting) in meetings.iter().enumerate() {
+        done.normal[index] = found.impulses[row];
+        if let Of::Joint(joint) = meeting.block.of
+            && done.normal[index] > 0.0
+            && found.rates[row].abs() <= STOPPED * largest.max(meeting.rest)
+        {
+            // What an impulse has stopped stands.
+            state.velocity[scene.elements.joints[joint].coordinate.freedom] = 0.0;
+        }
+        row += meeting.block.rows.len();
+    }
+    Ok(done)
+}

@@ -1,0 +1,135 @@
+//! The state kept from event to event: impacts that follow each other ever faster, and crowds of events.
+//!
+//! Of infinitely many impacts with flights `T_k` and a ratio ρ of two speeds the last is at `t∞ = t_k + T_k ρ/(1 − ρ)`.
+
+use crate::events::finding::watched::Watched;
+use crate::instant::blocks::Of;
+use crate::mechanism::motion::event::{Event, Side};
+
+/// So many impacts within [`CROWD_TIME`] end in one without restitution.
+const CROWD: usize = 100;
+/// s.
+const CROWD_TIME: f64 = 1e-4;
+/// Impacts of one limit in a row before they are taken for the beginning of infinitely many.
+const IN_A_ROW: usize = 3;
+
+/// What is remembered of a joint or a pair from event to event.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ImpactMemory {
+    /// The largest rate of a joint at an end of a step [rad/s or m/s].
+    pub fastest: f64,
+    /// The last impact: its bound, when (s), and the rate before.
+    last: Option<(Side, f64, f64)>,
+    /// Impacts on that bound in a row that have become weaker.
+    in_a_row: usize,
+    /// When they end.
+    ends: Option<Ends>,
+}
+
+/// What impacts that become weaker say of when infinitely many of them end (s).
+#[derive(Clone, Copy, Debug)]
+struct Ends {
+    best: f64,
+    last: f64,
+    /// How far the best was from the one before it.
+    apart: f64,
+}
+
+/// What is remembered of the run.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Memory {
+    pub joints: Vec<ImpactMemory>,
+    pub pairs: Vec<ImpactMemory>,
+    /// The largest speed of any body at an end of a step [m/s].
+    pub fastest: f64,
+    /// The largest kinetic energy at an end of a step, in scenes where shapes may touch (J).
+    pub kinetic: f64,
+    /// Impacts since the last quiet time, and when that was (s).
+    crowd: (usize, f64),
+}
+
+/// An event as it is found.
+pub(crate) struct Found<'f> {
+    /// The functions that are zero.
+    pub triggers: &'f [Watched],
+    /// The greatest height that may be left when impacts accumulate (rad or m).
+    pub height: f64,
+    /// Whether contacts are looked for everywhere: at the start of a run.
+    pub anew: bool,
+}
+
+/// What an event has done.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Done {
+    pub events: Vec<Event>,
+    /// Energy lost in impacts (J).
+    pub lost: f64,
+    /// Which joints, motors and pairs have changed or begin from zero.
+    pub joints: Vec<bool>,
+    pub motors: Vec<bool>,
+    pub pairs: Vec<bool>,
+    /// How often a law could not be solved to its accuracy.
+    pub unsolved: usize,
+}
+
+impl Memory {
+    /// Nothing has happened to so many joints and pairs.
+    pub fn new(joints: usize, pairs: usize) -> Self {
+        Memory {
+            joints: vec![ImpactMemory::default(); joints],
+            pairs: vec![ImpactMemory::default(); pairs],
+            fastest: 0.0,
+            kinetic: 0.0,
+            crowd: (0, f64::NEG_INFINITY),
+        }
+    }
+
+    pub(crate) fn is_crowded(&mut self, time: f64) -> bool {
+        if time - self.crowd.1 > CROWD_TIME {
+            self.crowd = (0, time);
+        }
+        self.crowd.0 > CROWD
+    }
+
+    /// One more impact, of a joint or of a pair.
+    pub(crate) fn remember(&mut self, of: Of, side: Side, time: f64, rate: f64) {
+        self.crowd.0 += 1;
+        let known = match of {
+            Of::Joint(joint) => &mut self.joints[joint],
+            Of::Contact(pair) => &mut self.pairs[pair],
+        };
+        let weaker = known.last.is_some_and(|(before, _, faster)| before == side && rate < faster);
+        known.in_a_row = if weaker { known.in_a_row + 1 } else { 0 };
+        known.ends = known.predicted(time, rate).filter(|_| weaker);
+        known.last = Some((side, time, rate));
+    }
+}
+
+impl ImpactMemory {
+    /// When infinitely many impacts end, of which the last is at this time (s) with this rate: the best of what they have said so far, and the last. Early
+    /// ones know less of what comes, and late ones less of how long they fly; where two in a row agree most is the best.
+    fn predicted(&self, time: f64, rate: f64) -> Option<Ends> {
+        let (_, last, faster) = self.last?;
+        let ratio = rate / faster;
+        let now = time + (time - last) * ratio / (1.0 - ratio);
+        Some(match self.ends {
+            Some(Ends { best, last, apart }) if (now - last).abs() >= apart => Ends { best, last: now, apart },
+            Some(Ends { last, .. }) => Ends { best: now, last: now, apart: (now - last).abs() },
+            None => Ends { best: now, last: now, apart: f64::INFINITY },
+        })
+    }
+
+    /// When infinitely many impacts of which this is one would end, if too little is left of them to matter.
+    pub(crate) fn accumulates(&self, side: Side, time: f64, rate: f64, restitution: f64, height: f64) -> Option<f64> {
+        let (before, last, faster) = self.last?;
+        let (ratio, flight) = (rate / faster, time - last);
+        if before != side || self.in_a_row < IN_A_ROW || ratio >= 1.0 || restitution == 0.0 || flight <= 0.0 {
+            return None;
+        }
+        let rebound = restitution * rate;
+        // In the flight that would follow, as in the last one.
+        let acceleration = (restitution * faster + rate) / flight;
+        let ends = self.predicted(time, rate).filter(|_| rebound * rebound <= 2.0 * acceleration * height)?;
+        Some(ends.best)
+    }
+}

@@ -1,0 +1,12 @@
+//! What an event does: impulses, the contacts that stay closed, and the mode that comes next.
+
+pub(crate) mod contacts;
+pub(crate) mod decision;
+pub(crate) mod first_slips;
+pub(crate) mod flat_ends;
+pub(crate) mod impact;
+pub(crate) mod memory;
+pub(crate) mod noted;
+pub(crate) mod planar_rims;
+pub(crate) mod resting;
+pub(crate) mod transition;

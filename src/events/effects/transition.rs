@@ -1,0 +1,324 @@
+//! What an event does: the state is put on it to the last bit, limits and contacts that are met give their impulses, and what is at rest is
+//! decided anew.
+//!
+//! ```text
+//!     1. φ = 0 exactly: a position on its bound, a rate that is zero
+//!     2. impacts on all limits and contacts that are met                        contacts.rs, impact.rs
+//!        motors whose efforts jump with the rates beyond their bounds, or back
+//!     3. joints and contacts at rest: held or let go, all together              decision.rs
+//! ```
+//!
+//! An element whose impacts follow each other ever faster comes to rest at `t∞ = t_k + T_k/(1 − ρ)`, with the flight `T_k` that would follow and the ratio ρ
+//! of two impacts. Where the greatest height that is left, `γ⁺²/(2 g)` with `g = 2 γ⁺/T`, is too small to matter, the impact is plastic.
+
+use crate::events::effects::contacts::Contacts;
+use crate::events::effects::decision::{Scene, Undecided, Yielding, decide};
+use crate::events::effects::impact::{Impulses, Meeting, collide, holding_impulses};
+use crate::events::effects::memory::{Done, Found, Memory};
+use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, note_pairs};
+use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
+use crate::events::finding::watched::{Watched, unbounded};
+use crate::events::modes::mode::{JointMode, Mode, MotorMode};
+use crate::instant::blocks::{Block, Of, Rows, row_of_freedom};
+use crate::instant::cone::bounded::minimise;
+use crate::instant::cone::problem::Law;
+use crate::instant::elements::{Elements, inward};
+use crate::mechanism::motion::event::Side;
+use crate::mechanism::motion::state::State;
+
+/// Rates below this part of the fastest that a joint has had are zero.
+const REST: f64 = 1e-12;
+/// So are smaller ones than this [rad/s or m/s].
+const SLOWEST: f64 = 1e-14;
+/// A joint that is beyond a limit by more than this is not there by rounding (rad or m).
+const BEYOND: f64 = 1e-12;
+/// Rounds in which limits that kick each other open are brought to rest.
+const CALMING: usize = 8;
+
+/// Points that are added to flat ends, at most.
+const COMPLETING: usize = 48;
+
+/// Carries out an event; `efforts` writes the efforts from outside and of motors for a mode and state.
+pub(crate) fn transit(
+    scene: &mut Scene,
+    mode: &mut Mode,
+    state: &mut State,
+    memory: &mut Memory,
+    found: &Found,
+    mut efforts: impl FnMut(&Mode, &State) -> Vec<f64>,
+) -> Done {
+    let elements = scene.elements;
+    let mut done = Done {
+        joints: vec![false; elements.joints.len()],
+        motors: vec![false; elements.motors.len()],
+        pairs: vec![false; scene.touching.pairs.len()],
+        ..Done::default()
+    };
+    let before = mode.clone();
+    let yielding = Yielding::of(found.triggers);
+    // Where contacts press, steps that do not look at a limit may go beyond it.
+    let beyond =
+        !scene.touching.pairs.is_empty() && found.triggers.iter().any(|trigger| is_beyond(elements, state, trigger));
+    let before_it = if beyond { energy(scene.whole, state).total() } else { 0.0 };
+    settle(elements, mode, state, found.triggers, &mut done);
+    let settled = if beyond { keep_from_gaining(scene, state, before_it) } else { 0.0 };
+    let rests: Vec<f64> = memory.joints.iter().map(|joint| SLOWEST.max(REST * joint.fastest)).collect();
+    stop_slow_joints(elements, state, &rests, false);
+    let mut contacts = Contacts::gather(scene, &before, state, found, memory.fastest);
+    let lifted = contacts.move_apart(scene, state);
+    let velocity = state.velocity.clone();
+    let (mut meetings, mut ends) = gather_meetings(scene, state, memory, found, &rests, &contacts);
+    let mut collided = collide(scene, state, &meetings);
+    for _ in 0..COMPLETING {
+        if collided.is_err() || !contacts.has_flat_ends() {
+            break;
+        }
+        let after = std::mem::replace(&mut state.velocity, velocity.clone());
+        let holding = holding_impulses(scene, state, &meetings[meetings.len() - contacts.count()..]);
+        state.velocity = after;
+        if !contacts.complete_impact(scene, state, &holding) {
+            break;
+        }
+        state.velocity.copy_from_slice(&velocity);
+        (meetings, ends) = gather_meetings(scene, state, memory, found, &rests, &contacts);
+        collided = collide(scene, state, &meetings);
+    }
+    let mut impulses = collided.unwrap_or_else(|_| {
+        done.unsolved += 1;
+        bring_to_rest(scene, state, &meetings)
+    });
+    contacts.rest_below(impulses.rounding);
+    let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&velocity)).collect();
+    done.lost = settled + lifted + impulses.lost;
+    for _ in 0..CALMING {
+        let known = efforts(mode, state);
+        let low = too_low(scene, state, &meetings, &known, found.height);
+        if low.is_empty() {
+            break;
+        }
+        done.lost += stop(scene, state, &meetings, &low);
+        let plastic: Vec<Meeting> =
+            meetings.iter().map(|meeting| Meeting { restitution: 0.0, ..meeting.clone() }).collect();
+        let Ok(more) = collide(scene, state, &plastic) else { break };
+        done.lost += more.lost;
+        for (sum, impulse) in impulses.normal.iter_mut().zip(more.normal) {
+            *sum += impulse;
+        }
+    }
+    let met =
+        Met { meetings: &meetings, rates: &rates, impulses: &impulses.normal, ends: &ends, stopped: found.triggers };
+    note_impacts(scene, memory, state.time, &contacts, &met, &mut done);
+    stop_slow_joints(elements, state, &rests, true);
+    if impulses.normal.iter().any(|&impulse| impulse != 0.0) {
+        jump_to_bounds(elements, mode, state, &mut done);
+    }
+    let mut unsolved = false;
+    for _ in 0..CALMING {
+        done.lost += contacts.come_to_rest(scene, state, &yielding);
+        let known = efforts(mode, state);
+        let mut decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);
+        for round in 0..COMPLETING {
+            let Ok(found) = &decided else { break };
+            if !contacts.complete_decision(scene, state, found, round == 0) {
+                break;
+            }
+            decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);
+        }
+        if decided.as_ref().is_ok_and(|decided| !decided.exact) && contacts.jams() {
+            continue;
+        }
+        match decided {
+            Ok(decided) => {
+                done.unsolved += usize::from(!decided.exact);
+                break;
+            }
+            Err(Undecided::Inconsistent(candidate)) => match contacts.seize(scene, state, candidate) {
+                Some(lost) => done.lost += lost,
+                None => {
+                    unsolved = true;
+                    break;
+                }
+            },
+            Err(Undecided::Unsolved) => {
+                unsolved = true;
+                break;
+            }
+        }
+    }
+    if unsolved {
+        done.unsolved += 1;
+        mode.contacts = contacts.keep_closed();
+    }
+    note_joints(elements, state.time, [&before, mode], &met, &mut done);
+    note_pairs(scene, state.time, [&before, mode], &met, &mut done);
+    done
+}
+
+/// Whether a joint is beyond a limit by more than roundings.
+fn is_beyond(elements: &Elements, state: &State, trigger: &Watched) -> bool {
+    let Watched::Gap(index, side) = *trigger else { return false };
+    let joint = &elements.joints[index];
+    joint.gap(side, joint.position(state)) < -BEYOND
+}
+
+/// Puts rates that are next to nothing to zero, and those of joints whose bounds leave no room if `locked`.
+fn stop_slow_joints(elements: &Elements, state: &mut State, rests: &[f64], locked: bool) {
+    for (joint, &rest) in elements.joints.iter().zip(rests) {
+        let rate = &mut state.velocity[joint.coordinate.freedom];
+        if rate.abs() <= rest || locked && joint.is_locked() {
+            *rate = 0.0;
+        }
+    }
+}
+
+/// What is met leaves so slowly that it does not matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that it has while the limits and
+/// contacts at rest push. If it is pulled back it would be back before it is higher than that, and if not it leaves as well from rest. Where elements
+/// kick each other open without end, that is how they come to rest.
+fn too_low(scene: &mut Scene, state: &State, meetings: &[Meeting], efforts: &[f64], height: f64) -> Vec<usize> {
+    if !meetings.iter().any(|meeting| meeting.rate(&state.velocity) > meeting.rest) {
+        return Vec::new();
+    }
+    let mut free = vec![0.0; state.velocity.len()];
+    scene.response.accelerations(state, efforts, &mut free);
+    let rests = meetings.iter().filter(|meeting| meeting.rate(&state.velocity).abs() <= meeting.rest);
+    let normals: Vec<Vec<f64>> = rests.map(|meeting| meeting.block.rows[0].clone()).collect();
+    if !normals.is_empty() {
+        let rows = Rows::new(scene.response, state, normals);
+        let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
+        rows.add(&minimise(&rows.square, &rows.rates(&free), &pushes).efforts, &mut free);
+    }
+    let low = |meeting: &Meeting| {
+        let (rate, pull) = (meeting.rate(&state.velocity), meeting.rate(&free).abs());
+        rate > 0.0 && rate * rate <= 2.0 * pull * height
+    };
+    (0..meetings.len()).filter(|&index| low(&meetings[index])).collect()
+}
+
+/// Stops these along their first rows, and keeps those that rest; returns the kinetic energy that this takes (J).
+fn stop(scene: &mut Scene, state: &mut State, meetings: &[Meeting], low: &[usize]) -> f64 {
+    let rests =
+        |index: &usize| low.contains(index) || meetings[*index].rate(&state.velocity).abs() <= meetings[*index].rest;
+    let stopped: Vec<&Meeting> = (0..meetings.len()).filter(rests).map(|index| &meetings[index]).collect();
+    let first = stopped.iter().map(|meeting| meeting.block.rows[0].clone()).collect();
+    let lost = bring_rows_to_rest(scene, state, first);
+    for meeting in stopped {
+        if let Of::Joint(joint) = meeting.block.of {
+            state.velocity[scene.elements.joints[joint].coordinate.freedom] = 0.0;
+        }
+    }
+    lost
+}
+
+/// Everything that is met comes to rest along its first row: what is done where the law of impact could not be solved.
+fn bring_to_rest(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Impulses {
+    let approach: Vec<&Meeting> = meetings.iter().filter(|meeting| meeting.rate(&state.velocity) < 0.0).collect();
+    let first = approach.iter().map(|meeting| meeting.block.rows[0].clone()).collect();
+    let lost = bring_rows_to_rest(scene, state, first);
+    Impulses { normal: vec![0.0; meetings.len()], lost, rounding: 0.0 }
+}
+
+/// Puts the state on the event, and changes the motors that are at it.
+fn settle(elements: &Elements, mode: &mut Mode, state: &mut State, triggers: &[Watched], done: &mut Done) {
+    let time = state.time;
+    for &trigger in triggers {
+        match trigger {
+            Watched::Gap(index, side) => {
+                elements.joints[index].put_on(side, state);
+                done.joints[index] = true;
+            }
+            Watched::Slide(index) => {
+                state.velocity[elements.joints[index].coordinate.freedom] = 0.0;
+                done.joints[index] = true;
+            }
+            Watched::Bears(index, _) => done.joints[index] = true,
+            Watched::Margin => {
+                for (joint, mode) in done.joints.iter_mut().zip(&mode.joints) {
+                    *joint |= matches!(mode, JointMode::Held { .. });
+                }
+            }
+            Watched::Motor(index, side) => {
+                let is = if side == Side::Upper { 1 } else { -1 };
+                mode.motors[index] = MotorMode::Saturated(is);
+                done.motors[index] = true;
+                note_bound(&elements.motors[index], [0, is], time, &mut done.events);
+            }
+            // What contacts do is found again, from where the bodies are.
+            Watched::Approach(_)
+            | Watched::Presses(_)
+            | Watched::Grips(_)
+            | Watched::Slips(_)
+            | Watched::SlipsTogether(_)
+            | Watched::Feature(_) => {}
+            Watched::Excess(index) => {
+                mode.motors[index] = MotorMode::Unbounded;
+                done.motors[index] = true;
+                // From either of its bounds.
+                note_bound(&elements.motors[index], [1, 0], time, &mut done.events);
+            }
+        }
+    }
+}
+
+/// Motors whose unbounded efforts are beyond their bounds after an impact, or no longer: their rates have jumped.
+fn jump_to_bounds(elements: &Elements, mode: &mut Mode, state: &State, done: &mut Done) {
+    let time = state.time;
+    for (index, motor) in elements.motors.iter().enumerate() {
+        let was = match mode.motors[index] {
+            MotorMode::Unbounded => 0,
+            MotorMode::Saturated(sign) => sign,
+            MotorMode::Given(_) => continue,
+        };
+        let effort = unbounded(elements, index, time, time, state);
+        let is = if effort.abs() > motor.max_effort { effort.signum() as i8 } else { 0 };
+        if is != was {
+            mode.motors[index] = if is == 0 { MotorMode::Unbounded } else { MotorMode::Saturated(is) };
+            done.motors[index] = true;
+            note_bound(motor, [was, is], time, &mut done.events);
+        }
+    }
+}
+
+/// Everything that is met: limits, then contacts; and where impacts end here, when the last of infinitely many would be (s).
+fn gather_meetings(
+    scene: &Scene,
+    state: &State,
+    memory: &mut Memory,
+    found: &Found,
+    rests: &[f64],
+    contacts: &Contacts,
+) -> (Vec<Meeting>, Vec<(Of, f64)>) {
+    let (mut all, mut ends) = (Vec::new(), Vec::new());
+    let crowded = memory.is_crowded(state.time);
+    for (index, joint) in scene.elements.joints.iter().enumerate() {
+        let Some(side) = joint.side(joint.position(state)) else { continue };
+        let row = row_of_freedom(state.velocity.len(), joint.coordinate.freedom, inward(side));
+        let law = Law::Interval { lower: 0.0, upper: f64::INFINITY };
+        let block = Block { of: Of::Joint(index), law, rows: vec![row] };
+        let restitution = if crowded { 0.0 } else { joint.restitution };
+        let mut meeting = Meeting { block, restitution, rest: rests[index] };
+        let rate = meeting.rate(&state.velocity);
+        let known = &memory.joints[index];
+        if rate < 0.0
+            && let Some(end) = known.accumulates(side, state.time, -rate, restitution, found.height)
+        {
+            meeting.restitution = 0.0;
+            ends.push((Of::Joint(index), end));
+        }
+        all.push(meeting);
+    }
+    let first = all.len();
+    all.extend(contacts.meetings(scene, state, crowded));
+    for (pair, known) in memory.pairs.iter().enumerate() {
+        let own = |meeting: &&mut Meeting| contacts.pair_of(meeting.block.of) == Some(pair);
+        let rates = all[first..].iter_mut().filter(own).map(|meeting| meeting.rate(&state.velocity));
+        let rate = rates.fold(0.0_f64, f64::min);
+        let restitution = scene.touching.pairs[pair].restitution;
+        if rate < 0.0
+            && let Some(end) = known.accumulates(Side::Lower, state.time, -rate, restitution, found.height)
+        {
+            all[first..].iter_mut().filter(own).for_each(|meeting| meeting.restitution = 0.0);
+            ends.push((Of::Contact(pair), end));
+        }
+    }
+    (all, ends)
+}

@@ -1,0 +1,293 @@
+//! Where a watched function changes its sign first within a step, on dense output.
+//!
+//! Samples at `x_j = j/6`, of which those at 0, 1/3 and 1 come first: a function whose least value there is more than twice what it changes by is not
+//! looked at any further. A sign that changes between two of them is a bracket. Two roots between samples are found by the least value: where
+//! the middle one of three samples is the least, the parabola through them tells whether a minimum may be below zero, and the
+//! minimum is looked for. The start of a step may be a root itself, of an element that has just changed its state: it counts as positive, and where the
+//! first sample is negative an earlier one that is positive is looked for.
+//!
+//! The root of the dense output is of lower order than the ends of steps. So it only starts the location of the event.
+
+use std::ops::Range;
+
+/// Samples of a step besides its start.
+pub(crate) const SAMPLES: usize = 6;
+/// The samples that are looked at first,
+pub(crate) const FIRST_SAMPLES: [usize; 3] = [0, 2, SAMPLES];
+/// and the least value of a function there over all that it changes by, above which it is not looked at any more.
+const CALM: f64 = 2.0;
+/// Halvings of the first interval in search of a positive value.
+const HALVINGS: i32 = 44;
+/// The root is bracketed to this part of the step.
+const WIDTH: f64 = 1e-10;
+/// and, in short steps late in a run, to the roundings of times.
+const SAME_INSTANT: f64 = 2.0 * f64::EPSILON;
+
+/// A bracket in time (s) of the first root of a function: positive at `low`, negative at `high`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bracket {
+    /// Which function.
+    pub watched: usize,
+    pub low: f64,
+    pub high: f64,
+    /// About where (s).
+    pub root: f64,
+    /// About its rate there.
+    pub slope: f64,
+    /// Whether it is negative from the start on.
+    pub at_start: bool,
+}
+
+/// Instants that are nearer to each other are one (relative to one second, or to the time if that is more).
+pub(crate) const ONE_INSTANT: f64 = 1e-12;
+
+/// Room for a look at a step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Looking {
+    /// The functions that are looked at, and what is zero for each at the start.
+    pub which: Vec<usize>,
+    pub noise: Vec<f64>,
+    pub room: Room,
+}
+
+/// Room for the samples of a look.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Room {
+    /// Sample after sample.
+    values: Vec<f64>,
+    /// Which functions the first of them have shown to stay far from zero.
+    calm: Vec<bool>,
+}
+
+/// The first sign change of any function over `start … end` (s): `sample(time, which, values)` evaluates those that are asked for. Values down to
+/// `−noise` of a function count as zero at the start.
+///
+/// Allocates only where there are more functions than ever before.
+pub(crate) fn first_sign_change(
+    room: &mut Room,
+    count: usize,
+    start: f64,
+    end: f64,
+    noise: &[f64],
+    mut sample: impl FnMut(f64, Range<usize>, &mut [f64]),
+) -> Option<Bracket> {
+    let length = end - start;
+    let time = |j: usize| if j == SAMPLES { end } else { start + length * j as f64 / SAMPLES as f64 };
+    let Room { values, calm } = room;
+    values.resize(count * (SAMPLES + 1), 0.0);
+    for j in FIRST_SAMPLES {
+        sample(time(j), 0..count, &mut values[j * count..][..count]);
+    }
+    calm.clear();
+    calm.extend((0..count).map(|watched| is_calm(FIRST_SAMPLES.map(|j| values[j * count + watched]))));
+    for j in (0..=SAMPLES).filter(|j| !FIRST_SAMPLES.contains(j)) {
+        for watched in (0..count).filter(|&watched| !calm[watched]) {
+            sample(time(j), watched..watched + 1, &mut values[j * count + watched..][..1]);
+        }
+    }
+    let mut earliest: Option<Bracket> = None;
+    for watched in (0..count).filter(|&watched| !calm[watched]) {
+        let of: [f64; SAMPLES + 1] = std::array::from_fn(|j| values[j * count + watched]);
+        let mut value = |at: f64| {
+            if let Some(j) = (0..=SAMPLES).find(|&j| time(j) == at) {
+                return of[j];
+            }
+            let mut one = [0.0];
+            sample(at, watched..watched + 1, &mut one);
+            one[0]
+        };
+        let Some((low, high, at_start)) = bracket(&of, &time, noise[watched], &mut value) else { continue };
+        // Whatever is still positive at a known root has its own later.
+        if earliest.is_some_and(|known| low >= known.root || !at_start && value(known.root) > 0.0) {
+            continue;
+        }
+        let found = close_in(watched, low, high, at_start, length, &mut value);
+        // Nothing is earlier.
+        if at_start {
+            return Some(found);
+        }
+        if earliest.is_none_or(|known| found.root < known.root) {
+            earliest = Some(found);
+        }
+    }
+    earliest
+}
+
+/// Whether a function stays far from zero: it is larger at all samples than all that it changes by between them, several times.
+fn is_calm(samples: [f64; FIRST_SAMPLES.len()]) -> bool {
+    let (least, most) = samples
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(*value), most.max(*value)));
+    least > 0.0 && (least == f64::INFINITY || least > CALM * (most - least))
+}
+
+/// The first interval in which the sampled function becomes negative: positive at its start, negative at its end.
+fn bracket(
+    of: &[f64],
+    time: &impl Fn(usize) -> f64,
+    noise: f64,
+    value: &mut impl FnMut(f64) -> f64,
+) -> Option<(f64, f64, bool)> {
+    for j in 1..of.len() {
+        if of[j] < 0.0 {
+            if j > 1 || of[0] > noise {
+                return Some((time(j - 1), time(j), false));
+            }
+            return Some(match soon_positive(time(0), time(1), value) {
+                Some((near, high)) => (near, high, false),
+                None => (time(0), time(0), true),
+            });
+        }
+        let Some(&next) = of.get(j + 1) else { continue };
+        let before = of[j - 1];
+        if j + 1 < of.len() && next >= 0.0 && of[j] <= before && of[j] <= next {
+            let (left, right) = (before - of[j], next - of[j]);
+            // The parabola through the three, in units of the interval, is least so far below the middle one.
+            let below = if left + right > 0.0 { (left - right).powi(2) / (8.0 * (left + right)) } else { 0.0 };
+            if 2.0 * below + 0.1 * (left + right) >= of[j]
+                && let Some(low) = least_below_zero(time(j - 1), time(j + 1), time(j), of[j], value)
+            {
+                return Some((time(j - 1), low, false));
+            }
+        }
+    }
+    None
+}
+
+/// Where a function that is negative at the end of an interval is positive soon after its start: the longest halved interval at whose end it is, and
+/// the one before. What is positive there is so from the start on, so that every fourth is asked first.
+pub(crate) fn soon_positive(start: f64, end: f64, value: &mut impl FnMut(f64) -> f64) -> Option<(f64, f64)> {
+    let at = |halvings: i32| start + (end - start) * 0.5_f64.powi(halvings);
+    let found = (1..=HALVINGS / 4).map(|four| 4 * four).find(|&halvings| value(at(halvings)) > 0.0)?;
+    let first = (found - 3..found).find(|&halvings| value(at(halvings)) > 0.0).unwrap_or(found);
+    Some((at(first), if first == 1 { end } else { at(first - 1) }))
+}
+
+/// A point between two where the function is negative, if its minimum is: golden section.
+fn least_below_zero(
+    mut low: f64,
+    mut high: f64,
+    mut middle: f64,
+    mut least: f64,
+    value: &mut impl FnMut(f64) -> f64,
+) -> Option<f64> {
+    const GOLDEN: f64 = 0.381_966_011_250_105;
+    for _ in 0..40 {
+        let (left, right) = (middle - low, high - middle);
+        let trial = if left > right { middle - GOLDEN * left } else { middle + GOLDEN * right };
+        let found = value(trial);
+        if found < 0.0 {
+            return Some(trial);
+        }
+        if found < least {
+            if trial < middle {
+                high = middle
+            } else {
+                low = middle
+            }
+            (middle, least) = (trial, found);
+        } else if trial < middle {
+            low = trial;
+        } else {
+            high = trial;
+        }
+        // What is left of a parabola below its least sample, seen from the sides.
+        if high - low < 1e-6 * (high.abs() + low.abs()) {
+            break;
+        }
+    }
+    None
+}
+
+/// Narrows a bracket by the method of false position (Illinois).
+pub(crate) fn close_in(
+    watched: usize,
+    low: f64,
+    high: f64,
+    at_start: bool,
+    length: f64,
+    value: &mut impl FnMut(f64) -> f64,
+) -> Bracket {
+    let (mut a, mut b) = (low, high);
+    if at_start {
+        return Bracket { watched, low, high, root: low, slope: 0.0, at_start };
+    }
+    let (mut above, mut below) = (value(a).max(0.0), value(b));
+    let mut slope = (below - above) / (b - a);
+    let mut last = 0;
+    for _ in 0..60 {
+        if b - a <= (WIDTH * length).max(SAME_INSTANT * b.abs()) || above <= 0.0 || below >= 0.0 {
+            break;
+        }
+        let secant = a + (b - a) * (above / (above - below));
+        let middle = if secant > a && secant < b { secant } else { 0.5 * (a + b) };
+        let found = value(middle);
+        if b - a > 1e-4 * length {
+            slope = (below - above) / (b - a);
+        }
+        if found > 0.0 {
+            (a, above) = (middle, found);
+            below *= if last == 1 { 0.5 } else { 1.0 };
+            last = 1;
+        } else {
+            (b, below) = (middle, found);
+            above *= if last == -1 { 0.5 } else { 1.0 };
+            last = -1;
+        }
+        if found == 0.0 {
+            break;
+        }
+    }
+    Bracket { watched, low, high, root: 0.5 * (a + b), slope, at_start }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn first(function: impl Fn(f64) -> f64) -> Option<Bracket> {
+        first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], |time, _, values| values[0] = function(time))
+    }
+
+    #[test]
+    fn two_roots_between_samples_are_found_by_the_minimum() {
+        // Of 400 parabolas that dip below zero for less than a sixth of the step, the ends of the samples see hardly any.
+        for place in 0..40 {
+            for depth in 1..=10 {
+                let (at, depth) = (0.2 + 0.6 * f64::from(place) / 40.0, f64::from(depth) * 1e-3);
+                let function = |time: f64| 5.0 * (time - at).powi(2) - depth;
+                let root = at - (depth / 5.0).sqrt();
+                let found = first(function).unwrap_or_else(|| panic!("missed {at}, {depth}"));
+                assert!((found.root - root).abs() < 1e-7, "{} for {root}", found.root);
+            }
+        }
+    }
+
+    #[test]
+    fn a_function_that_stays_far_from_zero_is_looked_at_three_times_and_one_that_comes_near_at_all_samples() {
+        let looks = |function: &dyn Fn(f64) -> f64| {
+            let mut count = 0;
+            let found = first_sign_change(&mut Room::default(), 1, 0.0, 1.0, &[1e-12], |time, _, values| {
+                count += 1;
+                values[0] = function(time);
+            });
+            (count, found.is_some())
+        };
+        // It changes by 0.4, and is 0.8 at least; the other is 0.79.
+        assert_eq!(looks(&|time| 1.21 - 0.4 * time), (FIRST_SAMPLES.len(), false));
+        assert_eq!(looks(&|time| 1.19 - 0.4 * time), (SAMPLES + 1, false));
+        // What is not looked at: infinite, as of an element without bound.
+        assert_eq!(looks(&|_| f64::INFINITY), (FIRST_SAMPLES.len(), false));
+        // Negative from the start on, however little it changes.
+        assert!(looks(&|_| -1.0).1);
+    }
+
+    #[test]
+    fn the_start_is_no_root_and_one_soon_after_it_is_found() {
+        // A bounce that ends at 1e-4 of the step: positive only before.
+        let found = first(|time| time * (1e-4 - time)).expect("a root");
+        assert!((found.root - 1e-4).abs() < 1e-10, "{found:?}");
+        assert!(first(|time| time * time).is_none());
+        assert!(first(|time| -time).expect("at once").at_start);
+    }
+}

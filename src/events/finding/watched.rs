@@ -1,0 +1,248 @@
+//! Functions whose sign is watched: positive while the mode lasts.
+//!
+//! | function | φ | event |
+//! |---|---|---|
+//! | distance to a limit | `q − lower`, `upper − q` | impact |
+//! | rate of a joint that slides | `σ q̇` | friction decides anew |
+//! | what a held joint can still bear | `λ − lo`, `hi − λ` | it slips, or leaves its limit |
+//! | what all held joints can still bear | m of [`crate::events::forces::holding`] | the same, where their efforts are not unique |
+//! | what a motor can still do | `bound − u`, `bound + u` | it reaches its bound |
+//! | what a motor at its bound has too much | `± u − bound` | it comes back |
+//! | distance of a pair; where it is closed, least gap of its other features | φ | impact |
+//! | pressure of a closed contact | `λ_N` | it parts |
+//! | what a contact that sticks can still bear | `μ λ_N − |λ_T|` | it slides |
+//! | slip of a contact along its direction where the step starts | `u_T · t₀` | friction decides anew |
+//! | slips of the contacts of a pair together, where their forces are not unique | mean of `u_T · t₀` | the same |
+//! | how far inside its features a contact is | distance to the nearest side (m) | other features touch |
+
+use crate::events::forces::holding::Holding;
+use crate::events::modes::mode::{JointMode, Mode, MotorMode};
+use crate::instant::elements::Elements;
+use crate::instant::touching::{Contact, Pair, Touching};
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::motion::event::Side;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::touch_motion;
+use nalgebra::Vector3;
+
+/// One function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Watched {
+    /// Distance of a joint to a bound.
+    Gap(usize, Side),
+    /// Rate of a joint that slides.
+    Slide(usize),
+    /// What a held joint can bear towards the lower or upper end of its efforts.
+    Bears(usize, Side),
+    /// What all held joints can bear together.
+    Margin,
+    /// What a motor can do more, upwards or downwards.
+    Motor(usize, Side),
+    /// What a motor at its bound has too much.
+    Excess(usize),
+    /// The distance of a pair, or the least gap of what is open of it.
+    Approach(usize),
+    /// The pressure of a closed contact.
+    Presses(usize),
+    /// What a contact that sticks can bear.
+    Grips(usize),
+    /// The slip of a closed contact that slides.
+    Slips(usize),
+    /// The slips of the contacts of a pair that slide.
+    SlipsTogether(usize),
+    /// How far inside its features a closed contact is.
+    Feature(usize),
+}
+
+/// What the functions are of, at an instant.
+pub(crate) struct Seen<'s> {
+    pub elements: &'s Elements,
+    pub touching: &'s Touching,
+    pub mode: &'s Mode,
+    pub holding: &'s Holding,
+    /// Start of the piece of the targets, and the instant (s).
+    pub since: f64,
+    pub time: f64,
+    pub state: &'s State,
+    /// Where the bodies are, if contacts are among the functions.
+    pub bodies: &'s [BodyState],
+    /// t₀ of every closed contact.
+    pub slips: &'s [Vector3<f64>],
+}
+
+/// What is closed counts as open down to this part of the size of a pair: its other features may lie in the same plane.
+const COPLANAR: f64 = 1e-13;
+/// The other features of a closed pair are looked at within this part of its size; those of a half space, which has no borders, everywhere.
+const NEARBY: f64 = 0.02;
+
+impl Watched {
+    /// The functions of a mode; `unique` says whether the forces that hold joints and contacts are, `apart` whether a pair can close.
+    pub fn of(
+        elements: &Elements,
+        touching: &Touching,
+        mode: &Mode,
+        unique: bool,
+        apart: impl Fn(usize) -> bool,
+    ) -> Vec<Watched> {
+        let mut all = Vec::new();
+        let mut holds = !mode.contacts.is_empty();
+        all.extend((0..touching.pairs.len()).filter(|&pair| apart(pair)).map(Watched::Approach));
+        let slide = |pair: usize| {
+            mode.contacts.iter().filter(|closed| closed.contact.pair == pair && closed.slides.is_some()).count()
+        };
+        for (index, closed) in mode.contacts.iter().enumerate() {
+            let pair = closed.contact.pair;
+            let rubs = touching.pairs[pair].friction > 0.0;
+            let own = [
+                (unique, Watched::Presses(index)),
+                (unique && rubs && closed.slides.is_none(), Watched::Grips(index)),
+                (rubs && closed.slides.is_some() && (unique || slide(pair) > 1), Watched::Slips(index)),
+                (apart(pair), Watched::Feature(index)),
+            ];
+            all.extend(own.into_iter().filter(|(is, _)| *is).map(|(_, watched)| watched));
+        }
+        // Those of one pair stop together but for what is not known of their forces; one of them alone where the bodies turn about it.
+        let slides = |pair: &usize| touching.pairs[*pair].friction > 0.0 && slide(*pair) > 0;
+        if !unique {
+            all.extend((0..touching.pairs.len()).filter(slides).map(Watched::SlipsTogether));
+        }
+        for (index, (joint, state)) in elements.joints.iter().zip(&mode.joints).enumerate() {
+            match state {
+                JointMode::Free { sliding } => {
+                    all.extend(joint.sides().map(|side| Watched::Gap(index, side)));
+                    if *sliding != 0 {
+                        all.push(Watched::Slide(index));
+                    }
+                }
+                JointMode::Held { .. } => {
+                    let (low, high) = state.holding(joint);
+                    let ends = [(Side::Lower, low), (Side::Upper, high)];
+                    let finite: Vec<_> = ends.into_iter().filter(|(_, effort)| effort.is_finite()).collect();
+                    holds |= !finite.is_empty();
+                    if unique {
+                        all.extend(finite.into_iter().map(|(side, _)| Watched::Bears(index, side)));
+                    }
+                }
+            }
+        }
+        if holds && !unique {
+            all.push(Watched::Margin);
+        }
+        for (index, (motor, state)) in elements.motors.iter().zip(&mode.motors).enumerate() {
+            match state {
+                MotorMode::Unbounded if motor.max_effort.is_finite() => {
+                    all.extend([Side::Lower, Side::Upper].map(|side| Watched::Motor(index, side)));
+                }
+                MotorMode::Unbounded | MotorMode::Given(_) => {}
+                MotorMode::Saturated(_) => all.push(Watched::Excess(index)),
+            }
+        }
+        all
+    }
+
+    /// Its value.
+    pub fn value(self, seen: &Seen) -> f64 {
+        let Seen { elements, touching, mode, holding, since, time, state, bodies, slips } = *seen;
+        match self {
+            Watched::Gap(index, side) => {
+                let joint = &elements.joints[index];
+                let rest = state.compensation[joint.coordinate.position];
+                let rest = if side == Side::Lower { rest } else { -rest };
+                joint.gap(side, state.position[joint.coordinate.position]) + rest
+            }
+            Watched::Slide(index) => match mode.joints[index] {
+                JointMode::Free { sliding } => f64::from(sliding) * elements.joints[index].rate(state),
+                JointMode::Held { .. } => f64::INFINITY,
+            },
+            Watched::Bears(index, side) => {
+                let (low, high) = mode.joints[index].holding(&elements.joints[index]);
+                let effort = holding.of(index);
+                let left = if side == Side::Lower { effort - low } else { high - effort };
+                // What rests unloaded is not let go by roundings.
+                left + holding.rounding(index)
+            }
+            Watched::Margin => holding.margin(),
+            Watched::Motor(index, side) => {
+                let bound = elements.motors[index].max_effort;
+                let unbounded = unbounded(elements, index, since, time, state);
+                if side == Side::Lower { bound + unbounded } else { bound - unbounded }
+            }
+            Watched::Excess(index) => match mode.motors[index] {
+                MotorMode::Saturated(sign) => {
+                    let bound = elements.motors[index].max_effort;
+                    f64::from(sign) * unbounded(elements, index, since, time, state) - bound
+                }
+                MotorMode::Unbounded | MotorMode::Given(_) => f64::INFINITY,
+            },
+            Watched::Approach(pair) => {
+                let closed = mode.contacts.iter().map(|closed| &closed.contact).filter(|known| known.pair == pair);
+                let closed: Vec<&Contact> = closed.collect();
+                if closed.is_empty() {
+                    return touching.distance(pair, bodies);
+                }
+                let Pair { size, reach, .. } = touching.pairs[pair];
+                let within = if reach.contains(&f64::INFINITY) { size } else { NEARBY * size };
+                touching.beside(&closed, within, bodies) + COPLANAR * size
+            }
+            Watched::Presses(index) => holding.of_contact(index)[0] + holding.rounding_of_contacts(),
+            Watched::Grips(index) => {
+                let [pressure, along, across] = holding.of_contact(index);
+                let friction = touching.pairs[mode.contacts[index].contact.pair].friction;
+                friction * pressure - along.hypot(across) + holding.rounding_of_contacts()
+            }
+            Watched::Slips(index) => touch_motion(&mode.contacts[index].contact.joint, bodies).slip.dot(&slips[index]),
+            Watched::SlipsTogether(pair) => {
+                let own = mode.contacts.iter().zip(slips).filter(|(closed, _)| closed.contact.pair == pair);
+                let own = own.filter(|(closed, _)| closed.slides.is_some());
+                let along = own.map(|(closed, along)| touch_motion(&closed.contact.joint, bodies).slip.dot(along));
+                let (sum, count) = along.fold((0.0, 0.0), |(sum, count), slip| (sum + slip, count + 1.0));
+                sum / count
+            }
+            Watched::Feature(index) => {
+                let contact = &mode.contacts[index].contact;
+                touching.margin(contact, bodies) + COPLANAR * touching.pairs[contact.pair].size
+            }
+        }
+    }
+
+    /// What its roundings are relative to.
+    pub fn scale(self, elements: &Elements, touching: &Touching, mode: &Mode) -> f64 {
+        let size = |contact: usize| touching.pairs[mode.contacts[contact].contact.pair].size;
+        match self {
+            Watched::Gap(index, side) => elements.joints[index].bound(side).abs().max(1.0),
+            Watched::Slide(_) | Watched::Margin => 1.0,
+            Watched::Bears(index, _) => elements.joints[index].friction.max(1.0),
+            Watched::Motor(index, _) | Watched::Excess(index) => elements.motors[index].max_effort.max(1e-3),
+            Watched::Approach(pair) => touching.pairs[pair].size,
+            Watched::Feature(contact) => size(contact),
+            Watched::Presses(_) | Watched::Grips(_) | Watched::Slips(_) | Watched::SlipsTogether(_) => 1.0,
+        }
+    }
+
+    /// What is rounding of its value, where that is known.
+    pub fn rounding(self, holding: &Holding) -> f64 {
+        match self {
+            Watched::Bears(index, _) => holding.rounding(index),
+            Watched::Presses(_) | Watched::Grips(_) => holding.rounding_of_contacts(),
+            _ => 0.0,
+        }
+    }
+
+    /// Whether it is a function of the forces that hold joints and contacts.
+    pub fn needs_efforts(self) -> bool {
+        matches!(self, Watched::Bears(..) | Watched::Margin | Watched::Presses(_) | Watched::Grips(_))
+    }
+
+    /// Whether it is a function of where the bodies are.
+    pub fn needs_bodies(self) -> bool {
+        matches!(self, Watched::Approach(_) | Watched::Slips(_) | Watched::SlipsTogether(_) | Watched::Feature(_))
+    }
+}
+
+/// The effort of a motor without bound.
+pub(crate) fn unbounded(elements: &Elements, index: usize, since: f64, time: f64, state: &State) -> f64 {
+    let motor = &elements.motors[index];
+    let at = motor.coordinate;
+    let position = state.position[at.position] + state.compensation[at.position];
+    motor.unbounded(since, time, position, state.velocity[at.freedom])
+}

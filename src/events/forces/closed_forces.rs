@@ -1,0 +1,348 @@
+//! The forces at closed contacts and on held joints at an instant, where contacts or closures take part.
+//!
+//! ```text
+//!     D̃ λ = −b,    b = W a_free + Ẇ v,   D̃ = W Y W̃ᵀ
+//!     W:  rows of the held freedoms; of a contact that sticks its normal and tangents, of one that slides its normal n
+//!     W̃: the same, but n − μ t of a contact that slides along t, t at that instant
+//! ```
+//!
+//! at the level of accelerations, from the state alone: of the order of the ends of steps. Where some rows imply others, `zᵀ W = 0`, and
+//! something slides, the λ of steps is taken: `zᵀ C λ = 0` with the same compliance C for all contacts ([`crate::lobatto::coupled::dependent`]). Where nothing
+//! slides λ moves nothing; it is the least-norm one, and the question is whether any admissible λ exists ([`crate::instant::cone::margin`]).
+
+use crate::events::modes::mode::{Closed, JointMode};
+use crate::events::modes::present::Present;
+use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
+use crate::instant::cone::least_norm::least_norm;
+use crate::instant::cone::margin_or_clear;
+use crate::instant::cone::problem::{Law, Problem};
+use crate::instant::response::Response;
+use crate::instant::touching::Contact;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::{tangents, touch_motion};
+use nalgebra::{DMatrix, DVector};
+
+/// What is held whose response is singular to this part is held more than once.
+const SINGULAR: f64 = 1e-10;
+
+/// The forces of one instant.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ClosedForces {
+    /// λ of the held joints [N m or N], by their numbers among the elements.
+    pub joints: Vec<(usize, f64)>,
+    /// λ of the contacts (N): normal, and along both tangents of [`tangents`].
+    pub contacts: Vec<[f64; 3]>,
+    /// The size of what they are the difference of.
+    pub size: f64,
+    /// The largest margin of admissible forces; infinite where they are unique.
+    pub margin: f64,
+}
+
+/// The blocks of a mode: held joints, then closed contacts; joints that slide have given efforts.
+fn blocks(at: &Present, bodies: &[BodyState]) -> Vec<Block> {
+    let Present { whole, elements, touching, mode, .. } = *at;
+    let held = elements.joints.iter().zip(&mode.joints).enumerate();
+    let held = held.filter(|(_, (_, mode))| matches!(mode, JointMode::Held { .. })).map(|(index, (joint, mode))| {
+        let (lower, upper) = mode.holding(joint);
+        let row = row_of_freedom(whole.velocity_count, joint.coordinate.freedom, 1.0);
+        Block { of: Of::Joint(index), law: Law::Interval { lower, upper }, rows: vec![row] }
+    });
+    let contacts = mode.contacts.iter().enumerate().map(|(index, closed)| {
+        let friction = touching.pairs[closed.contact.pair].friction;
+        let joint = &closed.contact.joint;
+        let law = Law::of_contact(friction, slide(closed, bodies));
+        Block { of: Of::Contact(index), law, rows: rows_of_contact(whole, bodies, joint, friction > 0.0) }
+    });
+    held.chain(contacts).collect()
+}
+
+/// The direction in which a contact slides now, in its tangents; none if it sticks.
+fn slide(closed: &Closed, bodies: &[BodyState]) -> Option<[f64; 2]> {
+    let begins = closed.slides?;
+    let touch = touch_motion(&closed.contact.joint, bodies);
+    let [first, second] = tangents(&touch.normal);
+    let direction = touch.slip.try_normalize(SLOWEST).unwrap_or(begins);
+    let along = [direction.dot(&first), direction.dot(&second)];
+    let length = along[0].hypot(along[1]).max(f64::MIN_POSITIVE);
+    Some(along.map(|part| part / length))
+}
+
+/// Slower slips have the direction in which they began [m/s].
+const SLOWEST: f64 = 1e-12;
+
+/// Whether what is held is held by unique forces.
+pub(crate) fn are_unique(at: &Present, response: &mut Response, state: &State) -> bool {
+    let bodies = body_states(at.whole, state);
+    let blocks = blocks(at, &bodies);
+    let rows = Rows::of(response, state, &blocks);
+    Chosen::new(&blocks).is_unique(&rows.square)
+}
+
+/// What is closed and held at an instant, and how it answers.
+pub(crate) struct Closing {
+    bodies: Vec<BodyState>,
+    pub blocks: Vec<Block>,
+    rows: Rows,
+    /// The accelerations without what is held, one entry a degree of freedom.
+    free: Vec<f64>,
+    /// b: what the rows of the blocks are accelerated by then.
+    offset: Vec<f64>,
+}
+
+impl Closing {
+    /// In a state of a mode, under efforts from outside, of friction in joints and of motors.
+    pub fn at(at: &Present, response: &mut Response, state: &State, efforts: &[f64]) -> Self {
+        let Present { whole, elements, mode, .. } = *at;
+        let bodies = body_states(whole, state);
+        let blocks = blocks(at, &bodies);
+        let rows = Rows::of(response, state, &blocks);
+        let mut free = vec![0.0; whole.velocity_count];
+        response.accelerations(state, efforts, &mut free);
+        let joint = |contact: usize| &mode.contacts[contact].contact.joint;
+        let offset = second_rates(whole, elements, &bodies, state, &free, &blocks, joint);
+        Closing { bodies, blocks, rows, free, offset }
+    }
+
+    /// λ of all rows.
+    pub fn forces(&self, unique: bool) -> Vec<f64> {
+        Chosen::new(&self.blocks).solve(&self.rows.square, &self.offset, unique)
+    }
+
+    /// The laws of the blocks.
+    pub fn laws(&self) -> Vec<Law> {
+        self.blocks.iter().map(|block| block.law).collect()
+    }
+
+    /// The problem of these laws.
+    pub fn problem<'p>(&'p self, laws: &'p [Law]) -> Problem<'p> {
+        Problem { mobility: &self.rows.square, free: &self.offset, laws }
+    }
+}
+
+/// The forces in a state of a mode, under efforts from outside, of friction in joints and of motors.
+pub(crate) fn closed_forces(
+    at: &Present,
+    response: &mut Response,
+    state: &State,
+    efforts: &[f64],
+    unique: bool,
+) -> ClosedForces {
+    let held = Closing::at(at, response, state, efforts);
+    let Closing { blocks, rows, offset, .. } = &held;
+    let forces = held.forces(unique);
+    let mut found = ClosedForces { margin: f64::INFINITY, ..ClosedForces::default() };
+    let mut row = 0;
+    for block in blocks {
+        match block.of {
+            Of::Joint(index) => found.joints.push((index, forces[row])),
+            Of::Contact(_) => {
+                let mut force = [0.0; 3];
+                force[..block.rows.len()].copy_from_slice(&forces[row..row + block.rows.len()]);
+                found.contacts.push(force);
+            }
+        }
+        row += block.rows.len();
+    }
+    found.size = (0..forces.len())
+        .map(|row| forces[row].abs().max(offset[row].abs() / rows.square[(row, row)].max(f64::MIN_POSITIVE)))
+        .fold(0.0, f64::max);
+    if !unique {
+        found.margin = margin_or_clear(&held.problem(&held.laws()));
+    }
+    found
+}
+
+/// The accelerations of a state in a mode, one entry a degree of freedom, each with the size of what it is the difference of.
+pub(crate) fn accelerations(
+    at: &Present,
+    response: &mut Response,
+    state: &State,
+    efforts: &[f64],
+    unique: bool,
+) -> Vec<(f64, f64)> {
+    let held = Closing::at(at, response, state, efforts);
+    let forces = DVector::from_vec(held.forces(unique));
+    let columns = held.rows.columns();
+    // All forces are the solution of one system: those that are next to nothing are rounded by the largest.
+    let largest = forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+    let sizes = columns.row_iter().map(|row| largest * row.abs().sum());
+    let pushed = columns * forces;
+    let all = held.free.iter().zip(pushed.iter().zip(sizes));
+    all.map(|(free, (pushed, size))| (free + pushed, free.abs() + size)).collect()
+}
+
+/// How slips go on from a state, if their rates stay as they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Slipping {
+    /// When the first contact that slides, or all of a pair together, would stop (s); infinite if none falls.
+    pub stops: f64,
+    /// When the first slip that is faster than rest would have turned by half a right angle (s).
+    pub turns: f64,
+}
+
+/// The same, for a rest [m/s].
+pub(crate) fn slipping(
+    at: &Present,
+    response: &mut Response,
+    state: &State,
+    efforts: &[f64],
+    unique: bool,
+    rest: f64,
+) -> Slipping {
+    let held = Closing::at(at, response, state, efforts);
+    let Closing { bodies, blocks, rows, offset, .. } = &held;
+    let rates = &rows.square * DVector::from_vec(held.forces(unique)) + DVector::from_column_slice(offset);
+    // Where forces are not unique those of one pair stop together.
+    let mut stops: Vec<(usize, f64, f64)> = Vec::new();
+    let mut turns = f64::INFINITY;
+    let mut row = 0;
+    for block in blocks {
+        if let (Of::Contact(index), Law::Sliding { direction: [x, y], .. }) = (block.of, block.law) {
+            let Contact { pair, joint, .. } = &at.mode.contacts[index].contact;
+            let speed = touch_motion(joint, bodies).slip.norm();
+            let falls = -(x * rates[row + 1] + y * rates[row + 2]);
+            let across = (x * rates[row + 2] - y * rates[row + 1]).abs();
+            if speed > rest && across > 0.0 {
+                turns = turns.min(speed / across);
+            }
+            match stops.iter_mut().find(|(of, ..)| !unique && of == pair) {
+                Some((_, all, fall)) => (*all, *fall) = (*all + speed, *fall + falls),
+                None => stops.push((*pair, speed, falls)),
+            }
+        }
+        row += block.rows.len();
+    }
+    let time = |&(_, speed, falls): &(usize, f64, f64)| if falls > 0.0 { speed / falls } else { f64::INFINITY };
+    Slipping { stops: stops.iter().map(time).fold(f64::INFINITY, f64::min), turns }
+}
+
+/// Which rows are equations, and what their forces push with.
+pub(crate) struct Chosen {
+    /// The row of each equation, and for a contact that slides μ t.
+    equations: Vec<(usize, Option<[f64; 2]>)>,
+    /// Whether it is one of a contact.
+    touches: Vec<bool>,
+    rows: usize,
+}
+
+impl Chosen {
+    pub fn new(blocks: &[Block]) -> Self {
+        let (mut equations, mut touches, mut rows) = (Vec::new(), Vec::new(), 0);
+        for block in blocks {
+            match block.law {
+                Law::Sliding { friction, direction } => {
+                    equations.push((rows, Some(direction.map(|part| friction * part))));
+                }
+                _ => equations.extend((rows..rows + block.rows.len()).map(|row| (row, None))),
+            }
+            touches.resize(equations.len(), matches!(block.of, Of::Contact(_)));
+            rows += block.rows.len();
+        }
+        Chosen { equations, touches, rows }
+    }
+
+    /// Whether no rows imply others.
+    pub fn is_unique(&self, mobility: &DMatrix<f64>) -> bool {
+        is_regular(&self.square(mobility, false))
+    }
+
+    /// D̃, or without friction its symmetric part of the same rows.
+    fn square(&self, mobility: &DMatrix<f64>, friction: bool) -> DMatrix<f64> {
+        let count = self.equations.len();
+        DMatrix::from_fn(count, count, |row, column| {
+            let (row, (column, pushes)) = (self.equations[row].0, self.equations[column]);
+            let along = mobility[(row, column)];
+            match pushes.filter(|_| friction) {
+                Some([x, y]) => along - x * mobility[(row, column + 1)] - y * mobility[(row, column + 2)],
+                None => along,
+            }
+        })
+    }
+
+    /// To a unit diagonal of the symmetric part, so that what is singular does not depend on units.
+    fn scales(&self, mobility: &DMatrix<f64>) -> Vec<f64> {
+        let own = self.equations.iter().map(|&(row, _)| mobility[(row, row)]);
+        own.map(|own| if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }).collect()
+    }
+
+    /// [`Chosen::square`], scaled.
+    fn scaled(&self, mobility: &DMatrix<f64>, friction: bool, scales: &[f64]) -> DMatrix<f64> {
+        let square = self.square(mobility, friction);
+        let entry = |row: usize, column: usize| square[(row, column)] * scales[row] * scales[column];
+        DMatrix::from_fn(square.nrows(), square.ncols(), entry)
+    }
+
+    /// The combinations z of scaled rows that are nothing, and `C z` for the same compliance of all contacts, both in columns of length one.
+    fn spread(&self, mobility: &DMatrix<f64>, scales: &[f64]) -> Option<[DMatrix<f64>; 2]> {
+        let count = self.equations.len();
+        let scaled = self.scaled(mobility, false, scales);
+        if !scaled.iter().all(|value| value.is_finite()) {
+            return None;
+        }
+        let eigen = scaled.symmetric_eigen();
+        let least = SINGULAR * eigen.eigenvalues.max();
+        let of_implied = (0..count).filter(|&index| eigen.eigenvalues[index] <= least);
+        let columns: Vec<DVector<f64>> =
+            of_implied.map(|index| eigen.eigenvectors.column(index).into_owned()).collect();
+        let (mut sum, mut contacts) = (0.0, 0);
+        for index in (0..count).filter(|&index| self.touches[index]) {
+            let row = self.equations[index].0;
+            (sum, contacts) = (sum + mobility[(row, row)], contacts + 1);
+        }
+        let even = sum / f64::from(contacts.max(1));
+        let weighed = columns.iter().map(|column| {
+            let weight = |row: usize| if self.touches[row] { even * scales[row] * scales[row] } else { 1.0 };
+            DVector::from_fn(count, |row, _| column[row] * weight(row)).normalize()
+        });
+        let weighed: Vec<DVector<f64>> = weighed.collect();
+        let matrix =
+            |columns: &[DVector<f64>]| DMatrix::from_fn(count, columns.len(), |row, index| columns[index][row]);
+        Some([matrix(&columns), matrix(&weighed)])
+    }
+
+    /// λ of all rows.
+    pub fn solve(&self, mobility: &DMatrix<f64>, offset: &[f64], unique: bool) -> Vec<f64> {
+        let count = self.equations.len();
+        let scales = self.scales(mobility);
+        let scaled = self.scaled(mobility, true, &scales);
+        let right = DVector::from_fn(count, |row, _| -offset[self.equations[row].0] * scales[row]);
+        let slides = self.equations.iter().any(|(_, pushes)| pushes.is_some());
+        let direct = if unique {
+            scaled.clone().lu().solve(&right)
+        } else if slides {
+            self.spread(mobility, &scales).and_then(|[implied, weighed]| {
+                let own = &right - &implied * (implied.transpose() * &right);
+                (&scaled + implied * weighed.transpose()).lu().solve(&own)
+            })
+        } else {
+            None
+        };
+        let direct = direct.filter(|solution| solution.iter().all(|value| value.is_finite()));
+        let solution = direct.unwrap_or_else(|| {
+            least_norm(&scaled, &right).map_or_else(|| DVector::zeros(count), |(solution, _)| solution)
+        });
+        let mut forces = vec![0.0; self.rows];
+        for (index, &(row, pushes)) in self.equations.iter().enumerate() {
+            forces[row] = solution[index] * scales[index];
+            if let Some([x, y]) = pushes {
+                (forces[row + 1], forces[row + 2]) = (-x * forces[row], -y * forces[row]);
+            }
+        }
+        forces
+    }
+}
+
+/// Whether a response is regular, whatever the units of its rows.
+fn is_regular(square: &DMatrix<f64>) -> bool {
+    let scale: Vec<f64> = (0..square.nrows()).map(|row| square[(row, row)].max(0.0).sqrt()).collect();
+    if scale.contains(&0.0) {
+        return false;
+    }
+    let scaled = DMatrix::from_fn(square.nrows(), square.ncols(), |row, column| {
+        square[(row, column)] / (scale[row] * scale[column])
+    });
+    let values = scaled.symmetric_eigenvalues();
+    values.min() > SINGULAR * values.max()
+}

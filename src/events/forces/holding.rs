@@ -1,0 +1,228 @@
+//! The efforts λ that hold joints at an instant, at the level of accelerations.
+//!
+//! With the accelerations `a` of what moves (zero for what is held), Newton and Euler on the whole tree give the effort that each joint needs;
+//! what is not from its forces is what holds it:
+//!
+//! ```text
+//!     λ_i = Σ_j m_j (z_j · (reaction of joint j for a) − τ_j)    z_j its axis, τ_j springs, loads and efforts
+//! ```
+//!
+//! with the sum over the joint and all that follow it by ratios m_j; with closures or contacts by [`crate::events::forces::closed_forces`]. Source of the tree: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, section 5.3.
+
+use crate::events::forces::closed_forces::{are_unique, closed_forces};
+use crate::events::modes::held::Held as Moving;
+use crate::events::modes::mode::JointMode;
+use crate::events::modes::present::Present;
+use crate::instant::response::Response;
+use crate::mechanism::description::body_state::{BodyState, WORLD};
+use crate::mechanism::description::joint::JointKind;
+use crate::mechanism::description::mechanism::{Body, Mechanism};
+use crate::mechanism::forces::total::{BodyWrench, body_wrenches, joint_efforts};
+use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations, place_bodies};
+use crate::mechanism::motion::state::State;
+use crate::reduced::{Reaction, reactions_under};
+
+/// Roundings of an effort, relative to what it is the difference of.
+const ROUNDING: f64 = 2e-15;
+
+/// The same of a contact, whose force is the solution of a system with others.
+const CONTACT_ROUNDING: f64 = 1e-13;
+
+/// Works out what holds the joints of one mode.
+pub(crate) struct Holding {
+    /// Index among the elements, and degree of freedom, of each held joint.
+    joints: Vec<(usize, usize)>,
+    /// λ of every element joint; zero for those that are free.
+    efforts: Vec<f64>,
+    /// The size of what each of them is the difference of.
+    sizes: Vec<f64>,
+    /// λ of the closed contacts (N): normal and tangents; and the size of what they are the difference of.
+    contacts: Vec<[f64; 3]>,
+    contact_size: f64,
+    /// m.
+    margin: f64,
+    how: How,
+}
+
+enum How {
+    /// Nothing is held.
+    Nothing,
+    /// In a tree.
+    Tree(Box<Tree>),
+    /// With closures, and whether λ is unique.
+    Closed { unique: bool },
+}
+
+/// The workspace for a tree.
+struct Tree {
+    /// Of what moves.
+    response: Response,
+    small: State,
+    small_efforts: Vec<f64>,
+    small_accelerations: Vec<f64>,
+    accelerations: Vec<f64>,
+    bodies: Vec<BodyState>,
+    motion: Vec<BodyAcceleration>,
+    applied: Vec<BodyWrench>,
+    reactions: Vec<Reaction>,
+    own: Vec<f64>,
+    /// The sum of m (|a| + |g|) over the bodies (N), and of their moments about the first body (N m): what falls freely carries nothing, but by the
+    /// difference of these.
+    inertial: (f64, f64),
+}
+
+impl Holding {
+    /// For a mode in a state, and what moves in it.
+    pub fn new(at: &Present, response: &mut Response, state: &State) -> Self {
+        let Present { whole, elements, mode, moving, .. } = *at;
+        let joints: Vec<(usize, usize)> = (elements.joints.iter().zip(&mode.joints).enumerate())
+            .filter(|(_, (_, mode))| matches!(mode, JointMode::Held { .. }))
+            .map(|(index, (joint, _))| (index, joint.coordinate.freedom))
+            .collect();
+        let how = if joints.is_empty() && mode.contacts.is_empty() {
+            How::Nothing
+        } else if !(whole.loops.is_empty() && mode.contacts.is_empty()) {
+            How::Closed { unique: are_unique(at, response, state) }
+        } else {
+            // Motors act through the efforts that are handed over, not as forces of what moves.
+            let mut bare = moving.mechanism.clone();
+            bare.forces.joint_springs.truncate(count_springs(whole, moving));
+            bare.forces.joint_dampers.truncate(count_dampers(whole, moving));
+            let count = whole.bodies.len();
+            How::Tree(Box::new(Tree {
+                response: Response::new(&bare),
+                small: State::zero(&bare),
+                small_efforts: vec![0.0; bare.velocity_count],
+                small_accelerations: vec![0.0; bare.velocity_count],
+                accelerations: vec![0.0; whole.velocity_count],
+                bodies: vec![WORLD; count],
+                motion: vec![BodyAcceleration::default(); count],
+                applied: vec![BodyWrench::default(); count],
+                reactions: vec![Reaction::default(); count],
+                own: vec![0.0; whole.velocity_count],
+                inertial: (0.0, 0.0),
+            }))
+        };
+        let nothing = vec![0.0; elements.joints.len()];
+        let contacts = vec![[0.0; 3]; mode.contacts.len()];
+        let margin = f64::INFINITY;
+        Holding { joints, efforts: nothing.clone(), sizes: nothing, contacts, contact_size: 0.0, margin, how }
+    }
+
+    /// Whether the efforts are unique.
+    pub fn is_unique(&self) -> bool {
+        !matches!(self.how, How::Closed { unique: false })
+    }
+
+    /// λ of a joint [N m or N].
+    pub fn of(&self, joint: usize) -> f64 {
+        self.efforts[joint]
+    }
+
+    /// What its roundings may be [N m or N].
+    pub fn rounding(&self, joint: usize) -> f64 {
+        ROUNDING * self.sizes[joint].max(1.0)
+    }
+
+    /// λ of a closed contact (N): along its normal and its tangents.
+    pub fn of_contact(&self, contact: usize) -> [f64; 3] {
+        self.contacts[contact]
+    }
+
+    /// What the roundings of the contacts may be (N).
+    pub fn rounding_of_contacts(&self) -> f64 {
+        CONTACT_ROUNDING * self.contact_size
+    }
+
+    /// m: positive while some efforts can hold all.
+    pub fn margin(&self) -> f64 {
+        self.margin
+    }
+
+    /// Works them out for a state of the whole under efforts from outside, of friction and of motors: one entry a degree of freedom.
+    pub fn evaluate(&mut self, at: &Present, response: &mut Response, state: &State, efforts: &[f64]) {
+        let Present { whole, elements, moving, .. } = *at;
+        let Holding { joints, efforts: found, sizes, margin, how, .. } = self;
+        match how {
+            How::Nothing => {}
+            How::Tree(tree) => {
+                tree.evaluate(whole, moving, state, efforts);
+                for &(joint, _) in joints.iter() {
+                    // What follows a joint hands on what it needs by their ratio.
+                    (found[joint], sizes[joint]) = (0.0, 0.0);
+                    for member in &elements.joints[joint].members {
+                        let at = member.coordinate;
+                        let (needed, size) = tree.needed(whole, at.body);
+                        found[joint] += member.factor * (needed - efforts[at.freedom]);
+                        sizes[joint] += member.factor.abs() * (size + efforts[at.freedom].abs());
+                    }
+                }
+            }
+            How::Closed { unique } => {
+                let forces = closed_forces(at, response, state, efforts, *unique);
+                for &(joint, effort) in &forces.joints {
+                    (found[joint], sizes[joint]) = (effort, forces.size);
+                }
+                *margin = forces.margin;
+                self.contacts = forces.contacts;
+                self.contact_size = forces.size;
+            }
+        }
+    }
+}
+
+/// The springs and dampers of what moves that were forces of the whole: those of motors come after them.
+fn count_springs(whole: &Mechanism, moving: &Moving) -> usize {
+    whole.forces.joint_springs.iter().filter(|spring| moving.coordinate(whole, spring.coordinate).is_some()).count()
+}
+
+fn count_dampers(whole: &Mechanism, moving: &Moving) -> usize {
+    let moves = |freedom: usize| whole.body_of_freedom(freedom).is_some_and(|body| !moving.is_held[body]);
+    whole.forces.joint_dampers.iter().filter(|damper| moves(damper.freedom)).count()
+}
+
+impl Tree {
+    fn evaluate(&mut self, whole: &Mechanism, moving: &Moving, state: &State, efforts: &[f64]) {
+        let Tree { response, small, small_efforts, small_accelerations, accelerations, .. } = self;
+        if !moving.is_empty() {
+            moving.gather_positions(whole, &state.position, &mut small.position);
+            moving.gather_positions(whole, &state.compensation, &mut small.compensation);
+            moving.gather_velocities(whole, &state.velocity, &mut small.velocity);
+            moving.gather_velocities(whole, efforts, small_efforts);
+            response.accelerations(small, small_efforts, small_accelerations);
+        }
+        moving.spread_velocities(whole, small_accelerations, accelerations);
+        let Tree { bodies, motion, applied, reactions, own, .. } = self;
+        place_bodies(whole, state, bodies);
+        body_accelerations(whole, bodies, &state.velocity, &self.accelerations, motion);
+        body_wrenches(whole, bodies, applied);
+        reactions_under(whole, bodies, motion, applied, reactions);
+        joint_efforts(whole, &state.position, &state.velocity, own);
+        self.inertial = (0.0, 0.0);
+        let falls = |body: &Body| body.parent.is_none() && body.joint.kind == JointKind::Floating;
+        if !whole.bodies.iter().any(falls) {
+            return;
+        }
+        for (body, (placed, (acceleration, turning))) in whole.bodies.iter().zip(bodies.iter().zip(&*motion)) {
+            let force = body.mass * (acceleration.norm() + whole.gravity.norm());
+            let arm = (placed.position - bodies[0].position).norm();
+            self.inertial.0 += force;
+            self.inertial.1 += force * arm + body.inertia.amax() * turning.norm();
+        }
+    }
+
+    /// What the joint of a body has to carry along its axis besides its own springs and loads, and the size of all that it carries.
+    fn needed(&self, whole: &Mechanism, body: usize) -> (f64, f64) {
+        let joint = &whole.bodies[body].joint;
+        let axis = self.bodies[body].rotation * joint.on_child.rotation.matrix().column(2);
+        let Reaction { force, torque, .. } = &self.reactions[body];
+        let carried = if joint.kind == JointKind::Prismatic { axis.dot(force) } else { axis.dot(torque) };
+        let (forces, moments) = self.inertial;
+        let size = if joint.kind == JointKind::Prismatic {
+            force.norm() + forces
+        } else {
+            torque.norm() + moments + forces * (self.reactions[body].anchor - self.bodies[0].position).norm()
+        };
+        (carried - self.own[joint.velocity_index], size + self.own[joint.velocity_index].abs())
+    }
+}

@@ -1,0 +1,5 @@
+//! What holds joints and presses on closed contacts at an instant.
+
+pub(crate) mod closed_forces;
+pub(crate) mod holding;
+pub(crate) mod reporting;

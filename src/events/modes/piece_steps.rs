@@ -1,0 +1,235 @@
+//! The integrator of a piece: the scheme, or DOP853 in joint coordinates for comparison.
+//!
+//! An event asks three things of a step besides those of every integrator: to be made again with another length, the mean square of a rate over it
+//! (for the heat of the dampers that motors are), and the pace at which the next piece goes on.
+
+use crate::mechanism::description::closure::Coordinate;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::state::State;
+use crate::reduced::Dop853;
+use crate::stepping::companion::Companion;
+use crate::stepping::integrator::{Lobatto, MethodError, StepPace};
+use crate::stepping::other_tree::OnOtherTree;
+use crate::stepping::recipe::{Recipe, Steps};
+
+/// How the integrators of pieces are made.
+#[derive(Clone, Debug)]
+pub(crate) enum PieceRecipe {
+    /// The scheme.
+    Lobatto(Recipe),
+    /// DOP853 in joint coordinates, with this tolerance, of trees alone.
+    Dop853(f64),
+}
+
+impl PieceRecipe {
+    /// The integrator of what moves, with efforts from outside in the joints of these bodies.
+    ///
+    /// # Errors
+    /// [`MethodError`] for stages and steps that cannot be.
+    pub fn make(&self, mechanism: &Mechanism, driven: &[usize]) -> Result<Box<dyn PieceSteps>, MethodError> {
+        Ok(match self {
+            PieceRecipe::Lobatto(recipe) => match OnOtherTree::new(mechanism, driven, recipe)? {
+                Some(other) => Box::new(other),
+                None => Box::new(recipe.lobatto(mechanism)?),
+            },
+            PieceRecipe::Dop853(tolerance) => Box::new(Dop853::new(mechanism, *tolerance)),
+        })
+    }
+
+    /// What describes the steps where nothing moves.
+    ///
+    /// # Errors
+    /// As of [`PieceRecipe::make`].
+    pub fn idle(&self, whole: &Mechanism) -> Result<MethodDescription, MethodError> {
+        let nothing = Mechanism {
+            bodies: Vec::new(),
+            loops: Vec::new(),
+            mimics: Vec::new(),
+            forces: Default::default(),
+            position_count: 0,
+            velocity_count: 0,
+            ..whole.clone()
+        };
+        Ok(self.make(&nothing, &[])?.description())
+    }
+
+    /// The tolerance that steps are chosen from (m); `None` where they are given.
+    pub fn tolerance(&self) -> Option<f64> {
+        match self {
+            PieceRecipe::Lobatto(Recipe { steps: Steps::Fixed { .. }, .. }) => None,
+            PieceRecipe::Lobatto(Recipe { steps: Steps::Chosen { tolerance, .. }, .. })
+            | PieceRecipe::Dop853(tolerance) => Some(*tolerance),
+        }
+    }
+}
+
+/// Steps that can end at events.
+pub(crate) trait PieceSteps: Integrator + Send {
+    /// Makes the last step again from its start with another length (s): moves `state` to the new end. The inputs are those of the step.
+    ///
+    /// # Errors
+    /// [`StepError`] where the equations cannot be solved.
+    fn again(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        length: f64,
+    ) -> Result<StepOutcome, StepError>;
+
+    /// Positions and velocities at a time inside the last step (s), which closures may be off from by as much as interpolation errs: for a fraction of
+    /// the time of [`Integrator::dense`].
+    fn interpolate(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        self.dense(mechanism, time, position, velocity);
+    }
+
+    /// The mean square of the rate of a coordinate over the last step [(m/s)² or (rad/s)²]; `rates` is room.
+    fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64;
+
+    /// The pace of the steps, for one who goes on; `origin` is where a grid began (s).
+    fn pace(&self, origin: f64) -> StepPace;
+
+    /// Goes on at the pace of another, which made steps up to `time` (s).
+    fn go_on_at(&mut self, pace: StepPace, time: f64);
+
+    /// Whether stability, and not accuracy, has limited a step.
+    fn was_held_by_stability(&self) -> bool;
+
+    /// The error of samples inside the steps so far, beside that of their ends (m); `None` where it is not known.
+    fn between(&self) -> Option<f64>;
+
+    /// The largest error of samples inside steps that were too long for a damper (m), where it is looked at.
+    fn ringing_inside(&self) -> f64 {
+        0.0
+    }
+
+    /// Carries a companion from the next step on, where there can be one ([`Lobatto::accompany`]).
+    fn accompany(&mut self, _mechanism: &Mechanism) {}
+
+    /// Carries it no more.
+    fn leave_companion(&mut self) {}
+
+    /// The companion.
+    fn companion(&self) -> Option<&Companion> {
+        None
+    }
+}
+
+impl PieceSteps for Lobatto {
+    fn again(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        length: f64,
+    ) -> Result<StepOutcome, StepError> {
+        Lobatto::again(self, mechanism, inputs, state, length)
+    }
+
+    fn interpolate(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        Lobatto::interpolate(self, mechanism, time, position, velocity);
+    }
+
+    fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {
+        Lobatto::mean_square_rate(self, coordinate.freedom, rates)
+    }
+
+    fn pace(&self, origin: f64) -> StepPace {
+        self.step_pace(origin)
+    }
+
+    fn go_on_at(&mut self, pace: StepPace, time: f64) {
+        self.keep_pace(pace, time);
+    }
+
+    fn was_held_by_stability(&self) -> bool {
+        Lobatto::was_held_by_stability(self)
+    }
+
+    fn between(&self) -> Option<f64> {
+        Lobatto::between(self)
+    }
+
+    fn ringing_inside(&self) -> f64 {
+        Lobatto::ringing_inside(self)
+    }
+
+    fn accompany(&mut self, mechanism: &Mechanism) {
+        if !mechanism.has_closures() {
+            Lobatto::accompany(self, mechanism);
+        }
+    }
+
+    fn leave_companion(&mut self) {
+        Lobatto::leave_companion(self);
+    }
+
+    fn companion(&self) -> Option<&Companion> {
+        Lobatto::companion(self)
+    }
+}
+
+impl PieceSteps for OnOtherTree {
+    fn again(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        length: f64,
+    ) -> Result<StepOutcome, StepError> {
+        OnOtherTree::again(self, mechanism, inputs, state, length)
+    }
+
+    fn mean_square_rate(&self, coordinate: Coordinate, rates: &mut Vec<f64>) -> f64 {
+        OnOtherTree::mean_square_rate(self, coordinate, rates)
+    }
+
+    fn pace(&self, origin: f64) -> StepPace {
+        self.step_pace(origin)
+    }
+
+    fn go_on_at(&mut self, pace: StepPace, time: f64) {
+        self.keep_pace(pace, time);
+    }
+
+    fn was_held_by_stability(&self) -> bool {
+        OnOtherTree::was_held_by_stability(self)
+    }
+
+    fn between(&self) -> Option<f64> {
+        OnOtherTree::between(self)
+    }
+}
+
+/// It chooses its first step anew in every piece.
+impl PieceSteps for Dop853 {
+    fn again(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        length: f64,
+    ) -> Result<StepOutcome, StepError> {
+        Dop853::again(self, mechanism, inputs, state, length)
+    }
+
+    fn mean_square_rate(&self, coordinate: Coordinate, _rates: &mut Vec<f64>) -> f64 {
+        Dop853::mean_square_rate(self, coordinate.position)
+    }
+
+    fn pace(&self, origin: f64) -> StepPace {
+        StepPace::Grid { origin }
+    }
+
+    fn go_on_at(&mut self, _pace: StepPace, _time: f64) {}
+
+    fn was_held_by_stability(&self) -> bool {
+        false
+    }
+
+    fn between(&self) -> Option<f64> {
+        None
+    }
+}

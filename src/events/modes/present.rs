@@ -1,0 +1,17 @@
+//! The present mode with all that belongs to it: the mechanism, its elements and their states, and the piece that moves.
+
+use crate::events::modes::held::Held as Moving;
+use crate::events::modes::mode::Mode;
+use crate::instant::elements::Elements;
+use crate::instant::touching::Touching;
+use crate::mechanism::description::mechanism::Mechanism;
+
+/// A mechanism, its elements, what they do, and what moves while they do it.
+#[derive(Clone, Copy)]
+pub(crate) struct Present<'p> {
+    pub whole: &'p Mechanism,
+    pub elements: &'p Elements,
+    pub touching: &'p Touching,
+    pub mode: &'p Mode,
+    pub moving: &'p Moving,
+}

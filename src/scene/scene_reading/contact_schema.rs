@@ -1,0 +1,66 @@
+//! The tables `[[obstacle]]`, `[contact]`, `[[contact.pair]]` and `[[link]]` of a scene file, as `serde` reads them.
+
+use crate::scene::contact_settings::{LinkShapes, Touching};
+use crate::scene::scene_reading::scene_numbers::{Finite, Fraction, NotNegative, PoseTable, Positive};
+use toml::Spanned;
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ObstacleTable {
+    pub name: Option<Spanned<String>>,
+    pub shape: Spanned<ShapeTable>,
+    #[serde(default)]
+    pub pose: PoseTable,
+    pub friction: Option<NotNegative>,
+    pub restitution: Option<Fraction>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ShapeTable {
+    #[serde(rename = "type")]
+    pub kind: ShapeKind,
+    pub normal: Option<Spanned<[Finite; 3]>>,
+    pub size: Option<Spanned<[Positive; 3]>>,
+    pub radius: Option<Spanned<Positive>>,
+    pub length: Option<Spanned<Positive>>,
+    pub file: Option<Spanned<String>>,
+    pub scale: Option<Spanned<[Finite; 3]>>,
+}
+
+#[derive(Clone, Copy, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum ShapeKind {
+    HalfSpace,
+    Box,
+    Sphere,
+    Cylinder,
+    Capsule,
+    Mesh,
+}
+
+#[derive(Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct ContactTable {
+    pub pairs: Touching,
+    pub friction: Option<NotNegative>,
+    pub restitution: Option<Fraction>,
+    pub pair: Vec<Spanned<PairTable>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PairTable {
+    pub a: String,
+    pub b: String,
+    pub friction: Option<NotNegative>,
+    pub restitution: Option<Fraction>,
+    pub ignore: Option<bool>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LinkTable {
+    pub name: Spanned<String>,
+    pub collision: LinkShapes,
+}

@@ -1,0 +1,197 @@
+//! From the tables of a scene file to loops, springs and loads: names resolved, axes of length one.
+
+use crate::scene::coupling::{
+    JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
+};
+use crate::scene::description::SceneRobot;
+use crate::scene::error::{Element, Problem, SceneError};
+use crate::scene::numbers::unit;
+use crate::scene::robot::LoopType;
+use crate::scene::scene_reading::scene_numbers::{Finite, NotNegative};
+use crate::scene::scene_reading::scene_schema::{EndTable, LoadTable, LoopTable, SpringTable, vector};
+use crate::scene::scene_reading::toml_text::TomlText;
+use crate::scene::warning::Warning;
+use crate::scene::world::WORLD_LINK;
+use toml::Spanned;
+
+/// What all tables need.
+pub(crate) struct CouplingReader<'r> {
+    pub text: &'r TomlText<'r>,
+    pub robots: &'r [SceneRobot],
+    pub warnings: Vec<Warning>,
+}
+
+impl CouplingReader<'_> {
+    /// All loops.
+    pub fn loops(&mut self, tables: Vec<Spanned<LoopTable>>) -> Result<Vec<SceneLoop>, SceneError> {
+        let mut loops: Vec<SceneLoop> = Vec::with_capacity(tables.len());
+        for (index, table) in tables.into_iter().enumerate() {
+            let span = table.span();
+            let table = table.into_inner();
+            let name = named(table.name, "loop", index);
+            let owner = Element::Loop(name.clone());
+            if let Some(first) = loops.iter().find(|other| other.name == name) {
+                let problem = Problem::DuplicateName { first_line: first.line };
+                return Err(self.text.error(&span, Some(owner), problem));
+            }
+            if let Some(length) = table.length.as_ref().filter(|_| table.kind != LoopType::Distance) {
+                let problem = Problem::Keys("only a loop of the type \"distance\" has a length");
+                return Err(self.text.error(&length.span(), Some(owner), problem));
+            }
+            let a = self.end(&table.a, table.kind, &owner)?;
+            let b = self.end(&table.b, table.kind, &owner)?;
+            if table.kind == LoopType::Fixed && a.axis.is_some() != b.axis.is_some() {
+                let problem = Problem::Keys("give an axis at both ends of a fixed loop, or at none");
+                return Err(self.text.error(&span, Some(owner), problem));
+            }
+            let length = table.length.map(|length| length.get_ref().0);
+            loops.push(SceneLoop { name, kind: table.kind, length, a, b, line: self.text.line(&span) });
+        }
+        Ok(loops)
+    }
+
+    /// All springs.
+    pub fn springs(&mut self, tables: Vec<Spanned<SpringTable>>) -> Result<Vec<SceneSpring>, SceneError> {
+        let mut springs = Vec::with_capacity(tables.len());
+        for (index, table) in tables.into_iter().enumerate() {
+            let span = table.span();
+            let table = table.into_inner();
+            let name = named(table.name, "spring", index);
+            let owner = Element::Spring(name.clone());
+            let refuse = |span, message| Err(self.text.error(&span, Some(owner.clone()), Problem::Keys(message)));
+            let number = |given: Option<NotNegative>| given.map_or(0.0, |number| number.0);
+            let (stiffness, damping) = (number(table.stiffness), number(table.damping));
+            let place = match (&table.a, &table.b, &table.joint) {
+                (Some(a), Some(b), None) => {
+                    if let Some(rest) = table.rest {
+                        return refuse(rest.span(), "a spring between points has a rest_length, no rest");
+                    }
+                    let rest_length = match table.rest_length {
+                        Some(rest_length) => rest_length.get_ref().0,
+                        None if stiffness == 0.0 => 0.0,
+                        None => return refuse(span, "a spring between points needs its rest_length"),
+                    };
+                    let a = self.point(&a.link, &a.position, &owner)?;
+                    let b = self.point(&b.link, &b.position, &owner)?;
+                    SpringPlace::Points { a, b, rest_length }
+                }
+                (None, None, Some(joint)) => {
+                    if let Some(rest_length) = table.rest_length {
+                        return refuse(rest_length.span(), "a spring in a joint has a rest, no rest_length");
+                    }
+                    let joint = self.joint(joint, &owner)?;
+                    SpringPlace::Joint { joint, rest: table.rest.map_or(0.0, |rest| rest.get_ref().0) }
+                }
+                _ => return refuse(span, "a spring is either between points a and b, or in a joint"),
+            };
+            if table.stiffness.is_none() && table.damping.is_none() {
+                return refuse(span, "a spring needs its stiffness, its damping, or both");
+            }
+            springs.push(SceneSpring { name, stiffness, damping, place, line: self.text.line(&span) });
+        }
+        Ok(springs)
+    }
+
+    /// All loads.
+    pub fn loads(&mut self, tables: Vec<Spanned<LoadTable>>) -> Result<Vec<SceneLoad>, SceneError> {
+        let mut loads = Vec::with_capacity(tables.len());
+        for table in tables {
+            let span = table.span();
+            let LoadTable { joint, effort, link, position, force, torque } = table.into_inner();
+            let refuse = |message| Err(self.text.error(&span, None, Problem::Keys(message)));
+            let (on, kind) = match (joint, link) {
+                (Some(joint), None) => {
+                    let Some(effort) = effort else { return refuse("a load on a joint needs its effort") };
+                    if position.is_some() || force.is_some() || torque.is_some() {
+                        return refuse("a load on a joint has an effort, no position, force or torque");
+                    }
+                    let on = joint.get_ref().clone();
+                    let joint = self.joint(&joint, &Element::Load(on.clone()))?;
+                    (on, LoadKind::Joint { joint, effort: effort.get_ref().0 })
+                }
+                (None, Some(link)) => {
+                    if effort.is_some() {
+                        return refuse("a load on a link has a force or torque, no effort");
+                    }
+                    if force.is_none() && torque.is_none() {
+                        return refuse("a load on a link needs a force or a torque");
+                    }
+                    let numbers =
+                        |given: Option<Spanned<[Finite; 3]>>| given.map_or([Finite(0.0); 3], Spanned::into_inner);
+                    let on = link.get_ref().clone();
+                    let point = self.point(&link, &numbers(position), &Element::Load(on.clone()))?;
+                    let (force, torque) = (vector(&numbers(force)), vector(&numbers(torque)));
+                    (on, LoadKind::Link { point, force, torque })
+                }
+                _ => return refuse("a load is either on a joint or on a link"),
+            };
+            loads.push(SceneLoad { on, kind, line: self.text.line(&span) });
+        }
+        Ok(loads)
+    }
+
+    fn end(&mut self, table: &Spanned<EndTable>, kind: LoopType, owner: &Element) -> Result<LoopEnd, SceneError> {
+        let EndTable { link, position, axis } = table.get_ref();
+        let point = self.point(link, position, owner)?;
+        let Some(given) = axis else {
+            if kind.needs_axes() {
+                let problem = Problem::Keys("both ends of this type of loop need an axis");
+                return Err(self.text.error(&table.span(), Some(owner.clone()), problem));
+            }
+            return Ok(LoopEnd { point, axis: None, given_axis: None });
+        };
+        let refuse = || self.text.error(&given.span(), Some(owner.clone()), Problem::ZeroAxis);
+        let given_axis = vector(given.get_ref());
+        let (axis, warning) = unit(&given_axis).ok_or_else(refuse)?;
+        if let Some(message) = warning {
+            let line = Some(self.text.line(&given.span()));
+            self.warnings.push(Warning::odd(self.text.file, line, Some(owner.clone()), message));
+        }
+        Ok(LoopEnd { point, axis: Some(axis), given_axis: Some(given_axis) })
+    }
+
+    /// A point of the link of a name.
+    pub fn point(&self, link: &Spanned<String>, position: &[Finite; 3], owner: &Element) -> Result<Point, SceneError> {
+        let name = link.get_ref().clone();
+        let found = if name == WORLD_LINK {
+            Some(LinkReference::World)
+        } else {
+            self.called(&name).find_map(|(robot, rest)| {
+                Some(LinkReference::Link { robot, link: self.robots[robot].robot.link(rest)? })
+            })
+        };
+        match found {
+            Some(link) => Ok(Point { link, name, position: vector(position) }),
+            None => Err(self.unknown("link", link, owner)),
+        }
+    }
+
+    /// The joint of a name.
+    pub fn joint(&self, joint: &Spanned<String>, owner: &Element) -> Result<JointReference, SceneError> {
+        let has = |robot: usize, name: &str| self.robots[robot].robot.joints.iter().any(|joint| joint.name == name);
+        let found = self.called(joint.get_ref()).find(|&(robot, rest)| has(robot, rest));
+        match found {
+            Some((robot, name)) => Ok(JointReference { robot, joint: name.to_string() }),
+            None => Err(self.unknown("joint", joint, owner)),
+        }
+    }
+
+    /// The robots, and the names in them, that a name may stand for.
+    pub fn called<'n>(&self, name: &'n str) -> impl Iterator<Item = (usize, &'n str)> {
+        let alone = (self.robots.len() == 1).then_some((0, name));
+        let prefixed = self.robots.iter().enumerate().filter_map(move |(index, robot)| {
+            Some((index, name.strip_prefix(robot.name.as_str())?.strip_prefix('/')?))
+        });
+        alone.into_iter().chain(prefixed)
+    }
+
+    fn unknown(&self, what: &'static str, name: &Spanned<String>, owner: &Element) -> SceneError {
+        let problem = Problem::UnknownName { what, name: name.get_ref().clone(), robots: self.robots.len() };
+        self.text.error(&name.span(), Some(owner.clone()), problem)
+    }
+}
+
+/// The name that was given, or a number.
+fn named(name: Option<Spanned<String>>, what: &str, index: usize) -> String {
+    name.map_or_else(|| format!("{what}{}", index + 1), Spanned::into_inner)
+}

@@ -1,0 +1,135 @@
+//! The tables `[[motor]]` and `[[joint]]` of a scene file, as `serde` reads them.
+
+use crate::mechanism::description::target::Interpolation;
+use crate::scene::joint_settings::LimitChoice;
+use crate::scene::scene_reading::scene_numbers::{Bound, Finite, Fraction, NotNegative};
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use std::fmt;
+use toml::Spanned;
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MotorTable {
+    pub joint: Spanned<String>,
+    pub kind: MotorKind,
+    pub target: Spanned<TargetKey>,
+    #[serde(default)]
+    pub interpolation: InterpolationKey,
+    pub kp: Option<Spanned<NotNegative>>,
+    pub kd: Option<Spanned<NotNegative>>,
+    pub max_effort: Option<Bound>,
+    pub period: Option<NotNegative>,
+}
+
+#[derive(Clone, Copy, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum MotorKind {
+    Position,
+    Velocity,
+    Effort,
+}
+
+#[derive(Clone, Copy, Default, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum InterpolationKey {
+    Hold,
+    #[default]
+    Linear,
+    Cubic,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct JointTable {
+    pub name: Spanned<String>,
+    pub limit: Option<LimitKey>,
+    pub restitution: Option<Spanned<Fraction>>,
+    pub friction: Option<NotNegative>,
+    pub damping: Option<NotNegative>,
+}
+
+/// A target: a number, entries `[time, value]` with their places in the file, or the name of a CSV file.
+pub(crate) enum TargetKey {
+    Number(f64),
+    Entries(Vec<Spanned<Vec<f64>>>),
+    File(String),
+}
+
+/// `[lower, upper]` or `"none"`.
+pub(crate) struct LimitKey(pub LimitChoice);
+
+impl From<InterpolationKey> for Interpolation {
+    fn from(key: InterpolationKey) -> Self {
+        match key {
+            InterpolationKey::Hold => Interpolation::Hold,
+            InterpolationKey::Linear => Interpolation::Linear,
+            InterpolationKey::Cubic => Interpolation::Cubic,
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for TargetKey {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct AnyTarget;
+        impl<'de> Visitor<'de> for AnyTarget {
+            type Value = TargetKey;
+
+            fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
+                out.write_str("a number, a list of [time, value], or the name of a CSV file of time,value")
+            }
+
+            fn visit_f64<E: Error>(self, number: f64) -> Result<TargetKey, E> {
+                Ok(TargetKey::Number(Finite::try_from(number).map_err(E::custom)?.0))
+            }
+
+            fn visit_i64<E: Error>(self, number: i64) -> Result<TargetKey, E> {
+                Ok(TargetKey::Number(number as f64))
+            }
+
+            fn visit_str<E: Error>(self, file: &str) -> Result<TargetKey, E> {
+                Ok(TargetKey::File(file.to_string()))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<TargetKey, A::Error> {
+                let mut entries = Vec::new();
+                while let Some(entry) = list.next_element()? {
+                    entries.push(entry);
+                }
+                Ok(TargetKey::Entries(entries))
+            }
+        }
+        deserializer.deserialize_any(AnyTarget)
+    }
+}
+
+impl<'de> Deserialize<'de> for LimitKey {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct RangeOrNone;
+        impl<'de> Visitor<'de> for RangeOrNone {
+            type Value = LimitKey;
+
+            fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
+                out.write_str("[lower, upper] or \"none\"")
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<LimitKey, E> {
+                match text {
+                    "none" => Ok(LimitKey(LimitChoice::Unlimited)),
+                    other => Err(E::custom(format!("{other:?} is no limit; give [lower, upper] or \"none\""))),
+                }
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<LimitKey, A::Error> {
+                let mut numbers: Vec<f64> = Vec::new();
+                while let Some(number) = list.next_element()? {
+                    numbers.push(number);
+                }
+                let &[lower, upper] = numbers.as_slice() else {
+                    return Err(A::Error::custom(format!("{} numbers; give [lower, upper]", numbers.len())));
+                };
+                LimitChoice::between(lower, upper).map(LimitKey).map_err(A::Error::custom)
+            }
+        }
+        deserializer.deserialize_any(RangeOrNone)
+    }
+}

@@ -1,0 +1,30 @@
+//! Scene files: text, tables with known keys, readers that resolve their names, [`Scene`](crate::scene::description::Scene).
+
+#[cfg(feature = "scene")]
+pub(crate) mod contact_reader;
+#[cfg(feature = "scene")]
+pub(crate) mod contact_schema;
+#[cfg(feature = "scene")]
+pub(crate) mod coupling_reader;
+#[cfg(feature = "scene")]
+pub(crate) mod joint_reader;
+#[cfg(feature = "scene")]
+pub(crate) mod joint_schema;
+#[cfg(not(feature = "scene"))]
+pub(crate) mod no_scene_file;
+#[cfg(feature = "scene")]
+pub(crate) mod scene_file;
+pub(crate) mod scene_files;
+#[cfg_attr(
+    not(feature = "scene"),
+    expect(dead_code, reason = "key paths ask only whether a number may be one of these")
+)]
+pub(crate) mod scene_numbers;
+#[cfg(feature = "scene")]
+pub(crate) mod scene_schema;
+#[cfg(feature = "scene")]
+pub(crate) mod target_csv;
+#[cfg(feature = "scene")]
+pub(crate) mod target_reader;
+#[cfg(feature = "scene")]
+pub(crate) mod toml_text;

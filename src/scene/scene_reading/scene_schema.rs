@@ -1,0 +1,174 @@
+//! The tables and keys of a scene file, as `serde` reads them; `scene_file.rs` says what they mean.
+
+use crate::scene::robot::LoopType;
+use crate::scene::scene_reading::contact_schema::{ContactTable, LinkTable, ObstacleTable};
+use crate::scene::scene_reading::joint_schema::{JointTable, MotorTable};
+use crate::scene::scene_reading::scene_numbers::{Finite, NotNegative, PoseTable, Positive};
+use nalgebra::Vector3;
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use std::collections::BTreeMap;
+use std::fmt;
+use toml::Spanned;
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FileTable {
+    pub scene: Option<SceneTable>,
+    #[serde(default)]
+    pub robot: Vec<Spanned<RobotTable>>,
+    #[serde(default, rename = "loop")]
+    pub loops: Vec<Spanned<LoopTable>>,
+    #[serde(default)]
+    pub spring: Vec<Spanned<SpringTable>>,
+    #[serde(default)]
+    pub load: Vec<Spanned<LoadTable>>,
+    #[serde(default)]
+    pub motor: Vec<Spanned<MotorTable>>,
+    #[serde(default)]
+    pub joint: Vec<Spanned<JointTable>>,
+    #[serde(default)]
+    pub obstacle: Vec<Spanned<ObstacleTable>>,
+    pub contact: Option<ContactTable>,
+    #[serde(default)]
+    pub link: Vec<Spanned<LinkTable>>,
+    pub simulation: Option<Spanned<SimulationTable>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SceneTable {
+    pub name: Option<String>,
+    pub gravity: Option<[Finite; 3]>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RobotTable {
+    pub name: Option<Spanned<String>>,
+    pub urdf: Spanned<String>,
+    #[serde(default)]
+    pub base: BaseKey,
+    #[serde(default)]
+    pub pose: PoseTable,
+    pub velocity: Option<Spanned<VelocityTable>>,
+    #[serde(default)]
+    pub positions: BTreeMap<Spanned<String>, JointNumbers>,
+    #[serde(default)]
+    pub velocities: BTreeMap<Spanned<String>, JointNumbers>,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum BaseKey {
+    #[default]
+    Fixed,
+    Floating,
+}
+
+#[derive(Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct VelocityTable {
+    pub linear: [Finite; 3],
+    pub angular: [Finite; 3],
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LoopTable {
+    pub name: Option<Spanned<String>>,
+    #[serde(rename = "type")]
+    pub kind: LoopType,
+    pub a: Spanned<EndTable>,
+    pub b: Spanned<EndTable>,
+    pub length: Option<Spanned<Positive>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EndTable {
+    pub link: Spanned<String>,
+    #[serde(default)]
+    pub position: [Finite; 3],
+    pub axis: Option<Spanned<[Finite; 3]>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SpringTable {
+    pub name: Option<Spanned<String>>,
+    pub a: Option<PointTable>,
+    pub b: Option<PointTable>,
+    pub joint: Option<Spanned<String>>,
+    pub stiffness: Option<NotNegative>,
+    pub damping: Option<NotNegative>,
+    pub rest_length: Option<Spanned<NotNegative>>,
+    pub rest: Option<Spanned<Finite>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PointTable {
+    pub link: Spanned<String>,
+    #[serde(default)]
+    pub position: [Finite; 3],
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LoadTable {
+    pub joint: Option<Spanned<String>>,
+    pub effort: Option<Spanned<Finite>>,
+    pub link: Option<Spanned<String>>,
+    pub position: Option<Spanned<[Finite; 3]>>,
+    pub force: Option<Spanned<[Finite; 3]>>,
+    pub torque: Option<Spanned<[Finite; 3]>>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SimulationTable {
+    pub duration: Option<Positive>,
+    pub tolerance: Option<Spanned<Positive>>,
+    pub stages: Option<Spanned<usize>>,
+    pub step: Option<Spanned<Positive>>,
+    pub rate: Option<Spanned<Positive>>,
+}
+
+/// The numbers of a joint: one, or a list.
+pub(crate) struct JointNumbers(pub Vec<f64>);
+
+impl<'de> Deserialize<'de> for JointNumbers {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OneOrMany;
+        impl<'de> Visitor<'de> for OneOrMany {
+            type Value = JointNumbers;
+
+            fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
+                out.write_str("a number or a list of numbers")
+            }
+
+            fn visit_f64<E: Error>(self, number: f64) -> Result<JointNumbers, E> {
+                let number = Finite::try_from(number).map_err(E::custom)?;
+                Ok(JointNumbers(vec![number.0]))
+            }
+
+            fn visit_i64<E: Error>(self, number: i64) -> Result<JointNumbers, E> {
+                self.visit_f64(number as f64)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<JointNumbers, A::Error> {
+                let mut numbers = Vec::new();
+                while let Some(number) = list.next_element::<Finite>()? {
+                    numbers.push(number.0);
+                }
+                Ok(JointNumbers(numbers))
+            }
+        }
+        deserializer.deserialize_any(OneOrMany)
+    }
+}
+
+/// Three numbers as a vector.
+pub(crate) fn vector(numbers: &[Finite; 3]) -> Vector3<f64> {
+    Vector3::from(numbers.map(|number| number.0))
+}

@@ -1,0 +1,69 @@
+//! Targets of motors: from a number, a list in the scene file, or a CSV file beside it.
+
+use crate::mechanism::description::target::{Interpolation, Target};
+use crate::scene::error::{Element, Problem, SceneError};
+use crate::scene::joint_settings::{TableFile, TargetTable};
+use crate::scene::scene_reading::coupling_reader::CouplingReader;
+use crate::scene::scene_reading::joint_schema::TargetKey;
+use crate::scene::scene_reading::scene_files::SceneFiles;
+use crate::scene::scene_reading::target_csv::{Entry, entries_of_csv};
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+impl CouplingReader<'_> {
+    /// The target of a motor, and the table that gives it if it is no number; its CSV file, if it has one, joins `tables`.
+    pub fn target(
+        &self,
+        key: &Spanned<TargetKey>,
+        interpolation: Interpolation,
+        owner: &Element,
+        files: &mut dyn SceneFiles,
+        tables: &mut Vec<TableFile>,
+    ) -> Result<(Target, Option<TargetTable>), SceneError> {
+        let span = key.span();
+        let (entries, file): (Vec<Entry>, PathBuf) = match key.get_ref() {
+            TargetKey::Number(value) => return Ok((Target::constant(*value), None)),
+            TargetKey::Entries(entries) => (self.entries(entries, owner)?, self.text.file.to_path_buf()),
+            TargetKey::File(name) => {
+                let path = self.text.file.parent().unwrap_or(Path::new("")).join(name);
+                let text = match tables.iter().find(|table| table.path == path) {
+                    Some(known) => known.text.clone(),
+                    None => {
+                        let text = files.text(&path).map_err(|error| match *error.problem {
+                            // Whose fault it is that there is no such file stands in the scene.
+                            Problem::Unreadable(_) => {
+                                let (key, message) = (Some("motor.target".to_string()), error.to_string());
+                                self.text.error(&span, None, Problem::Toml { key, message })
+                            }
+                            _ => error,
+                        })?;
+                        tables.push(TableFile { path: path.clone(), text: text.clone() });
+                        text
+                    }
+                };
+                (entries_of_csv(&text, &path, owner)?, path)
+            }
+        };
+        let points = entries.iter().map(|entry| (entry.time, entry.value)).collect();
+        let table = TargetTable { points, interpolation };
+        let target = table.target().map_err(|(entry, reason)| {
+            let line = entry.and_then(|entry| entries.get(entry)).map(|entry| entry.line);
+            let line = line.or((file == self.text.file).then(|| self.text.line(&span)));
+            let element = Some(owner.clone());
+            SceneError { file: file.clone(), line, element, problem: Box::new(Problem::Table(reason)) }
+        })?;
+        Ok((target, Some(table)))
+    }
+
+    /// The entries of a list in the scene file.
+    fn entries(&self, list: &[Spanned<Vec<f64>>], owner: &Element) -> Result<Vec<Entry>, SceneError> {
+        let entry = |entry: &Spanned<Vec<f64>>| match entry.get_ref().as_slice() {
+            &[time, value] => Ok(Entry { line: self.text.line(&entry.span()), time, value }),
+            numbers => {
+                let reason = format!("an entry of its target has {} numbers; give [time, value]", numbers.len());
+                Err(self.text.error(&entry.span(), Some(owner.clone()), Problem::Table(reason)))
+            }
+        };
+        list.iter().map(entry).collect()
+    }
+}

@@ -1,0 +1,12 @@
+//! URDF files: text, tree of elements, checks, [`Robot`](crate::scene::robot::Robot).
+
+pub(crate) mod clean;
+pub(crate) mod convert;
+pub(crate) mod element;
+pub(crate) mod inertia;
+pub(crate) mod mesh_files;
+pub(crate) mod package_path;
+pub(crate) mod schema;
+pub(crate) mod tree;
+pub(crate) mod unsimulated;
+pub(crate) mod urdf;
