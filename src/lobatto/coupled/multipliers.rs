@@ -29,11 +29,12 @@ impl<V: Lanes> Coupled<V> {
         &self.rows_of_loop[self.loops - touching.len()..self.loops]
     }
 
-    /// How friction and rolling change as contacts move on, after [`Coupled::evaluate`].
-    pub(crate) fn turn(&mut self, touching: &Touching<V>) {
-        let Coupled { loops, rows_of_loop, multipliers, turning_friction, rolling, .. } = self;
+    /// How friction and rolling change as contacts move on, after [`Coupled::evaluate`]; whether a direction of friction lags behind its slip.
+    pub(crate) fn turn(&mut self, touching: &mut Touching<V>) -> bool {
+        let Coupled { loops, rows_of_loop, multipliers, turning_friction, rolling, gaps, .. } = self;
         let rows = &rows_of_loop[*loops - touching.len()..*loops];
-        touching.turn(rows, multipliers, turning_friction, rolling);
+        let rubbing = gaps.len() - turning_friction.len();
+        touching.turn(rows, multipliers, [turning_friction, &mut gaps[rubbing..]], rolling)
     }
 
     /// The rows of the mimics.

@@ -17,6 +17,9 @@ use crate::tableau::butcher::Tableau;
 use catena_mechanism::description::closure::Coordinate;
 use catena_mechanism::description::mechanism::Mechanism;
 
+/// An iteration in which friction has not the direction of the slips is not the last, however small its increments are.
+const LAGS: f64 = 1e-9;
+
 /// The exact Newton method for one mechanism and scheme.
 pub(crate) struct Newton<V: Lanes, G: Geometry<V>> {
     coupled: Coupled<V>,
@@ -77,9 +80,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         coupled.step = step;
         in_lanes!(V, coupled.evaluate(geometry));
         coupled.keep_gaps_of_motions();
-        if let Some(touching) = geometry.touching() {
-            coupled.turn(touching);
-        }
+        let lags = geometry.touching_mut().is_some_and(|touching| coupled.turn(touching));
         mimics.gaps(coupled, G::mimic_gaps(start), displacement);
         in_lanes!(V, {
             let square = V::splat(step * step);
@@ -91,7 +92,8 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         coupled.solve(geometry, plan, start, displacement, increment);
         coupled.known.locked_freedoms().for_each(|freedom| increment[freedom] = V::zero());
         in_lanes!(V, coupled.advance_multipliers());
-        in_lanes!(V, largest(increment))
+        let largest = in_lanes!(V, largest(increment));
+        if lags { largest.max(LAGS) } else { largest }
     }
 }
 

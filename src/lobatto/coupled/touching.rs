@@ -38,7 +38,7 @@ pub struct Touching<V> {
 impl<V: Lanes> Touching<V> {
     /// Those of a mechanism, at all stages of a scheme or without it at one configuration.
     pub(crate) fn new(mechanism: &Mechanism, tableau: Option<&Tableau>) -> Self {
-        let touches = SpatialTouch::all(&mechanism.touches);
+        let touches = SpatialTouch::all(&mechanism.touches, mechanism.gravity.norm());
         let mut slipping = vec![false; mechanism.bodies.len()];
         for body in touches.iter().filter(|touch| touch.feels_slip()).flat_map(SpatialTouch::bodies).flatten() {
             slipping[body] = true;
@@ -123,30 +123,39 @@ impl<V: Lanes> Touching<V> {
         }
     }
 
+    /// How far the slowest contact that slides does so in the step, at the fastest of its stages (m); infinite without friction.
+    pub(crate) fn slowest_slide(&self) -> f64 {
+        self.rubbing().map(SpatialTouch::fastest).fold(f64::INFINITY, f64::min) * self.step
+    }
+
     /// The contacts that have friction.
     fn rubbing(&self) -> impl Iterator<Item = &SpatialTouch<V>> {
         self.touches.iter().filter(|touch| touch.friction() != 0.0)
     }
 
-    /// How friction changes as slips turn, contact by contact that has friction, and what the rates of rolling contacts change by, row by row; the
-    /// contacts have the rows `touches`, of which these are all multipliers.
+    /// How friction changes as slips turn and what slips that it lags behind make of it, contact by contact that has friction, and what the rates of
+    /// rolling contacts change by, row by row; the contacts have the rows `touches`, of which these are all multipliers. Returns whether the direction of
+    /// any friction lags behind its slip.
     pub(crate) fn turn(
-        &self,
+        &mut self,
         touches: &[Range<usize>],
         multipliers: &[V],
-        friction: &mut [V],
+        [friction, behind]: [&mut [V]; 2],
         rolling: &mut [Option<[[V; TWIST]; 2]>],
-    ) {
-        let mut friction = friction.iter_mut();
-        for (touch, rows) in self.touches.iter().zip(touches).filter(|(touch, _)| touch.feels_slip()) {
+    ) -> bool {
+        let mut friction = friction.iter_mut().zip(behind);
+        let mut lags = false;
+        for (touch, rows) in self.touches.iter_mut().zip(touches).filter(|(touch, _)| touch.feels_slip()) {
             if touch.friction() == 0.0 {
                 for (axis, change) in touch.rolling().into_iter().enumerate() {
                     rolling[rows.start + 1 + axis] = Some(change);
                 }
-            } else if let Some(friction) = friction.next() {
-                *friction = touch.turning_friction(self.step, multipliers[rows.start]);
+            } else if let Some((friction, behind)) = friction.next() {
+                [*friction, *behind] = touch.turning_friction(self.step, multipliers[rows.start]);
+                lags |= touch.iterated();
             }
         }
+        lags
     }
 
     /// What friction took in the rows of the step for which the bodies are placed, for the multipliers `λ = h² Λ` (J).

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! [`residual`] has the bodies, [`mod@pivot`] the special case of a body on a hinge that the world holds, [`forces`] and [`springs`] what acts, [`loops`] and
-//! [`spatial_loops`] the closures, [`touches`] and `slips` the contacts.
+//! [`spatial_loops`] the closures, [`touches`], `slips` and `turning` the contacts.
 
 pub mod forces;
 pub mod loops;
@@ -16,3 +16,4 @@ pub(crate) mod slips;
 pub mod spatial_loops;
 pub(crate) mod springs;
 pub mod touches;
+pub(crate) mod turning;

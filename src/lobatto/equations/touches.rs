@@ -13,8 +13,8 @@
 //! The sign of t is that of u_T along the direction of the slip where the step starts. So the friction of a step that goes on beyond the stop of a
 //! slip stays smooth, and an event finds the stop as a zero of `u_T · t`. Where a step starts without slip the direction is the one that
 //! [`Grip::Slides`] gives: u_T of the first stage, which is not that of the start, differs from zero by the error of a stage and has no
-//! direction. A slip below a thousandth of the largest of the step is taken for one that stops: it has the direction of the stage before, and at the end of the step that
-//! of the polynomial through the stages.
+//! direction. From iterate to iterate t follows such a slip as `turning` says. A slip below a thousandth of the largest of the step is taken for one
+//! that stops: it has the direction of the stage before, and at the end of the step that of the polynomial through the stages.
 //!
 //! Source: the forced scheme with constraints on velocities, L. O. Jay, SIAM J. Sci. Comput. 20 (1998); the gradients of gaps:
 //! [`catena_mechanism::description::contact`].
@@ -22,9 +22,10 @@
 use crate::equations::loops::Displaced;
 use crate::equations::slips::{BodyRate, StageMixing};
 use crate::equations::spatial_loops::{End, Moved};
+use crate::equations::turning::Followed;
 use crate::numbers::algebra::{Matrix, Vector};
 use crate::numbers::euclidean::Euclidean;
-use crate::numbers::lanes::Lanes;
+use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::numbers::smooth_lanes::{triple, vector};
 use crate::stages::start::Start;
 use catena_mechanism::description::contact::{Cores, Grip, Pairing, TouchJoint};
@@ -36,6 +37,9 @@ use nalgebra::Vector3;
 const NO_SLIP: f64 = 1e-9;
 /// So is a slip below this [m/s].
 const NO_SPEED: f64 = 1e-12;
+
+/// A slip that gravity makes in less than this (s) is slow: friction under a weight turns it sooner than steps end.
+const SLOW: f64 = 1e-5;
 
 /// A slip at a stage that is this part of the largest of the step stops there: what is left of it has more rounding than direction, which is that
 /// of the stage before.
@@ -59,8 +63,11 @@ pub(crate) struct SpatialTouch<V> {
     tangents: [[f64; 3]; 2],
     /// The direction of the slip at the start, or where there is none the one given.
     reference: Vector3<f64>,
-    /// Whether there is no slip at the start.
+    /// Whether there is no slip at the start, or a slow one.
     rests: bool,
+    slow: bool,
+    /// Acceleration of gravity [m/s²].
+    gravity: f64,
     /// At the columns' and the rows' stages.
     at: [AtStages<V>; 2],
     /// `h Σ_j a_ij e_j · u_j` along both tangents (m).
@@ -72,6 +79,10 @@ pub(crate) struct SpatialTouch<V> {
     /// t at the columns' and the rows' stages, and `μ t` at the rows'.
     directions: [Vector<V>; 2],
     braking: Vector<V>,
+    /// How t follows the slips, at the columns' and the rows' stages.
+    followed: [[Followed; MAX_LANES]; 2],
+    /// Iterations since the step began.
+    iterations: usize,
     /// Number of stages coupled.
     active: usize,
 }
@@ -97,8 +108,8 @@ struct AtStages<V> {
 }
 
 impl<V: Lanes> SpatialTouch<V> {
-    /// The contacts of a mechanism.
-    pub fn all(joints: &[TouchJoint]) -> Vec<Self> {
+    /// The contacts of a mechanism under so much gravity [m/s²].
+    pub fn all(joints: &[TouchJoint], gravity: f64) -> Vec<Self> {
         let zero = Vector::zero();
         let nowhere = AtStages { gap: V::zero(), normal: zero, point: zero, slip: zero };
         let new = |joint: &TouchJoint| SpatialTouch {
@@ -108,11 +119,15 @@ impl<V: Lanes> SpatialTouch<V> {
             tangents: [[0.0; 3]; 2],
             reference: Vector3::zeros(),
             rests: false,
+            slow: false,
+            gravity,
             at: [nowhere; 2],
             creep: [V::zero(); 2],
             rolling: [[[V::zero(); 6]; 2]; 2],
             center: zero,
             directions: [zero; 2],
+            followed: [[Followed::default(); MAX_LANES]; 2],
+            iterations: 0,
             active: 0,
             braking: zero,
         };
@@ -154,6 +169,8 @@ impl<V: Lanes> SpatialTouch<V> {
         let [a, b] = self.bodies().map(speed);
         let slip = motion.slip.norm();
         self.rests = slip <= (NO_SLIP * (a + b)).max(NO_SPEED);
+        self.iterations = 0;
+        self.slow = self.rests || slip < SLOW * self.gravity;
         self.reference = match self.joint.touch.grip {
             Grip::Slides { direction, .. } if self.rests => direction,
             _ if self.rests => Vector3::zeros(),
@@ -210,7 +227,7 @@ impl<V: Lanes> SpatialTouch<V> {
                 }
             }
             Grip::Slides { .. } => {
-                self.directions = [0, 1].map(|side: usize| self.direction(side));
+                (0..2).for_each(|side| self.direction(side));
                 self.braking = self.directions[1].times(V::splat(self.friction()));
             }
         }
@@ -264,19 +281,31 @@ impl<V: Lanes> SpatialTouch<V> {
         })
     }
 
-    /// `μ λ / h |u_T|` of the rows: how friction resists that the slip turns, which a multiplier that pulls has none of.
-    pub fn turning_friction(&self, step: f64, multiplier: V) -> V {
-        let speed = self.directions[1].dot(self.at[1].slip);
+    /// `R = μ λ / h |t · u|` of the rows: how friction resists that the slip turns, which a multiplier that pulls has none of; and where t lags
+    /// behind the slip `R h (n × t) · u`.
+    pub fn turning_friction(&self, step: f64, multiplier: V) -> [V; 2] {
+        let AtStages { normal, slip, .. } = self.at[1];
+        let speed = self.directions[1].dot(slip);
+        let across = normal.cross(self.directions[1]).dot(slip).to_array();
         let (multiplier, speed) = (multiplier.to_array(), speed.to_array());
-        let mut friction = V::zero_array();
+        let (mut friction, mut behind) = (V::zero_array(), V::zero_array());
         let largest = speed.as_ref()[..self.active].iter().fold(NO_SPEED, |most, speed| most.max(speed.abs()));
-        for (lane, friction) in friction.as_mut().iter_mut().enumerate() {
+        for (lane, (friction, behind)) in friction.as_mut().iter_mut().zip(behind.as_mut()).enumerate() {
             let (multiplier, speed) = (multiplier.as_ref()[lane], speed.as_ref()[lane].abs());
             if multiplier > 0.0 && speed > STOPS * largest && !(self.rests && lane + 1 == self.active) {
                 *friction = self.friction() * multiplier / (step * speed);
+                if self.followed[1][lane].lags {
+                    *behind = *friction * step * across.as_ref()[lane];
+                }
             }
         }
-        V::from_array(friction)
+        [friction, behind].map(V::from_array)
+    }
+
+    /// Counts an iteration; whether t lagged behind the slips in it.
+    pub fn iterated(&mut self) -> bool {
+        self.iterations += 1;
+        self.followed.iter().flat_map(|lanes| &lanes[..self.active]).any(|followed| followed.lags)
     }
 
     /// A tangent at the columns' or the rows' stages: the one at the start, kept square to the normal.
@@ -289,32 +318,45 @@ impl<V: Lanes> SpatialTouch<V> {
         if axis == 0 { first } else { normal.cross(first) }
     }
 
-    /// t at the columns' or the rows' stages, of which the last lane is the start.
+    /// Finds t at the columns' or the rows' stages, of which the last lane is the start.
     #[inline(always)]
-    fn direction(&self, side: usize) -> Vector<V> {
-        let active = self.active;
+    fn direction(&mut self, side: usize) {
+        let (active, iterations) = (self.active, self.iterations);
         let AtStages { normal, slip, .. } = self.at[side];
         let slip = normal.times_minus(normal.dot(slip), slip).0.map(|component| component.to_array());
-        let mut direction = [V::zero_array(); 3];
+        let normal = normal.0.map(|component| component.to_array());
+        let mut direction = self.directions[side].0.map(|component| component.to_array());
         let of = |lane: usize| Vector3::from([0, 1, 2].map(|axis: usize| slip[axis].as_ref()[lane]));
         let largest = (0..active).map(|lane| of(lane).norm()).fold(0.0, f64::max);
         let mut before = self.reference;
         for lane in 0..active {
             let (slip, starts) = (of(lane), side == 1 && lane + 1 == active);
             let length = slip.norm();
-            let along = if starts && self.rests {
+            let followed = &mut self.followed[side][lane];
+            followed.lags = self.slow && iterations == 0 && !starts;
+            let along = if self.rests && starts || self.slow && iterations == 0 {
                 self.reference
             } else if length <= STOPS * largest {
                 if starts { self.reference } else { before }
             } else {
-                slip / if slip.dot(&self.reference) < 0.0 { -length } else { length }
+                let [normal, latest] = [&normal, &direction]
+                    .map(|lanes| Vector3::from([0, 1, 2].map(|axis: usize| lanes[axis].as_ref()[lane])));
+                let turned = if self.slow { followed.turn(iterations, &latest, &normal, &slip) } else { None };
+                turned.unwrap_or_else(|| slip / if slip.dot(&self.reference) < 0.0 { -length } else { length })
             };
+            followed.speed = along.dot(&slip);
             before = along;
             for (component, lanes) in direction.iter_mut().enumerate() {
                 lanes.as_mut()[lane] = along[component];
             }
         }
-        Vector(direction.map(V::from_array))
+        self.directions[side] = Vector(direction.map(V::from_array));
+    }
+
+    /// The largest speed of its slip at the rows' stages [m/s].
+    pub fn fastest(&self) -> f64 {
+        let speed = self.directions[1].dot(self.at[1].slip).to_array();
+        speed.as_ref()[..self.active].iter().fold(0.0, |most, speed| most.max(speed.abs()))
     }
 
     /// What its friction does at the end of the step.

@@ -5,6 +5,7 @@
 //! ```text
 //!     converged:    |δ_n| ≤ ε max(1, |θ|),   or   |δ_n| ≤ 10⁻¹¹ max(1, |θ|)  and  |δ_n| > ½ |δ_{n−1}|      (rounding)
 //!                   |δ_n|, |δ_{n−1}| ≤ 10⁻⁹ max(1, |θ|)  after fifteen iterations, exact method alone      (beside a singular position)
+//!                   and, where contacts slide, no more than 10⁻³, 10⁻² and 10⁻² of how far the slowest of them slides in the step
 //!     hopeless:     |δ_n| > 0.3 |δ_{n−4}|  and  |δ_n| > 10⁻⁹ max(1, |θ|)  after eight iterations
 //!     too long:     E > 20, 4, 2, 1.5, 1.1 times the largest that is kept, after one, two … five iterations,
 //!                   or E > 3 times it after four, where early iterates are not asked:
@@ -36,6 +37,10 @@ pub(crate) trait Equations {
     fn advance(&mut self) -> f64;
     /// Adds the increments to the displacements, and no more: the iteration has ended.
     fn complete(&mut self);
+    /// How far the slowest contact that slides does so in the step (m); infinite without friction.
+    fn slowest_slide(&self) -> f64 {
+        f64::INFINITY
+    }
     /// E of the latest iterate.
     fn legendre(&self) -> f64;
     /// E of its joint displacements alone, which is not larger and may cost less.
@@ -80,6 +85,10 @@ impl<K: Coupling> Equations for Exact<'_, K> {
 
     fn advance(&mut self) -> f64 {
         self.0.add_increments()
+    }
+
+    fn slowest_slide(&self) -> f64 {
+        self.0.slowest_slide()
     }
 
     fn complete(&mut self) {
@@ -134,6 +143,13 @@ const SLACK: f64 = 1e-9;
 
 /// After so many iterations they are seen to stay there.
 const PATIENCE: usize = 15;
+
+/// The direction of friction is known to these parts where increments are of such parts of a slide: of one that falls, and of one that stays.
+const OF_SLIDE: f64 = 1e-3;
+const OF_SLIDE_STAYING: f64 = 1e-2;
+/// No increment is asked to be below these (rad, m): roundings of positions, and of what they are multiplied by.
+const NO_FINER: f64 = 1e-16;
+const NO_FINER_STAYING: f64 = 1e-14;
 
 /// A step is too long where E is larger than the largest that is kept by this factor after one, two … iterations: early iterates show the
 /// shape of the motion to a factor, later ones to a hundredth.
@@ -191,10 +207,13 @@ pub(crate) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
         let settled =
             previous < SETTLED * scale || (earlier.is_finite() && previous * previous < ROUNDED * scale * earlier);
         let increment = equations.iterate(settled);
-        let rounds = iteration >= PATIENCE && equations.is_exact() && previous.max(increment) <= SLACK * scale;
+        let slide = equations.slowest_slide();
+        let (falls, stays) = ((OF_SLIDE * slide).max(NO_FINER), (OF_SLIDE_STAYING * slide).max(NO_FINER_STAYING));
+        let rounds =
+            iteration >= PATIENCE && equations.is_exact() && previous.max(increment) <= SLACK.min(stays) * scale;
         let converged = (settled || !refines)
-            && (increment <= rule.increment * scale
-                || (increment <= rule.rounding * scale && increment > 0.5 * previous)
+            && (increment <= rule.increment.min(falls) * scale
+                || (increment <= rule.rounding.min(stays) * scale && increment > 0.5 * previous)
                 || rounds);
         if converged {
             equations.complete();

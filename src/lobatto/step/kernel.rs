@@ -156,6 +156,11 @@ impl<V: Lanes, W: Workspace<V>> Equations for Kernel<V, W> {
         self.add_increments();
     }
 
+    fn slowest_slide(&self) -> f64 {
+        let rubbing = self.newton.as_ref().and_then(|newton| newton.rubbing());
+        rubbing.map_or(f64::INFINITY, |touching| touching.slowest_slide())
+    }
+
     fn legendre(&self) -> f64 {
         self.workspace.legendre(self.top_legendre)
     }

@@ -7,6 +7,7 @@ mod features;
 mod literal;
 mod rolling;
 mod sliding;
+mod slip_onset;
 
 use catena::mechanism::description::closure::Attachment;
 use catena::mechanism::description::contact::{Feature, Grip, Touch, TouchJoint};

@@ -1,0 +1,65 @@
+//! How the direction of friction follows a slip from one iterate to the next.
+//!
+//! Where a slip is slow beside what friction does in the step, a small error of its direction t is a large one of the slip: it comes out across t, and an
+//! iterate with the direction of that is further off. So t is an unknown of its own, the angle φ, and that the slip has its direction is an equation. With
+//! `m = n × t` and `ρ = |t · u|`, Newton's method for both is
+//!
+//! ```text
+//!     friction    μ Λ (t + m dφ),        m · u = ρ dφ       =>       dφ = m · (u + δu)/ρ
+//! ```
+//!
+//! In the linear system it is `R = μ Λ/ρ` times what the slip `u + δu` has across t, and the next direction is that of `ρ t + (m · u) m`, with ρ of the iterate before. With
+//! ρ of this iterate it is that of u itself, and that is taken where both are alike: always near the solution, and soon where friction is slow to turn a slip.
+//!
+//! The first iteration has no multipliers, and cannot say how t turns. Unless the slip agrees with t after it, t stays for the second.
+//!
+//! This is done in steps that begin without slip or with a slow one. Elsewhere it finds solutions of steps that are too long, which are none of the
+//! motion.
+//!
+//! Source: Newton's method in polar coordinates of `u + c t = w`, whose solution has the direction of w however small |u| is beside c.
+
+use nalgebra::Vector3;
+
+/// After the first iteration a slip that is off by no more than this (rad) agrees with t.
+const AGREES: f64 = 1e-2;
+/// Speeds along t, of two iterates, of which neither is larger by more than this factor are alike.
+const ALIKE: f64 = 2.0;
+/// After so many iterations t has the direction of the slip.
+const PATIENCE: usize = 12;
+
+/// What is kept of a stage.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Followed {
+    /// `t · u` of the latest iterate [m/s].
+    pub speed: f64,
+    /// Whether t is not yet the direction of the slip.
+    pub lags: bool,
+}
+
+impl Followed {
+    /// The next direction, for the latest one, the normal and the slip after so many iterations; none if it is that of the slip.
+    pub fn turn(
+        &mut self,
+        iterations: usize,
+        latest: &Vector3<f64>,
+        normal: &Vector3<f64>,
+        slip: &Vector3<f64>,
+    ) -> Option<Vector3<f64>> {
+        if iterations == 0 || iterations > PATIENCE {
+            return None;
+        }
+        let along = (latest - normal * normal.dot(latest)).try_normalize(0.0)?;
+        let speed = along.dot(slip);
+        let across = slip - along * speed;
+        let turned = if iterations == 1 {
+            (across.norm() > AGREES * speed.abs()).then_some(along)
+        } else {
+            let (ratio, before) = (speed / self.speed, self.speed.abs());
+            let alike = (1.0 / ALIKE..=ALIKE).contains(&ratio) || before == 0.0;
+            let towards = along * speed.clamp(before / ALIKE, before * ALIKE) + across;
+            if alike { None } else { towards.try_normalize(0.0) }
+        };
+        self.lags = turned.is_some();
+        turned
+    }
+}
