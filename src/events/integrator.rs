@@ -120,6 +120,9 @@ fn larger(one: Option<f64>, other: Option<f64>) -> Option<f64> {
     Some(one?.max(other?))
 }
 
+/// The first step after an event is asked to be at least so long (s).
+const RENEWED: f64 = 1e-6;
+
 impl Eventful {
     /// For a mechanism with limits, friction or motors.
     ///
@@ -384,6 +387,13 @@ impl Eventful {
         piece.used = self.steps;
         piece.small = piece.moving.gather(&self.whole, state);
         if let Some(steps) = &mut piece.steps {
+            // What made steps short before says nothing of what moves now.
+            let pace = match pace {
+                StepPace::Step { length, kinetic } if length > 0.0 => {
+                    StepPace::Step { length: length.max(RENEWED), kinetic }
+                }
+                pace => pace,
+            };
             steps.go_on_at(pace, state.time);
         }
         self.holding = {

@@ -22,6 +22,10 @@ use crate::stepping::unseen::Pushes;
 
 /// A step goes beyond the stop of a slip by this factor: there it is found, and further on the slip has no direction.
 const BEYOND: f64 = 1.05;
+/// One that stops sooner than this (s) is slow, and its stop is not passed: nothing has a direction there that steps could be solved with. A step goes
+/// this part of the way, and what is left of the slip is there at its end.
+const SOON: f64 = 1e-5;
+const SHORT_OF: f64 = 0.98;
 /// A step is no longer than this part of the time in which a slip turns by half a right angle: a slip that is slow turns faster than the polynomials
 /// through the stages can follow.
 const TURNS: f64 = 2.0;
@@ -65,7 +69,8 @@ impl Eventful {
         let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         let rest = NO_SLIP * self.memory.fastest;
         let Slipping { stops, turns } = slipping(&present, response, state, &all, holding.is_unique(), rest);
-        since + (BEYOND * stops).min(TURNS * turns).max(SOONEST)
+        let stops = if stops < SOON { SHORT_OF * stops } else { BEYOND * stops };
+        since + stops.min(TURNS * turns).max(SOONEST)
     }
 
     /// Makes the step; a shorter one where contacts are closed and a long one cannot be solved.
