@@ -1,6 +1,6 @@
 //! The integrator of motions that are smooth in pieces: steps of the scheme for what moves in a mode, ended at events.
 
-use crate::events::crowding::Crowding;
+use crate::events::crowding::{Crowding, STEP};
 use crate::events::effects::decision::{Scene, held_bodies};
 use crate::events::effects::memory::{Found, Memory};
 use crate::events::effects::transition::transit;
@@ -382,6 +382,13 @@ impl Eventful {
         let key = Key { held, places, motors, closures };
         let pace = self.pieces.get(self.current).and_then(|piece| piece.steps.as_ref());
         let pace = pace.map_or(StepPace::Grid { origin: self.began }, |steps| steps.pace(self.began));
+        // A step that failed has become as short as steps can be: what goes on is as long as the one that stands for it at least.
+        let pace = match pace {
+            StepPace::Step { length, kinetic } if self.stepped_over.is_some() => {
+                StepPace::Step { length: length.max(STEP), kinetic }
+            }
+            pace => pace,
+        };
         self.current = self.piece(key, state);
         let piece = &mut self.pieces[self.current];
         piece.used = self.steps;

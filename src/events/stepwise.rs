@@ -151,3 +151,47 @@ impl Eventful {
         before.total() + work - energy(&self.whole, end).total()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
+    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+    use crate::mechanism::description::mechanism::{Body, Mechanism};
+    use crate::mechanism::motion::integrator::Integrator;
+    use crate::stepping::integrator::StepPace;
+    use crate::stepping::recipe::{Recipe, Steps};
+    use crate::stepping::stage_choice::StageChoice;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn steps_that_have_failed_do_not_leave_their_length_to_those_after_the_one_that_stands_for_them() {
+        // A ball in the air over a floor.
+        let joint = Joint::new("ball", JointKind::Floating, Pose::identity(), Pose::identity());
+        let body = Body { name: "ball".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(4e-3), joint };
+        let mut mechanism = Mechanism::new("ball", Vector3::z() * -9.81, vec![body]).expect("a free body");
+        let nonsmooth = &mut mechanism.nonsmooth;
+        for (body, shape) in [(Some(0), Shape::Sphere { radius: 0.1 }), (None, Shape::HalfSpace)] {
+            nonsmooth.colliders.push(Collider { name: "one".into(), body, pose: Pose::identity(), shape });
+        }
+        nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
+        let steps = Steps::Chosen { tolerance: 1e-6, stop: 1e-10, stages: StageChoice::Many };
+        let mut eventful = Eventful::new(&mechanism, Recipe { steps, kept: Vec::new() }).expect("possible steps");
+        let mut state = State::zero(&mechanism);
+        state.position[2] = 100.0;
+        let inputs = Inputs::constant(&[0.0; 6]);
+        eventful.step(&mechanism, inputs, &mut state, 1e-3).expect("a step");
+        // As short as a step is when it is given up.
+        let piece = &mut eventful.pieces[eventful.current];
+        let pace = StepPace::Step { length: 1e-14, kinetic: 1.0 };
+        piece.steps.as_mut().expect("a body that moves").go_on_at(pace, state.time);
+        piece.small.position[2] += 1e-9;
+        let short = eventful.step(&mechanism, inputs, &mut state, 1.0).expect("a step").step;
+        assert!(short > 0.0 && short < 1e-13, "{short:e}");
+        eventful.origin.copy_from(&state);
+        eventful.stumble(inputs, &mut state, 1.0);
+        eventful.left = Some(state.clone());
+        let after = eventful.step(&mechanism, inputs, &mut state, 1.0).expect("a step").step;
+        assert!(after >= 0.9 * STEP, "{after:e}");
+    }
+}

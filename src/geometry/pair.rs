@@ -22,6 +22,9 @@ use nalgebra::{Matrix3, Vector3};
 /// Two rims are at the same place up to this part of their radii.
 const CROSSES: f64 = 1e-6;
 
+/// A stand-in is that of its features until they are farther apart, or deeper in each other, than this part of the size of the pair.
+const STANDS_IN: f64 = 5e-12;
+
 /// Two colliders, prepared for questions.
 #[derive(Clone, Debug)]
 pub struct PairGeometry {
@@ -139,9 +142,14 @@ impl PairGeometry {
     }
 
     /// How far the place is inside the borders of its features (m): the distance of its points from the sides of faces, the ends of edges
-    /// and the planes to neighbours; of a point of a rim, how far the tilt is from leaving its plane. Zero where another feature takes over, negative
+    /// and the planes to neighbours; of a point of a rim, how far the tilt is from leaving its plane; of a stand-in, how far the shapes are from where it says
+    /// they are. Zero where another feature takes over, negative
     /// beyond; infinite if there are no borders.
     pub fn margin(&self, place: &TouchPlace, a: &Pose, b: &Pose) -> f64 {
+        if place.is_stand_in() {
+            let size = self.reach.into_iter().filter(|reach| reach.is_finite()).fold(0.0, f64::max);
+            return STANDS_IN * size - self.distance(a, b).distance.abs();
+        }
         let (first, (rotation, translation)) = self.relative(a, b);
         let names = [place.identity.a, place.identity.b];
         let names = if self.exchanged { [names[1], names[0]] } else { names };

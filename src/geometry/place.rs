@@ -123,6 +123,13 @@ pub fn place(
 }
 
 impl TouchPlace {
+    /// Whether a point and its tangent plane stand for features that no kind of joint has.
+    pub fn is_stand_in(&self) -> bool {
+        let names = [self.identity.a, self.identity.b];
+        !self.exact
+            && !names.iter().any(|name| matches!(name, FeatureId::RimPoint { .. } | FeatureId::EdgePoint { .. }))
+    }
+
     /// The same place of the same colliders in the other order.
     pub fn exchanged(self) -> Self {
         TouchPlace {

@@ -304,3 +304,30 @@ fn an_edge_beside_the_tangent_of_a_rim_touches_the_cap_with_its_middle() {
         assert!((margin - inside).abs() < 1e-14, "{margin:e}");
     }
 }
+
+#[test]
+fn a_stand_in_ends_where_the_shapes_are_elsewhere() {
+    // Two discs whose rims cross at less than a milliradian, the upper one tilted down to where they do.
+    let disc = |radius| Shape::Cylinder { radius, half: 0.1 };
+    let (wide, narrow, beside) = (0.2, 0.15, 0.05 + 1e-7_f64);
+    let along = (beside * beside + wide * wide - narrow * narrow) / (2.0 * beside);
+    let corner = Vector3::new(along, (wide * wide - along * along).sqrt(), 0.0);
+    let from_other = corner - Vector3::x() * beside;
+    let down = (corner / wide + from_other / narrow).normalize();
+    let tangent = Vector3::z().cross(&down);
+    let tilted = |slides: f64| {
+        let turn = Rotation3::from_scaled_axis(tangent * 0.01);
+        let centre = corner + tangent * slides + Vector3::z() * 0.1 + turn * (Vector3::z() * 0.1 - from_other);
+        Pose::from_parts(Translation3::from(centre), turn)
+    };
+    let pair = pair(disc(wide), disc(narrow));
+    let here = Pose::identity();
+    let places = pair.touches(&here, &tilted(0.0), 1e-12);
+    let place = places.iter().find(|place| place.is_stand_in()).expect("one without a form of its own");
+    assert!(pair.margin(place, &here, &tilted(0.0)) > 0.0);
+    // A millimetre along the common tangent they are elsewhere, which the stand-in does not see.
+    let apart = pair.distance(&here, &tilted(1e-3)).distance;
+    let said = gap(place, &here, &tilted(1e-3));
+    assert!((apart - said).abs() > 1e-9, "{apart:e} {said:e}");
+    assert!(pair.margin(place, &here, &tilted(1e-3)) < 0.0);
+}

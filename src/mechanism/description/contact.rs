@@ -132,6 +132,9 @@ pub enum Grip {
     Rolls,
 }
 
+/// The size of [`Touch::side`] of two rims that lie nearly in one plane.
+pub const LEVEL: f64 = 2.0;
+
 /// The features of a contact, on the first and on the second body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
@@ -139,7 +142,8 @@ pub struct Touch {
     /// edge, without a radius, that goes through the plane of the rim, and rim–line for one that goes out of the rim along it.
     pub features: [Feature; 2],
     /// The sign of n: of two lines `n = side · (z_a × z_b)/|z_a × z_b|`, of two rims, and of an edge and a rim, as [`crate::motion::contact_geometry`]
-    /// says. Of a rim and a line with a radius: 0 for the place where the two are nearest, 1 for the one where the line goes out of the rim.
+    /// says; [`LEVEL`] times it of two rims nearly in one plane. Of a rim and a line with a radius: 0 for the place where the two are nearest, 1 for
+    /// the one where the line goes out of the rim.
     pub side: f64,
     /// Its friction.
     pub grip: Grip,
@@ -179,6 +183,8 @@ pub enum Cores {
     RimBesideLine(f64),
     /// Two circles of these radii (m), of which the second goes through the plane of the first, downwards.
     Rims(f64, f64),
+    /// Two circles of these radii (m) nearly in one plane, whose axes point to one side.
+    LevelRims(f64, f64),
 }
 
 impl Touch {
@@ -195,6 +201,9 @@ impl Touch {
             [Feature::Rim { radius: rim }, Feature::Line { radius }] => (Cores::RimBesideLine(rim), radius, radius),
             [Feature::Rim { radius: rim }, Feature::Point { radius }] if radius > 0.0 => {
                 (Cores::RimPoint(rim), radius, radius)
+            }
+            [Feature::Rim { radius: a }, Feature::Rim { radius }] if self.side.abs() == LEVEL => {
+                (Cores::LevelRims(a, radius), 0.0, 0.0)
             }
             [Feature::Rim { radius: a }, Feature::Rim { radius }] => (Cores::Rims(a, radius), 0.0, 0.0),
             _ => return None,

@@ -32,6 +32,9 @@
 //!     n = side (k_a × m) × (k_b × u)/|…|              φ = (|w| − ρ_a) n·m        p = b + ρ_b u
 //! ```
 //!
+//! Two circles that lie nearly in one plane have no such place that is certain: of them it is where they pass each other seen along both axes
+//! ([`crate::motion::level_rims`]).
+//!
 //! A circle and a point, or a line, with a radius are apart where they touch: φ is the distance of their cores less the radius.
 //!
 //! ```text
@@ -42,6 +45,7 @@
 use crate::description::contact::{Cores, Pairing};
 use crate::forces::point_spring::NO_LENGTH;
 use crate::ground::smooth::{Smooth, Triple};
+use crate::motion::level_rims::{LevelRims, level_rims};
 use crate::motion::rim_and_line::{Beside, nearest};
 
 /// Where a feature is: its origin (m) and its axis.
@@ -128,6 +132,10 @@ pub fn contact<S: Smooth>(pairing: Pairing, side: f64, a: Placed<S>, b: Placed<S
             let normal = off.times(length.reciprocal());
             let point = a.origin.plus(foot).minus(normal.times(radius));
             Contact { gap: length - reach, normal, point }
+        }
+        Cores::LevelRims(rim, other) => {
+            let LevelRims { gap, normal, point } = level_rims([rim, other], side.signum(), apart, [a.axis, b.axis]);
+            Contact { gap, normal, point: a.origin.plus(point) }
         }
         Cores::Rims(rim, other) => {
             let (rim, other) = (S::constant(rim), S::constant(other));

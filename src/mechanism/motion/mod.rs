@@ -13,6 +13,7 @@ pub mod integrator;
 pub mod joint_accelerations;
 pub mod joint_coordinates;
 pub mod kinematics;
+pub mod level_rims;
 pub mod rim_and_line;
 pub mod state;
 pub mod step_error;
