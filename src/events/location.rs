@@ -134,9 +134,7 @@ impl Eventful {
             }
             let time = if sample == SAMPLES { end } else { since + (end - since) * sample as f64 / SAMPLES as f64 };
             self.place(Inside::roughly(time));
-            for (index, body) in self.bodies.iter().enumerate() {
-                speeds.take(index, body.velocity.norm(), body.angular_velocity.norm());
-            }
+            speeds.take(sample, &self.bodies);
         }
         let mut first: Option<Bracket> = None;
         for (watched, pair) in open {

@@ -23,6 +23,9 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_accelerations, touch_motion};
 use nalgebra::{DMatrix, DVector, Vector3};
 
+/// An acceleration that is this part of what it is the difference of is rounding.
+const ROUNDING: f64 = 1e-14;
+
 /// Whose block it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Of {
@@ -116,7 +119,11 @@ pub(crate) fn second_rates<'c>(
                 let joint = touching(index);
                 let tangents = tangents(&touch_motion(joint, bodies).normal);
                 let along = touch_accelerations(joint, bodies, &of_bodies, &tangents);
-                rates.extend_from_slice(&along[..block.rows.len()]);
+                let along = &along[..block.rows.len()];
+                // What falls beside each other is accelerated apart by roundings of its fall.
+                let falls = |row: &[f64]| row.iter().zip(accelerations).map(|(w, a)| (w * a).abs()).sum::<f64>();
+                let together = along.iter().zip(&block.rows).all(|(rate, row)| rate.abs() <= ROUNDING * falls(row));
+                rates.extend(along.iter().map(|rate| if together { 0.0 } else { *rate }));
             }
         }
     }

@@ -9,6 +9,7 @@ mod contacts_bowl;
 mod contacts_cans;
 mod contacts_cradle;
 mod contacts_disc;
+mod contacts_falling;
 mod contacts_mesh;
 mod contacts_orders;
 mod contacts_pairs;

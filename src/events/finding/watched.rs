@@ -161,7 +161,8 @@ impl Watched {
                 // What rests unloaded is not let go by roundings.
                 left + holding.rounding(index)
             }
-            Watched::Margin => holding.margin(),
+            // What falls freely beside each other presses with roundings.
+            Watched::Margin => holding.margin() + holding.rounding_of_contacts(),
             Watched::Motor(index, side) => {
                 let bound = elements.motors[index].max_effort;
                 let unbounded = unbounded(elements, index, since, time, state);

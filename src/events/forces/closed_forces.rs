@@ -27,6 +27,9 @@ use nalgebra::{DMatrix, DVector};
 /// What is held whose response is singular to this part is held more than once.
 const SINGULAR: f64 = 1e-10;
 
+/// What is accelerated apart by this part of its fall falls together, and nothing presses.
+const FALLS: f64 = 1e-12;
+
 /// The forces of one instant.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ClosedForces {
@@ -105,6 +108,12 @@ impl Closing {
         Closing { bodies, blocks, rows, free, offset }
     }
 
+    /// How fast what a row is of falls: bodies that fall freely beside each other press with the difference of these, which is rounding.
+    fn fall(&self, row: usize) -> f64 {
+        let own = self.blocks.iter().flat_map(|block| &block.rows).nth(row);
+        own.map_or(0.0, |own| own.iter().zip(&self.free).map(|(a, b)| (a * b).abs()).sum())
+    }
+
     /// λ of all rows.
     pub fn forces(&self, unique: bool) -> Vec<f64> {
         Chosen::new(&self.blocks).solve(&self.rows.square, &self.offset, unique)
@@ -145,11 +154,14 @@ pub(crate) fn closed_forces(
         }
         row += block.rows.len();
     }
-    found.size = (0..forces.len())
-        .map(|row| forces[row].abs().max(offset[row].abs() / rows.square[(row, row)].max(f64::MIN_POSITIVE)))
-        .fold(0.0, f64::max);
+    let falls = (0..forces.len()).all(|row| offset[row].abs() <= FALLS * held.fall(row));
+    let size = |row: usize| {
+        let parts = if falls { held.fall(row) } else { offset[row].abs() };
+        forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))
+    };
+    found.size = (0..forces.len()).map(size).fold(0.0, f64::max);
     if !unique {
-        found.margin = margin_or_clear(&held.problem(&held.laws()));
+        found.margin = if falls { 0.0 } else { margin_or_clear(&held.problem(&held.laws())) };
     }
     found
 }
