@@ -382,11 +382,11 @@ impl Eventful {
         let key = Key { held, places, motors, closures };
         let pace = self.pieces.get(self.current).and_then(|piece| piece.steps.as_ref());
         let pace = pace.map_or(StepPace::Grid { origin: self.began }, |steps| steps.pace(self.began));
-        // A step that failed has become as short as steps can be: what goes on is as long as the one that stands for it at least.
+        // What made steps short before says nothing of what moves now. One that failed has become as short as steps can be, and what goes on is as long
+        // as the step that stands for it at least.
+        let least = if self.stepped_over.is_some() { STEP } else { RENEWED };
         let pace = match pace {
-            StepPace::Step { length, kinetic } if self.stepped_over.is_some() => {
-                StepPace::Step { length: length.max(STEP), kinetic }
-            }
+            StepPace::Step { length, kinetic } if length > 0.0 => StepPace::Step { length: length.max(least), kinetic },
             pace => pace,
         };
         self.current = self.piece(key, state);
@@ -394,13 +394,6 @@ impl Eventful {
         piece.used = self.steps;
         piece.small = piece.moving.gather(&self.whole, state);
         if let Some(steps) = &mut piece.steps {
-            // What made steps short before says nothing of what moves now.
-            let pace = match pace {
-                StepPace::Step { length, kinetic } if length > 0.0 => {
-                    StepPace::Step { length: length.max(RENEWED), kinetic }
-                }
-                pace => pace,
-            };
             steps.go_on_at(pace, state.time);
         }
         self.holding = {
