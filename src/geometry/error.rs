@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GeometryError {
     /// A size that is zero, negative or not finite.
-    #[error("the {what} of the {shape} is {value} m: give a positive length below 1e150 m")]
+    #[error("the {what} of the {shape} is {} m: give a positive length below 1e150 m", shown(*.value))]
     Size {
         /// Kind of the shape.
         shape: &'static str,
@@ -80,4 +80,10 @@ pub enum GeometryError {
         /// The other.
         b: &'static str,
     },
+}
+
+/// A number in few digits: with a power of ten where it is huge or tiny.
+fn shown(value: f64) -> String {
+    let plain = value == 0.0 || !value.is_finite() || (1e-6..1e9).contains(&value.abs());
+    if plain { value.to_string() } else { format!("{value:e}") }
 }

@@ -26,6 +26,8 @@ fn every_impossible_shape_is_refused_with_what_to_do() {
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.5, 0.5, 1e-9]];
     let table = [
         (Shape::Sphere { radius: 0.0 }, "the radius of the sphere is 0 m: give a positive length below 1e150 m"),
+        (Shape::Sphere { radius: 1e300 }, "the radius of the sphere is 1e300 m: give a positive length below 1e150 m"),
+        (Shape::Sphere { radius: -1e-9 }, "the radius of the sphere is -1e-9 m: give a positive length below 1e150 m"),
         (Shape::Sphere { radius: f64::NAN }, "the radius of the sphere is NaN m: give a positive length below 1e150 m"),
         (
             Shape::Capsule { radius: 1.0, half: -1.0 },
