@@ -25,6 +25,8 @@ pub(crate) struct Closing {
     /// μ of the accelerations that were asked for last.
     multipliers: Vec<f64>,
     decided: bool,
+    /// Whether velocities were projected in the state that was taken last.
+    projected: bool,
     /// What was counted in the first state.
     counted: Option<Arc<Counted>>,
 }
@@ -35,7 +37,14 @@ impl Closing {
         mechanism.has_closures().then(|| {
             let projection = Projection::new(mechanism);
             let multipliers = vec![0.0; projection.row_count()];
-            Closing { projection, start: Start::new(mechanism), multipliers, decided: false, counted: None }
+            Closing {
+                projection,
+                start: Start::new(mechanism),
+                multipliers,
+                decided: false,
+                projected: false,
+                counted: None,
+            }
         })
     }
 
@@ -47,6 +56,7 @@ impl Closing {
     /// Takes a state.
     pub fn place(&mut self, mechanism: &Mechanism, state: &State) {
         self.start.set(mechanism, state);
+        self.projected = false;
         if !std::mem::replace(&mut self.decided, true) {
             let counted = self.counted.take().filter(|counted| counted.is_at(state));
             let counted = counted.unwrap_or_else(|| Arc::new(Counted::at(mechanism, state)));
@@ -64,16 +74,22 @@ impl Closing {
         accelerations: &mut [f64],
         room: &mut [BodyAcceleration],
     ) {
-        let Closing { projection, start, multipliers, .. } = self;
+        let Closing { projection, start, multipliers, projected, .. } = self;
+        *projected = false;
         projection.accelerations(start, accelerations, multipliers, |joints, gaps| {
             body_accelerations(mechanism, bodies, velocity, joints, room);
             gap_accelerations(mechanism, bodies, joints, room, gaps);
         });
     }
 
-    /// Makes velocities fit the closures in the state that was taken last, with the least change in the metric of H.
+    /// Makes velocities fit the closures in the state that was taken last, with the least change in the metric of H. Those that follow in the same state
+    /// have the factors of the first.
     pub fn velocities(&mut self, mechanism: &Mechanism, velocity: &mut [f64]) {
-        self.projection.velocities(mechanism, &self.start, velocity);
+        if std::mem::replace(&mut self.projected, true) {
+            self.projection.velocities_again(mechanism, &self.start, velocity);
+        } else {
+            self.projection.velocities(mechanism, &self.start, velocity);
+        }
     }
 
     /// What a loop joint carries at the accelerations that were asked for last: force (N), and torque about the point of its second end [N m].

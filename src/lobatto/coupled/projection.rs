@@ -170,6 +170,12 @@ impl<G: Geometry<One>> Projection<G> {
         self.velocities_here(mechanism, start, velocity)
     }
 
+    /// The same where velocities were projected last, with the factors of that.
+    pub fn velocities_again(&mut self, mechanism: &Mechanism, start: &G::Start, velocity: &mut [f64]) -> Projected {
+        self.near = self.solved;
+        self.velocities_here(mechanism, start, velocity)
+    }
+
     /// The same where positions were projected last, with the factors of that if they are good there.
     pub(crate) fn velocities_here(
         &mut self,
