@@ -97,6 +97,12 @@ pub(crate) fn rows_of_contact(
         .collect()
 }
 
+/// How fast what a row w is of falls under accelerations a of the joints, `Σ |w a|`: bodies that fall freely beside each other press with the difference of
+/// these, which is rounding.
+pub(crate) fn fall(row: &[f64], accelerations: &[f64]) -> f64 {
+    row.iter().zip(accelerations).map(|(w, a)| (w * a).abs()).sum()
+}
+
 /// Ẇ v + W a: the second rates of the rows of blocks, for accelerations a of the joints; `touching` gives the contact of a number.
 pub(crate) fn second_rates<'c>(
     mechanism: &Mechanism,
@@ -121,8 +127,8 @@ pub(crate) fn second_rates<'c>(
                 let along = touch_accelerations(joint, bodies, &of_bodies, &tangents);
                 let along = &along[..block.rows.len()];
                 // What falls beside each other is accelerated apart by roundings of its fall.
-                let falls = |row: &[f64]| row.iter().zip(accelerations).map(|(w, a)| (w * a).abs()).sum::<f64>();
-                let together = along.iter().zip(&block.rows).all(|(rate, row)| rate.abs() <= ROUNDING * falls(row));
+                let together =
+                    along.iter().zip(&block.rows).all(|(rate, row)| rate.abs() <= ROUNDING * fall(row, accelerations));
                 rates.extend(along.iter().map(|rate| if together { 0.0 } else { *rate }));
             }
         }

@@ -12,7 +12,7 @@
 
 use crate::events::modes::mode::{Closed, JointMode};
 use crate::events::modes::present::Present;
-use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
+use crate::instant::blocks::{Block, Of, Rows, fall, row_of_freedom, rows_of_contact, second_rates};
 use crate::instant::cone::least_norm::least_norm;
 use crate::instant::cone::margin_or_clear;
 use crate::instant::cone::problem::{Law, Problem};
@@ -108,10 +108,9 @@ impl Closing {
         Closing { bodies, blocks, rows, free, offset }
     }
 
-    /// How fast what a row is of falls: bodies that fall freely beside each other press with the difference of these, which is rounding.
-    fn fall(&self, row: usize) -> f64 {
-        let own = self.blocks.iter().flat_map(|block| &block.rows).nth(row);
-        own.map_or(0.0, |own| own.iter().zip(&self.free).map(|(a, b)| (a * b).abs()).sum())
+    /// How fast what each row is of falls.
+    fn falls(&self) -> Vec<f64> {
+        self.blocks.iter().flat_map(|block| &block.rows).map(|row| fall(row, &self.free)).collect()
     }
 
     /// λ of all rows.
@@ -154,14 +153,15 @@ pub(crate) fn closed_forces(
         }
         row += block.rows.len();
     }
-    let falls = (0..forces.len()).all(|row| offset[row].abs() <= FALLS * held.fall(row));
+    let falls = held.falls();
+    let together = offset.iter().zip(&falls).all(|(offset, fall)| offset.abs() <= FALLS * fall);
     let size = |row: usize| {
-        let parts = if falls { held.fall(row) } else { offset[row].abs() };
+        let parts = if together { falls[row] } else { offset[row].abs() };
         forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))
     };
     found.size = (0..forces.len()).map(size).fold(0.0, f64::max);
     if !unique {
-        found.margin = if falls { 0.0 } else { margin_or_clear(&held.problem(&held.laws())) };
+        found.margin = if together { 0.0 } else { margin_or_clear(&held.problem(&held.laws())) };
     }
     found
 }

@@ -37,7 +37,7 @@ pub(crate) struct Followed {
 }
 
 impl Followed {
-    /// The next direction, for the latest one, the normal and the slip after so many iterations; none if it is that of the slip.
+    /// The next direction, for the latest one, the normal and the slip after so many iterations, one or more; none if it is that of the slip.
     pub fn turn(
         &mut self,
         iterations: usize,
@@ -45,7 +45,7 @@ impl Followed {
         normal: &Vector3<f64>,
         slip: &Vector3<f64>,
     ) -> Option<Vector3<f64>> {
-        if iterations == 0 || iterations > PATIENCE {
+        if iterations > PATIENCE {
             return None;
         }
         let along = (latest - normal * normal.dot(latest)).try_normalize(0.0)?;
