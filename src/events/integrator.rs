@@ -1,7 +1,7 @@
 //! The integrator of motions that are smooth in pieces: steps of the scheme for what moves in a mode, ended at events.
 
-use crate::events::crowding::{Crowding, STEP};
-use crate::events::effects::decision::{Scene, held_bodies};
+use crate::events::crowding::Crowding;
+use crate::events::effects::decision::Scene;
 use crate::events::effects::memory::{Found, Memory};
 use crate::events::effects::transition::transit;
 use crate::events::finding::approach::Speeds;
@@ -10,12 +10,11 @@ use crate::events::finding::detection::Looking;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::forces::holding::Holding;
 use crate::events::forces::reporting::Reporting;
-use crate::events::modes::drives::Drives;
 use crate::events::modes::held::Held;
-use crate::events::modes::instants::{Evaluated, Instants};
+use crate::events::modes::instants::Evaluated;
 use crate::events::modes::mode::{Closures, JointMode, Mode, MotorMode};
 use crate::events::modes::narrowed::Felt;
-use crate::events::modes::piece::{Key, Piece};
+use crate::events::modes::piece::Piece;
 use crate::events::modes::piece_steps::PieceRecipe;
 use crate::events::modes::present::Present;
 use crate::instant::elements::Elements;
@@ -27,15 +26,12 @@ use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{MethodDescription, StepError};
-use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
-use crate::stepping::integrator::{MethodError, StepPace};
+use crate::stepping::integrator::MethodError;
 use crate::stepping::recipe::Recipe;
 use nalgebra::Vector3;
 use std::cell::RefCell;
 
-/// Modes whose workspaces are kept.
-const KEPT_MODES: usize = 12;
 /// A start that is outside its limits by so many times what counts as being on them is put there.
 const NEARLY: f64 = 1e5;
 /// What may be left of the height of accumulating impacts, where no tolerance says so (rad or m).
@@ -94,9 +90,9 @@ pub struct Eventful {
     /// What stands for the steps where nothing moves.
     pub(super) idle: MethodDescription,
     /// The error of samples inside the steps of modes that are not kept any more, and in steps of first order (m).
-    between: Option<f64>,
+    pub(super) between: Option<f64>,
     /// The part of it in steps that were too long for a damper (m).
-    ringing: f64,
+    pub(super) ringing: f64,
     /// How often the law of contact could not be solved to its accuracy.
     pub(super) unsolved: usize,
     /// Whether everything has come to rest on contacts, and is not moved until something changes.
@@ -112,16 +108,13 @@ pub struct Eventful {
     /// For the forces that are reported.
     pub(super) reporting: RefCell<Reporting>,
     /// Whether a companion goes along until the first event.
-    accompanied: bool,
+    pub(super) accompanied: bool,
 }
 
 /// The larger of two errors, if both are known.
-fn larger(one: Option<f64>, other: Option<f64>) -> Option<f64> {
+pub(super) fn larger(one: Option<f64>, other: Option<f64>) -> Option<f64> {
     Some(one?.max(other?))
 }
-
-/// The first step after an event is asked to be at least so long (s).
-const RENEWED: f64 = 1e-6;
 
 impl Eventful {
     /// For a mechanism with limits, friction or motors.
@@ -353,117 +346,6 @@ impl Eventful {
             self.enter(state);
         }
         done.lost
-    }
-
-    /// Finds or makes what moves in the mode, and what is watched in it.
-    pub(super) fn enter(&mut self, state: &mut State) {
-        let Eventful { whole, elements, touching, mode, response, bodies, .. } = self;
-        let held = if self.asleep {
-            vec![true; whole.bodies.len()]
-        } else {
-            held_bodies(whole, elements, mode, response, state)
-        };
-        let closures = if mode.contacts.is_empty() {
-            Closures::default()
-        } else {
-            place_bodies(whole, state, bodies);
-            mode.closures(touching, bodies)
-        };
-        for (body, _) in whole.bodies.iter().zip(&held).filter(|(_, held)| **held) {
-            state.velocity[body.joint.velocity_range()].fill(0.0);
-        }
-        response.close_velocities(state);
-        for (body, _) in whole.bodies.iter().zip(&held).filter(|(_, held)| **held) {
-            state.velocity[body.joint.velocity_range()].fill(0.0);
-        }
-        let places = whole.bodies.iter().zip(&held).filter(|(_, held)| **held);
-        let places = places.map(|(body, _)| state.position[body.joint.position_index]).collect();
-        let motors = mode.motors.iter().map(|motor| *motor == MotorMode::Unbounded).collect();
-        let key = Key { held, places, motors, closures };
-        let pace = self.pieces.get(self.current).and_then(|piece| piece.steps.as_ref());
-        let pace = pace.map_or(StepPace::Grid { origin: self.began }, |steps| steps.pace(self.began));
-        // What made steps short before says nothing of what moves now. One that failed has become as short as steps can be, and what goes on is as long
-        // as the step that stands for it at least.
-        let least = if self.stepped_over.is_some() { STEP } else { RENEWED };
-        let pace = match pace {
-            StepPace::Step { length, kinetic } if length > 0.0 => StepPace::Step { length: length.max(least), kinetic },
-            pace => pace,
-        };
-        self.current = self.piece(key, state);
-        let piece = &mut self.pieces[self.current];
-        piece.used = self.steps;
-        piece.small = piece.moving.gather(&self.whole, state);
-        if let Some(steps) = &mut piece.steps {
-            steps.go_on_at(pace, state.time);
-        }
-        self.holding = {
-            let Eventful { whole, elements, touching, mode, pieces, current, response, .. } = self;
-            let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
-            Holding::new(&present, response, state)
-        };
-        let moving = &self.pieces[self.current].moving;
-        let apart = |pair: usize| {
-            let [a, b] = self.touching.pairs[pair].bodies.map(|body| body.and_then(|body| moving.group(body)));
-            a != b
-        };
-        let unique = self.holding.is_unique();
-        self.watched = if self.asleep {
-            Vec::new()
-        } else {
-            Watched::of(&self.elements, &self.touching, &self.mode, unique, apart)
-        };
-    }
-
-    /// The number of the piece with this key.
-    fn piece(&mut self, key: Key, state: &State) -> usize {
-        if let Some(known) = self.pieces.iter().position(|piece| piece.key == key) {
-            return known;
-        }
-        let mut moving = Held::new(&self.whole, state, key.held.clone(), &key.closures);
-        let drives = Drives::add(&self.elements, &self.mode, &self.whole, &mut moving);
-        let Elements { joints, motors, .. } = &self.elements;
-        let rubbing = joints.iter().filter(|joint| joint.friction > 0.0).map(|joint| joint.coordinate);
-        let acting = rubbing.chain(motors.iter().map(|motor| motor.coordinate));
-        let acting = acting.filter_map(|coordinate| moving.coordinate(&self.whole, coordinate));
-        let driven: Vec<usize> = acting.map(|coordinate| coordinate.body).collect();
-        // Stages and steps were accepted for the whole.
-        let mut steps = if moving.is_empty() { None } else { self.recipe.make(&moving.mechanism, &driven).ok() };
-        if let Some(steps) = steps.as_mut().filter(|_| self.accompanied) {
-            steps.accompany(&moving.mechanism);
-        }
-        let (positions, freedoms) = (moving.mechanism.position_count, moving.mechanism.velocity_count);
-        let small = State::zero(&moving.mechanism);
-        let piece = Piece {
-            key,
-            drives,
-            steps,
-            law: None,
-            small_start: small.clone(),
-            small,
-            small_efforts: vec![0.0; freedoms],
-            small_position: vec![0.0; positions],
-            small_velocity: vec![0.0; freedoms],
-            instants: Instants::default(),
-            used: self.steps,
-            moving,
-        };
-        let oldest =
-            (0..self.pieces.len()).filter(|&index| index != self.last).min_by_key(|&index| self.pieces[index].used);
-        match oldest {
-            Some(oldest) if self.pieces.len() >= KEPT_MODES => {
-                if let Some(steps) = &self.pieces[oldest].steps {
-                    self.idle.include_stability(&steps.description());
-                    self.between = larger(self.between, steps.between());
-                    self.ringing = self.ringing.max(steps.ringing_inside());
-                }
-                self.pieces[oldest] = piece;
-                oldest
-            }
-            _ => {
-                self.pieces.push(piece);
-                self.pieces.len() - 1
-            }
-        }
     }
 
     /// The next instant at which an effort changes its law, or the end.

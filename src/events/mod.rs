@@ -29,6 +29,7 @@
 mod contact_points;
 mod crowding;
 mod effects;
+mod entering;
 mod finding;
 mod forces;
 mod integrator;
