@@ -205,6 +205,17 @@ mod tests {
     }
 
     #[test]
+    fn a_step_with_a_large_e_is_likely_kept_unless_one_of_the_last_changed_the_energy_too_much() {
+        let mut control = control();
+        let (wanted, limit) = (control.wanted, control.limit);
+        assert!(control.is_likely_kept(limit) && !control.is_likely_kept(1.01 * limit));
+        let solved = Attempt::Converged { iterations: 5, legendre: wanted, turn: 0.0, exact: false };
+        let energies = Energies { change: 1.0, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
+        assert!(matches!(control.judge(&solved, Some(energies), 0.1, Guess::Past), Decision::Retry { .. }));
+        assert!(control.is_likely_kept(0.4 * wanted) && !control.is_likely_kept(wanted));
+    }
+
+    #[test]
     fn an_attempt_whose_energy_is_not_finite_is_thrown_away_and_allows_no_more_later() {
         let mut control = control();
         let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, turn: 0.0, exact: false };

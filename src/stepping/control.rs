@@ -60,6 +60,9 @@ const FINEST_TOLERANCE: f64 = 1e-11;
 /// Steps are looked into whose E is above this part of the largest so far: what interpolation errs by grows with E.
 const AMONG_LARGEST: f64 = 0.5;
 
+/// The part of the wanted E up to which a step is likely to be kept after one that changed the energy too much.
+const LIKELY: f64 = 0.5;
+
 /// After so many attempts at a step that were broken off, early iterates are not asked again: E may be that of a kink. And after as many
 /// whose E was too large all iterations are in double precision.
 const HASTE: usize = 2;
@@ -290,17 +293,21 @@ impl Control {
             let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule_for(length), guess);
             outcome.iterations += attempt.iterations();
             let energies = match attempt {
-                Attempt::Converged { exact, .. } => {
+                Attempt::Converged { exact, legendre, .. } => {
                     outcome.exact = exact;
-                    Some(stepper.finish(mechanism, state))
+                    if let Some(companion) = &mut stepper.companion {
+                        companion.see(legendre, self.limit, self.wanted, self.stop);
+                    }
+                    Some(if !exact && self.is_likely_kept(legendre) {
+                        stepper.finish_both(mechanism, state, end)
+                    } else {
+                        stepper.finish(mechanism, state)
+                    })
                 }
                 _ => None,
             };
             match self.judge(&attempt, energies, length, guess) {
                 Decision::Accept => {
-                    if let (Some(companion), Attempt::Converged { legendre, .. }) = (&mut stepper.companion, attempt) {
-                        companion.see(legendre, self.limit, self.wanted, self.stop);
-                    }
                     stepper.accept(mechanism, state, length, end, &mut outcome)?;
                     if let Attempt::Converged { legendre, .. } = attempt {
                         self.look_inside(stepper, mechanism, legendre);
@@ -323,6 +330,12 @@ impl Control {
                 }
             }
         }
+    }
+
+    /// Whether a solved step with this E is likely to be kept, by its energy, too: what a companion does in one that is thrown away is for nothing. Of
+    /// steps after one that changed the energy too much, those with a large E often do so again.
+    pub(crate) fn is_likely_kept(&self, legendre: f64) -> bool {
+        legendre <= if self.memory.wary > 0 { LIKELY * self.wanted } else { self.limit }
     }
 
     /// Bounds the next step by one that is known to be stable (s).
