@@ -192,7 +192,6 @@ impl Control {
 mod tests {
     use super::*;
     use crate::stage_choice::StageChoice;
-    use catena_lobatto::numbers::lanes::Isa;
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
     use catena_mechanism::description::mechanism::{Body, Mechanism};
     use nalgebra::Vector3;
@@ -201,7 +200,7 @@ mod tests {
         let joint = Joint::new("hinge", JointKind::Revolute, Pose::identity(), Pose::translation(0.0, 0.0, 0.5));
         let body = Body { name: "rod".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.1), joint };
         let mechanism = Mechanism::new("pendulum", Vector3::new(0.0, 9.81, 0.0), vec![body]).unwrap();
-        Control::new(&mechanism, 1e-3, 1e-7, StageChoice::Few, Isa::Portable)
+        Control::new(&mechanism, 1e-3, 1e-7, StageChoice::Few)
     }
 
     #[test]

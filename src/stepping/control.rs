@@ -10,7 +10,7 @@
 //! ```
 //!
 //! With nine stages `E_tol ≤ (T / 2 / 0.35)^{1/1.25} / 3.3`, with five `E_tol ≤ (T / 2 / 0.25)^{1/1.5} / 1.3⁴`, so that samples inside a step are
-//! within the tolerance `T`. These bounds are active below 1e-7 m, and below 1e-5 m where five stages fill the vectors of the processor. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a finished one that changes the energy by more than its
+//! within the tolerance `T`. These bounds are active below 1e-7 m. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a finished one that changes the energy by more than its
 //! share of the tolerance; what is near that share does not grow, unless `E` is so small that the change can only be what the iteration
 //! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
@@ -25,7 +25,6 @@
 
 use crate::stage_choice::StageChoice;
 use crate::stepper::{Stepper, Stride};
-use catena_lobatto::numbers::lanes::Isa;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -163,11 +162,11 @@ fn largest_between(tolerance: f64, stages: usize) -> f64 {
 
 impl Control {
     /// A controller for a mechanism, an iteration stop `ε` and a number of stages; `tolerance` bounds the change of the energy.
-    pub fn new(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice, isa: Isa) -> Self {
+    pub fn new(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice) -> Self {
         let stop = stop.clamp(1e-16, COARSEST_STOP);
-        let stage_count = stages.count(isa);
+        let stage_count = stages.count();
         let kept = 1.3_f64.powi(stage_count as i32 - 1).min(KEPT);
-        let local = stages.wanted_share(isa) * stop.sqrt();
+        let local = stages.wanted_share() * stop.sqrt();
         let wanted = local.min(largest_between(tolerance, stage_count) / kept);
         Control {
             tolerance,
