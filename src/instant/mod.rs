@@ -22,4 +22,5 @@ pub mod rest;
 pub mod snapshots;
 pub mod statuses;
 pub(crate) mod touching;
+mod unbalanced;
 pub mod unreachable;

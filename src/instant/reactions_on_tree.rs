@@ -34,9 +34,8 @@ pub struct ReactionsOnTree<M> {
     applied: Vec<BodyWrench>,
     reactions: Vec<Reaction>,
     loops: Vec<LoopReaction>,
-    closing: Option<Closing>,
-    /// The state that was asked for last, where there are closures.
-    state: State,
+    /// Where there are closures, with the state that was asked for last.
+    closing: Option<(Closing, State)>,
     exerted: Option<Exerted>,
     /// The efforts of motors.
     motors: Vec<f64>,
@@ -71,8 +70,7 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
             applied: vec![BodyWrench::default(); count],
             reactions: vec![Reaction::default(); count],
             loops: vec![LoopReaction::default(); mechanism.loops.len()],
-            closing: Closing::new(mechanism),
-            state: State::zero(mechanism),
+            closing: Closing::new(mechanism).map(|closing| (closing, State::zero(mechanism))),
             exerted,
             motors: Vec::with_capacity(mechanism.nonsmooth.motors.len()),
             mechanism: of,
@@ -86,7 +84,7 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
 
     /// Takes what was counted of the closures in the first state that will be asked for.
     pub fn expect_at(&mut self, counted: Option<Arc<Counted>>) {
-        if let Some(closing) = &mut self.closing {
+        if let Some((closing, _)) = &mut self.closing {
             closing.expect_at(counted);
         }
     }
@@ -107,11 +105,11 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
 
     /// The same under the efforts that the system in joint coordinates has been handed.
     fn accelerate(&mut self, position: &[f64], velocity: &[f64], bodies: &[BodyState]) {
-        let ReactionsOnTree { mechanism, joint_accelerations, accelerations, closing, state, .. } = self;
+        let ReactionsOnTree { mechanism, joint_accelerations, accelerations, closing, .. } = self;
         let mechanism = (*mechanism).borrow();
         self.ode.accelerations_of_placed(position, velocity, bodies, joint_accelerations);
         // The tree's joint accelerations are corrected for the closures.
-        if let Some(closing) = closing {
+        if let Some((closing, state)) = closing {
             state.position.copy_from_slice(position);
             state.velocity.copy_from_slice(velocity);
             closing.place(mechanism, state);
@@ -165,7 +163,7 @@ impl<M: Borrow<Mechanism>> ReactionsOnTree<M> {
             *force += own_force;
             *torque += own_torque;
         }
-        if let Some(closing) = closing {
+        if let Some((closing, _)) = closing {
             for (index, joint) in mechanism.loops.iter().enumerate() {
                 let (force, torque) = closing.loop_wrench(index);
                 loops[index] = LoopReaction { force, torque };

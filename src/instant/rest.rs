@@ -16,7 +16,9 @@
 //! means nothing. Whoever wants it to fall has to push it.
 
 use crate::instant::reactions::Reactions;
+use crate::instant::unbalanced::moves_for_certain;
 use crate::lobatto::coupled::counted::Counted;
+use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::{BodyWrench, body_wrenches};
 use crate::mechanism::motion::kinematics::body_states;
@@ -42,11 +44,21 @@ pub fn is_at_rest_counted(mechanism: &Mechanism, state: &State, counted: Option<
     if mechanism.forces.point_springs.iter().any(|spring| spring.is_undirected(&bodies)) {
         return false;
     }
+    !moves_for_certain(mechanism, &bodies) && nothing_accelerates(mechanism, state, &bodies, counted)
+}
+
+/// Whether all accelerations are roundings in a state without velocities.
+pub(crate) fn nothing_accelerates(
+    mechanism: &Mechanism,
+    state: &State,
+    bodies: &[BodyState],
+    counted: Option<Arc<Counted>>,
+) -> bool {
     let mut wrenches = vec![BodyWrench::default(); bodies.len()];
-    body_wrenches(mechanism, &bodies, &mut wrenches);
+    body_wrenches(mechanism, bodies, &mut wrenches);
     let mut reactions = Reactions::new(mechanism);
     reactions.expect_at(counted);
-    let accelerations = reactions.accelerations(&state.position, &state.velocity, &bodies);
+    let accelerations = reactions.accelerations(&state.position, &state.velocity, bodies);
     let rounding = if mechanism.has_closures() { ROUNDING_OF_CLOSURES } else { ROUNDING };
     let rounding = rounding * bodies.len() as f64;
     mechanism.bodies.iter().zip(&wrenches).zip(accelerations).all(|((body, wrench), (linear, angular))| {

@@ -46,6 +46,9 @@ impl Model {
     /// # Errors
     /// [`ModelError::UndirectedSpring`] with its name.
     pub fn check_springs(&self, state: &State) -> Result<(), ModelError> {
+        if self.mechanism.forces.point_springs.is_empty() {
+            return Ok(());
+        }
         let states = body_states(&self.mechanism, state);
         match self.mechanism.forces.point_springs.iter().find(|spring| spring.is_undirected(&states)) {
             Some(spring) => {

@@ -90,7 +90,7 @@ impl Loaded {
         let (correction, counted) = assemble_counted(mechanism, &mut state).map_err(|error| in_file(error.into()))?;
         self.model.check_springs(&state).map_err(|error| in_file(error.into()))?;
         // A move by limits alone has another warning.
-        let open = violation(mechanism, &given, &body_states(mechanism, &given)).position > UNNOTICEABLE;
+        let open = || violation(mechanism, &given, &body_states(mechanism, &given)).position > UNNOTICEABLE;
         let apart = correction.overlap.and_then(|(number, depth)| {
             let pair = mechanism.nonsmooth.pairs.iter().find(|pair| pair.number == number)?;
             let [a, b] = [pair.a, pair.b].map(|of| mechanism.nonsmooth.colliders[of].name.as_str());
@@ -100,7 +100,7 @@ impl Loaded {
             ))
         });
         let moved = mechanism.has_closures()
-            && ((open && correction.position > UNNOTICEABLE) || correction.velocity > UNNOTICEABLE);
+            && ((correction.position > UNNOTICEABLE && open()) || correction.velocity > UNNOTICEABLE);
         let onto_loops = moved.then(|| {
             format!(
                 "the start was adjusted to close the loops: positions by up to {:.1e} rad or m, velocities by up to {:.1e} rad/s or m/s{}",

@@ -303,13 +303,13 @@ impl<'s> Search<'s> {
                     before = Some((coarse.stop, lasted));
                     let stop = enough.clamp(coarse.stop * REFINEMENT, fine.stop).max(FINEST * RATIO);
                     let wanted = StageChoice::of(self.mechanism, stop * (self.tolerance / self.coarsest));
-                    let stages = if stiff { StageChoice::Filling } else { wanted };
+                    let stages = if stiff { StageChoice::Many } else { wanted };
                     let goes_on = stop == fine.stop && stages == fine.stages;
                     coarse = if goes_on { fine } else { self.pilot(stop, stages)? };
                 }
                 Pair::HeldBack => {
                     stiff = true;
-                    coarse = self.pilot(coarse.stop, StageChoice::Filling)?;
+                    coarse = self.pilot(coarse.stop, StageChoice::Many)?;
                 }
             }
         }

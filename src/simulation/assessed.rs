@@ -14,7 +14,6 @@
 //!
 //! At the finest stop no run restarts: it continues, and reports the time until which the accuracy holds.
 
-use crate::lobatto::numbers::lanes::Isa;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::ContactPoint;
@@ -324,10 +323,10 @@ impl Integrator for Assessed<'_> {
         };
         self.steps += 1;
         let Terms { start, end, .. } = self.terms;
-        let few = || self.stages.count(Isa::detect()) < StageChoice::Filling.count(Isa::detect());
+        let few = || self.stages == StageChoice::Few;
         let early = state.time - start <= EARLY * (end - start);
         if self.may_begin_again && early && self.run.was_held_by_stability() && few() {
-            self.next = Some((self.stop, StageChoice::Filling));
+            self.next = Some((self.stop, StageChoice::Many));
         } else if state.time >= end || (state.time >= self.due && self.steps >= self.looked + STRIDE) {
             self.look(mechanism, state);
         }

@@ -1,6 +1,5 @@
 //! Trial runs: made before a run only to be compared with each other, which shows how the motion amplifies errors.
 
-use crate::lobatto::numbers::lanes::Isa;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::event::Event;
@@ -81,7 +80,7 @@ impl TrialRun<'_> {
 
     /// Goes on with a finer trial run by its side, from the start of both trails to the end of the run if they do not part.
     pub fn accompany(&mut self, finer: &mut Self, course: Course, go_on: GoOn) -> Result<Pair, CalibrationError> {
-        let few = self.stages.count(Isa::detect()) < StageChoice::Filling.count(Isa::detect());
+        let few = self.stages == StageChoice::Few;
         self.apart.clear();
         loop {
             if self.apart.len() == self.trail.len() {

@@ -192,7 +192,6 @@ impl Control {
 mod tests {
     use super::*;
     use crate::stage_choice::StageChoice;
-    use catena_lobatto::numbers::lanes::Isa;
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
     use catena_mechanism::description::mechanism::{Body, Mechanism};
     use nalgebra::Vector3;
@@ -201,7 +200,18 @@ mod tests {
         let joint = Joint::new("hinge", JointKind::Revolute, Pose::identity(), Pose::translation(0.0, 0.0, 0.5));
         let body = Body { name: "rod".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.1), joint };
         let mechanism = Mechanism::new("pendulum", Vector3::new(0.0, 9.81, 0.0), vec![body]).unwrap();
-        Control::new(&mechanism, 1e-3, 1e-7, StageChoice::Few, Isa::Portable)
+        Control::new(&mechanism, 1e-3, 1e-7, StageChoice::Few)
+    }
+
+    #[test]
+    fn a_step_with_a_large_e_is_likely_kept_unless_one_of_the_last_changed_the_energy_too_much() {
+        let mut control = control();
+        let (wanted, limit) = (control.wanted, control.limit);
+        assert!(control.is_likely_kept(limit) && !control.is_likely_kept(1.01 * limit));
+        let solved = Attempt::Converged { iterations: 5, legendre: wanted, turn: 0.0, exact: false };
+        let energies = Energies { change: 1.0, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
+        assert!(matches!(control.judge(&solved, Some(energies), 0.1, Guess::Past), Decision::Retry { .. }));
+        assert!(control.is_likely_kept(0.4 * wanted) && !control.is_likely_kept(wanted));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use catena_lobatto::step::interface::Step;
 use catena_lobatto::tableau::butcher::Tableau;
 use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::{Body, Mechanism};
+use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
 /// What an iteration may leave of what parts the motions,
@@ -23,6 +24,9 @@ const MANY_FREEDOMS: f64 = 8.0;
 /// The motion beside that of the run.
 pub struct Companion {
     state: State,
+    /// Where it is at the end of a finished step, if it went through it [with the run](Companion::finish).
+    next: State,
+    ahead: bool,
     /// The factor of the truncation error for few degrees of freedom, `min(1, n/8)²`.
     share: f64,
     begun: bool,
@@ -39,6 +43,8 @@ impl Companion {
         let freedoms = mechanism.velocity_count as f64 / MANY_FREEDOMS;
         Companion {
             state: State::zero(mechanism),
+            next: State::zero(mechanism),
+            ahead: false,
             share: freedoms.min(1.0).powi(2),
             begun: false,
             truncation: 0.0,
@@ -57,7 +63,7 @@ impl Companion {
         self.begun
     }
 
-    /// Takes note of a step that is going to be kept: its E, the largest that would be, and the E that goes with the iteration `stop` (rad, m). The local
+    /// Takes note of a step that is solved: its E, the largest that would be, and the E that goes with the iteration `stop` (rad, m). The local
     /// error falls like E², which is chosen to be that of the stop ([`crate::control`]).
     pub(crate) fn see(&mut self, legendre: f64, limit: f64, wanted: f64, stop: f64) {
         let counts = legendre > TRUNCATED * limit;
@@ -71,7 +77,30 @@ impl Companion {
         kernel.begin_to_carry(mechanism, state);
     }
 
-    /// Goes through the finished step of the run from `state` to `time` (s).
+    /// Finishes the solved step of the run from `state` to `time` (s), of which `end` is to become the end, and goes through it, both at once; returns the
+    /// energy at the end. `None`, and nothing is done, where steps cannot.
+    pub(crate) fn finish(
+        &mut self,
+        kernel: &mut dyn Step,
+        mechanism: &Mechanism,
+        state: &State,
+        end: &mut State,
+        time: f64,
+    ) -> Option<Energy> {
+        let carrying = self.carrying(kernel, mechanism, state, false, time);
+        self.next.copy_from(&self.state);
+        let energy = kernel.finish_both(mechanism, end, &mut self.next, &carrying);
+        self.next.time = time;
+        self.ahead = energy.is_some();
+        energy
+    }
+
+    /// Stays where it is: the run has finished a step alone.
+    pub(crate) fn wait(&mut self) {
+        self.ahead = false;
+    }
+
+    /// Goes through the finished step of the run from `state` to `time` (s), if it has not yet.
     pub(crate) fn follow(
         &mut self,
         kernel: &mut dyn Step,
@@ -80,15 +109,32 @@ impl Companion {
         exactly: bool,
         time: f64,
     ) {
+        if std::mem::take(&mut self.ahead) {
+            kernel.keep_carried();
+            std::mem::swap(&mut self.state, &mut self.next);
+            return;
+        }
+        let carrying = self.carrying(kernel, mechanism, state, exactly, time);
+        kernel.carry_on(mechanism, &mut self.state, &carrying);
+        self.state.time = time;
+    }
+
+    /// How it goes through the solved step of the run.
+    fn carrying(
+        &mut self,
+        kernel: &dyn Step,
+        mechanism: &Mechanism,
+        state: &State,
+        exactly: bool,
+        time: f64,
+    ) -> Carrying {
         let pairs = self.state.position.iter().zip(&state.position);
         let apart = pairs.map(|(own, other)| (own - other).abs()).fold(0.0, f64::max);
         let mut truncation = self.truncation;
         if truncation > 0.0 && !self.parts_further(kernel, mechanism, state, time - state.time) {
             truncation = 0.0;
         }
-        let carrying = Carrying { apart, part: PART, most: MOST, rest: REST, exactly, truncation };
-        kernel.carry_on(mechanism, &mut self.state, &carrying);
-        self.state.time = time;
+        Carrying { apart, part: PART, most: MOST, rest: REST, exactly, truncation }
     }
 
     /// Whether the truncation, whose sign nothing tells, takes the motions further apart over a step of `length` seconds. They part in the directions

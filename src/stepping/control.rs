@@ -10,7 +10,7 @@
 //! ```
 //!
 //! With nine stages `E_tol ≤ (T / 2 / 0.35)^{1/1.25} / 3.3`, with five `E_tol ≤ (T / 2 / 0.25)^{1/1.5} / 1.3⁴`, so that samples inside a step are
-//! within the tolerance `T`. These bounds are active below 1e-7 m, and below 1e-5 m where five stages fill the vectors of the processor. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a finished one that changes the energy by more than its
+//! within the tolerance `T`. These bounds are active below 1e-7 m. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a finished one that changes the energy by more than its
 //! share of the tolerance; what is near that share does not grow, unless `E` is so small that the change can only be what the iteration
 //! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
@@ -25,7 +25,6 @@
 
 use crate::stage_choice::StageChoice;
 use crate::stepper::{Stepper, Stride};
-use catena_lobatto::numbers::lanes::Isa;
 use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena_lobatto::step::interface::Step;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -59,6 +58,9 @@ const FINEST_TOLERANCE: f64 = 1e-11;
 
 /// Steps are looked into whose E is above this part of the largest so far: what interpolation errs by grows with E.
 const AMONG_LARGEST: f64 = 0.5;
+
+/// The part of the wanted E up to which a step is likely to be kept after one that changed the energy too much.
+const LIKELY: f64 = 0.5;
 
 /// After so many attempts at a step that were broken off, early iterates are not asked again: E may be that of a kink. And after as many
 /// whose E was too large all iterations are in double precision.
@@ -160,11 +162,11 @@ fn largest_between(tolerance: f64, stages: usize) -> f64 {
 
 impl Control {
     /// A controller for a mechanism, an iteration stop `ε` and a number of stages; `tolerance` bounds the change of the energy.
-    pub fn new(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice, isa: Isa) -> Self {
+    pub fn new(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice) -> Self {
         let stop = stop.clamp(1e-16, COARSEST_STOP);
-        let stage_count = stages.count(isa);
+        let stage_count = stages.count();
         let kept = 1.3_f64.powi(stage_count as i32 - 1).min(KEPT);
-        let local = stages.wanted_share(isa) * stop.sqrt();
+        let local = stages.wanted_share() * stop.sqrt();
         let wanted = local.min(largest_between(tolerance, stage_count) / kept);
         Control {
             tolerance,
@@ -290,17 +292,21 @@ impl Control {
             let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule_for(length), guess);
             outcome.iterations += attempt.iterations();
             let energies = match attempt {
-                Attempt::Converged { exact, .. } => {
+                Attempt::Converged { exact, legendre, .. } => {
                     outcome.exact = exact;
-                    Some(stepper.finish(mechanism, state))
+                    if let Some(companion) = &mut stepper.companion {
+                        companion.see(legendre, self.limit, self.wanted, self.stop);
+                    }
+                    Some(if !exact && self.is_likely_kept(legendre) {
+                        stepper.finish_both(mechanism, state, end)
+                    } else {
+                        stepper.finish(mechanism, state)
+                    })
                 }
                 _ => None,
             };
             match self.judge(&attempt, energies, length, guess) {
                 Decision::Accept => {
-                    if let (Some(companion), Attempt::Converged { legendre, .. }) = (&mut stepper.companion, attempt) {
-                        companion.see(legendre, self.limit, self.wanted, self.stop);
-                    }
                     stepper.accept(mechanism, state, length, end, &mut outcome)?;
                     if let Attempt::Converged { legendre, .. } = attempt {
                         self.look_inside(stepper, mechanism, legendre);
@@ -323,6 +329,12 @@ impl Control {
                 }
             }
         }
+    }
+
+    /// Whether a solved step with this E is likely to be kept, by its energy, too: what a companion does in one that is thrown away is for nothing. Of
+    /// steps after one that changed the energy too much, those with a large E often do so again.
+    pub(crate) fn is_likely_kept(&self, legendre: f64) -> bool {
+        legendre <= if self.memory.wary > 0 { LIKELY * self.wanted } else { self.limit }
     }
 
     /// Bounds the next step by one that is known to be stable (s).

@@ -168,8 +168,8 @@ impl Lobatto {
     /// The same with another choice of stages.
     pub fn adaptive_with_stages(mechanism: &Mechanism, tolerance: f64, stop: f64, stages: StageChoice) -> Self {
         let isa = Isa::detect();
-        let control = Control::new(mechanism, tolerance, stop, stages, isa);
-        Self::with_tableau(mechanism, stages.tableau(isa), Mode::Chosen(control), isa)
+        let control = Control::new(mechanism, tolerance, stop, stages);
+        Self::with_tableau(mechanism, stages.tableau(), Mode::Chosen(control), isa)
     }
 
     /// Carries a companion from the next step on, which shows what errors the steps make: of trees, with chosen steps.

@@ -1,16 +1,15 @@
 //! How many stages the steps of a tolerance have.
 //!
-//! On trees all stages are solved side by side in the lanes of a vector, so that an iteration costs the same with few stages as with
-//! those that fill it: nine with AVX-512, five with the four lanes of anything less. There are two exceptions, measured in
-//! doc/findings/2026-11-stages.md:
+//! Nine, on every processor. On trees all stages are solved side by side in the lanes of a vector, so that an iteration costs the same with few stages as with
+//! those that fill it: nine with AVX-512. Two vectors of four lanes do not take twice as long as one either: in a plane arithmetic waits for arithmetic, and in
+//! space the first iterations are in single precision, eight lanes at once ([`catena_lobatto::solve::single_precision`]), which five stages do not
+//! have. With five stages and coarse tolerances some trees take less time with AVX2, but truncation is no less than the error of the iteration there, and the
+//! companion of a run does not see it: of 1856 runs that said that they had reached their accuracy 32 had not (doc/findings/2026-11-25-five-stages.md).
 //!
-//! - On closed loops all stages are coupled, and an iteration with nine costs twice as much as one with five. Nine make steps so long that
-//!   Newton's method limits them, and not the accuracy, until a fine one is asked for. One or two four-bars, which pass singular positions,
-//!   need much shorter steps with five, and keep what fills the vector; and so do springs and dampers so stiff that the stability of the
-//!   scheme limits the step, which nine stages extend to twice the length: the trial runs see that (`simulation::accuracy`).
-//! - Two vectors of four lanes do not take twice as long as one: in a plane arithmetic waits for arithmetic, and in space the first
-//!   iterations are in single precision, eight lanes at once ([`catena_lobatto::solve::single_precision`]), which five stages do not have. With a fine tolerance, and
-//!   the sooner the fewer the bodies, nine stages save more than they cost.
+//! Closed loops have five where their tolerance is not fine (doc/findings/2026-11-stages.md): all stages are coupled there, and an iteration with nine costs
+//! twice as much. Nine make steps so long that Newton's method limits them, and not the accuracy. One or two four-bars, which pass singular positions, need
+//! much shorter steps with five, and keep nine; and so do springs and dampers so stiff that the stability of the scheme limits the step, which nine stages extend
+//! to twice the length: the trial runs see that (`simulation::accuracy`).
 //!
 //! Time with nine stages over that with five, same tolerance (m), least and most of the scenes of each kind:
 //!
@@ -29,17 +28,15 @@
 //! | loops, AVX2 | 1.2–3.6 | 1.4–3.1 | 1.3–3.4 | 1.2–3.3 | 1.1–3.1 | 1.1–2.7 | 0.7–2.4 | |
 //!
 //! In the second row the figures below one are those of long rows of four-bars, where nine stages end ten times further off; for the same
-//! error both take the same time there. Trial runs with AVX2 are the cheaper with nine the sooner: 0.6 to 1.5 times as long at 1e-3 for
-//! trees in space, 0.2 to 2.0 at 1e-6.
+//! error both take the same time there.
 
-use catena_lobatto::numbers::lanes::Isa;
 use catena_lobatto::tableau::butcher::Tableau;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::structure::plane::Plane;
 
 /// The finest tolerance at which loops have few stages (m), less what rounding may take from it.
 const FEW_DOWN_TO: f64 = 0.99e-6;
-/// In a plane loops of fewer bodies than these have as many stages as fill the vector.
+/// In a plane loops of fewer bodies than these have nine stages.
 const SMALLEST_IN_A_PLANE: usize = 6;
 
 /// What decides on the number of stages.
@@ -47,40 +44,33 @@ const SMALLEST_IN_A_PLANE: usize = 6;
 pub enum StageChoice {
     /// Five.
     Few,
-    /// As many as fill a vector of the processor: nine or five.
-    Filling,
-    /// Nine, in two vectors of four lanes if need be.
+    /// Nine.
     Many,
 }
 
 impl StageChoice {
-    /// The choice for a mechanism and a tolerance (m), whatever the processor.
+    /// The choice for a mechanism and a tolerance (m).
     pub fn of(mechanism: &Mechanism, tolerance: f64) -> Self {
         let bodies = mechanism.bodies.len();
         let in_a_plane = Plane::of(mechanism).is_some();
-        if mechanism.is_plain_tree() && tolerance <= many_from(bodies, in_a_plane) {
-            StageChoice::Many
-        } else if !mechanism.loops.is_empty()
-            && tolerance >= FEW_DOWN_TO
-            && (bodies >= SMALLEST_IN_A_PLANE || !in_a_plane)
-        {
+        if !mechanism.loops.is_empty() && tolerance >= FEW_DOWN_TO && (bodies >= SMALLEST_IN_A_PLANE || !in_a_plane) {
             StageChoice::Few
         } else {
-            StageChoice::Filling
+            StageChoice::Many
         }
     }
 
-    /// The number of stages on a processor. Without AVX2 nothing was measured, and nine stages are never taken.
-    pub fn count(self, isa: Isa) -> usize {
-        match (self, isa) {
-            (StageChoice::Filling | StageChoice::Many, Isa::Avx512) | (StageChoice::Many, Isa::Avx2) => 9,
-            (StageChoice::Few, _) | (_, Isa::Avx2 | Isa::Portable) => 5,
+    /// The number of stages.
+    pub fn count(self) -> usize {
+        match self {
+            StageChoice::Few => 5,
+            StageChoice::Many => 9,
         }
     }
 
-    /// The scheme on a processor.
-    pub fn tableau(self, isa: Isa) -> &'static Tableau {
-        Tableau::of(self.count(isa)).expect("five and nine stages are in range")
+    /// The scheme.
+    pub fn tableau(self) -> &'static Tableau {
+        Tableau::of(self.count()).expect("five and nine stages are in range")
     }
 
     /// `c = E_tol / √ε` of the step control ([`crate::control`]). On closed loops Newton's method leaves no error of the iteration, and
@@ -88,21 +78,10 @@ impl StageChoice {
     /// with ½ within one, for the same time. Nine stages grow so fast with the step that a tenth of a step is a decade of E²: a small c
     /// costs nothing there, and leaves truncation well below what the iteration does (chain of ten links: of 68 runs two end more than
     /// ten tolerances off, with c = 0.3 eight).
-    pub(crate) fn wanted_share(self, isa: Isa) -> f64 {
-        match (self, self.count(isa)) {
-            (StageChoice::Few, _) => 0.5,
-            (_, 9) => 0.03,
-            _ => 1.0,
+    pub(crate) fn wanted_share(self) -> f64 {
+        match self {
+            StageChoice::Few => 0.5,
+            StageChoice::Many => 0.03,
         }
-    }
-}
-
-/// The coarsest tolerance at which plain trees of so many bodies have many stages (m), and what rounding may add to it.
-fn many_from(bodies: usize, in_a_plane: bool) -> f64 {
-    match (in_a_plane, bodies) {
-        (false, ..=1) => f64::INFINITY,
-        (false, ..=3) => 1.01e-3,
-        (false, _) | (true, ..=3) => 1.01e-6,
-        (true, _) => 1.01e-9,
     }
 }

@@ -22,6 +22,7 @@ use catena_lobatto::tableau::butcher::MAXIMUM_STAGES;
 use catena_lobatto::tableau::butcher::Tableau;
 use catena_mechanism::description::forces::Forces;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::inputs::Inputs;
 use catena_mechanism::motion::integrator::{SingularPosition, StepError, StepOutcome};
 use catena_mechanism::motion::state::State;
@@ -310,9 +311,29 @@ impl Stepper {
     /// Finishes the solved step, without moving `state`; returns the energies at its end, with the change that nothing
     /// accounts for.
     pub fn finish(&mut self, mechanism: &Mechanism, state: &State) -> Energies {
-        let before = self.kernel.energy();
+        if let Some(companion) = &mut self.companion {
+            companion.wait();
+        }
         self.end.copy_from(state);
+        let before = self.kernel.energy();
         let after = self.kernel.finish(mechanism, &mut self.end);
+        self.energies(mechanism, before, after)
+    }
+
+    /// The same of a step to `time` (s) that is likely to be kept: the companion goes through it, too, if there is one and both can at once.
+    pub fn finish_both(&mut self, mechanism: &Mechanism, state: &State, time: f64) -> Energies {
+        let Stepper { companion, kernel, end, .. } = self;
+        if let Some(companion) = companion {
+            end.copy_from(state);
+            let before = kernel.energy();
+            if let Some(after) = companion.finish(kernel.as_mut(), mechanism, state, end, time) {
+                return self.energies(mechanism, before, after);
+            }
+        }
+        self.finish(mechanism, state)
+    }
+
+    fn energies(&self, mechanism: &Mechanism, before: Energy, after: Energy) -> Energies {
         let exchange = self.kernel.exchange();
         Energies {
             change: after.total() - before.total() + exchange.lost(),

@@ -11,6 +11,7 @@ mod linkage;
 #[path = "../shared/models/mod.rs"]
 mod models;
 
+mod both_ends;
 mod chord;
 mod companion;
 mod first_iterations;

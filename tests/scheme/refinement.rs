@@ -11,7 +11,7 @@ use catena::stepping::integrator::Lobatto;
 use catena::study::stress::Problem;
 
 /// The top in gimbals, turning about an axis that the gimbals hardly see: `angle` from lock (rad), and as fast as one over that.
-fn beside_lock(angle: f64) -> (Mechanism, State) {
+pub(crate) fn beside_lock(angle: f64) -> (Mechanism, State) {
     let problem = Problem::all().into_iter().find(|problem| problem.name == "gimbal_lock").unwrap();
     let case = (problem.build)(4).unwrap();
     let mut state = case.start;

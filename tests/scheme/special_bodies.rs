@@ -12,7 +12,7 @@ use catena::mechanism::motion::state::State;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 /// Instruction sets and numbers of stages that take every vector type on x86-64; elsewhere the first is taken for all.
-const VECTORS: [(Isa, usize); 8] = [
+pub(crate) const VECTORS: [(Isa, usize); 8] = [
     (Isa::Portable, 5),
     (Isa::Portable, 9),
     (Isa::Avx2, 3),

@@ -26,7 +26,7 @@ pub(crate) type Motion<E> = (Vector<E>, Vector<E>);
 /// The workspace of the end of a step.
 pub struct Ending<E> {
     pub(crate) factors: Factors<E>,
-    weights: MomentumWeights<E>,
+    pub(crate) weights: MomentumWeights<E>,
     /// Momentum and moment of momentum about the anchor of each body at velocities that are to be refined; before, its twist.
     pub(crate) carried: Vec<Motion<E>>,
 }
@@ -96,7 +96,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> EndRows<'_, V, REFINED
 
     /// Displacement of the centre of mass of a body at all stages (m).
     #[inline(always)]
-    fn displaced(&self, body: usize, known: &BodyStart<V::Real>) -> Vector<V> {
+    pub(crate) fn displaced(&self, body: usize, known: &BodyStart<V::Real>) -> Vector<V> {
         let pose = &self.stages.poses[body];
         if self.stages.plan.bodies[body].slides {
             pose.anchor
@@ -106,7 +106,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> EndRows<'_, V, REFINED
     }
 
     #[inline(always)]
-    fn weighed<const N: usize>(&self, values: [V; N]) -> [V::One; N] {
+    pub(crate) fn weighed<const N: usize>(&self, values: [V; N]) -> [V::One; N] {
         let weighed = V::weigh_all(values, &self.momenta.weights);
         if REFINED { sums(weighed, V::weigh_all(values, &self.momenta.rest)) } else { weighed }
     }
@@ -187,7 +187,7 @@ impl<V: Numbers, const REFINED: bool, const FORCED: bool> Rows<V::One> for EndRo
 
 /// The rate of a turn from how far it is ahead of a steady one.
 #[inline(always)]
-fn spinning<E: Arithmetic>(known: &BodyStart<E::Real>, ahead: Turned<E>) -> Turned<E> {
+pub(crate) fn spinning<E: Arithmetic>(known: &BodyStart<E::Real>, ahead: Turned<E>) -> Turned<E> {
     let Vector(vector) = Vector(ahead.vector).plus(Vector::splat(&known.spin));
     Turned { vector, ..ahead }
 }

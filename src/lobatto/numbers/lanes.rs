@@ -44,6 +44,8 @@ pub trait Lanes:
     const HAS_SINGLE: bool;
     /// One lane alone.
     type One: crate::numbers::arithmetic::Arithmetic<Real = f64>;
+    /// Two of them, with the arithmetic of one alone, to the bit.
+    type Two: Lanes<Array = [f64; 2]>;
     /// To single precision.
     fn narrow(self) -> Self::Single;
     /// From single precision.

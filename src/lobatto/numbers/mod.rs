@@ -8,7 +8,7 @@
 //! | symbol | what | where |
 //! |---|---|---|
 //! | `V: Lanes` | doubles, one a stage, in registers | [`lanes`], [`reductions`], [`mixing`], [`lane_arithmetic`] |
-//! | `V: Numbers`, `Arithmetic` | the same of 16 or of 32 digits; of all stages, or of one alone | [`arithmetic`], [`mod@double`], [`fused`], [`extended`] |
+//! | `V: Numbers`, `Arithmetic` | the same of 16 or of 32 digits; of all stages, or of one alone | [`arithmetic`], [`mod@double`], [`fused`], [`twofold`], [`extended`] |
 //! | `Vector<V>`, `Matrix<V>` | three-vectors and 3×3 matrices of them | [`algebra`], [`euclidean`] |
 //! | `(w, u)` | unit quaternions of rotations since the start of the step | [`rotations`], [`series`] |
 
@@ -25,3 +25,4 @@ pub mod reductions;
 pub mod rotations;
 pub mod series;
 pub(crate) mod smooth_lanes;
+pub mod twofold;

@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | `θ_i` | displacements of the freedoms since the start at stage i: the unknowns | rad, m | [`workspace`], [`unknowns`] |
 //! | `(w, u)`, `N` | rotation of a body since the start, `N = R R₀ᵀ − 1` | | [`pose`] |
-//! | `v`, `ω`, `Σ`, `com`, `arm` | the known start of the step | m/s, rad/s, kg m², m | [`start`] |
+//! | `v`, `ω`, `Σ`, `com`, `arm` | the known start of the step | m/s, rad/s, kg m², m | [`start`], [`two_starts`] |
 //! | `B`, `Â` | the scheme in lanes | | [`coefficients`], [`momenta`] |
 //! | rows k | where the residual of row k takes its motion from | | [`rows`], [`row_geometry`] |
 //! | `H`, `α` | articulated inertias and the factors that the way back needs | kg, kg m² | [`articulated`], [`factors`] |
@@ -27,5 +27,6 @@ pub mod predictor_balls;
 pub mod row_geometry;
 pub mod rows;
 pub mod start;
+pub(crate) mod two_starts;
 pub mod unknowns;
 pub mod workspace;

@@ -174,6 +174,21 @@ impl Start {
         [position.x - com[0], position.y - com[1], position.z - com[2]]
     }
 
+    /// The same, to be written.
+    #[inline(always)]
+    pub(crate) fn body_state_mut(&mut self, body: usize) -> &mut BodyState {
+        &mut self.states[body]
+    }
+
+    /// Takes the bodies on hinges that the world holds from what is known of all bodies.
+    #[inline(always)]
+    pub(crate) fn set_pivots(&mut self, mechanism: &Mechanism) {
+        for (pivot, &body) in self.pivots.iter_mut().zip(&self.pivoted) {
+            let axis = &self.axes[mechanism.bodies[body].joint.velocity_index];
+            *pivot = Pivot::new::<Portable<1>>(&self.bodies[body], axis, &mechanism.gravity.into());
+        }
+    }
+
     /// Takes the state at the start of a step. Does not allocate.
     pub fn set(&mut self, mechanism: &Mechanism, state: &State) {
         self.take_state(mechanism, state);
@@ -247,10 +262,7 @@ impl Start {
             let moments = mechanism.bodies[0].inertia * per_unit;
             *inverse = turned_diagonal(&self.states[0].rotation, &moments.map(|moment| 1.0 / moment));
         }
-        for (pivot, &body) in self.pivots.iter_mut().zip(&self.pivoted) {
-            let axis = &self.axes[mechanism.bodies[body].joint.velocity_index];
-            *pivot = Pivot::new::<Portable<1>>(&self.bodies[body], axis, &mechanism.gravity.into());
-        }
+        self.set_pivots(mechanism);
         mimic_gaps(mechanism, state, &mut self.mimic_gaps);
         if !mechanism.forces.is_empty() {
             self.applied.set(mechanism, state, &self.states);

@@ -21,6 +21,11 @@ pub(crate) struct Carried<V, S> {
     pub(crate) apart: Vec<V>,
     /// `v_y − v` at the start of the step.
     pub(crate) rates: Vec<f64>,
+    /// Whether both motions end at once, its displacements and velocities at the end then, and whether both ends were set at once.
+    pub(crate) at_once: bool,
+    pub(crate) displaced: Vec<f64>,
+    pub(crate) velocity: Vec<f64>,
+    pub(crate) both_set: bool,
     pub(crate) past: Extrapolation<V>,
 }
 
@@ -38,6 +43,10 @@ impl<V: Lanes, S> Carried<V, S> {
             solved: vec![V::zero(); freedoms],
             apart: vec![V::zero(); iterated],
             rates: vec![0.0; iterated],
+            at_once: false,
+            displaced: vec![0.0; freedoms],
+            velocity: vec![0.0; freedoms],
+            both_set: false,
             past: Extrapolation::new(iterated, tableau),
         }
     }
@@ -79,17 +88,28 @@ impl<V: Lanes, S> Carried<V, S> {
         });
     }
 
-    /// Learns from the solved step what parts the motions in it.
-    pub(crate) fn learn<W: Workspace<V, Start = S>>(&mut self, workspace: &mut W) {
+    /// Takes what parts the motions in the solved step.
+    pub(crate) fn part<W: Workspace<V, Start = S>>(&mut self, workspace: &mut W) {
         let known = workspace.known();
-        let Unknowns { displacement, step, coefficients, .. } = workspace.unknowns();
-        let (past, rates) = (&mut self.past, &self.rates[..]);
         let (apart, solved) = (&mut self.apart[..], &self.solved[known..]);
+        let Unknowns { displacement, .. } = workspace.unknowns();
         in_lanes!(V, {
             for ((apart, &own), &first) in apart.iter_mut().zip(displacement.iter()).zip(solved) {
                 *apart = own - first;
             }
-            past.learn(&Unknowns { displacement: apart, rates, step, coefficients });
         });
+    }
+
+    /// Learns from what parts the motions in the step.
+    pub(crate) fn learn<W: Workspace<V, Start = S>>(&mut self, workspace: &mut W) {
+        let Unknowns { step, coefficients, .. } = workspace.unknowns();
+        let (past, rates, apart) = (&mut self.past, &self.rates[..], &mut self.apart[..]);
+        in_lanes!(V, past.learn(&Unknowns { displacement: apart, rates, step, coefficients }));
+    }
+
+    /// Exchanges both motions in a workspace that has solved both.
+    pub(crate) fn exchange<W: Workspace<V, Start = S>>(&mut self, workspace: &mut W) {
+        std::mem::swap(workspace.start_mut(), &mut self.start);
+        workspace.advanced().0.swap_with_slice(&mut self.solved);
     }
 }

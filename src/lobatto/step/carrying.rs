@@ -20,6 +20,7 @@ use crate::step::carried::Carried;
 use crate::step::kernel::{Kernel, land};
 use crate::step::workspace::Workspace;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::state::State;
 
 /// After so many iterations what parts the motions is no small difference any more.
@@ -34,6 +35,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
             .get_or_insert_with(|| Box::new(Carried::new::<W>(mechanism, freedoms, iterated, self.tableau)));
         carried.past.forget();
         self.workspace.set_end(&mut carried.start, mechanism, state);
+        carried.at_once = self.closing.is_none() && self.workspace.prepare_two(mechanism);
     }
 
     /// Moves the carried motion, which is in this state, through the step that was finished and is not accepted yet.
@@ -46,6 +48,7 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
         } else {
             self.solve_carried(carrying, &carried.apart);
         }
+        carried.part(&mut self.workspace);
         carried.learn(&mut self.workspace);
         let active = self.active();
         let Kernel { workspace, velocity, displaced, top_legendre, refined, .. } = self;
@@ -58,8 +61,69 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
         std::mem::swap(workspace.start_mut(), &mut carried.start);
         std::mem::swap(&mut carried.start, &mut carried.end);
         workspace.advanced().0.copy_from_slice(&carried.solved);
+        workspace.accept_two(false);
         self.chord = chord;
         self.carried = Some(carried);
+    }
+
+    /// Moves both motions through the solved step, `states` to their ends, at once: what the end of one needs is worked out beside that of the other
+    /// ([`crate::ending::two_motions`]). `None`, and nothing is done, where that is not to be had. Until [`Kernel::settle_carried`] the carried motion
+    /// can still be taken back.
+    pub(crate) fn end_both(
+        &mut self,
+        mechanism: &Mechanism,
+        states: [&mut State; 2],
+        carrying: &Carrying,
+    ) -> Option<Energy> {
+        if carrying.exactly || !self.carried.as_ref().is_some_and(|carried| carried.at_once) {
+            return None;
+        }
+        let mut carried = self.carried.take()?;
+        let (active, refined, chord) = (self.active(), self.refined, self.chord);
+        self.friction = 0.0;
+        self.workspace.record_end(refined, 0);
+        write_ends(self.workspace.displacement(), active, &mut self.displaced);
+        carried.part_from(&mut self.workspace);
+        self.solve_carried(carrying, &carried.apart);
+        carried.part(&mut self.workspace);
+        self.chord = chord;
+        let Kernel { workspace, velocity, displaced, end, top_legendre, .. } = self;
+        workspace.record_end(refined, 1);
+        let mut moved = std::mem::take(&mut carried.displaced);
+        write_ends(workspace.displacement(), active, &mut moved);
+        if carrying.truncation > 0.0 {
+            carried.truncate(*top_legendre, carrying.truncation, &mut moved);
+        }
+        carried.displaced = moved;
+        carried.exchange(workspace);
+        let [state, beside] = states;
+        let squares = workspace.two_velocities(&carried.start, [velocity, &mut carried.velocity]);
+        state.displace(mechanism, displaced);
+        state.velocity.copy_from_slice(velocity);
+        beside.displace(mechanism, &carried.displaced);
+        beside.velocity.copy_from_slice(&carried.velocity);
+        workspace.set_two_ends([end, &mut carried.end], mechanism, [state, beside]);
+        carried.both_set = true;
+        if workspace.lacks_digits(end, squares[0]) {
+            carried.both_set = false;
+            refine_alone(workspace, refined, velocity, mechanism, state, end);
+        }
+        carried.exchange(workspace);
+        if workspace.lacks_digits(&carried.end, squares[1]) {
+            carried.both_set = false;
+            refine_alone(workspace, refined, velocity, mechanism, beside, &mut carried.end);
+        }
+        carried.exchange(workspace);
+        self.carried = Some(carried);
+        Some(W::energy(&self.end))
+    }
+
+    /// The carried motion stays where [`Kernel::end_both`] has taken it: the step is going to be accepted.
+    pub(crate) fn settle_carried(&mut self) {
+        let Kernel { workspace, carried: Some(carried), .. } = self else { return };
+        carried.learn(workspace);
+        std::mem::swap(&mut carried.start, &mut carried.end);
+        workspace.accept_two(carried.both_set);
     }
 
     /// The simplified iteration.
@@ -92,5 +156,22 @@ impl<V: Lanes, W: Workspace<V>> Kernel<V, W> {
                 return;
             }
         }
+    }
+}
+
+/// The velocities at the end of a motion that lack digits, refined, in one lane.
+fn refine_alone<V: Lanes, W: Workspace<V>>(
+    workspace: &mut W,
+    refined: bool,
+    velocity: &mut [f64],
+    mechanism: &Mechanism,
+    state: &mut State,
+    end: &mut W::Start,
+) {
+    if let Some(square) = workspace.end_velocities(refined, velocity)
+        && workspace.refine_velocities(end, square, velocity)
+    {
+        state.velocity.copy_from_slice(velocity);
+        workspace.set_end(end, mechanism, state);
     }
 }

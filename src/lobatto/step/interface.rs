@@ -63,6 +63,19 @@ pub trait Step: Send {
     fn begin_to_carry(&mut self, _mechanism: &Mechanism, _state: &State) {}
     /// Moves the carried motion, which is in this state, through the step that was finished and is not accepted yet.
     fn carry_on(&mut self, _mechanism: &Mechanism, _state: &mut State, _carrying: &Carrying) {}
+    /// [`Step::finish`], and `beside`, the state of the carried motion, moves to its end, too, to the same bits for less; `None`, and nothing has
+    /// happened, where there is no such way.
+    fn finish_both(
+        &mut self,
+        _mechanism: &Mechanism,
+        _state: &mut State,
+        _beside: &mut State,
+        _carrying: &Carrying,
+    ) -> Option<Energy> {
+        None
+    }
+    /// The carried motion stays where [`Step::finish_both`] has moved it: in place of [`Step::carry_on`].
+    fn keep_carried(&mut self) {}
     /// Keeps the finished step: its end is the start of the next one.
     fn accept(&mut self);
     /// Of each degree of freedom two weighted sums of its displacements at the stages 2 … s of the last solved step.

@@ -165,6 +165,20 @@ impl<V: Lanes, W: Workspace<V>> Step for Kernel<V, W> {
         self.carry(mechanism, state, carrying);
     }
 
+    fn finish_both(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        beside: &mut State,
+        carrying: &Carrying,
+    ) -> Option<Energy> {
+        self.end_both(mechanism, [state, beside], carrying)
+    }
+
+    fn keep_carried(&mut self) {
+        self.settle_carried();
+    }
+
     fn accept(&mut self) {
         let Kernel { workspace, predictor, end, .. } = self;
         let unknowns = workspace.unknowns();

@@ -15,6 +15,7 @@ use crate::coupled::newton::StageUnknowns;
 use crate::coupled::space::Space;
 use crate::coupled::system::Screw;
 use crate::ending::refinement::have_lost_digits;
+use crate::ending::two_motions::TwoEndings;
 use crate::ending::velocities::Ending;
 use crate::numbers::lanes::{Lanes, in_lanes};
 use crate::numbers::reductions::{larger, largest_coefficient};
@@ -40,6 +41,7 @@ pub(crate) struct SpatialWorkspace<V: Lanes> {
     pub(crate) stages: Stages<V>,
     first: FirstIterations<V>,
     ending: Ending<<V as Lanes>::One>,
+    two: Option<Box<TwoEndings<V::Two>>>,
     gravity: [f64; 3],
     /// Entry of the top row of the inverse Legendre matrix for stage 1.
     first_legendre: f64,
@@ -52,6 +54,7 @@ impl<V: Lanes> SpatialWorkspace<V> {
         SpatialWorkspace {
             first: FirstIterations::new(),
             ending: Ending::new(&stages.plan, mechanism.velocity_count, tableau),
+            two: None,
             gravity: mechanism.gravity.into(),
             first_legendre: tableau.top_legendre[0],
             stages,
@@ -283,5 +286,46 @@ impl<V: Lanes> Workspace<V> for SpatialWorkspace<V> {
             in_lanes!(V, ending.refine(stages, gravity, velocity, square));
         }
         lost
+    }
+
+    fn prepare_two(&mut self, mechanism: &Mechanism) -> bool {
+        let SpatialWorkspace { stages, two, .. } = self;
+        let has_two = mechanism.is_plain_tree() && !stages.plan.tumbles;
+        if has_two {
+            two.get_or_insert_with(|| Box::new(TwoEndings::new(&stages.plan, mechanism))).starts.accept(false);
+        }
+        has_two
+    }
+
+    fn record_end(&mut self, refined: bool, motion: usize) {
+        let SpatialWorkspace { stages, ending, gravity, two: Some(two), .. } = self else { return };
+        in_lanes!(V, stages.sweep_poses());
+        if V::GENERAL_ALONE || refined {
+            in_lanes!(V, ending.record::<V, _, true>(stages, gravity, motion, two));
+        } else {
+            in_lanes!(V, ending.record::<V, _, false>(stages, gravity, motion, two));
+        }
+    }
+
+    fn two_velocities(&mut self, beside: &Start, velocities: [&mut [f64]; 2]) -> [f64; 2] {
+        let SpatialWorkspace { stages, ending, gravity, two: Some(two), .. } = self else { return [f64::NAN; 2] };
+        two.starts.join([&stages.start, beside]);
+        two.velocities(&stages.plan, &ending.in_common(stages.step, gravity), velocities)
+    }
+
+    fn set_two_ends(&mut self, ends: [&mut Start; 2], mechanism: &Mechanism, states: [&State; 2]) {
+        if let Some(two) = &mut self.two {
+            two.starts.set(ends, mechanism, states);
+        }
+    }
+
+    fn accept_two(&mut self, ends: bool) {
+        if let Some(two) = &mut self.two {
+            two.starts.accept(ends);
+        }
+    }
+
+    fn lacks_digits(&self, end: &Start, square: f64) -> bool {
+        have_lost_digits(square, end.energy.kinetic * self.stages.start.units)
     }
 }

@@ -131,4 +131,23 @@ pub(crate) trait Workspace<V: Lanes>: Send + 'static {
     fn refine_velocities(&mut self, _end: &Self::Start, _square: f64, _velocity: &mut [f64]) -> bool {
         false
     }
+
+    /// Makes room for the ends of two motions at once ([`crate::ending::two_motions`]); whether there is any.
+    fn prepare_two(&mut self, _mechanism: &Mechanism) -> bool {
+        false
+    }
+    /// Writes down what the end of this motion takes from the solved step.
+    fn record_end(&mut self, _refined: bool, _motion: usize) {}
+    /// The velocities of both motions at the ends that were written down, and their squares; the second began at `beside`.
+    fn two_velocities(&mut self, _beside: &Self::Start, _velocities: [&mut [f64]; 2]) -> [f64; 2] {
+        [f64::NAN; 2]
+    }
+    /// [`Workspace::set_end`] of both.
+    fn set_two_ends(&mut self, _ends: [&mut Self::Start; 2], _mechanism: &Mechanism, _states: [&State; 2]) {}
+    /// The next step of both begins at these ends, or at others.
+    fn accept_two(&mut self, _ends: bool) {}
+    /// Whether velocities of this square have to be [refined](Workspace::refine_velocities) at this end.
+    fn lacks_digits(&self, _end: &Self::Start, _square: f64) -> bool {
+        false
+    }
 }

@@ -130,38 +130,63 @@ struct Nodal {
     omega: (f64, f64),
 }
 
-/// The nodal polynomials at `x`.
+/// The nodal polynomials at `x`. Those of the stages that chosen steps have know their number when they are compiled, to the same bits.
+fn nodal(nodes: &[f64], scales: &[f64], x: f64) -> Nodal {
+    match (<&[f64; 5]>::try_from(nodes), <&[f64; 9]>::try_from(nodes)) {
+        (Ok(five), _) => nodal_at(five, scales, x),
+        (_, Ok(nine)) => nodal_at(nine, scales, x),
+        _ => nodal_at(nodes, scales, x),
+    }
+}
+
+/// The nodal polynomials of these nodes at `x`.
 ///
 /// All products of differences are taken from the first node to the last; those up to a node that is left out are shared by all
 /// that leave it out.
-fn nodal(nodes: &[f64], scales: &[f64], x: f64) -> Nodal {
+#[inline(always)]
+fn nodal_at(nodes: &(impl AsRef<[f64]> + ?Sized), scales: &[f64], x: f64) -> Nodal {
+    let nodes = nodes.as_ref();
     let count = nodes.len();
     let mut distances = [0.0; MAX_STAGES];
     for (distance, node) in distances.iter_mut().zip(nodes) {
         *distance = x - node;
     }
     let distances = &distances[..count];
-    let rest = |start: f64, from: usize| distances[from..].iter().fold(start, |product, distance| product * distance);
     let (mut values, mut slopes) = ([0.0; MAX_STAGES], [0.0; MAX_STAGES]);
     let (mut before, mut omega_slope) = (1.0, 0.0);
-    for j in 0..count {
-        let left = rest(before, j + 1);
+    let mut j = 0;
+    while j < count {
+        let left = rest(before, distances, j + 1);
         values[j] = left / scales[j];
         omega_slope += left;
         // Leaving out a pair of nodes counts for the slopes of both.
         let mut between = before;
-        for k in j + 1..count {
-            let left = rest(between, k + 1);
+        let mut k = j + 1;
+        while k < count {
+            let left = rest(between, distances, k + 1);
             slopes[j] += left;
             slopes[k] += left;
             between *= distances[k];
+            k += 1;
         }
         before *= distances[j];
+        j += 1;
     }
     for (slope, scale) in slopes.iter_mut().zip(scales) {
         *slope /= scale;
     }
     Nodal { values, slopes, omega: (before, omega_slope) }
+}
+
+/// A product, times the distances from one on.
+#[inline(always)]
+fn rest(start: f64, distances: &[f64], from: usize) -> f64 {
+    let (mut product, mut index) = (start, from);
+    while index < distances.len() {
+        product *= distances[index];
+        index += 1;
+    }
+    product
 }
 
 #[cfg(test)]

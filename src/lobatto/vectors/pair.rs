@@ -30,6 +30,7 @@ macro_rules! pair {
             type Mixing = <$half as Lanes>::Mixing;
             type Array = [f64; $count];
             type One = <$half as Lanes>::One;
+            type Two = <$half as Lanes>::Two;
             $($own)*
             #[inline(always)]
             fn splat(value: f64) -> Self {

@@ -56,6 +56,7 @@ where
     type Mixing = crate::numbers::mixing::Shuffled;
     type Array = [f64; N];
     type One = Portable<1>;
+    type Two = Portable<2>;
     double_alone!();
     #[inline(always)]
     fn splat(value: f64) -> Self {

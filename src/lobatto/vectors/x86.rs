@@ -139,6 +139,7 @@ vector!(
     {
         double_alone!();
         type One = Portable<1>;
+        type Two = Sse2;
         #[inline(always)]
         fn lost(self, b: Self, product: Self) -> Self {
             // Slow where the processor cannot, but right.
@@ -159,6 +160,7 @@ vector!(
     {
         double_alone!();
         type One = Fused;
+        type Two = Avx128;
     }
 );
 vector!(
@@ -174,6 +176,7 @@ vector!(
     {
         double_alone!();
         type One = Fused;
+        type Two = Avx128;
         #[inline(always)]
         fn sum(self) -> f64 {
             // Written out, because of the fold over an array the compiler makes twice as many shuffles.
@@ -194,6 +197,7 @@ vector!(
     {
         type Single = Single;
         type One = Fused;
+        type Two = Avx128;
         const HAS_SINGLE: bool = true;
         #[inline(always)]
         fn sum(self) -> f64 {

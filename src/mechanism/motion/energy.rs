@@ -8,7 +8,7 @@
 //! Springs and loads with a potential add theirs ([`crate::description::forces`]).
 
 use crate::description::body_state::{BodyState, WORLD};
-use crate::description::joint::FreeRotation;
+use crate::description::joint::{FreeRotation, JointKind};
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::stored;
 use crate::ground::matrices::{column, cross, dot, product, times, transpose_times};
@@ -92,32 +92,41 @@ pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> 
         velocity = rate.abs().to_bits().max(velocity);
     };
     for (body, here) in mechanism.bodies.iter().zip(bodies) {
-        let parent = body.parent.map_or(WORLD, |parent| bodies[parent]);
+        let parent = body.parent.map_or(&WORLD, |parent| &bodies[parent]);
         let joint = &body.joint;
         let frame_p = product(&parent.rotation, joint.on_parent.rotation.matrix());
         let arm_p = times(&parent.rotation, &joint.on_parent.translation.vector);
         let arm_c = times(&here.rotation, &joint.on_child.translation.vector);
         let gap = here.position + arm_c - parent.position - arm_p;
-        let gap_rate = here.velocity + here.angular_velocity.cross(&arm_c)
+        let gap_rate = here.velocity + cross(&here.angular_velocity, &arm_c)
             - parent.velocity
-            - parent.angular_velocity.cross(&(arm_p + gap));
+            - cross(&parent.angular_velocity, &(arm_p + gap));
         let relative_spin = here.angular_velocity - parent.angular_velocity;
-        for axis in (0..3).filter(|axis| !joint.kind.translation_axes().contains(axis)) {
+        // Axes along which nothing slides.
+        let fixed: &[usize] = match joint.kind {
+            JointKind::Revolute | JointKind::Spherical => &[0, 1, 2],
+            JointKind::Prismatic => &[0, 1],
+            JointKind::Planar => &[2],
+            JointKind::Floating => &[],
+        };
+        for &axis in fixed {
             let direction = column(&frame_p, axis);
-            see(direction.dot(&gap), direction.dot(&gap_rate));
+            see(dot(&direction, &gap), dot(&direction, &gap_rate));
         }
         // Each axis e_j of the child asks e_i(parent) · e_j(child) = 0 of these; the rate is −(e_i × e_j) · (ω − ω_p).
-        let perpendicular: &[(usize, &[usize])] = match joint.kind.rotation() {
-            FreeRotation::None => &[(1, &[0]), (2, &[1]), (0, &[2])],
-            FreeRotation::AboutZ => &[(2, &[0, 1])],
-            FreeRotation::Ball => &[],
-        };
-        for &(on_child, on_parent) in perpendicular {
+        let mut squares = |on_child: usize, on_parent: &[usize]| {
             let second = times(&here.rotation, &column(joint.on_child.rotation.matrix(), on_child));
             for &axis in on_parent {
                 let first = column(&frame_p, axis);
                 see(dot(&first, &second), dot(&relative_spin, &cross(&second, &first)));
             }
+        };
+        match joint.kind.rotation() {
+            FreeRotation::None => {
+                [(1, 0), (2, 1), (0, 2)].into_iter().for_each(|(child, parent)| squares(child, &[parent]))
+            }
+            FreeRotation::AboutZ => squares(2, &[0, 1]),
+            FreeRotation::Ball => {}
         }
         // RᵀR is symmetric to the last bit.
         let [x, y, z] = [0, 1, 2].map(|axis| column(&here.rotation, axis));

@@ -303,7 +303,7 @@ mod tests {
     fn accuracies_among_the_roundings_of_a_motion_that_amplifies_them_are_not_said_to_be_reached_without_a_word() {
         let warning = |wanted: f64, amplification: f64| {
             let stop = 1e-15;
-            let stages = StageChoice::Filling;
+            let stages = StageChoice::Many;
             let estimate = amplification * stop;
             let found = Calibration {
                 stop,
