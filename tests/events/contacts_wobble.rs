@@ -58,7 +58,12 @@ fn runge_kutta<const N: usize>(slope: &impl Fn(&[f64; N]) -> [f64; N], y: &[f64;
     std::array::from_fn(|i| y[i] + h / 6.0 * (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i]))
 }
 
-fn after<const N: usize>(slope: impl Fn(&[f64; N]) -> [f64; N], mut y: [f64; N], time: f64, steps: usize) -> [f64; N] {
+pub fn after<const N: usize>(
+    slope: impl Fn(&[f64; N]) -> [f64; N],
+    mut y: [f64; N],
+    time: f64,
+    steps: usize,
+) -> [f64; N] {
     for _ in 0..steps {
         y = runge_kutta(&slope, &y, time / steps as f64);
     }

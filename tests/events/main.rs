@@ -7,6 +7,7 @@ mod closed;
 mod contacts;
 mod contacts_bowl;
 mod contacts_cans;
+mod contacts_car;
 mod contacts_cradle;
 mod contacts_disc;
 mod contacts_falling;

@@ -115,3 +115,23 @@ fn a_tippe_top_turns_over_and_converges_through_a_hundred_impacts() {
         assert!(centre > 0.036, "{centre}");
     }
 }
+
+#[test]
+fn a_rover_whose_wheels_break_away_together_converges_without_first_order_steps() {
+    // Four wheels share a weight that three would carry, and begin to slide where the motors overcome friction: at once all of them do, in directions that
+    // friction and motors say together, with an acceleration that begins at zero.
+    let choices = [StepChoice::Tolerance(1e-6), StepChoice::Tolerance(1e-8), fixed(9, 0.01), fixed(5, 0.01)];
+    let found = runs("rover_turns", 4.0, AS_IT_IS, &choices);
+    for finished in &found {
+        assert_eq!(of_kind(finished, EventKind::Slip).len(), 4, "{:?}", finished.events);
+        assert_eq!(finished.method.unsolved_contacts, 0);
+        // With steps that the stop of no slip cuts short: where directions were repeated instead of solved for there were thousands.
+        assert!(finished.summary.steps < 500, "{}", finished.summary.steps);
+    }
+    let chassis = |finished: &Finished| Vector3::from_column_slice(&finished.state.position[..3]);
+    for (other, most) in [(&found[0], 1e-6), (&found[1], 1e-8), (&found[3], 1e-6)] {
+        let off = (chassis(&found[2]) - chassis(other)).norm();
+        println!("{} and {} steps: {off:e} m", found[2].summary.steps, other.summary.steps);
+        assert!(off < most, "{off:e} m");
+    }
+}

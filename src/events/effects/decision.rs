@@ -16,6 +16,7 @@
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 
 use crate::events::effects::first_slips::Kept;
+use crate::events::effects::shared_pressures::with_shared_pressures;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::closed_forces::Chosen;
 use crate::events::modes::mode::{Closed, JointMode, Mode};
@@ -193,7 +194,15 @@ pub(crate) fn decide(
     let is_flat = candidates.iter().any(|candidate| candidate.contact.flat_end().is_some());
     let holding = is_flat.then(|| Chosen::new(&blocks).solve(&rows.square, &offset, false));
     let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
-    let (found, exact) = match solve(&Problem { mobility: &rows.square, free: &offset, laws: &laws }, None) {
+    let solved = solve(&Problem { mobility: &rows.square, free: &offset, laws: &laws }, None);
+    // What begins to slide goes where it is accelerated with the pressures that steps will have.
+    let begins = |(law, state): (&Law, &BlockState)| matches!(law, Law::Contact { .. }) && *state == BlockState::Slips;
+    let shared = match &solved {
+        Ok(found) if laws.iter().zip(&found.states).any(begins) => with_shared_pressures(&blocks, &rows.square),
+        _ => None,
+    };
+    let again = shared.and_then(|shared| solve(&Problem { mobility: &shared, free: &offset, laws: &laws }, None).ok());
+    let (found, exact) = match again.map_or(solved, Ok) {
         Ok(found) => (found, true),
         Err(Unsolved::Stopped { best }) => (*best, false),
         Err(Unsolved::Inconsistent { block, .. }) => {

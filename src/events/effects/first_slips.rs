@@ -3,21 +3,26 @@
 //! Friction opposes the slip, and a slip that begins goes where it is accelerated:
 //!
 //! ```text
-//!     a = b + D λ(t),    t_i = a_Ti/|a_Ti|   of all contacts i that begin to slide       λ(t): [`crate::events::forces::closed_forces`]
+//!     a = b + D λ(t),    m_i · a_Ti = 0,  t_i · a_Ti > 0    of all contacts i that begin to slide       λ(t): [`crate::events::forces::closed_forces`]
 //! ```
 //!
-//! solved by repeating it. The law of the decision has many answers there, with a pressure for each, and its direction is that of another one than
-//! steps take: a slip that began in it would turn at once, or stop.
+//! with `m_i` across `t_i`, is solved by Newton's method in the angles of the directions, whose derivatives are differences. (To repeat `t = a/|a|` goes
+//! to and fro between two directions wherever friction is more than what is left of the acceleration.) The law of the decision has many answers there,
+//! with a pressure for each, and its direction is that of another one than steps take: a slip that began in it would turn at once, or stop.
 
 use crate::events::forces::closed_forces::Chosen;
 use crate::instant::blocks::{Block, Of};
 use crate::instant::cone::problem::Law;
 use nalgebra::{DMatrix, DVector};
 
-/// Repetitions, at most.
-const ROUNDS: usize = 50;
-/// Directions that change by less are found (rad).
+/// Iterations, at most.
+const ITERATIONS: usize = 20;
+/// Directions that are off by less are found (rad), or by this part of the sizes of what the acceleration is the difference of.
 const FOUND: f64 = 1e-12;
+const ROUNDED: f64 = 1e-14;
+/// Turn for a derivative, and the largest of an iteration (rad).
+const TURN: f64 = 1e-6;
+const LARGEST: f64 = 0.5;
 /// Pressures above this part of the largest, below zero, are rounding.
 const ROUNDING: f64 = 1e-10;
 
@@ -30,6 +35,19 @@ pub(crate) struct Kept {
     begins: Vec<bool>,
     /// Rows of joints that move, and their friction there [N m or N].
     pushes: Vec<(usize, f64)>,
+}
+
+/// How a contact that begins to slide is accelerated (m/s²): along its direction, across it to the left, and the size of what that is the difference of.
+struct Seen {
+    along: f64,
+    across: f64,
+    size: f64,
+}
+
+impl Seen {
+    fn is_found(&self) -> bool {
+        self.across.abs() <= (FOUND * self.along.abs()).max(ROUNDED * self.size)
+    }
 }
 
 impl Kept {
@@ -60,38 +78,75 @@ impl Kept {
         if Chosen::new(&self.blocks).is_unique(&own) {
             return Vec::new();
         }
-        for _ in 0..ROUNDS {
-            let forces = Chosen::new(&self.blocks).solve(&own, &free, false);
-            let rates = &own * DVector::from_column_slice(&forces) + DVector::from_column_slice(&free);
-            match self.turn(&forces, rates.as_slice()) {
-                Some(turned) if turned <= FOUND => return self.directions(),
-                Some(_) => {}
-                None => return Vec::new(),
-            }
-        }
-        Vec::new()
+        self.solve(&own, &free)
+            .filter(|seen| seen.iter().all(|of| of.along > 0.0))
+            .map_or_else(Vec::new, |_| self.directions())
     }
 
-    /// Turns the directions to the accelerations, and says by how much (rad); nothing where a contact would pull, or does not begin.
-    fn turn(&mut self, forces: &[f64], rates: &[f64]) -> Option<f64> {
+    /// Turns the directions until no contact is accelerated across its own; nothing where that fails.
+    fn solve(&mut self, own: &DMatrix<f64>, free: &[f64]) -> Option<Vec<Seen>> {
+        for _ in 0..ITERATIONS {
+            let seen = self.look(own, free)?;
+            if seen.iter().all(Seen::is_found) {
+                return Some(seen);
+            }
+            let across = DVector::from_iterator(seen.len(), seen.iter().map(|of| of.across));
+            let turns = self.derivative(own, free, &seen)?.lu().solve(&across)?;
+            self.turn(|index| (-turns[index]).clamp(-LARGEST, LARGEST));
+        }
+        None
+    }
+
+    /// What the accelerations across the directions change by as each direction turns (m/s²).
+    fn derivative(&mut self, own: &DMatrix<f64>, free: &[f64], seen: &[Seen]) -> Option<DMatrix<f64>> {
+        let mut derivative = DMatrix::zeros(seen.len(), seen.len());
+        for turned in 0..seen.len() {
+            self.turn(|index| if index == turned { TURN } else { 0.0 });
+            let then = self.look(own, free)?;
+            self.turn(|index| if index == turned { -TURN } else { 0.0 });
+            for (row, (then, now)) in then.iter().zip(seen).enumerate() {
+                derivative[(row, turned)] = (then.across - now.across) / TURN;
+            }
+        }
+        Some(derivative)
+    }
+
+    /// The accelerations of the contacts that begin to slide along and across their directions; nothing where a contact would pull.
+    fn look(&self, own: &DMatrix<f64>, free: &[f64]) -> Option<Vec<Seen>> {
+        let forces = Chosen::new(&self.blocks).solve(own, free, false);
         let least = -ROUNDING * forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
-        let (mut row, mut turned) = (0, 0.0_f64);
-        for (block, begins) in self.blocks.iter_mut().zip(&self.begins) {
-            if let Law::Sliding { direction, .. } = &mut block.law {
-                let along = [rates[row + 1], rates[row + 2]];
-                let size = along[0].hypot(along[1]);
-                if forces[row] < least || *begins && size == 0.0 {
+        let (mut row, mut seen) = (0, Vec::new());
+        for (block, begins) in self.blocks.iter().zip(&self.begins) {
+            if let Law::Sliding { direction: [x, y], .. } = block.law {
+                if forces[row] < least {
                     return None;
                 }
                 if *begins {
-                    let next = along.map(|part| part / size);
-                    turned = turned.max((next[0] - direction[0]).hypot(next[1] - direction[1]));
-                    *direction = next;
+                    let parts = |row: usize| (0..forces.len()).map(move |other| (row, other));
+                    let part = |(row, other): (usize, usize)| own[(row, other)] * forces[other];
+                    let [first, second] = [row + 1, row + 2].map(|row| free[row] + parts(row).map(part).sum::<f64>());
+                    let size = |row: usize| free[row].abs() + parts(row).map(part).map(f64::abs).sum::<f64>();
+                    let size = size(row + 1).hypot(size(row + 2));
+                    seen.push(Seen { along: x * first + y * second, across: x * second - y * first, size });
                 }
             }
             row += block.rows.len();
         }
-        Some(turned)
+        Some(seen)
+    }
+
+    /// Turns the directions of the contacts that begin to slide by so much each (rad).
+    fn turn(&mut self, by: impl Fn(usize) -> f64) {
+        let begins = self.blocks.iter_mut().zip(&self.begins).filter(|(_, begins)| **begins);
+        let mut index = 0;
+        for (block, _) in begins {
+            if let Law::Sliding { direction, .. } = &mut block.law {
+                let (sine, cosine) = by(index).sin_cos();
+                let [x, y] = *direction;
+                *direction = [cosine * x - sine * y, sine * x + cosine * y];
+                index += 1;
+            }
+        }
     }
 
     fn directions(&self) -> Vec<Option<[f64; 2]>> {
@@ -101,5 +156,33 @@ impl Kept {
         };
         let contacts = self.blocks.iter().zip(&self.begins).filter(|(block, _)| matches!(block.of, Of::Contact(_)));
         contacts.map(direction).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_are_found_where_friction_is_much_more_than_what_is_left_of_the_acceleration() {
+        // One kilogram on two contacts at one place, pressed by 10 N and pulled by a thousandth more than friction holds. To repeat t = a/|a| from half a
+        // radian beside the pull would go to and fro.
+        let (friction, pull) = (0.5, 5.0 * 1.001);
+        let along = [0.6, 0.8];
+        let mobility = DMatrix::from_fn(6, 6, |row, column| if row % 3 == column % 3 { 1.0 } else { 0.0 });
+        let free = [-10.0, pull * along[0], pull * along[1]].repeat(2);
+        let mut kept = Kept::default();
+        for (row, beside) in [(0, 0.5_f64), (3, 0.3)] {
+            let angle = along[1].atan2(along[0]) + beside;
+            let law = Law::Sliding { friction, direction: [angle.cos(), angle.sin()] };
+            kept.keep(Block { of: Of::Contact(row), law, rows: vec![Vec::new(); 3] }, row, true);
+        }
+        let found = kept.first_slips(&mobility, &free);
+        assert_eq!(found.len(), 2);
+        for direction in found {
+            let [x, y] = direction.expect("a direction");
+            // The acceleration, 5e-3 m/s², is the difference of two of 5 m/s².
+            assert!((x - along[0]).hypot(y - along[1]) < 1e-11, "{x}, {y}");
+        }
     }
 }

@@ -9,4 +9,5 @@ pub(crate) mod memory;
 pub(crate) mod noted;
 pub(crate) mod planar_rims;
 pub(crate) mod resting;
+pub(crate) mod shared_pressures;
 pub(crate) mod transition;

@@ -1,67 +1,117 @@
-//! Contacts between two bodies of which some imply others: their gaps as far as bodies can have them, and the same compliance for all.
+//! Contacts of which some imply others: their gaps as far as motions can change them, and the same compliance for all.
 //!
-//! Of more than six equations between two bodies, or of more than three contacts on one plane, some imply others. With the gradients R (m × 6) of
-//! all of them at one stage no motion changes the part of the gaps g that is square to the columns of R. That part is rounding, about 1e-17 m, and
-//! divided by ε it would be a force: in a step of 0.1 ms as large as a thousandth of what carries a box. Where contacts slide its friction turns the box.
+//! Of more than three contacts on one plane some imply others: those of a box, or of a car with four wheels. With the rates R (m × n) of all gaps between
+//! two trees of bodies at one stage, for each motion of these trees, no motion changes the part of the gaps g that is square to the columns of R. That part is
+//! rounding, about 1e-17 m, and divided by ε it would be a force: in a step of 0.1 ms as large as a thousandth of what carries a box. Where contacts slide its
+//! friction turns the box.
 //!
 //! ```text
 //!     g ← Q Qᵀ g,     Q (m × r): an orthonormal basis of the columns of R      modified Gram–Schmidt, twice
+//!     columns of R:   the six of the twist of one tree relative to the other, where one floats; one for each joint freedom that moves a contact
 //! ```
 //!
 //! What is left has one answer: multipliers begin a step at zero, and with the same ε for every row z · λ = 0 for each z with zᵀ R = 0. So
 //! pressures lie on a plane over the place of the points, as between rigid bodies with a foundation of equal springs that are as stiff as one likes.
-//! Decisions at events follow the same law.
+//! Decisions at events follow the same law. Loops within a tree are not heeded: what they alone make redundant keeps its ε.
 //!
 //! Source of the basis: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, section 5.2.8.
 
-use crate::numbers::lanes::Lanes;
+use crate::coupled::system::Screw;
+use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::plan::elimination::TWIST;
+use catena_mechanism::description::joint::JointKind;
 use catena_mechanism::description::mechanism::Mechanism;
 use std::ops::Range;
 
-/// More equations than this between two bodies may imply each other, if contacts slide among them.
+/// More equations than this between two trees may imply each other, if contacts slide among them.
 const INDEPENDENT: usize = 3;
-/// What is left of a column is rounding below this part of the largest of its kind.
+/// What is left of a column is rounding below this part of the largest of its kind, or of what the rate of a joint is the sum of.
 const ROUNDING: f64 = 1e-9;
 
-/// The bodies at the ends of equations, and a row with 1 or −1.
+/// The trees at the ends of equations, by their first bodies, and a row with 1 or −1.
 type Ends = [Option<usize>; 2];
 type Signed = (usize, f64);
 
-/// The equations between two bodies.
+/// The equations between two trees.
 #[derive(Clone, Debug)]
 pub(crate) struct Dependent {
-    /// Their rows, and −1 where the second of their ends is the first of the others: gaps change by the opposite of the gradient then.
+    /// Their rows, and −1 where the second of their ends is on the first of the trees: gaps change by the opposite of the gradient then.
     rows: Vec<Signed>,
-    /// The columns of R, then of Q, one after the other.
+    /// Whether one tree can move as a whole relative to the other.
+    floats: bool,
+    joints: Vec<JointColumn>,
+    /// For every stage the columns of R, then of Q, one after the other; and for every joint the sum of the squares of what its rate is the sum of, of the
+    /// row that has the largest.
     columns: Vec<f64>,
+    sizes: Vec<f64>,
     gaps: Vec<f64>,
+    /// Whether some imply others where the gaps were seen last.
+    implied: bool,
+}
+
+/// A freedom of a joint, and the equations it moves: their numbers, with 1 where it moves the second end and −1 where it moves the first.
+#[derive(Clone, Debug)]
+struct JointColumn {
+    body: usize,
+    freedom: usize,
+    moves: Vec<Signed>,
 }
 
 impl Dependent {
     /// Those of a mechanism in which contacts slide with friction, for the rows of its loops and then of its contacts.
     pub fn all(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Self> {
-        let rubs = |between: Ends| {
-            let sorted = |[a, b]: Ends| if a < b { [a, b] } else { [b, a] };
-            mechanism.rubbing().any(|joint| sorted([joint.a.body, joint.b.body]) == between)
-        };
-        let mut found: Vec<(Ends, Vec<Signed>)> = Vec::new();
+        let first_of = |body: Option<usize>| body.and_then(|body| ancestors(mechanism, body).last());
+        let sorted = |[a, b]: Ends| if a < b { [a, b] } else { [b, a] };
+        let mut found: Vec<(Ends, Vec<(usize, f64, Ends)>)> = Vec::new();
         for (number, ([a, b], rows)) in mechanism.closing_ends().zip(rows_of_closure).enumerate() {
-            let (ends, sign) = if a.body < b.body { ([a.body, b.body], 1.0) } else { ([b.body, a.body], -1.0) };
+            let trees = [first_of(a.body), first_of(b.body)];
+            let sign = if trees[0] < trees[1] { 1.0 } else { -1.0 };
             // Of a contact the first row is its gap; what rolls has others, of rates.
             let count = if number < mechanism.loops.len() { rows.len() } else { 1 };
-            let of_these = rows.clone().take(count).map(|row| (row, sign));
-            match found.iter_mut().find(|(known, _)| *known == ends) {
+            let of_these = rows.clone().take(count).map(|row| (row, sign, [a.body, b.body]));
+            match found.iter_mut().find(|(known, _)| *known == sorted(trees)) {
                 Some((_, all)) => all.extend(of_these),
-                None => found.push((ends, of_these.collect())),
+                None => found.push((sorted(trees), of_these.collect())),
             }
         }
-        let dependent = found.into_iter().filter(|(ends, rows)| rows.len() > INDEPENDENT && rubs(*ends));
-        let new = |rows: Vec<Signed>| {
-            let (columns, gaps) = (vec![0.0; TWIST * rows.len()], vec![0.0; rows.len()]);
-            Dependent { rows, columns, gaps }
+        let rubs = |between: Ends| {
+            mechanism.rubbing().any(|joint| sorted([first_of(joint.a.body), first_of(joint.b.body)]) == between)
         };
-        dependent.map(|(_, rows)| new(rows)).collect()
+        let dependent = found.into_iter().filter(|(trees, rows)| rows.len() > INDEPENDENT && rubs(*trees));
+        dependent.map(|(trees, rows)| Dependent::of(mechanism, trees, &rows)).collect()
+    }
+
+    /// Rows with their signs and the bodies at their ends.
+    fn of(mechanism: &Mechanism, trees: Ends, rows: &[(usize, f64, Ends)]) -> Self {
+        let is_floating = |body: usize| mechanism.bodies[body].joint.kind == JointKind::Floating;
+        let floats = trees[0] != trees[1] && trees.iter().flatten().any(|&first| is_floating(first));
+        let mut joints: Vec<JointColumn> = Vec::new();
+        for (number, (_, _, ends)) in rows.iter().enumerate() {
+            for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
+                for body in end.iter().flat_map(|&body| ancestors(mechanism, body)) {
+                    // The motions of a whole tree are known already.
+                    if floats && is_floating(body) {
+                        continue;
+                    }
+                    for freedom in mechanism.bodies[body].joint.velocity_range() {
+                        match joints.iter_mut().find(|joint| joint.freedom == freedom) {
+                            Some(joint) => joint.moves.push((number, sign)),
+                            None => joints.push(JointColumn { body, freedom, moves: vec![(number, sign)] }),
+                        }
+                    }
+                }
+            }
+        }
+        let columns = if floats { TWIST } else { 0 } + joints.len();
+        Dependent {
+            rows: rows.iter().map(|&(row, sign, _)| (row, sign)).collect(),
+            floats,
+            columns: vec![0.0; MAX_LANES * columns * rows.len()],
+            sizes: vec![0.0; MAX_LANES * joints.len()],
+            gaps: vec![0.0; rows.len()],
+            implied: false,
+            joints,
+        }
     }
 
     /// Their rows.
@@ -69,17 +119,66 @@ impl Dependent {
         self.rows.iter().map(|(row, _)| *row)
     }
 
-    /// Leaves of the gaps of so many stages what motions change, with the gradients at the columns' stages. Does not allocate.
-    pub fn keep<V: Lanes>(&mut self, stages: usize, gradients: &[[[V; TWIST]; 2]], gaps: &mut [V]) {
-        let count = self.rows.len();
-        for stage in 0..stages {
-            for (index, &(row, sign)) in self.rows.iter().enumerate() {
-                for (component, lanes) in gradients[row][0].iter().enumerate() {
-                    self.columns[component * count + index] = sign * lanes.to_array().as_ref()[stage];
-                }
-                self.gaps[index] = gaps[row].to_array().as_ref()[stage];
+    /// Whether some of them implied others where the gaps were seen last.
+    pub fn is_implied(&self) -> bool {
+        self.implied
+    }
+
+    /// Leaves of the gaps of so many stages what motions change, unless none imply others, with the gradients at the columns' stages and the screws of freedoms (body, freedom)
+    /// there. Does not allocate.
+    pub fn keep<V: Lanes>(
+        &mut self,
+        stages: usize,
+        gradients: &[[Screw<V>; 2]],
+        gaps: &mut [V],
+        screw: impl Fn(usize, usize) -> Screw<V>,
+    ) {
+        let Dependent { rows, floats, joints, columns, sizes, .. } = self;
+        let count = rows.len();
+        let rigid = if *floats { TWIST } else { 0 };
+        let per_stage = (rigid + joints.len()) * count;
+        columns.fill(0.0);
+        sizes.fill(0.0);
+        let mut write = |column: usize, index: usize, lanes: V, sign: f64| {
+            for (stage, value) in lanes.to_array().as_ref()[..stages].iter().enumerate() {
+                columns[stage * per_stage + column * count + index] += sign * value;
             }
-            project(&mut self.columns, &mut self.gaps);
+        };
+        for (index, &(row, sign)) in rows.iter().enumerate() {
+            for (component, lanes) in gradients[row][0].iter().enumerate().take(rigid) {
+                write(component, index, *lanes, sign);
+            }
+        }
+        for (number, joint) in joints.iter().enumerate() {
+            let screw = screw(joint.body, joint.freedom);
+            for &(index, sign) in &joint.moves {
+                let gradient = &gradients[rows[index].0][0];
+                let (mut rate, mut size) = (V::zero(), V::zero());
+                for (gradient, screw) in gradient.iter().zip(&screw) {
+                    rate = gradient.mul_add(*screw, rate);
+                    let part = *gradient * *screw;
+                    size = part.mul_add(part, size);
+                }
+                write(rigid + number, index, rate, sign);
+                for (stage, size) in size.to_array().as_ref()[..stages].iter().enumerate() {
+                    let known = &mut sizes[stage * joints.len() + number];
+                    *known = known.max(*size);
+                }
+            }
+        }
+        for stage in 0..stages {
+            for (gap, &(row, _)) in self.gaps.iter_mut().zip(&self.rows) {
+                *gap = gaps[row].to_array().as_ref()[stage];
+            }
+            let columns = &mut self.columns[stage * per_stage..][..per_stage];
+            let sizes = &self.sizes[stage * self.joints.len()..][..self.joints.len()];
+            let independent = project(columns, sizes, &mut self.gaps);
+            if stage == 0 {
+                self.implied = independent < count;
+            }
+            if !self.implied {
+                return;
+            }
             for (&(row, _), gap) in self.rows.iter().zip(&self.gaps) {
                 let mut lanes = gaps[row].to_array();
                 lanes.as_mut()[stage] = *gap;
@@ -89,16 +188,25 @@ impl Dependent {
     }
 }
 
-/// `g ← Q Qᵀ g`: makes Q of the columns, three of forces and three of torques, in their place.
-fn project(columns: &mut [f64], gaps: &mut [f64]) {
+/// A body and those that carry it, up to the first of its tree.
+fn ancestors(mechanism: &Mechanism, body: usize) -> impl Iterator<Item = usize> {
+    std::iter::successors(Some(body), |&body| mechanism.bodies[body].parent)
+}
+
+/// `g ← Q Qᵀ g`: makes Q of the columns in their place: three of forces and three of torques, if a tree floats, and those of joints, of whose entries
+/// these are the squares of what they are the sum of. Returns r.
+fn project(columns: &mut [f64], sizes: &[f64], gaps: &mut [f64]) -> usize {
     let count = gaps.len();
+    let total = columns.len() / count;
+    let rigid = total - sizes.len();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut largest = [0.0_f64; 2];
-    for (number, column) in columns.chunks_exact(count).enumerate() {
+    for (number, column) in columns.chunks_exact(count).enumerate().take(rigid) {
         let of = &mut largest[number / 3];
         *of = of.max(dot(column, column));
     }
-    for number in 0..TWIST {
+    let mut independent = 0;
+    for number in 0..total {
         let (before, rest) = columns.split_at_mut(number * count);
         let column = &mut rest[..count];
         for _ in 0..2 {
@@ -108,19 +216,22 @@ fn project(columns: &mut [f64], gaps: &mut [f64]) {
             }
         }
         let square = dot(column, column);
-        let is_rounding = square <= ROUNDING * ROUNDING * largest[number / 3];
+        let scale = if number < rigid { largest[number / 3] } else { sizes[number - rigid] };
+        let is_rounding = square <= ROUNDING * ROUNDING * scale;
         let factor = if is_rounding || square == 0.0 { 0.0 } else { 1.0 / square.sqrt() };
+        independent += usize::from(factor != 0.0);
         column.iter_mut().for_each(|entry| *entry *= factor);
     }
     // The sum of its parts: not what is left after taking the rest away, which would be rounded by that.
-    let mut kept = [0.0; TWIST];
-    for (part, column) in kept.iter_mut().zip(columns.chunks_exact(count)) {
-        *part = dot(column, gaps);
+    for column in columns.chunks_exact_mut(count) {
+        let part = dot(column, gaps);
+        column.iter_mut().for_each(|entry| *entry *= part);
     }
     gaps.fill(0.0);
-    for (part, column) in kept.iter().zip(columns.chunks_exact(count)) {
-        gaps.iter_mut().zip(column).for_each(|(gap, entry)| *gap += part * entry);
+    for column in columns.chunks_exact(count) {
+        gaps.iter_mut().zip(column).for_each(|(gap, part)| *gap += part);
     }
+    independent
 }
 
 #[cfg(test)]
@@ -143,13 +254,13 @@ mod tests {
         let tilted = points.map(|[x, y]| 1e-6 + 2e-6 * x - 3e-6 * y);
         let twisted = [1.0, -1.0, 1.0, -1.0];
         let mut gaps = [0, 1, 2, 3].map(|corner: usize| tilted[corner] + 1e-3 * twisted[corner]);
-        project(&mut on_a_plane(&points), &mut gaps);
+        project(&mut on_a_plane(&points), &[], &mut gaps);
         for (gap, tilted) in gaps.iter().zip(tilted) {
             // 1e-3 rounds at 1e-19, and the columns, 30 m for a box of 0.1 m, by 300 times that.
             assert!((gap - tilted).abs() < 1e-16, "{gap} instead of {tilted}");
         }
         let mut nothing = twisted.map(|side| 1e-17 * side);
-        project(&mut on_a_plane(&points), &mut nothing);
+        project(&mut on_a_plane(&points), &[], &mut nothing);
         assert!(nothing.iter().all(|gap| gap.abs() < 1e-30), "{nothing:?}");
     }
 }

@@ -18,10 +18,21 @@ impl<V: Lanes> Coupled<V> {
         geometry.evaluate(&self.rows_of_loop, &mut self.gaps, &mut self.gradients);
     }
 
-    /// Leaves of the gaps of contacts, or of their rates, what motions can change.
-    pub(crate) fn keep_gaps_of_motions(&mut self) {
-        let Coupled { dependent, gradients, gaps, mixing, .. } = self;
-        dependent.iter_mut().for_each(|rows| rows.keep(mixing.active, gradients, gaps));
+    /// Leaves of the gaps of contacts, or of their rates, what motions can change, for these displacements since the start of the step.
+    pub(crate) fn keep_gaps_of_motions<G: Geometry<V>>(
+        &mut self,
+        geometry: &G,
+        plan: &G::Plan,
+        start: &G::Start,
+        displacement: &[V],
+    ) {
+        let Coupled { dependent, even, gradients, gaps, mixing, .. } = self;
+        for (rows, weight) in dependent {
+            rows.keep(mixing.active, gradients, gaps, |body, freedom| {
+                geometry.screws(plan, start, displacement, body, freedom).columns
+            });
+            rows.rows().for_each(|row| even[row] = rows.is_implied().then_some(*weight));
+        }
     }
 
     /// The rows of the contacts, which come after the loops.

@@ -79,7 +79,7 @@ impl<V: Lanes, G: Geometry<V>> Newton<V, G> {
         let StageUnknowns { plan, start, displacement, increment, efforts, step } = stages;
         coupled.step = step;
         in_lanes!(V, coupled.evaluate(geometry));
-        coupled.keep_gaps_of_motions();
+        coupled.keep_gaps_of_motions(geometry, plan, start, displacement);
         let lags = geometry.touching_mut().is_some_and(|touching| coupled.turn(touching));
         mimics.gaps(coupled, G::mimic_gaps(start), displacement);
         in_lanes!(V, {

@@ -152,7 +152,7 @@ impl<G: Geometry<One>> Projection<G> {
     /// Solves for the present gaps; with new factors for this configuration, or again with those at hand.
     fn solve(&mut self, start: &G::Start, again: bool) {
         let Projection { coupled, geometry, plan, .. } = self;
-        coupled.keep_gaps_of_motions();
+        coupled.keep_gaps_of_motions(geometry, plan, start, &self.displacement);
         if again {
             coupled.solve_again(G::tree(plan), &mut self.increment);
         } else {

@@ -43,6 +43,9 @@ pub const PROXIMAL: f64 = 1e-8;
 /// multipliers that nothing determines become a million times as large as those that hold the mechanism, and their roundings move it.
 pub const IMPLIED: f64 = 1e-2;
 
+/// ε of contacts of which some imply others. What the elimination rounds of their gaps is divided by it, and so is a force that friction feels.
+pub const SHARED: f64 = 1e-6;
+
 /// A force and its torque about the common origin, or a twist, in the first components: six of them in space, three in a plane.
 pub type Screw<V> = [V; TWIST];
 
@@ -152,8 +155,8 @@ pub struct Coupled<V: Lanes> {
     pub(crate) scales: Vec<f64>,
     /// How easily a push from the world moves every body, for the equations that go there [1/kg].
     pub(crate) weights: Vec<f64>,
-    /// Contacts of which some imply others, and for every row of them what ε is a part of [1/kg].
-    pub(crate) dependent: Vec<Dependent>,
+    /// Contacts of which some may imply others, with what ε is a part of then [1/kg]; and the same for every row where they do.
+    pub(crate) dependent: Vec<(Dependent, f64)>,
     pub(crate) even: Vec<Option<f64>>,
     /// The same as the scales, but that of the largest row for one with next to none.
     pub(crate) references: Vec<f64>,
@@ -219,12 +222,15 @@ impl<V: Lanes> Coupled<V> {
         }
         let (bodies, rows, nothing) = (mechanism.bodies.len(), count, [V::zero(); TWIST]);
         let weights = weights(mechanism);
-        let dependent = Dependent::all(mechanism, &rows_of_loop);
-        let mut even = vec![None; rows];
-        for row in dependent.iter().flat_map(Dependent::rows) {
-            let closure = elimination.closure_of_row[row];
-            even[row] = Some(ends[closure].iter().flatten().map(|&body| weights[body]).sum());
-        }
+        let weight = |row: usize| -> f64 {
+            ends[elimination.closure_of_row[row]].iter().flatten().map(|&body| weights[body]).sum()
+        };
+        let dependent = Dependent::all(mechanism, &rows_of_loop).into_iter();
+        let dependent = dependent.map(|group| {
+            let largest = group.rows().map(weight).fold(0.0, f64::max);
+            (group, largest)
+        });
+        let dependent: Vec<(Dependent, f64)> = dependent.collect();
         Coupled {
             fronts: Fronts::new(mixing.active, &elimination),
             mixing,
@@ -255,7 +261,7 @@ impl<V: Lanes> Coupled<V> {
             scales: vec![0.0; rows],
             weights,
             dependent,
-            even,
+            even: vec![None; rows],
             references: vec![1.0; rows],
             left_over: vec![0.0; rows],
             elimination,

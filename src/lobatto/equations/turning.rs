@@ -50,6 +50,10 @@ impl Followed {
         }
         let along = (latest - normal * normal.dot(latest)).try_normalize(0.0)?;
         let speed = along.dot(slip);
+        // An iteration that runs away ends without a direction.
+        if !(speed.is_finite() && self.speed.is_finite()) {
+            return None;
+        }
         let across = slip - along * speed;
         let turned = if iterations == 1 {
             (across.norm() > AGREES * speed.abs()).then_some(along)
@@ -61,5 +65,21 @@ impl Followed {
         };
         self.lags = turned.is_some();
         turned
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_that_is_no_number_has_no_next_direction_and_does_not_panic() {
+        for (speed, slip) in [(f64::NAN, 1.0), (1.0, f64::NAN), (f64::INFINITY, 1.0), (1.0, f64::INFINITY)] {
+            let mut followed = Followed { speed, lags: true };
+            for iterations in 1..=PATIENCE {
+                let slip = Vector3::new(slip, 1.0, 0.0);
+                assert_eq!(followed.turn(iterations, &Vector3::x(), &Vector3::z(), &slip), None);
+            }
+        }
     }
 }

@@ -1,0 +1,86 @@
+//! The mobility of a decision in which something slides, with pressures as steps share them.
+//!
+//! Where the normals of closed contacts imply each other, `zᵀ W_N = 0`, the law has an answer for each way in which they can share what presses them,
+//! and friction one for each of these. Steps have equal springs under all contacts, as stiff as one likes ([`crate::events::forces::closed_forces`]).
+//! So does
+//!
+//! ```text
+//!     D' = D + ε d Σ_z z zᵀ / zᵀz        on the rows of the normals; d: the mean of their D_ii
+//! ```
+//!
+//! as long as all stay closed, whatever ε is: then `zᵀ λ_N = 0` costs nothing. Where some open, ε says how little the others give way.
+
+use crate::instant::blocks::{Block, Of};
+use nalgebra::{DMatrix, DVector};
+
+/// ε.
+const GIVES: f64 = 1e-6;
+/// Normals whose response is singular to this part imply each other.
+const SINGULAR: f64 = 1e-10;
+
+/// D' for the blocks of a decision; nothing where no normals imply others.
+pub(crate) fn with_shared_pressures(blocks: &[Block], mobility: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let (mut normals, mut row) = (Vec::new(), 0);
+    for block in blocks {
+        if matches!(block.of, Of::Contact(_)) && mobility[(row, row)] > 0.0 {
+            normals.push(row);
+        }
+        row += block.rows.len();
+    }
+    let count = normals.len();
+    let scales: Vec<f64> = normals.iter().map(|&row| 1.0 / mobility[(row, row)].sqrt()).collect();
+    let entry = |i: usize, j: usize| mobility[(normals[i], normals[j])] * scales[i] * scales[j];
+    let scaled = DMatrix::from_fn(count, count, entry);
+    if count < 2 || !scaled.iter().all(|value| value.is_finite()) {
+        return None;
+    }
+    let eigen = scaled.symmetric_eigen();
+    let least = SINGULAR * eigen.eigenvalues.max();
+    let implied: Vec<usize> = (0..count).filter(|&index| eigen.eigenvalues[index] <= least).collect();
+    if implied.is_empty() {
+        return None;
+    }
+    let mean = normals.iter().map(|&row| mobility[(row, row)]).sum::<f64>() / count as f64;
+    let mut shared = mobility.clone();
+    for index in implied {
+        let z = DVector::from_fn(count, |i, _| eigen.eigenvectors[(i, index)] * scales[i]).normalize();
+        for (i, &row) in normals.iter().enumerate() {
+            for (j, &column) in normals.iter().enumerate() {
+                shared[(row, column)] += GIVES * mean * z[i] * z[j];
+            }
+        }
+    }
+    Some(shared)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instant::cone::problem::{Law, Problem};
+    use crate::instant::cone::solve;
+
+    #[test]
+    fn pressures_of_a_plate_on_four_feet_lie_on_a_plane() {
+        let feet = [[0.3, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.3, -0.2]];
+        // A plate of 2 kg and 0.1 kg m², whose weight presses beside the middle.
+        let gradients = feet.map(|[x, y]| [1.0, y, -x]);
+        let mobility = DMatrix::from_fn(4, 4, |i, j| {
+            let [one, other] = [gradients[i], gradients[j]];
+            one[0] * other[0] / 2.0 + (one[1] * other[1] + one[2] * other[2]) / 0.1
+        });
+        let free: Vec<f64> = gradients.iter().map(|[_, y, x]| -10.0 + 7.0 * y - 4.0 * x).collect();
+        let law = Law::Interval { lower: 0.0, upper: f64::INFINITY };
+        let blocks: Vec<Block> =
+            (0..4).map(|foot| Block { of: Of::Contact(foot), law, rows: vec![Vec::new()] }).collect();
+        let shared = with_shared_pressures(&blocks, &mobility).expect("three feet would do");
+        let found = solve(&Problem { mobility: &shared, free: &free, laws: &[law; 4] }, None).expect("it stands");
+        let [a, b, c, d] = [0, 1, 2, 3].map(|foot: usize| found.forces[foot]);
+        assert!(found.forces.iter().all(|force| *force > 1.0), "{:?}", found.forces);
+        // Solved to 1e-10 of 5 N, and a part of 1e-6 of the mobility says what the sum is.
+        assert!((a - b + c - d).abs() < 1e-3 * 1e-1, "{:?}", found.forces);
+        let rates = &mobility * DVector::from_vec(found.forces);
+        assert!(rates.iter().zip(&free).all(|(rate, free)| (rate + free).abs() < 1e-9), "{rates}");
+        // Three feet say all of theirs themselves.
+        assert!(with_shared_pressures(&blocks[..3], &mobility.view((0, 0), (3, 3)).into_owned()).is_none());
+    }
+}
