@@ -17,6 +17,8 @@ const TANGENT: f64 = 1e-3;
 const FLAT_TANGENT: f64 = 1e-2;
 /// An edge is in the plane of a rim if it leaves it by less than this (rad).
 const FLAT: f64 = 1e-6;
+/// An edge that is nearer than this (rad) to the plane of a rim, or to its tangent, is in it.
+const LEVEL: f64 = 1e-13;
 /// A pair is kept until it suits so many times less than the other.
 const KEPT: f64 = 3.0;
 
@@ -142,7 +144,7 @@ pub fn off_crossing(
         [Feature::Rim { .. }, Feature::Line { .. }] => (outwards, steep),
         _ => return f64::INFINITY,
     };
-    // Outside of the cylinder an edge that goes outwards goes down, and one that goes up inwards.
-    let outside = -own.signum() * other;
+    // Outside of the cylinder an edge that goes outwards goes down, and one that goes up inwards. One that is level but for rounding goes neither way.
+    let outside = if other.abs() <= LEVEL { f64::INFINITY } else { -own.signum() * other };
     radius * (own.abs() - other.abs() / KEPT).min(own.abs() - least).min(outside)
 }

@@ -22,6 +22,8 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Points at the same place by rounding, relative to the size of a feature: every normal that separates will do.
 const COINCIDENT: f64 = 1e-13;
+/// What is nearer to an axis than this part of its distance is on it.
+const BESIDE: f64 = 1e-9;
 /// Newton's method has converged long before.
 const ITERATIONS: usize = 40;
 
@@ -45,8 +47,9 @@ pub fn meet(a: &Part, b: &Part, guess: &Guess) -> Option<(Vector3<f64>, [Vector3
             // By cross products, because 1 − (k · n)² loses half of the digits near the axis, and the height of q with them.
             let slant = axis.cross(&normal.cross(axis));
             let towards = guess.point - centre;
-            let inward =
-                slant.try_normalize(1e-12).or_else(|| (axis * axis.dot(&towards) - towards).try_normalize(0.0));
+            // Above the middle that one has no direction but roundings, which may be along the axis.
+            let beside = axis * axis.dot(&towards) - towards;
+            let inward = slant.try_normalize(1e-12).or_else(|| beside.try_normalize(BESIDE * towards.norm()));
             let q = centre - inward.unwrap_or_else(|| across(axis).0) * *radius;
             Some((*normal, [q - normal * normal.dot(&(q - at)), q]))
         }

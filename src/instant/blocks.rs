@@ -126,10 +126,12 @@ pub(crate) fn second_rates<'c>(
                 let tangents = tangents(&touch_motion(joint, bodies).normal);
                 let along = touch_accelerations(joint, bodies, &of_bodies, &tangents);
                 let along = &along[..block.rows.len()];
-                // What falls beside each other is accelerated apart by roundings of its fall.
-                let together =
-                    along.iter().zip(&block.rows).all(|(rate, row)| rate.abs() <= ROUNDING * fall(row, accelerations));
-                rates.extend(along.iter().map(|rate| if together { 0.0 } else { *rate }));
+                // What falls beside each other is accelerated apart by roundings of its fall, also across it; what slides is accelerated along its plane as well.
+                let most = block.rows.iter().map(|row| fall(row, accelerations)).fold(0.0, f64::max);
+                let held = if matches!(block.law, Law::Sliding { .. }) { 1 } else { along.len() };
+                let together = along[..held].iter().all(|rate| rate.abs() <= ROUNDING * most);
+                let rate = |(row, rate): (usize, &f64)| if together && row < held { 0.0 } else { *rate };
+                rates.extend(along.iter().enumerate().map(rate));
             }
         }
     }

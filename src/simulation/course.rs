@@ -2,7 +2,7 @@
 
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::contact_point::{ContactFigures, ContactPoint};
 use crate::mechanism::motion::event::Event;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
@@ -99,6 +99,9 @@ pub(crate) struct Course {
     /// The state of a sample, if there are pairs of shapes that may touch, and its contacts.
     sampled_state: Option<State>,
     contacts: Vec<ContactPoint>,
+    /// How far forces at the end of the last step are from their cones (N). They count once what is closed there has lasted: an event at the same instant
+    /// opens it again, and no force has acted.
+    not_lasted: f64,
 }
 
 impl Course {
@@ -121,6 +124,7 @@ impl Course {
             told: None,
             sampled_state: (!mechanism.nonsmooth.pairs.is_empty()).then(|| state.clone()),
             contacts: Vec::new(),
+            not_lasted: 0.0,
         }
     }
 
@@ -131,7 +135,9 @@ impl Course {
 
     /// The figures so far.
     pub(crate) fn summary(&self) -> Summary {
-        self.bookkeeper.summary
+        let mut summary = self.bookkeeper.summary;
+        summary.contact.include(&ContactFigures { penetration: 0.0, cone_violation: self.not_lasted });
+        summary
     }
 
     /// The k-th sample is at start + k/rate, never at an accumulated sum; the last one is the end itself.
@@ -248,7 +254,11 @@ impl Course {
         if self.sampled_state.is_some() {
             self.contacts.clear();
             integrator.contacts(mechanism, state, &mut self.contacts);
-            self.bookkeeper.summary.contact.see(&self.contacts, &mechanism.nonsmooth.pairs);
+            let mut figures = ContactFigures::default();
+            figures.see(&self.contacts, &mechanism.nonsmooth.pairs);
+            let not_lasted = std::mem::replace(&mut self.not_lasted, figures.cone_violation);
+            figures.cone_violation = if outcome.step > 0.0 { not_lasted } else { 0.0 };
+            self.bookkeeper.summary.contact.include(&figures);
         }
     }
 
@@ -298,5 +308,68 @@ impl Course {
     fn show(&self, time: f64, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         let Course { position, velocity, .. } = self;
         show(observers, &Sample { time, position, velocity, step: &self.bookkeeper.last }).map_err(RunError::Observer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
+    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+    use crate::mechanism::description::mechanism::Body;
+    use crate::mechanism::motion::integrator::MethodDescription;
+    use nalgebra::Vector3;
+
+    /// Makes steps of given lengths (s), with a contact at the end of each whose force pulls (N).
+    struct Pulling {
+        steps: Vec<(f64, f64)>,
+        made: usize,
+    }
+
+    impl Integrator for Pulling {
+        fn step(&mut self, _: &Mechanism, _: Inputs, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+            let (step, _) = self.steps[self.made];
+            self.made += 1;
+            state.time = if self.made == self.steps.len() { until } else { state.time + step };
+            Ok(StepOutcome { step, ..StepOutcome::default() })
+        }
+
+        fn dense(&mut self, _: &Mechanism, _: f64, _: &mut [f64], _: &mut [f64]) {}
+
+        fn description(&self) -> MethodDescription {
+            MethodDescription::fixed("pulling", 2, 2, 0.1)
+        }
+
+        fn contacts(&self, _: &Mechanism, _: &State, out: &mut Vec<ContactPoint>) {
+            let force = Vector3::z() * -self.steps[self.made - 1].1;
+            let (position, normal) = (Vector3::zeros(), Vector3::z());
+            out.push(ContactPoint { pair: 0, position, normal, force, gap: -1e-9, sticks: true });
+        }
+    }
+
+    #[test]
+    fn forces_of_what_was_closed_for_no_time_do_not_count_and_those_at_the_end_do() {
+        let joint = Joint::new("ball", JointKind::Floating, Pose::identity(), Pose::identity());
+        let body = Body { name: "ball".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(1.0), joint };
+        let mut mechanism = Mechanism::new("ball", Vector3::zeros(), vec![body]).expect("a free body");
+        for (body, shape) in [(Some(0), Shape::Sphere { radius: 0.1 }), (None, Shape::HalfSpace)] {
+            let collider = Collider { name: "one".into(), body, pose: Pose::identity(), shape };
+            mechanism.nonsmooth.colliders.push(collider);
+        }
+        mechanism.nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
+        // Each step with the pull at its end; the one that follows says whether that has lasted.
+        let worst = |steps: &[(f64, f64)]| {
+            let mut state = State::zero(&mechanism);
+            let mut integrator = Pulling { steps: steps.to_vec(), made: 0 };
+            let options = RunOptions { duration: 1.0, rate: None, interrupt: None };
+            let (summary, ended) = run(&mechanism, &mut state, &mut integrator, &options, &mut []);
+            ended.expect("to the end");
+            assert_eq!(summary.contact.penetration, 1e-9);
+            summary.contact.cone_violation
+        };
+        assert_eq!(worst(&[(0.5, 7.0), (0.0, 0.0), (0.5, 0.0)]), 0.0);
+        assert_eq!(worst(&[(0.5, 7.0), (0.1, 0.0), (0.4, 0.0)]), 7.0);
+        assert_eq!(worst(&[(0.5, 7.0), (0.0, 3.0), (0.5, 1.0)]), 3.0);
+        assert_eq!(worst(&[(0.5, 0.0), (0.5, 2.0)]), 2.0);
     }
 }

@@ -1,12 +1,12 @@
 //! A rod that is thrown at a thin wall: it always hits.
 
 use crate::exact::near;
-use crate::loose::{cuboid, loose, meet, obstacle, put};
-use crate::mechanisms::{fixed, of_kind};
+use crate::loose::{DOWN, cuboid, loose, meet, obstacle, put};
+use crate::mechanisms::{fixed, of_kind, run_within};
 use catena::mechanism::description::contact::Shape;
 use catena::mechanism::motion::event::{Event, EventKind};
 use catena::mechanism::motion::state::State;
-use catena::simulation::{Simulation, SimulationOptions};
+use catena::simulation::{Simulation, SimulationOptions, StepChoice};
 use nalgebra::Vector3;
 
 /// A rod of 0.4 m that flies along x, turns about z, and starts 1 m before a wall 10 mm thick.
@@ -57,5 +57,30 @@ fn a_rod_that_flies_end_first_hits_a_thin_wall_when_it_is_there() {
     for (speed, step) in [(2.0, 0.5), (20.0, 0.5), (20.0, 0.003)] {
         let (_, _, impacts) = against_a_wall(speed, 0.0, step).expect("a run");
         near(impacts[0].time, (1.0 - 0.2 - 0.005) / speed, 1e-12);
+    }
+}
+
+#[test]
+fn a_ball_that_has_hit_a_wall_without_rebound_falls_along_it_as_freely_as_alone() {
+    // Nothing presses it against the wall, so that friction holds nothing.
+    for friction in [0.0, 0.3, 0.8] {
+        let mut ball = loose(DOWN, &[(1.6, Shape::Sphere { radius: 0.1 })]);
+        let wall = obstacle(&mut ball, cuboid(0.5, 5.0, 5.0), Vector3::new(-0.5, 0.0, 0.0));
+        meet(&mut ball, wall, 0, friction, 0.0);
+        let mut start = State::zero(&ball);
+        let none = Vector3::zeros();
+        put(&ball, &mut start, 0, [Vector3::new(0.1, 0.0, 0.0), none, Vector3::new(-0.7, 0.0, 0.0), none]);
+        for steps in [fixed(5, 0.01), StepChoice::Tolerance(1e-6)] {
+            let finished = run_within(300, &ball, &start, 0.4, steps);
+            let fallen = finished.state.position[2] + 0.5 * 9.81 * 0.16;
+            println!("{friction}, {steps:?}: {fallen:e} m, {:?}", finished.summary.contact);
+            assert!(fallen.abs() <= 1e-13, "{friction}, {steps:?}: {fallen:e} m off");
+            assert!(
+                finished.state.velocity[3..].iter().all(|spin| spin.abs() <= 1e-12),
+                "{:?}",
+                finished.state.velocity
+            );
+            assert!(finished.summary.contact.cone_violation <= 1e-12, "{:?}", finished.summary.contact);
+        }
     }
 }

@@ -7,8 +7,11 @@ use catena::mechanism::description::nonsmooth::{DryFriction, Motor, MotorLaw};
 use catena::mechanism::description::target::Target;
 use catena::mechanism::motion::event::{Event, EventKind};
 use catena::mechanism::motion::state::State;
-use catena::simulation::{Finished, Simulation, SimulationOptions, StepChoice};
+use catena::simulation::{
+    Finished, Observer, ObserverError, Sample, Simulation, SimulationOptions, StepChoice, StepEnd,
+};
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// m/s².
 pub const GRAVITY: f64 = 9.81;
@@ -90,6 +93,36 @@ pub fn run(mechanism: &Mechanism, start: &State, duration: f64, steps: StepChoic
     let mut simulation = Simulation::new(mechanism, start.clone(), options).expect("a run");
     simulation.run().expect("to the end");
     simulation.finish()
+}
+
+/// The same in so many steps at most, those of trial runs with them: a run that does not get on fails, instead of going on for hours.
+pub fn run_within(most: usize, mechanism: &Mechanism, start: &State, duration: f64, steps: StepChoice) -> Finished {
+    let stop = AtomicBool::new(false);
+    let mut counter = Counter { left: most, stop: &stop };
+    let options = SimulationOptions { duration, steps, switched_off: &[], interrupt: Some(&stop) };
+    let mut simulation = Simulation::new(mechanism, start.clone(), options).expect("a run");
+    simulation.observe(&mut counter);
+    simulation.run().unwrap_or_else(|error| panic!("not done in {most} steps: {error}"));
+    simulation.finish()
+}
+
+/// Stops a run after some steps.
+struct Counter<'c> {
+    left: usize,
+    stop: &'c AtomicBool,
+}
+
+impl Observer for Counter<'_> {
+    fn sample(&mut self, _sample: &Sample) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    fn step(&mut self, _end: &StepEnd) {
+        self.left = self.left.saturating_sub(1);
+        if self.left == 0 {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+    }
 }
 
 /// With this many stages and fixed steps.

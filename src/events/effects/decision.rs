@@ -226,11 +226,11 @@ pub(crate) fn decide(
         let row = first;
         first += block.rows.len();
         let rate = found.rates[row];
-        let moves = moves(row);
+        let leaves = moves(row);
         match block.of {
             Of::Joint(index) => {
                 let joint = &elements.joints[index];
-                if *is != BlockState::Inside && moves && !joint.is_locked() {
+                if *is != BlockState::Inside && leaves && !joint.is_locked() {
                     let sliding = if joint.friction > 0.0 { rate.signum() as i8 } else { 0 };
                     mode.joints[index] = JointMode::Free { sliding };
                     // Its friction pushes as it does now.
@@ -244,7 +244,7 @@ pub(crate) fn decide(
                     pressures[index] = holding[row];
                 }
                 let Candidate { contact, slip, .. } = &candidates[index];
-                if matches!(is, BlockState::Open | BlockState::AtLower) && moves {
+                if matches!(is, BlockState::Open | BlockState::AtLower) && leaves {
                     continue;
                 }
                 // Points next to the one over which a flat end tips leave too slowly to be told.
@@ -258,7 +258,11 @@ pub(crate) fn decide(
                 let slides = match block.law {
                     Law::Sliding { .. } => slip.try_normalize(0.0),
                     Law::Interval { .. } => Some(slip.try_normalize(0.0).unwrap_or(along)),
+                    // What stays without pressing, as a ball that falls along a wall, is not held by friction either.
                     Law::Contact { .. } if *is == BlockState::Slips => begins().try_normalize(0.0),
+                    Law::Contact { .. } if *is == BlockState::Open && (moves(row + 1) || moves(row + 2)) => {
+                        begins().try_normalize(0.0)
+                    }
                     Law::Contact { .. } => None,
                 };
                 let mut block = block.clone();

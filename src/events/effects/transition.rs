@@ -119,7 +119,8 @@ pub(crate) fn transit(
         let mut decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);
         for round in 0..COMPLETING {
             let Ok(found) = &decided else { break };
-            if !contacts.complete_decision(scene, state, found, round == 0) {
+            // What is not exact is off at every point.
+            if !found.exact || !contacts.complete_decision(scene, state, found, round == 0) {
                 break;
             }
             decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);

@@ -27,8 +27,8 @@ use nalgebra::{DMatrix, DVector};
 /// What is held whose response is singular to this part is held more than once.
 const SINGULAR: f64 = 1e-10;
 
-/// What is accelerated apart by this part of its fall falls together, and nothing presses.
-const FALLS: f64 = 1e-12;
+/// What is accelerated apart by this part of its fall falls together, and nothing presses. Tilts of 1e-13 that an impact has left make that much of a spin.
+const FALLS: f64 = 1e-10;
 
 /// The forces of one instant.
 #[derive(Clone, Debug, Default)]
@@ -113,6 +113,19 @@ impl Closing {
         self.blocks.iter().flat_map(|block| &block.rows).map(|row| fall(row, &self.free)).collect()
     }
 
+    /// Whether everything falls together. Rows across the fall of a contact have the roundings of those along it; what slides is accelerated along its plane as
+    /// well, but only its normal is an equation.
+    fn falls_together(&self, falls: &[f64]) -> bool {
+        let mut first = 0;
+        self.blocks.iter().all(|block| {
+            let rows = first..first + block.rows.len();
+            first = rows.end;
+            let held = if matches!(block.law, Law::Sliding { .. }) { rows.start..rows.start + 1 } else { rows.clone() };
+            let fall = falls[rows].iter().fold(0.0_f64, |most, fall| most.max(*fall));
+            self.offset[held].iter().all(|offset| offset.abs() <= FALLS * fall)
+        })
+    }
+
     /// λ of all rows.
     pub fn forces(&self, unique: bool) -> Vec<f64> {
         Chosen::new(&self.blocks).solve(&self.rows.square, &self.offset, unique)
@@ -154,7 +167,7 @@ pub(crate) fn closed_forces(
         row += block.rows.len();
     }
     let falls = held.falls();
-    let together = offset.iter().zip(&falls).all(|(offset, fall)| offset.abs() <= FALLS * fall);
+    let together = held.falls_together(&falls);
     let size = |row: usize| {
         let parts = if together { falls[row] } else { offset[row].abs() };
         forces[row].abs().max(parts / rows.square[(row, row)].max(f64::MIN_POSITIVE))

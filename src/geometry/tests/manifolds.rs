@@ -5,7 +5,7 @@ use crate::plane::across;
 use crate::{FeatureId, PairGeometry, TouchPlace};
 use catena_mechanism::description::contact::{Feature, Shape};
 use catena_mechanism::description::joint::Pose;
-use nalgebra::{Rotation3, Translation3, Vector3};
+use nalgebra::{Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
 /// A pose turned by a rotation vector (rad).
@@ -330,4 +330,18 @@ fn a_stand_in_ends_where_the_shapes_are_elsewhere() {
     let said = gap(place, &here, &tilted(1e-3));
     assert!((apart - said).abs() > 1e-9, "{apart:e} {said:e}");
     assert!(pair.margin(place, &here, &tilted(1e-3)) < 0.0);
+}
+
+#[test]
+fn a_level_cylinder_above_a_floor_touches_it_nowhere() {
+    // Turned about the vertical its axis has roundings, and the middle of its end is above the place that is nearest to itself: neither is a direction.
+    let pair = pair(Shape::HalfSpace, Shape::Cylinder { radius: 0.05, half: 0.0285 });
+    for turn in 0..500 {
+        // From a quaternion: the square of its length is one but for rounding.
+        let rotation = UnitQuaternion::from_scaled_axis(Vector3::z() * (0.0123 * f64::from(turn))).to_rotation_matrix();
+        let above = Pose::from_parts(Translation3::new(-0.0027, 0.0105, 0.0295), rotation);
+        let found = pair.touches(&Pose::identity(), &above, 1e-9);
+        assert!(found.is_empty(), "{turn}: {:?}, {:e} m", found[0].identity, found[0].gap);
+        assert!((pair.distance(&Pose::identity(), &above).distance - 1e-3).abs() <= 1e-16, "{turn}");
+    }
 }

@@ -100,3 +100,26 @@ fn a_ball_leaves_the_cap_of_a_cylinder_for_its_rim_and_the_rim_for_its_side() {
         assert!((pair.margin(&on_rim, &o, &at(0.099, 0.25)) + 0.001).abs() <= 1e-15);
     }
 }
+
+#[test]
+fn an_edge_that_crosses_a_rim_in_its_plane_is_not_taken_for_one_that_leaves_it_by_roundings() {
+    // A can flat on a box, and over two of its edges; turned and moved within the plane their places go along, far from any border.
+    let pair = pair(cuboid(0.12, 0.141, 0.0325), Shape::Cylinder { radius: 0.136, half: 0.1145 });
+    let (o, top) = (Pose::identity(), 0.0325 + 0.1145);
+    let on_top =
+        |x: f64, turn: f64| Pose::from_parts(Translation3::new(x, 0.004, top), Rotation3::new(Vector3::z() * turn));
+    let crosses = |place: &&crate::TouchPlace| {
+        let is = |feature: &FeatureId| matches!(feature, FeatureId::Edge(_));
+        is(&place.identity.a) || is(&place.identity.b)
+    };
+    let first = pair.touches(&o, &on_top(0.01, 0.3), 1e-9);
+    let crossings: Vec<_> = first.iter().filter(crosses).collect();
+    assert!(!crossings.is_empty(), "{:?}", first.iter().map(|place| place.identity).collect::<Vec<_>>());
+    for step in 0..200 {
+        let moved = on_top(0.01 + 1e-5 * f64::from(step), 0.3 + 7e-3 * f64::from(step));
+        for place in &crossings {
+            let margin = pair.margin(place, &o, &moved);
+            assert!(margin > 1e-3, "{:?} at {step}: {margin:e}", place.identity);
+        }
+    }
+}

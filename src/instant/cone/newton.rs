@@ -16,8 +16,11 @@ use nalgebra::{DMatrix, DVector};
 
 /// Most halvings of a step.
 const HALVINGS: usize = 5;
-/// So many steps may gain less than a tenth.
+/// So many steps may gain less than a tenth; where ε follows the map, more.
 const PATIENCE: usize = 3;
+const PATIENCE_SOFT: usize = 40;
+/// The largest ε that follows the map.
+const SOFTEST: f64 = 0.1;
 /// Natural maps whose root mean square is below this part of the largest scaled force are rounding.
 const ROUNDING: f64 = 1e-16;
 
@@ -26,8 +29,10 @@ const ROUNDING: f64 = 1e-16;
 pub(super) struct Settings {
     /// The equations of contacts.
     pub form: Form,
-    /// ε.
+    /// ε; where it follows the map the least.
     pub compliance: f64,
+    /// Whether ε follows the natural map: ε = |F| over the largest force, up to a tenth.
+    pub follows: bool,
     /// Most iterations.
     pub iterations: usize,
 }
@@ -47,7 +52,12 @@ pub(super) fn improve(problem: &Scaled, forces: &mut [f64], settings: Settings) 
         if least <= (ROUNDING * largest).powi(2) * count as f64 {
             break;
         }
-        let Some(step) = step(problem, forces, &rates, settings) else { break };
+        let compliance = if settings.follows {
+            (merit.sqrt() / largest).clamp(settings.compliance, SOFTEST)
+        } else {
+            settings.compliance
+        };
+        let Some(step) = step(problem, forces, &rates, Settings { compliance, ..settings }) else { break };
         let mut length = 1.0;
         let mut found = (f64::INFINITY, 1.0);
         for _ in 0..=HALVINGS {
@@ -74,7 +84,7 @@ pub(super) fn improve(problem: &Scaled, forces: &mut [f64], settings: Settings) 
             least = merit;
             best.copy_from_slice(forces);
         }
-        if idle == PATIENCE {
+        if idle == if settings.follows { PATIENCE_SOFT } else { PATIENCE } {
             break;
         }
     }
