@@ -9,6 +9,7 @@ mod closing;
 pub(crate) mod cone;
 pub(crate) mod elements;
 mod exerted;
+mod following;
 #[doc(hidden)]
 pub mod limits;
 pub(crate) mod mass_matrix;

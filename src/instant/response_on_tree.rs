@@ -7,9 +7,10 @@
 //! ```
 //!
 //! H (n × n) is the mass matrix, J the gradient of the closures. A column of Y is one solve of the articulated-body algorithm, made to fit the
-//! closures by the least motion in the metric of H ([`Closing`]); H is never formed.
+//! closures by the least motion in the metric of H ([`Closing`]; where joints follow others and no loop closes [`Following`]); H is never formed.
 
 use crate::instant::closing::Closing;
+use crate::instant::following::Following;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::Inputs;
@@ -28,6 +29,8 @@ pub(crate) struct ResponseOnTree {
     bodies: Vec<BodyState>,
     accelerations: Vec<BodyAcceleration>,
     closing: Option<Closing>,
+    /// In the state at which columns of Y are asked for, where joints follow others and no loop closes.
+    following: Option<Following>,
     zero: Vec<f64>,
     free: Vec<f64>,
 }
@@ -46,6 +49,7 @@ impl ResponseOnTree {
             bodies: vec![WORLD; mechanism.bodies.len()],
             accelerations: vec![BodyAcceleration::default(); mechanism.bodies.len()],
             closing: Closing::new(mechanism),
+            following: None,
             zero: vec![0.0; mechanism.velocity_count],
             free: vec![0.0; mechanism.velocity_count],
             mechanism: driven,
@@ -58,7 +62,9 @@ impl ResponseOnTree {
         place_bodies(mechanism, state, bodies);
         ode.drive(Inputs::constant(efforts));
         ode.accelerations_of_placed(&state.position, &state.velocity, bodies, out);
-        if let Some(closing) = closing {
+        if let Some(following) = Following::at(mechanism, |efforts, answer| ode.respond(efforts, answer)) {
+            following.follow(out);
+        } else if let Some(closing) = closing {
             closing.place(mechanism, state);
             closing.accelerations(mechanism, &state.velocity, bodies, out, accelerations);
         }
@@ -66,27 +72,36 @@ impl ResponseOnTree {
 
     /// Takes a state at which columns of Y are asked for.
     pub fn place(&mut self, state: &State) {
-        let ResponseOnTree { mechanism, bare, closing, zero, free, .. } = self;
+        let ResponseOnTree { mechanism, bare, closing, following, zero, free, .. } = self;
         bare.accelerations(&state.position, zero, free);
-        if let Some(closing) = closing {
+        *following = Following::at(mechanism, |efforts, answer| bare.respond(efforts, answer));
+        if let Some(closing) = closing.as_mut().filter(|_| following.is_none()) {
             closing.place(mechanism, state);
         }
     }
 
     /// Y τ for efforts τ at the state that was taken last.
     pub fn answer(&mut self, efforts: &[f64], out: &mut [f64]) {
-        let ResponseOnTree { mechanism, bare, closing, .. } = self;
+        let ResponseOnTree { mechanism, bare, closing, following, .. } = self;
         bare.respond(efforts, out);
-        if let Some(closing) = closing {
+        if let Some(following) = following {
+            following.follow(out);
+        } else if let Some(closing) = closing {
             closing.velocities(mechanism, out);
         }
     }
 
     /// Brings velocities on the closures, with the least change in the metric of H.
     pub fn close_velocities(&mut self, state: &mut State) {
-        if let Some(closing) = &mut self.closing {
-            closing.place(&self.mechanism, state);
-            closing.velocities(&self.mechanism, &mut state.velocity);
+        if self.closing.is_none() {
+            return;
+        }
+        self.place(state);
+        let ResponseOnTree { mechanism, closing, following, .. } = self;
+        if let Some(following) = following {
+            following.follow(&mut state.velocity);
+        } else if let Some(closing) = closing {
+            closing.velocities(mechanism, &mut state.velocity);
         }
     }
 }

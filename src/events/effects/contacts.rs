@@ -288,7 +288,9 @@ impl Contacts {
         let least = -LOWEST * (scene.whole.gravity.norm() + largest).max(f64::MIN_POSITIVE);
         let asked = Asked { touching: scene.touching, bodies: &bodies, value, least, pressed };
         let contacts: Vec<&Contact> = self.candidates.iter().map(|candidate| &candidate.contact).collect();
-        let lacking = asked.lacking(&contacts, &decided.pressures);
+        let mut lacking = asked.lacking(&contacts, &decided.pressures);
+        // What parts is no candidate, here as little as in [`Contacts::come_to_rest`].
+        lacking.retain(|contact| touch_motion(&contact.joint, &bodies).rate <= self.rest);
         for contact in &lacking {
             let own = |candidate: &&Candidate| candidate.contact.pair == contact.pair;
             let slips = self.candidates.iter().filter(own).any(|candidate| candidate.slip != Vector3::zeros());
