@@ -174,8 +174,8 @@ impl Control {
         kink.then_some(smoothest)
     }
 
-    /// Whether a change of energy is one of rounding alone: E is nothing else either (hard dampers change much where little moves), or a step half as long changes the energy as much, where
-    /// truncation would fall to nothing. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their roundings.
+    /// Whether a change of energy is one of rounding alone: E is nothing else either (hard dampers change much where little moves), or a step half as long
+    /// changes the energy as much, where truncation would fall to nothing. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their roundings.
     fn is_rounding(&mut self, step: f64, error: f64, change: f64) -> bool {
         let (first_step, first_change) = *self.memory.refused.get_or_insert((step, change));
         let stays = step <= 0.5 * first_step && change >= 0.1 * first_change;

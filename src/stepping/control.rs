@@ -10,9 +10,9 @@
 //! ```
 //!
 //! With nine stages `E_tol ≤ (T / 2 / 0.35)^{1/1.25} / 3.3`, with five `E_tol ≤ (T / 2 / 0.25)^{1/1.5} / 1.3⁴`, so that samples inside a step are
-//! within the tolerance `T`. These bounds are active below 1e-7 m. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a finished one that changes the energy by more than its
-//! share of the tolerance; what is near that share does not grow, unless `E` is so small that the change can only be what the iteration
-//! has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
+//! within the tolerance `T`. These bounds are active below 1e-7 m. A step with `E > min(1.3^{s−1}, 3.3) E_tol` is thrown away, and so is a
+//! finished one that changes the energy by more than its share of the tolerance; what is near that share does not grow, unless `E` is so small
+//! that the change can only be what the iteration has left, which does not grow with the step. The energy sees what the polynomials do not, such as a
 //! passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster
 //! seldom has done so once. What an attempt with too large an E has found is the guess of the next one ([`catena_lobatto::stages::predictor`]). Where E does not
 //! fall with the step the motion has a kink, and the energy alone decides. Whatever

@@ -168,7 +168,7 @@ mod tests {
         // One kilogram on two contacts at one place, pressed by 10 N and pulled by a thousandth more than friction holds. To repeat t = a/|a| from half a
         // radian beside the pull would go to and fro.
         let (friction, pull) = (0.5, 5.0 * 1.001);
-        let along = [0.6, 0.8];
+        let along: [f64; 2] = [0.6, 0.8];
         let mobility = DMatrix::from_fn(6, 6, |row, column| if row % 3 == column % 3 { 1.0 } else { 0.0 });
         let free = [-10.0, pull * along[0], pull * along[1]].repeat(2);
         let mut kept = Kept::default();

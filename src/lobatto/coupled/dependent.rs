@@ -16,7 +16,6 @@
 //!
 //! Source of the basis: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, section 5.2.8.
 
-use crate::coupled::system::Screw;
 use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::plan::elimination::TWIST;
 use catena_mechanism::description::joint::JointKind;
@@ -119,19 +118,24 @@ impl Dependent {
         self.rows.iter().map(|(row, _)| *row)
     }
 
+    /// Whether joints have a part in it.
+    pub fn is_through_joints(&self) -> bool {
+        !self.joints.is_empty()
+    }
+
     /// Whether some of them implied others where the gaps were seen last.
     pub fn is_implied(&self) -> bool {
         self.implied
     }
 
-    /// Leaves of the gaps of so many stages what motions change, unless none imply others, with the gradients at the columns' stages and the screws of freedoms (body, freedom)
-    /// there. Does not allocate.
+    /// Leaves of the gaps of so many stages what motions change, unless none imply others, with the gradients at the columns' stages and the screws of freedoms
+    /// (body, freedom) there. Does not allocate.
     pub fn keep<V: Lanes>(
         &mut self,
         stages: usize,
-        gradients: &[[Screw<V>; 2]],
+        gradients: &[[[V; TWIST]; 2]],
         gaps: &mut [V],
-        screw: impl Fn(usize, usize) -> Screw<V>,
+        screw: impl Fn(usize, usize) -> [V; TWIST],
     ) {
         let Dependent { rows, floats, joints, columns, sizes, .. } = self;
         let count = rows.len();

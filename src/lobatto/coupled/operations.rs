@@ -2,7 +2,7 @@
 
 use crate::coupled::front::{Fronts, Screws};
 use crate::coupled::mixing::Mixing;
-use crate::coupled::system::{Coupled, Geometry, IMPLIED, PROXIMAL, Resistance, SHARED, first_lane};
+use crate::coupled::system::{Coupled, Geometry, IMPLIED, PROXIMAL, Resistance, first_lane};
 use crate::numbers::lanes::{Lanes, MAX_LANES, in_lanes};
 use crate::plan::elimination::{Column, Operation, TWIST, Unknown};
 use crate::plan::tree::Plan;
@@ -146,7 +146,7 @@ impl<V: Lanes> Coupled<V> {
             self.fronts.take_multiplier(level, slot, columns);
             if row < self.mimic_rows.end {
                 let proximal = match self.even[row] {
-                    Some(even) => SHARED * even,
+                    Some(even) => even,
                     None if self.known.is_implied(row) => IMPLIED * self.scales[row],
                     None => self.proximal * self.scales[row],
                 };

@@ -43,7 +43,8 @@ pub const PROXIMAL: f64 = 1e-8;
 /// multipliers that nothing determines become a million times as large as those that hold the mechanism, and their roundings move it.
 pub const IMPLIED: f64 = 1e-2;
 
-/// ε of contacts of which some imply others. What the elimination rounds of their gaps is divided by it, and so is a force that friction feels.
+/// ε of contacts of which some imply others through joints. What the elimination rounds of their gaps is divided by it, and so is a force that friction
+/// feels; a body alone is rounded by less.
 pub const SHARED: f64 = 1e-6;
 
 /// A force and its torque about the common origin, or a twist, in the first components: six of them in space, three in a plane.
@@ -155,7 +156,7 @@ pub struct Coupled<V: Lanes> {
     pub(crate) scales: Vec<f64>,
     /// How easily a push from the world moves every body, for the equations that go there [1/kg].
     pub(crate) weights: Vec<f64>,
-    /// Contacts of which some may imply others, with what ε is a part of then [1/kg]; and the same for every row where they do.
+    /// Contacts of which some may imply others, with what ε comes to then [1/kg]; and the same for every row where they do.
     pub(crate) dependent: Vec<(Dependent, f64)>,
     pub(crate) even: Vec<Option<f64>>,
     /// The same as the scales, but that of the largest row for one with next to none.
@@ -227,8 +228,9 @@ impl<V: Lanes> Coupled<V> {
         };
         let dependent = Dependent::all(mechanism, &rows_of_loop).into_iter();
         let dependent = dependent.map(|group| {
+            let part = if group.is_through_joints() { SHARED } else { PROXIMAL };
             let largest = group.rows().map(weight).fold(0.0, f64::max);
-            (group, largest)
+            (group, part * largest)
         });
         let dependent: Vec<(Dependent, f64)> = dependent.collect();
         Coupled {
