@@ -27,9 +27,12 @@ const INDEPENDENT: usize = 3;
 /// What is left of a column is rounding below this part of the largest of its kind, or of what the rate of a joint is the sum of.
 const ROUNDING: f64 = 1e-9;
 
-/// The trees at the ends of equations, by their first bodies, and a row with 1 or −1.
+/// What equations lie between: trees by their first bodies, or bodies. And a row with 1 or −1.
 type Ends = [Option<usize>; 2];
 type Signed = (usize, f64);
+
+/// An equation, with its sign and the bodies at its ends.
+type Between = (Signed, Ends);
 
 /// The equations between two trees.
 #[derive(Clone, Debug)]
@@ -61,13 +64,13 @@ impl Dependent {
     pub fn all(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Self> {
         let first_of = |body: Option<usize>| body.and_then(|body| ancestors(mechanism, body).last());
         let sorted = |[a, b]: Ends| if a < b { [a, b] } else { [b, a] };
-        let mut found: Vec<(Ends, Vec<(usize, f64, Ends)>)> = Vec::new();
+        let mut found: Vec<(Ends, Vec<Between>)> = Vec::new();
         for (number, ([a, b], rows)) in mechanism.closing_ends().zip(rows_of_closure).enumerate() {
             let trees = [first_of(a.body), first_of(b.body)];
             let sign = if trees[0] < trees[1] { 1.0 } else { -1.0 };
             // Of a contact the first row is its gap; what rolls has others, of rates.
             let count = if number < mechanism.loops.len() { rows.len() } else { 1 };
-            let of_these = rows.clone().take(count).map(|row| (row, sign, [a.body, b.body]));
+            let of_these = rows.clone().take(count).map(|row| ((row, sign), [a.body, b.body]));
             match found.iter_mut().find(|(known, _)| *known == sorted(trees)) {
                 Some((_, all)) => all.extend(of_these),
                 None => found.push((sorted(trees), of_these.collect())),
@@ -80,12 +83,12 @@ impl Dependent {
         dependent.map(|(trees, rows)| Dependent::of(mechanism, trees, &rows)).collect()
     }
 
-    /// Rows with their signs and the bodies at their ends.
-    fn of(mechanism: &Mechanism, trees: Ends, rows: &[(usize, f64, Ends)]) -> Self {
+    /// Those between two trees.
+    fn of(mechanism: &Mechanism, trees: Ends, rows: &[Between]) -> Self {
         let is_floating = |body: usize| mechanism.bodies[body].joint.kind == JointKind::Floating;
         let floats = trees[0] != trees[1] && trees.iter().flatten().any(|&first| is_floating(first));
         let mut joints: Vec<JointColumn> = Vec::new();
-        for (number, (_, _, ends)) in rows.iter().enumerate() {
+        for (number, (_, ends)) in rows.iter().enumerate() {
             for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
                 for body in end.iter().flat_map(|&body| ancestors(mechanism, body)) {
                     // The motions of a whole tree are known already.
@@ -103,7 +106,7 @@ impl Dependent {
         }
         let columns = if floats { TWIST } else { 0 } + joints.len();
         Dependent {
-            rows: rows.iter().map(|&(row, sign, _)| (row, sign)).collect(),
+            rows: rows.iter().map(|(row, _)| *row).collect(),
             floats,
             columns: vec![0.0; MAX_LANES * columns * rows.len()],
             sizes: vec![0.0; MAX_LANES * joints.len()],
