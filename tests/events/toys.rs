@@ -129,7 +129,8 @@ fn a_rover_whose_wheels_break_away_together_converges_without_first_order_steps(
         assert!(finished.summary.steps < 500, "{}", finished.summary.steps);
     }
     let chassis = |finished: &Finished| Vector3::from_column_slice(&finished.state.position[..3]);
-    for (other, most) in [(&found[0], 1e-6), (&found[1], 1e-8), (&found[3], 1e-6)] {
+    // A few tolerances, because slips amplify errors; and far less between given steps of two orders.
+    for (other, most) in [(&found[0], 2e-6), (&found[1], 5e-8), (&found[3], 1e-9)] {
         let off = (chassis(&found[2]) - chassis(other)).norm();
         println!("{} and {} steps: {off:e} m", found[2].summary.steps, other.summary.steps);
         assert!(off < most, "{off:e} m");
