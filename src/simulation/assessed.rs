@@ -323,9 +323,8 @@ impl Integrator for Assessed<'_> {
         };
         self.steps += 1;
         let Terms { start, end, .. } = self.terms;
-        let few = || self.stages == StageChoice::Few;
         let early = state.time - start <= EARLY * (end - start);
-        if self.may_begin_again && early && self.run.was_held_by_stability() && few() {
+        if self.may_begin_again && early && self.run.was_held_by_stability() && self.stages == StageChoice::Few {
             self.next = Some((self.stop, StageChoice::Many));
         } else if state.time >= end || (state.time >= self.due && self.steps >= self.looked + STRIDE) {
             self.look(mechanism, state);

@@ -1,5 +1,6 @@
 //! A can that slides off another can or off a box, and cans that stand on each other: rims of two discs in one plane, and edges along the tangent of a rim.
 
+use crate::exact::runge_kutta;
 use crate::loose::{DOWN, cuboid, loose, meet, obstacle, on_floor, put, resting, solid};
 use crate::mechanisms::{GRAVITY, fixed, of_kind, run};
 use catena::mechanism::description::contact::Shape;
@@ -46,21 +47,14 @@ fn slid_off(speed: f64, friction: f64, until: f64) -> [f64; 3] {
     let brake = friction * GRAVITY;
     // x = v t − μ g t²/2.
     let begin = 2.0 * tips / (speed + (speed * speed - 2.0 * brake * tips).sqrt());
-    let slope = |[s, q, u, w]: [f64; 4]| {
+    let slope = |&[s, q, u, w]: &[f64; 4]| {
         // s̈ and θ̈ of N, which follows from the normal direction.
         let turning = (friction * HALF - s) / inertia;
         let push = (MASS * GRAVITY * q.cos() + MASS * (2.0 * u * w - HALF * w * w)) / (1.0 - MASS * s * turning);
         let along = s * w * w + HALF * turning * push - GRAVITY * q.sin() + friction * push / MASS;
         [u, w, along, turning * push]
     };
-    let step = |y: [f64; 4], h: f64| {
-        let ahead = |part: f64, k: [f64; 4]| std::array::from_fn(|i| y[i] + part * h * k[i]);
-        let first = slope(y);
-        let second = slope(ahead(0.5, first));
-        let third = slope(ahead(0.5, second));
-        let fourth = slope(ahead(1.0, third));
-        std::array::from_fn(|i| y[i] + h / 6.0 * (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i]))
-    };
+    let step = |y: [f64; 4], h: f64| runge_kutta(&slope, &y, h);
     let (mut y, mut time, h) = ([friction * HALF, 0.0, brake * begin - speed, 0.0], begin, 2e-6_f64);
     while time < until && y[0] > -RADIUS {
         let next = step(y, h.min(until - time));

@@ -12,7 +12,7 @@
 //!
 //! which is here integrated on its own: α, β, γ from the first three equations, then the method of Runge and Kutta for (x, y, θ, v, ω, s).
 
-use crate::contacts_wobble::after;
+use crate::exact::after;
 use crate::mechanisms::{GRAVITY, fixed, run};
 use catena::mechanism::description::contact::{Collider, ContactPair, Shape};
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};

@@ -1,6 +1,6 @@
 //! Cylinders that wobble and roll on a rim: against equations of motion of their angles.
 
-use crate::exact::near;
+use crate::exact::{after, near};
 use crate::loose::{DOWN, loose, on_floor, put, solid};
 use crate::mechanisms::{GRAVITY, fixed, run};
 use catena::mechanism::description::contact::Shape;
@@ -46,28 +46,6 @@ fn tilted(
 fn axis_and_spin(mechanism: &Mechanism, state: &State) -> (Vector3<f64>, Vector3<f64>) {
     let body = &body_states(mechanism, state)[0];
     (body.rotation.column(2).into_owned(), body.angular_velocity)
-}
-
-/// One step of Runge and Kutta's method of order four.
-fn runge_kutta<const N: usize>(slope: &impl Fn(&[f64; N]) -> [f64; N], y: &[f64; N], h: f64) -> [f64; N] {
-    let ahead = |part: f64, k: &[f64; N]| std::array::from_fn(|i| y[i] + part * h * k[i]);
-    let first = slope(y);
-    let second = slope(&ahead(0.5, &first));
-    let third = slope(&ahead(0.5, &second));
-    let fourth = slope(&ahead(1.0, &third));
-    std::array::from_fn(|i| y[i] + h / 6.0 * (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i]))
-}
-
-pub fn after<const N: usize>(
-    slope: impl Fn(&[f64; N]) -> [f64; N],
-    mut y: [f64; N],
-    time: f64,
-    steps: usize,
-) -> [f64; N] {
-    for _ in 0..steps {
-        y = runge_kutta(&slope, &y, time / steps as f64);
-    }
-    y
 }
 
 /// The tilt θ, its rate and the azimuth φ of a cylinder that slides on its rim without friction. ω about its axis and the angular momentum L about the vertical

@@ -16,13 +16,12 @@
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9.
 
 use crate::events::effects::first_slips::Kept;
-use crate::events::effects::shared_pressures::with_shared_pressures;
+use crate::events::effects::shared_pressures::solve_as_steps_share;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::closed_forces::Chosen;
 use crate::events::modes::mode::{Closed, JointMode, Mode};
 use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact, second_rates};
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
-use crate::instant::cone::solve;
 use crate::instant::elements::Elements;
 use crate::instant::response::Response;
 use crate::instant::touching::{Contact, RimOf, Touching};
@@ -194,15 +193,8 @@ pub(crate) fn decide(
     let is_flat = candidates.iter().any(|candidate| candidate.contact.flat_end().is_some());
     let holding = is_flat.then(|| Chosen::new(&blocks).solve(&rows.square, &offset, false));
     let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
-    let solved = solve(&Problem { mobility: &rows.square, free: &offset, laws: &laws }, None);
-    // What begins to slide goes where it is accelerated with the pressures that steps will have.
-    let begins = |(law, state): (&Law, &BlockState)| matches!(law, Law::Contact { .. }) && *state == BlockState::Slips;
-    let shared = match &solved {
-        Ok(found) if laws.iter().zip(&found.states).any(begins) => with_shared_pressures(&blocks, &rows.square),
-        _ => None,
-    };
-    let again = shared.and_then(|shared| solve(&Problem { mobility: &shared, free: &offset, laws: &laws }, None).ok());
-    let (found, exact) = match again.map_or(solved, Ok) {
+    let problem = Problem { mobility: &rows.square, free: &offset, laws: &laws };
+    let (found, exact) = match solve_as_steps_share(&blocks, &problem) {
         Ok(found) => (found, true),
         Err(Unsolved::Stopped { best }) => (*best, false),
         Err(Unsolved::Inconsistent { block, .. }) => {

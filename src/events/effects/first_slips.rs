@@ -114,6 +114,7 @@ impl Kept {
     /// The accelerations of the contacts that begin to slide along and across their directions; nothing where a contact would pull.
     fn look(&self, own: &DMatrix<f64>, free: &[f64]) -> Option<Vec<Seen>> {
         let forces = Chosen::new(&self.blocks).solve(own, free, false);
+        let rates = own * DVector::from_column_slice(&forces) + DVector::from_column_slice(free);
         let least = -ROUNDING * forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
         let (mut row, mut seen) = (0, Vec::new());
         for (block, begins) in self.blocks.iter().zip(&self.begins) {
@@ -122,10 +123,12 @@ impl Kept {
                     return None;
                 }
                 if *begins {
-                    let parts = |row: usize| (0..forces.len()).map(move |other| (row, other));
-                    let part = |(row, other): (usize, usize)| own[(row, other)] * forces[other];
-                    let [first, second] = [row + 1, row + 2].map(|row| free[row] + parts(row).map(part).sum::<f64>());
-                    let size = |row: usize| free[row].abs() + parts(row).map(part).map(f64::abs).sum::<f64>();
+                    let [first, second] = [rates[row + 1], rates[row + 2]];
+                    let size = |row: usize| {
+                        let own = own.row(row);
+                        let pushed = own.iter().zip(&forces).map(|(own, force)| (own * force).abs());
+                        free[row].abs() + pushed.sum::<f64>()
+                    };
                     let size = size(row + 1).hypot(size(row + 2));
                     seen.push(Seen { along: x * first + y * second, across: x * second - y * first, size });
                 }

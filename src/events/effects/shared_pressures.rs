@@ -1,4 +1,4 @@
-//! The mobility of a decision in which something slides, with pressures as steps share them.
+//! Decisions in which something begins to slide, with pressures as steps share them.
 //!
 //! Where the normals of closed contacts imply each other, `zᵀ W_N = 0`, the law has an answer for each way in which they can share what presses them,
 //! and friction one for each of these. Steps have equal springs under all contacts, as stiff as one likes ([`crate::events::forces::closed_forces`]).
@@ -10,16 +10,29 @@
 //!
 //! as long as all stay closed, whatever ε is: then `zᵀ λ_N = 0` costs nothing. Where some open, ε says how little the others give way.
 
+use crate::events::forces::closed_forces::implied;
 use crate::instant::blocks::{Block, Of};
+use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
+use crate::instant::cone::solve;
 use nalgebra::{DMatrix, DVector};
 
 /// ε.
 const GIVES: f64 = 1e-6;
-/// Normals whose response is singular to this part imply each other.
-const SINGULAR: f64 = 1e-10;
+
+/// Solves the law of the blocks; again with D' where something begins to slide, if that can be solved.
+pub(crate) fn solve_as_steps_share(blocks: &[Block], problem: &Problem) -> Result<Answer, Unsolved> {
+    let solved = solve(problem, None)?;
+    let begins = |(law, state): (&Law, &BlockState)| matches!(law, Law::Contact { .. }) && *state == BlockState::Slips;
+    if !problem.laws.iter().zip(&solved.states).any(begins) {
+        return Ok(solved);
+    }
+    let again = with_shared_pressures(blocks, problem.mobility)
+        .and_then(|shared| solve(&Problem { mobility: &shared, ..*problem }, None).ok());
+    Ok(again.unwrap_or(solved))
+}
 
 /// D' for the blocks of a decision; nothing where no normals imply others.
-pub(crate) fn with_shared_pressures(blocks: &[Block], mobility: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+fn with_shared_pressures(blocks: &[Block], mobility: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let (mut normals, mut row) = (Vec::new(), 0);
     for block in blocks {
         if matches!(block.of, Of::Contact(_)) && mobility[(row, row)] > 0.0 {
@@ -28,22 +41,16 @@ pub(crate) fn with_shared_pressures(blocks: &[Block], mobility: &DMatrix<f64>) -
         row += block.rows.len();
     }
     let count = normals.len();
+    if count < 2 {
+        return None;
+    }
     let scales: Vec<f64> = normals.iter().map(|&row| 1.0 / mobility[(row, row)].sqrt()).collect();
     let entry = |i: usize, j: usize| mobility[(normals[i], normals[j])] * scales[i] * scales[j];
-    let scaled = DMatrix::from_fn(count, count, entry);
-    if count < 2 || !scaled.iter().all(|value| value.is_finite()) {
-        return None;
-    }
-    let eigen = scaled.symmetric_eigen();
-    let least = SINGULAR * eigen.eigenvalues.max();
-    let implied: Vec<usize> = (0..count).filter(|&index| eigen.eigenvalues[index] <= least).collect();
-    if implied.is_empty() {
-        return None;
-    }
+    let implied = implied(DMatrix::from_fn(count, count, entry)).filter(|columns| !columns.is_empty())?;
     let mean = normals.iter().map(|&row| mobility[(row, row)]).sum::<f64>() / count as f64;
     let mut shared = mobility.clone();
-    for index in implied {
-        let z = DVector::from_fn(count, |i, _| eigen.eigenvectors[(i, index)] * scales[i]).normalize();
+    for column in implied {
+        let z = DVector::from_fn(count, |i, _| column[i] * scales[i]).normalize();
         for (i, &row) in normals.iter().enumerate() {
             for (j, &column) in normals.iter().enumerate() {
                 shared[(row, column)] += GIVES * mean * z[i] * z[j];
@@ -56,8 +63,6 @@ pub(crate) fn with_shared_pressures(blocks: &[Block], mobility: &DMatrix<f64>) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::instant::cone::problem::{Law, Problem};
-    use crate::instant::cone::solve;
 
     #[test]
     fn pressures_of_a_plate_on_four_feet_lie_on_a_plane() {

@@ -302,15 +302,7 @@ impl Chosen {
     /// The combinations z of scaled rows that are nothing, and `C z` for the same compliance of all contacts, both in columns of length one.
     fn spread(&self, mobility: &DMatrix<f64>, scales: &[f64]) -> Option<[DMatrix<f64>; 2]> {
         let count = self.equations.len();
-        let scaled = self.scaled(mobility, false, scales);
-        if !scaled.iter().all(|value| value.is_finite()) {
-            return None;
-        }
-        let eigen = scaled.symmetric_eigen();
-        let least = SINGULAR * eigen.eigenvalues.max();
-        let of_implied = (0..count).filter(|&index| eigen.eigenvalues[index] <= least);
-        let columns: Vec<DVector<f64>> =
-            of_implied.map(|index| eigen.eigenvectors.column(index).into_owned()).collect();
+        let columns = implied(self.scaled(mobility, false, scales))?;
         let (mut sum, mut contacts) = (0.0, 0);
         for index in (0..count).filter(|&index| self.touches[index]) {
             let row = self.equations[index].0;
@@ -357,6 +349,17 @@ impl Chosen {
         }
         forces
     }
+}
+
+/// The combinations of rows that are nothing, of length one, of a symmetric response with a unit diagonal; none if a number is not finite.
+pub(crate) fn implied(scaled: DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
+    if !scaled.iter().all(|value| value.is_finite()) {
+        return None;
+    }
+    let eigen = scaled.symmetric_eigen();
+    let least = SINGULAR * eigen.eigenvalues.max();
+    let of_implied = (0..eigen.eigenvalues.len()).filter(|&index| eigen.eigenvalues[index] <= least);
+    Some(of_implied.map(|index| eigen.eigenvectors.column(index).into_owned()).collect())
 }
 
 /// Whether a response is regular, whatever the units of its rows.

@@ -20,7 +20,6 @@ use crate::numbers::lanes::Lanes;
 use crate::plan::forces::AppliedStart;
 use crate::vectors::portable::Portable;
 use catena_mechanism::description::body_state::{BodyState, WORLD};
-use catena_mechanism::description::joint::FreeRotation;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::forces::total::stored;
 use catena_mechanism::ground::matrices::{column, times};
@@ -248,12 +247,7 @@ impl Start {
                 self.axes[slot] = column(&frame, axis).into();
                 slot += 1;
             }
-            let rotations: &[usize] = match joint.kind.rotation() {
-                FreeRotation::None => &[],
-                FreeRotation::AboutZ => &[2],
-                FreeRotation::Ball => &[0, 1, 2],
-            };
-            for &axis in rotations {
+            for &axis in joint.kind.rotation_axes() {
                 self.axes[slot] = times(&own.rotation, &column(joint.on_child.rotation.matrix(), axis)).into();
                 slot += 1;
             }

@@ -6,7 +6,7 @@
 use crate::numbers::lanes::Lanes;
 use crate::stages::start::{BodyStart, Pivot, Start, units_per_kilogram};
 use catena_mechanism::description::body_state::{BodyState, WORLD};
-use catena_mechanism::description::joint::{FreeRotation, JointKind, sine_cosine};
+use catena_mechanism::description::joint::{JointKind, sine_cosine};
 use catena_mechanism::description::mechanism::{Body, Mechanism};
 use catena_mechanism::motion::energy::Energy;
 use catena_mechanism::motion::kinematics::joint_rates;
@@ -153,12 +153,7 @@ impl<L: Lanes<Array = [f64; 2]>> TwoStarts<L> {
                 write_axis([&mut first.axes[slot], &mut second.axes[slot]], &mut both.axes[slot], axis);
                 slot += 1;
             }
-            let rotations: &[usize] = match joint.kind.rotation() {
-                FreeRotation::None => &[],
-                FreeRotation::AboutZ => &[2],
-                FreeRotation::Ball => &[0, 1, 2],
-            };
-            for &axis in rotations {
+            for &axis in joint.kind.rotation_axes() {
                 let axis = splat(&joint.on_child.rotation.matrix().column(axis).into_owned());
                 let axis = times(&own.rotation, &axis).map(L::to_array);
                 write_axis([&mut first.axes[slot], &mut second.axes[slot]], &mut both.axes[slot], axis);

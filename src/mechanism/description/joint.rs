@@ -63,6 +63,27 @@ impl JointKind {
         }
     }
 
+    /// The joint-frame axes along which it may not.
+    #[inline]
+    pub fn fixed_axes(self) -> &'static [usize] {
+        match self {
+            JointKind::Revolute | JointKind::Spherical => &[0, 1, 2],
+            JointKind::Prismatic => &[0, 1],
+            JointKind::Planar => &[2],
+            JointKind::Floating => &[],
+        }
+    }
+
+    /// The axes of the child's joint frame about which the joint may turn.
+    #[inline]
+    pub fn rotation_axes(self) -> &'static [usize] {
+        match self.rotation() {
+            FreeRotation::None => &[],
+            FreeRotation::AboutZ => &[2],
+            FreeRotation::Ball => &[0, 1, 2],
+        }
+    }
+
     /// The free rotations.
     #[inline]
     pub fn rotation(self) -> FreeRotation {
@@ -87,12 +108,7 @@ impl JointKind {
     /// Number of degrees of freedom, which is the number of entries in the velocity vector.
     #[inline]
     pub fn velocity_count(self) -> usize {
-        self.translation_axes().len()
-            + match self.rotation() {
-                FreeRotation::None => 0,
-                FreeRotation::AboutZ => 1,
-                FreeRotation::Ball => 3,
-            }
+        self.translation_axes().len() + self.rotation_axes().len()
     }
 
     /// The unit of a degree of freedom, counted from the first: translations come before rotations.
@@ -195,4 +211,23 @@ pub fn wxyz_from_rotation(rotation: &Matrix3<f64>) -> [f64; 4] {
     let quaternion = UnitQuaternion::from_rotation_matrix(&nalgebra::Rotation3::from_matrix_unchecked(*rotation));
     let sign = if quaternion.w < 0.0 { -1.0 } else { 1.0 };
     [sign * quaternion.w, sign * quaternion.i, sign * quaternion.j, sign * quaternion.k]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn along_each_axis_a_joint_slides_or_is_fixed() {
+        for kind in
+            [JointKind::Revolute, JointKind::Prismatic, JointKind::Planar, JointKind::Spherical, JointKind::Floating]
+        {
+            for axis in 0..3 {
+                assert!(
+                    kind.translation_axes().contains(&axis) != kind.fixed_axes().contains(&axis),
+                    "{kind:?}, {axis}"
+                );
+            }
+        }
+    }
 }

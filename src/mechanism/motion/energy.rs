@@ -8,7 +8,7 @@
 //! Springs and loads with a potential add theirs ([`crate::description::forces`]).
 
 use crate::description::body_state::{BodyState, WORLD};
-use crate::description::joint::{FreeRotation, JointKind};
+use crate::description::joint::FreeRotation;
 use crate::description::mechanism::Mechanism;
 use crate::forces::total::stored;
 use crate::ground::matrices::{column, cross, dot, product, times, transpose_times};
@@ -102,14 +102,7 @@ pub fn violation(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> 
             - parent.velocity
             - cross(&parent.angular_velocity, &(arm_p + gap));
         let relative_spin = here.angular_velocity - parent.angular_velocity;
-        // Axes along which nothing slides.
-        let fixed: &[usize] = match joint.kind {
-            JointKind::Revolute | JointKind::Spherical => &[0, 1, 2],
-            JointKind::Prismatic => &[0, 1],
-            JointKind::Planar => &[2],
-            JointKind::Floating => &[],
-        };
-        for &axis in fixed {
+        for &axis in joint.kind.fixed_axes() {
             let direction = column(&frame_p, axis);
             see(dot(&direction, &gap), dot(&direction, &gap_rate));
         }
