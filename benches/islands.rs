@@ -7,10 +7,10 @@
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::motion::state::State;
-use catena::simulation::accuracy::calibrate;
-use catena::simulation::islands::Islands;
-use catena::simulation::partition::Plan;
-use catena::simulation::threads::Threads;
+use catena::simulation::parallel::islands::Islands;
+use catena::simulation::parallel::partition::Plan;
+use catena::simulation::parallel::threads::Threads;
+use catena::simulation::tolerance::accuracy::calibrate;
 use catena::simulation::{RunOptions, run};
 use catena::stepping::integrator::Lobatto;
 use cpu_time::ProcessTime;

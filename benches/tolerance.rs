@@ -14,7 +14,7 @@ use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;
 use catena::prelude::*;
 use catena::session::Left;
-use catena::simulation::accuracy::Calibration;
+use catena::simulation::tolerance::accuracy::Calibration;
 use catena::simulation::{SimulationOptions, StepChoice};
 use catena::stepping::integrator::Lobatto;
 use cpu_time::ThreadTime;

@@ -3,9 +3,9 @@
 //! Everything that can be wrong with the input is found before the folder is made. After every scene all files are
 //! written anew, each whole; Ctrl-C ends with what has been measured up to then.
 
-use crate::cli::input::WorldArgs;
-use crate::cli::numbers::{Assignment, numbers, pairs, positive};
-use crate::cli::{Failure, print, warn};
+use crate::cli::arguments::input::WorldArgs;
+use crate::cli::arguments::numbers::{Assignment, numbers, pairs, positive};
+use crate::cli::terminal::printing::{Failure, print, warn};
 use anyhow::{Context, anyhow};
 use catena::drawing::error::ChartError;
 use catena::mechanism::ground::words::counted;
@@ -32,7 +32,7 @@ pub struct ChartArgs {
     inputs: Vec<PathBuf>,
 
     /// Folder for the pictures, measurements.csv and index.html; created if missing
-    #[arg(short, long, value_name = "DIR", value_parser = crate::cli::output_folder())]
+    #[arg(short, long, value_name = "DIR", value_parser = crate::cli::arguments::outputs::output_folder())]
     output: PathBuf,
 
     #[command(flatten)]
@@ -98,7 +98,7 @@ pub fn run(arguments: &ChartArgs) -> Result<(), Failure> {
         ));
     }
     // The chart ends after the step it is in.
-    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
+    let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
 
     let bar = progress_bar(!arguments.quiet && std::io::stderr().is_terminal(), scenes.len());
     let mut report = Report { foreign, machine: processor(), ..Report::default() };

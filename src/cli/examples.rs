@@ -57,7 +57,7 @@ Example:
 mod tests {
     use super::*;
     use crate::cli::CommandLine;
-    use crate::cli::contact_args::with_heights;
+    use crate::cli::arguments::contact_args::with_heights;
     use clap::Parser;
     use std::ffi::OsString;
 

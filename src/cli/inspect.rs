@@ -6,7 +6,7 @@
 use crate::cli::inspect_files::{check_absent, check_ending, check_outputs, draw, kinds, recover_into, write_csv};
 use crate::cli::inspect_follow::follow;
 use crate::cli::recorded::Recorded;
-use crate::cli::{Failure, print, print_json, warn};
+use crate::cli::terminal::printing::{Failure, print, print_json, warn};
 use anyhow::anyhow;
 use catena::instant::statuses::joint_statuses;
 use catena::mechanism::ground::words::decimals;
@@ -37,7 +37,7 @@ pub struct InspectArgs {
     other: Option<PathBuf>,
 
     /// Show the links and joints at the logged instant nearest to T [s]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = crate::cli::numbers::finite)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = crate::cli::arguments::numbers::finite)]
     at: Option<f64>,
 
     /// Show the events: impacts on limits, sticking and slipping, motors at their bounds
@@ -45,11 +45,11 @@ pub struct InspectArgs {
     events: bool,
 
     /// Write all samples as a table of comma-separated values
-    #[arg(long, value_name = "FILE.csv", value_parser = crate::cli::output_file())]
+    #[arg(long, value_name = "FILE.csv", value_parser = crate::cli::arguments::outputs::output_file())]
     csv: Option<PathBuf>,
 
     /// Draw positions, velocities, energy error, constraint error and reactions
-    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = crate::cli::output_file())]
+    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = crate::cli::arguments::outputs::output_file())]
     plot: Option<PathBuf>,
 
     /// Draw those curves only that have one of these words in their titles or names, as `position,elbow` [default: all]
@@ -57,7 +57,7 @@ pub struct InspectArgs {
     curves: Vec<String>,
 
     /// Write all that can be read as a new, complete log, for viewers that need the index that a killed run did not write
-    #[arg(long, value_name = "FILE.mcap", value_parser = crate::cli::output_file())]
+    #[arg(long, value_name = "FILE.mcap", value_parser = crate::cli::arguments::outputs::output_file())]
     recover: Option<PathBuf>,
 
     /// Follow a log while a run writes it, with a line whenever there is something new

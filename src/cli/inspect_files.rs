@@ -2,7 +2,7 @@
 
 use crate::cli::page_files::is_same;
 use crate::cli::recorded::Recorded;
-use crate::cli::{Failure, warn};
+use crate::cli::terminal::printing::{Failure, warn};
 use anyhow::{Context, bail};
 use catena::drawing::files::write_with;
 use catena::drawing::picture::Figure;

@@ -1,6 +1,6 @@
 //! `catena inspect --follow`: looks again and again at a log that a run is writing.
 
-use crate::cli::{Failure, print, print_while_read};
+use crate::cli::terminal::printing::{Failure, print, print_while_read};
 use anyhow::anyhow;
 use catena::output::inspection::summary::Summary;
 use catena::output::log::{is_locked, neighbour};
@@ -17,7 +17,7 @@ const LOOK_INTERVAL: Duration = Duration::from_millis(500);
 /// # Errors
 /// [`Failure`]: 2 if the log cannot be read, 130 if it is interrupted.
 pub(crate) fn follow(log: &Path, json: bool) -> Result<(), Failure> {
-    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
+    let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
     let mut shown = None;
     loop {
         let looked = Instant::now();

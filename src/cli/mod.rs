@@ -9,62 +9,36 @@
 //!
 //! Errors are one line on standard error, `catena: error: …`, so that scripts can show them as they are.
 
+mod arguments;
 mod chart;
 mod check;
-mod contact_args;
-mod contact_tables;
-mod couplings;
 mod examples;
-mod input;
 mod inspect;
 mod inspect_files;
 mod inspect_follow;
-mod joint_tables;
-mod log_options;
 mod model;
-mod numbers;
 mod page_files;
-mod progress;
 mod recorded;
 mod replay;
 mod report;
-mod rules;
 mod shell;
 mod simulate;
-mod special_output;
 mod stress;
 mod sweep;
-mod table;
+mod tables;
+mod terminal;
 
 pub use report::page_of_log;
 
-use crate::cli::contact_args::with_heights;
-use anstyle::{AnsiColor, Effects, Style};
-use anyhow::Context;
-use catena::session::{Error, Origin};
-use clap::builder::{PathBufValueParser, TypedValueParser};
+use crate::cli::arguments::contact_args::with_heights;
+use crate::cli::terminal::printing::complain;
+use crate::cli::terminal::signals::outlive_large_files;
+use catena::session::Origin;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
-use serde::Serialize;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
 use std::ffi::OsString;
-use std::fmt::Display;
-use std::io::{self, Write};
-use std::ops::ControlFlow;
-use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
-use std::time::Duration;
-
-/// What asks a process to end.
-const ENDING_SIGNALS: &[i32] = &[
-    SIGINT,
-    SIGTERM,
-    #[cfg(unix)]
-    signal_hook::consts::SIGHUP,
-];
+use std::sync::OnceLock;
 
 /// Simulates mechanisms of rigid bodies, given as URDF or scene files, without drift and at any order of accuracy.
 #[derive(Parser)]
@@ -108,41 +82,6 @@ enum Verb {
     Manual(shell::ManualArgs),
 }
 
-/// Why a verb did not do what it was asked for.
-#[derive(Debug)]
-pub struct Failure {
-    exit_code: u8,
-    error: anyhow::Error,
-}
-
-impl Failure {
-    /// Bad usage or bad input: nothing was written.
-    pub fn input(error: impl Into<anyhow::Error>) -> Self {
-        Failure { exit_code: 2, error: error.into() }
-    }
-
-    /// Failed part-way.
-    pub fn run(error: impl Into<anyhow::Error>) -> Self {
-        Failure { exit_code: 1, error: error.into() }
-    }
-
-    /// Interrupted by the user.
-    pub fn interrupted(error: impl Into<anyhow::Error>) -> Self {
-        Failure { exit_code: 130, error: error.into() }
-    }
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        let exit_code = match &error {
-            error if error.is_interruption() => 130,
-            error if error.is_input() => 2,
-            _ => 1,
-        };
-        Failure { exit_code, error: error.into() }
-    }
-}
-
 /// The words of the command line, from the name of the program on.
 static WORDS: OnceLock<Vec<OsString>> = OnceLock::new();
 
@@ -181,10 +120,7 @@ pub fn main_of(words: Vec<OsString>) -> u8 {
     };
     match ended {
         Ok(()) => 0,
-        Err(failure) => {
-            complain(&format!("{:#}", failure.error));
-            failure.exit_code
-        }
+        Err(failure) => failure.complain(),
     }
 }
 
@@ -227,109 +163,4 @@ pub fn simulate_arguments(arguments: &[String]) -> anyhow::Result<simulate::Argu
         Verb::Simulate(arguments) => Ok(*arguments),
         _ => anyhow::bail!("it was not written by catena simulate"),
     }
-}
-
-/// A file to write.
-///
-/// # Errors
-/// For `-`, by which users mean standard output, where nothing can be renamed to or sought in.
-pub fn output_file() -> impl TypedValueParser<Value = PathBuf> {
-    not_standard_output("standard output is not supported; give a file, ./- if it shall have this name")
-}
-
-/// A folder to write into.
-///
-/// # Errors
-/// As [`output_file`]: several files go nowhere else.
-pub fn output_folder() -> impl TypedValueParser<Value = PathBuf> {
-    not_standard_output("several files cannot go to standard output; give a folder, ./- if it shall have this name")
-}
-
-fn not_standard_output(otherwise: &'static str) -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().try_map(move |path| if path.as_os_str() == "-" { Err(otherwise) } else { Ok(path) })
-}
-
-/// Colours on terminals, those that clap's own messages have; none where NO_COLOR is set, or nobody looks.
-const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
-const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
-
-/// Prints an error on one line.
-fn complain(message: &str) {
-    let line = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    // If standard error is closed there is nobody left to tell.
-    let _ = writeln!(anstream::stderr(), "catena: {ERROR}error:{ERROR:#} {line}");
-}
-
-/// Prints a warning.
-pub fn warn(message: impl Display) {
-    // As for errors.
-    let _ = writeln!(anstream::stderr(), "catena: {WARNING}warning:{WARNING:#} {message}");
-}
-
-/// Writes to standard output; a reader that has gone away is no error.
-///
-/// # Errors
-/// Whatever else keeps standard output from being written.
-pub fn print(text: impl Display) -> Result<(), Failure> {
-    print_while_read(text).map(drop)
-}
-
-/// Writes to standard output; breaks off if the reader has gone away.
-///
-/// # Errors
-/// As [`print`].
-pub fn print_while_read(text: impl Display) -> Result<ControlFlow<()>, Failure> {
-    let mut out = io::stdout().lock();
-    match write!(out, "{text}").and_then(|()| out.flush()) {
-        Ok(()) => Ok(ControlFlow::Continue(())),
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(ControlFlow::Break(())),
-        Err(error) => Err(Failure::run(anyhow::Error::new(error).context("cannot write to standard output"))),
-    }
-}
-
-/// Writes a value to standard output as JSON, for people too.
-///
-/// # Errors
-/// As [`print`].
-pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
-    let json = serde_json::to_string_pretty(value).map_err(Failure::run)?;
-    print(format_args!("{json}\n"))
-}
-
-/// Makes a file that has reached the size the system allows an error of the write, like a full disk, not the end of the process.
-#[cfg(unix)]
-fn outlive_large_files() {
-    // Where the system does not let us, the process ends as it would anyway.
-    let _ = flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
-}
-
-#[cfg(not(unix))]
-fn outlive_large_files() {}
-
-/// After the first Ctrl-C a second one ends the process, but not at once: `timeout` sends its signal to the process and to its group.
-const PATIENCE: Duration = Duration::from_millis(500);
-
-/// A flag that the first Ctrl-C (or request to end) sets; a second one, half a second later, ends the process.
-///
-/// # Errors
-/// If the system does not let us watch.
-pub fn watch_for_signals() -> anyhow::Result<Arc<AtomicBool>> {
-    let [interrupted, impatient] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
-    let watch = || -> io::Result<()> {
-        for &signal in ENDING_SIGNALS {
-            flag::register_conditional_shutdown(signal, 130, impatient.clone())?;
-            flag::register(signal, interrupted.clone())?;
-        }
-        let seen = interrupted.clone();
-        std::thread::Builder::new().name("signals".to_string()).spawn(move || {
-            while !seen.load(Ordering::Relaxed) {
-                std::thread::sleep(PATIENCE / 5);
-            }
-            std::thread::sleep(PATIENCE);
-            impatient.store(true, Ordering::Relaxed);
-        })?;
-        Ok(())
-    };
-    watch().context("cannot watch for Ctrl-C")?;
-    Ok(interrupted)
 }

@@ -1,9 +1,10 @@
 //! `catena model`: what was read, what was left out and why, and what will be simulated.
 
-use crate::cli::input::InputArgs;
+use crate::cli::arguments::input::InputArgs;
 use crate::cli::page_files::{check_page, write_page};
-use crate::cli::table::{Table, number, triple};
-use crate::cli::{Failure, contact_tables, couplings, joint_tables, print, print_json, rules};
+use crate::cli::tables::table::{Table, number, triple};
+use crate::cli::tables::{contact_tables, couplings, joint_tables, rules};
+use crate::cli::terminal::printing::{Failure, print, print_json};
 use catena::instant::assembly::{Redundancy, redundancy, redundancy_counted};
 use catena::mechanism::description::joint::wxyz_from_rotation;
 use catena::mechanism::description::rules::Rule;
@@ -14,7 +15,7 @@ use catena::output::page::{MESH_LIMIT, PageOptions, PageTable, model_page};
 use catena::output::report::ModelReport;
 use catena::scene::{Scene, Warning, warning_lines};
 use catena::session::Loaded;
-use catena::simulation::partition::Plan;
+use catena::simulation::parallel::partition::Plan;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -34,7 +35,7 @@ pub struct ModelArgs {
     pub parameters: bool,
 
     /// Write a page that shows the robot in 3-D, with a slider for each joint; any browser opens it
-    #[arg(short, long, value_name = "FILE.html", value_parser = crate::cli::output_file())]
+    #[arg(short, long, value_name = "FILE.html", value_parser = crate::cli::arguments::outputs::output_file())]
     pub output: Option<PathBuf>,
 
     /// Most triangles of all meshes of the page together; larger meshes are simplified, 0 leaves meshes out

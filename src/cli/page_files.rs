@@ -1,6 +1,6 @@
 //! The file of a page: its path is checked first, and it is written whole or not at all.
 
-use crate::cli::Failure;
+use crate::cli::terminal::printing::Failure;
 use anyhow::bail;
 use catena::drawing::files::write_text;
 use catena::session::{check_place, folder_of};

@@ -4,7 +4,7 @@
 //! scene are the attachments after it, in their order, then the meshes of its obstacles; meshes of links that may touch are named after
 //! their robots. Other meshes, on which no motion depends, are left out.
 
-use crate::cli::input::WorldArgs;
+use crate::cli::arguments::input::WorldArgs;
 use crate::cli::{simulate, simulate_arguments};
 use anyhow::{Context, anyhow, bail};
 use catena::output::log::reading::reader::{Item, read_log};

@@ -2,10 +2,10 @@
 //!
 //! A log that was cut off or whose run was interrupted is compared up to its end; one that is damaged is not the same as any run.
 
-use crate::cli::progress::Progress;
 use crate::cli::recorded::Recorded;
 use crate::cli::simulate::Setup;
-use crate::cli::{Failure, print};
+use crate::cli::terminal::printing::{Failure, print};
+use crate::cli::terminal::progress::Progress;
 use anyhow::anyhow;
 use catena::output::log::{Difference, Recorder};
 use catena::session::{DRIVEN, Error, Settled, TOLD};
@@ -44,7 +44,7 @@ pub fn run(arguments: &ReplayArgs) -> Result<(), Failure> {
     options.start = recorded.start();
     let made_by = recorded.simulation.get("version").map_or("?", String::as_str);
     let model = &recorded.loaded.model;
-    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
+    let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
     let switched_off = &recorded.arguments.input.keep[..];
     let run = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };
     let (mut recorder, mut progress);

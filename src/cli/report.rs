@@ -7,7 +7,7 @@ use crate::cli::model::page_tables;
 use crate::cli::page_files::write_page;
 use crate::cli::recorded::Recorded;
 use crate::cli::simulate::{self, Setup};
-use crate::cli::{Failure, print, warn};
+use crate::cli::terminal::printing::{Failure, print, warn};
 use catena::output::inspection::summary::Summary;
 use catena::output::page::{MESH_LIMIT, PageOptions, run_page};
 use clap::Args;
@@ -21,7 +21,7 @@ pub struct ReportArgs {
     log: PathBuf,
 
     /// The page [default: the name of the log with .html, in the current folder]
-    #[arg(short, long, value_name = "FILE.html", value_parser = crate::cli::output_file())]
+    #[arg(short, long, value_name = "FILE.html", value_parser = crate::cli::arguments::outputs::output_file())]
     output: Option<PathBuf>,
 
     /// Most triangles of all meshes together; larger meshes are simplified, 0 leaves meshes out

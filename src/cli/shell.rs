@@ -1,6 +1,6 @@
 //! Shell completions, manual pages and the version.
 
-use crate::cli::Failure;
+use crate::cli::terminal::printing::Failure;
 use anyhow::Context;
 use catena::lobatto::numbers::lanes::Isa;
 use clap::{Args, Command};
@@ -19,7 +19,7 @@ pub struct CompletionsArgs {
 #[derive(Args, Debug)]
 pub struct ManualArgs {
     /// The folder for the pages; it is made if it is not there
-    #[arg(value_name = "DIR", value_parser = crate::cli::output_folder())]
+    #[arg(value_name = "DIR", value_parser = crate::cli::arguments::outputs::output_folder())]
     folder: PathBuf,
 }
 
@@ -39,7 +39,7 @@ pub fn version() -> &'static str {
 pub fn complete(arguments: &CompletionsArgs, mut command: Command) -> Result<(), Failure> {
     let mut text = Vec::new();
     clap_complete::generate(arguments.shell, &mut command, "catena", &mut text);
-    crate::cli::print(String::from_utf8_lossy(&text))
+    crate::cli::terminal::printing::print(String::from_utf8_lossy(&text))
 }
 
 /// Writes the manual pages into a folder.

@@ -3,14 +3,15 @@
 //! The output is opened last, when nothing in the input can be wrong any more: a bad input leaves an existing log as
 //! it was. Every way out of the run completes the log.
 
+use crate::cli::arguments::input::InputArgs;
+use crate::cli::arguments::log_options::LogArgs;
+use crate::cli::arguments::numbers::{Assignment, numbers, pairs, positive, rate};
 use crate::cli::check::end_with_half_the_step;
-use crate::cli::input::InputArgs;
-use crate::cli::log_options::LogArgs;
-use crate::cli::numbers::{Assignment, numbers, pairs, positive, rate};
+use crate::cli::origin;
 use crate::cli::page_files::{check_page, is_same};
-use crate::cli::progress::Progress;
-use crate::cli::special_output::open_special;
-use crate::cli::{Failure, origin, print, print_json};
+use crate::cli::terminal::printing::{Failure, print, print_json};
+use crate::cli::terminal::progress::Progress;
+use crate::cli::terminal::special_output::open_special;
 use anyhow::{Context, anyhow};
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
@@ -78,7 +79,7 @@ pub struct Arguments {
     check: bool,
 
     /// The log [default: the name of the input with .mcap, in the current folder]
-    #[arg(short, long, help_heading = LOG, value_name = "FILE.mcap", value_parser = crate::cli::output_file())]
+    #[arg(short, long, help_heading = LOG, value_name = "FILE.mcap", value_parser = crate::cli::arguments::outputs::output_file())]
     output: Option<PathBuf>,
 
     /// Write no log
@@ -86,7 +87,7 @@ pub struct Arguments {
     no_log: bool,
 
     /// Write a page of the run, too: 3-D, curves and report in one file that any browser opens
-    #[arg(long, help_heading = REPORT, value_name = "FILE.html", value_parser = crate::cli::output_file(), conflicts_with = "no_log")]
+    #[arg(long, help_heading = REPORT, value_name = "FILE.html", value_parser = crate::cli::arguments::outputs::output_file(), conflicts_with = "no_log")]
     pub report: Option<PathBuf>,
 
     /// Most triangles of all meshes of the page together; larger meshes are simplified, 0 leaves meshes out
@@ -170,7 +171,7 @@ pub fn run(arguments: &Arguments) -> Result<Ran, Failure> {
     let counted = loaded.counted.clone();
 
     // The run ends after the step it is in.
-    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
+    let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
     let shows = !arguments.quiet && std::io::stderr().is_terminal();
     let switched_off = &arguments.input.keep[..];
     let options = SimulationOptions { duration, steps: choice, switched_off, interrupt: Some(&interrupted) };

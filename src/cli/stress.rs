@@ -4,7 +4,7 @@
 //! Ctrl-C ends with the problems that have been mapped up to then.
 
 use crate::cli::chart::{processor, progress_bar};
-use crate::cli::{Failure, print};
+use crate::cli::terminal::printing::{Failure, print};
 use anyhow::{Context, anyhow};
 use catena::study::stress::table::summary;
 use catena::study::stress::{Map, Problem, StressError, ThinnedProblem, report};
@@ -17,7 +17,7 @@ use std::sync::atomic::Ordering;
 #[derive(Args, Debug)]
 pub struct StressArgs {
     /// Folder for the pictures, cells.csv and index.html; created if missing
-    #[arg(short, long, value_name = "DIR", value_parser = crate::cli::output_folder())]
+    #[arg(short, long, value_name = "DIR", value_parser = crate::cli::arguments::outputs::output_folder())]
     output: PathBuf,
 
     /// Only the problem of this name (repeatable): mass_ratio, chain_length, spin_rate, stiff_spring, stiff_damper,
@@ -49,7 +49,7 @@ pub fn run(arguments: &StressArgs) -> Result<(), Failure> {
         .with_context(|| format!("cannot make the folder {}", folder.display()))
         .map_err(Failure::input)?;
     // Set by the first Ctrl-C; the map ends after the steps it is in.
-    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
+    let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
 
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let count = problems.len();

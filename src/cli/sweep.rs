@@ -3,8 +3,8 @@
 //! Everything that can be wrong with the sweep file is found before the folder is made. Rows are on the disk before they are counted; Ctrl-C, a kill or a
 //! full disk end with what has been made up to then, and the same command goes on from there.
 
-use crate::cli::numbers::finite;
-use crate::cli::{Failure, print, print_json, warn};
+use crate::cli::arguments::numbers::finite;
+use crate::cli::terminal::printing::{Failure, print, print_json, warn};
 use anyhow::anyhow;
 use catena::mechanism::ground::words::rounded;
 use catena::scene::PackagePath;
@@ -35,7 +35,7 @@ pub struct SweepArgs {
     file: Option<PathBuf>,
 
     /// Folder for the rows; created if missing; a folder of the same sweep is continued
-    #[arg(short, long, value_name = "DIR", value_parser = crate::cli::output_folder(), required_unless_present = "dry_run")]
+    #[arg(short, long, value_name = "DIR", value_parser = crate::cli::arguments::outputs::output_folder(), required_unless_present = "dry_run")]
     output: Option<PathBuf>,
 
     /// Make a few runs, estimate what the whole sweep takes, and write nothing
@@ -71,7 +71,7 @@ pub struct SweepArgs {
     merge: Vec<PathBuf>,
 
     /// Folder of a ROS package, as of `catena simulate` (repeatable)
-    #[arg(long, value_name = "NAME=DIR", value_parser = crate::cli::input::package, help_heading = "Scene")]
+    #[arg(long, value_name = "NAME=DIR", value_parser = crate::cli::arguments::input::package, help_heading = "Scene")]
     package: Vec<(String, PathBuf)>,
 }
 
@@ -112,7 +112,7 @@ fn sweep(arguments: &SweepArgs, file: &Path, output: &Path) -> Result<(), Failur
         SweepError::Disk { .. } => Failure::input(error),
         other => failure(other),
     })?;
-    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
+    let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
     let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let jobs = arguments.jobs.map_or_else(cores, usize::from);
     let bar = progress_bar(!arguments.quiet && std::io::stderr().is_terminal(), folder.runs());
@@ -181,7 +181,7 @@ fn sweep(arguments: &SweepArgs, file: &Path, output: &Path) -> Result<(), Failur
 
 fn dry_run(arguments: &SweepArgs, file: &Path) -> Result<(), Failure> {
     let sweep = read(arguments, file)?;
-    let interrupted = crate::cli::watch_for_signals().map_err(Failure::run)?;
+    let interrupted = crate::cli::terminal::signals::watch_for_signals().map_err(Failure::run)?;
     let (shard, format) = (arguments.shard.unwrap_or(Shard::WHOLE), arguments.format.unwrap_or(Format::DEFAULT));
     let trial = Trial::new(&sweep, shard, format, &interrupted).map_err(failure)?;
     if arguments.json {

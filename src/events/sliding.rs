@@ -18,7 +18,7 @@ use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
-use crate::stepping::unseen::Pushes;
+use crate::stepping::watching::unseen::Pushes;
 
 /// A step goes beyond the stop of a slip by this factor: there it is found, and further on the slip has no direction.
 const BEYOND: f64 = 1.05;

@@ -160,8 +160,8 @@ mod tests {
     use crate::mechanism::description::mechanism::{Body, Mechanism};
     use crate::mechanism::motion::integrator::Integrator;
     use crate::stepping::integrator::StepPace;
+    use crate::stepping::length::stage_choice::StageChoice;
     use crate::stepping::recipe::{Recipe, Steps};
-    use crate::stepping::stage_choice::StageChoice;
     use nalgebra::Vector3;
 
     #[test]

@@ -14,7 +14,7 @@ use crate::mechanism::motion::energy::{Violation, violation};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::other_tree::OtherTree;
-use crate::stepping::other_tree::other_tree;
+use crate::stepping::trees::other_tree::other_tree;
 use std::f64::consts::TAU;
 
 /// Gaps and their rates below this part of the size and of the fastest rate are roundings.

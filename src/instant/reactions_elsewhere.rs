@@ -1,4 +1,4 @@
-//! Reactions computed on another spanning tree than the file's ([`crate::stepping::other_tree`]), and assigned to the joints of the file.
+//! Reactions computed on another spanning tree than the file's ([`crate::stepping::trees::other_tree`]), and assigned to the joints of the file.
 //!
 //! A joint that closes a loop on one tree and carries a body on the other exerts the same: force F on its second end, and torque T about that end's
 //! point `P_b`. Of a joint that turns round in the tree what comes out is exerted on its first end, about `P_a`:
@@ -24,7 +24,7 @@ use crate::mechanism::structure::other_efforts::exert;
 use crate::mechanism::structure::other_tree::{Found, OtherTree};
 use crate::mechanism::structure::spanning_tree::SpanningTree;
 use crate::reduced::Reaction;
-use crate::stepping::other_tree::other_tree;
+use crate::stepping::trees::other_tree::other_tree;
 use nalgebra::Vector3;
 use std::borrow::Borrow;
 

@@ -13,7 +13,7 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::other_tree::OtherTree;
-use crate::stepping::other_tree::other_tree;
+use crate::stepping::trees::other_tree::other_tree;
 use nalgebra::DMatrix;
 
 /// The workspace of one mechanism.

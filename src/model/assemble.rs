@@ -6,9 +6,9 @@
 use crate::mechanism::description::joint::Pose;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
-use crate::model::model_error::ModelError;
-use crate::model::reduce::{Base, ModelOptions};
-use crate::model::robot_model::{Model, SourceFile};
+use crate::model::description::model_error::ModelError;
+use crate::model::description::robot_model::{Model, SourceFile};
+use crate::model::reduction::reduce::{Base, ModelOptions};
 use crate::scene::{JointValues, Scene, TableFile, WORLD_LINK};
 use nalgebra::Vector3;
 use std::collections::HashSet;

@@ -7,7 +7,7 @@ use crate::model::Start;
 use crate::session::asked::{Asked, Settled};
 use crate::session::error::Error;
 use crate::session::model::Model;
-use crate::simulation::threads::on_one_thread;
+use crate::simulation::parallel::threads::on_one_thread;
 use crate::simulation::{Observer, ObserverError, RunError, Sample, Simulation, SimulationOptions};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};

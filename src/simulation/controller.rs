@@ -11,8 +11,9 @@
 
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
-use crate::simulation::course::RunError;
-use crate::simulation::run::{InputError, Simulation};
+use crate::simulation::input_error::InputError;
+use crate::simulation::run::Simulation;
+use crate::simulation::steps::course::RunError;
 use crate::stepping::integrator::MethodError;
 
 /// Computes the efforts of a run at fixed instants.

@@ -6,54 +6,38 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | the run as an object | `run`, `integrators`, `making`, `run_integrator`, `step_choice` |
+//! | the run as an object | `run`, `integrators`; what it tells: `finished` |
 //! | controllers, which set efforts | `controller`, `continuous` |
-//! | one mechanism, step by step | `course`, `summary`, `observer` |
-//! | islands in parallel | `partition`, `islands`, `island`, `merged`, `threads` |
-//! | error estimates for a tolerance | `assessed`, `beside`, `terms`, `forecast`, `accuracy_so_far` (during runs), `accuracy`, `trial_run` (before), `event_order` |
+//! | the integrator, and how steps are chosen | `method` |
+//! | error estimates for a tolerance, during runs and before | `tolerance` |
+//! | one mechanism, step by step | `steps` |
+//! | islands in parallel | `parallel` |
 
-#[doc(hidden)]
-pub mod accuracy;
-mod accuracy_so_far;
-#[doc(hidden)]
-pub mod assessed;
-mod beside;
-mod clock;
 mod continuous;
 mod controller;
-mod course;
-mod event_order;
-mod forecast;
+mod finished;
+mod input_error;
 mod integrators;
-mod island;
 #[doc(hidden)]
-pub mod islands;
+pub mod method;
 #[doc(hidden)]
-pub mod making;
-mod merged;
-mod observer;
-#[doc(hidden)]
-pub mod partition;
+pub mod parallel;
 mod run;
 #[doc(hidden)]
-pub mod run_integrator;
-mod step_choice;
-mod summary;
-pub(crate) mod terms;
+pub mod steps;
 #[doc(hidden)]
-pub mod threads;
-mod trial_run;
+pub mod tolerance;
 
-pub use accuracy::UnknownAccuracy;
-pub use accuracy_so_far::AccuracySoFar;
 pub use continuous::ContinuousController;
 pub use controller::{ControlError, Controller};
-pub(crate) use course::Course;
-pub use course::{RunError, RunOptions, run};
+pub use finished::Finished;
+pub use input_error::InputError;
 pub use integrators::SimulationError;
-pub(crate) use observer::show;
-pub use observer::{Counts, Observer, ObserverError, Sample, StepEnd};
-pub use run::{Finished, InputError, Simulation, SimulationOptions};
-pub use step_choice::StepChoice;
-pub use summary::Summary;
-pub use trial_run::CalibrationError;
+pub use method::step_choice::StepChoice;
+pub use run::{Simulation, SimulationOptions};
+pub use steps::course::{RunError, RunOptions, run};
+pub use steps::observer::{Counts, Observer, ObserverError, Sample, StepEnd};
+pub use steps::summary::Summary;
+pub use tolerance::accuracy::UnknownAccuracy;
+pub use tolerance::accuracy_so_far::AccuracySoFar;
+pub use tolerance::trial_run::CalibrationError;

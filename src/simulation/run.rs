@@ -9,21 +9,16 @@
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;
-use crate::mechanism::motion::contact_point::ContactPoint;
-use crate::mechanism::motion::event::{Event, JointStatus};
 use crate::mechanism::motion::inputs::{Feedback, Inputs};
-use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::state::State;
-use crate::simulation::accuracy::{Calibration, UnknownAccuracy};
-use crate::simulation::clock::Clock;
-use crate::simulation::course::{Aim, Course, RunError, RunOptions};
+use crate::simulation::input_error::InputError;
 use crate::simulation::integrators::{Calibrations, Integrators, SimulationError, Wanted};
-use crate::simulation::islands::IslandFigures;
-use crate::simulation::merged::MergedRun;
-use crate::simulation::observer::Observer;
-use crate::simulation::partition::Plan;
-use crate::simulation::step_choice::StepChoice;
-use crate::simulation::summary::Summary;
+use crate::simulation::method::step_choice::StepChoice;
+use crate::simulation::parallel::merged::MergedRun;
+use crate::simulation::parallel::partition::Plan;
+use crate::simulation::steps::clock::Clock;
+use crate::simulation::steps::course::{Aim, Course, RunError, RunOptions};
+use crate::simulation::steps::observer::Observer;
 use crate::stepping::integrator::MethodError;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -67,78 +62,32 @@ pub struct SimulationOptions<'o> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Simulation<'s> {
-    mechanism: &'s Mechanism,
-    state: State,
+    pub(super) mechanism: &'s Mechanism,
+    pub(super) state: State,
     /// Where the run begins, if it may restart.
-    start: Option<State>,
+    pub(super) start: Option<State>,
     /// CPU time of trial runs, and of what was begun and is void (s).
-    spent: f64,
+    pub(super) spent: f64,
     efforts: Vec<f64>,
-    integrators: Integrators<'s>,
-    choice: StepChoice,
-    calibrations: Calibrations,
+    pub(super) integrators: Integrators<'s>,
+    pub(super) choice: StepChoice,
+    pub(super) calibrations: Calibrations,
     /// Islands, and how many of them sleep, before small ones were put together.
-    parts: (usize, usize),
+    pub(super) parts: (usize, usize),
     options: RunOptions<'s>,
-    end: f64,
+    pub(super) end: f64,
     observers: Vec<&'s mut dyn Observer>,
     /// Whether figures are wanted.
     figures: bool,
     /// Whether the CPU time of steps is counted for many calls together.
     together: bool,
-    progress: Option<Progress>,
+    pub(super) progress: Option<Progress>,
 }
 
 /// How far a run has come.
-enum Progress {
+pub(super) enum Progress {
     Whole(Box<Course>),
     Islands(Box<MergedRun>),
-}
-
-/// What a run has left.
-#[derive(Clone, Debug)]
-pub struct Finished {
-    /// Where it ended; if it ended early, the last state that all islands have reached.
-    pub state: State,
-    /// Its figures up to there.
-    pub summary: Summary,
-    /// How steps were made.
-    pub method: MethodDescription,
-    /// What each island did, or several that were run together; nothing if there is only one.
-    pub islands: Vec<IslandFigures>,
-    /// The first thousand events, in order of time.
-    pub events: Vec<Event>,
-    /// What the joint of each body is up to at the end.
-    pub joints: Vec<JointStatus>,
-    /// The closed contacts at the end, in the order of their pairs.
-    pub contacts: Vec<ContactPoint>,
-    /// [`Simulation::calibrations`] at the end.
-    pub accuracy: Vec<Result<Calibration, UnknownAccuracy>>,
-    /// [`Simulation::end`].
-    pub end: f64,
-    /// [`Simulation::parts`].
-    pub parts: (usize, usize),
-}
-
-/// Why efforts cannot be taken.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum InputError {
-    /// Their number.
-    #[error("{given} efforts for {wanted} degrees of freedom: give one for each, in the order of the velocities")]
-    Count {
-        /// How many were given.
-        given: usize,
-        /// How many are wanted.
-        wanted: usize,
-    },
-    /// One of them is not a finite number.
-    #[error("the effort on joint {joint:?} is {effort}: give a finite number")]
-    NotFinite {
-        /// The joint.
-        joint: String,
-        /// What was given [N m or N].
-        effort: f64,
-    },
 }
 
 impl<'s> Simulation<'s> {
@@ -366,107 +315,5 @@ impl<'s> Simulation<'s> {
                 ended
             }
         }
-    }
-
-    /// What is simulated.
-    pub fn mechanism(&self) -> &'s Mechanism {
-        self.mechanism
-    }
-
-    /// Where the run is.
-    pub fn state(&self) -> &State {
-        &self.state
-    }
-
-    /// When it ends (s).
-    pub fn end(&self) -> f64 {
-        self.end
-    }
-
-    /// How steps are chosen.
-    pub fn choice(&self) -> StepChoice {
-        self.choice
-    }
-
-    /// How steps are made, and how they have gone so far.
-    pub fn description(&self) -> MethodDescription {
-        self.integrators.description()
-    }
-
-    /// Parts that nothing connects, and how many of them start at rest in equilibrium and are not simulated.
-    pub fn parts(&self) -> (usize, usize) {
-        self.parts
-    }
-
-    /// Whether the run itself tells its accuracy, and may restart.
-    pub fn tells_at_once(&self) -> bool {
-        self.start.is_some()
-    }
-
-    /// What is known of the accuracy, for the whole or for each island that moves, or why there is nothing: from trial runs before the first
-    /// step, or from the run itself up to where it is.
-    pub fn calibrations(&mut self) -> Vec<Result<Calibration, UnknownAccuracy>> {
-        let told = self.integrators.told(self.mechanism, &self.state);
-        if !told.is_empty() {
-            return told;
-        }
-        // Trial runs have estimated the ends of steps; their inside is known once the steps are made.
-        let mut calibrations = self.calibrations.clone();
-        for (found, between) in calibrations.iter_mut().zip(self.integrators.between()) {
-            if let Ok(found) = found {
-                found.between_steps = between;
-            }
-        }
-        calibrations
-    }
-
-    /// The figures so far.
-    pub fn summary(&self) -> Summary {
-        let mut summary = match &self.progress {
-            None => Course::new(self.mechanism, &self.state, 0.0, None).summary(),
-            Some(Progress::Whole(course)) => course.summary(),
-            Some(Progress::Islands(whole)) => whole.summary,
-        };
-        summary.solve_cpu_seconds += self.spent;
-        summary
-    }
-
-    /// What the joint of each body is up to: on its limit, held by friction, driven by so much.
-    pub fn joint_statuses(&self) -> Vec<JointStatus> {
-        match &self.integrators {
-            Integrators::Whole(integrator) => (0..self.mechanism.bodies.len())
-                .map(|body| integrator.joint_status(self.mechanism, &self.state, body))
-                .collect(),
-            Integrators::Islands { islands, .. } => islands.joint_statuses(self.mechanism.bodies.len()),
-        }
-    }
-
-    /// The closed contacts, in the order of their pairs.
-    pub fn contacts(&self) -> Vec<ContactPoint> {
-        let mut points = Vec::new();
-        match &self.integrators {
-            Integrators::Whole(integrator) => integrator.contacts(self.mechanism, &self.state, &mut points),
-            Integrators::Islands { islands, .. } => islands.contacts(&mut points),
-        }
-        points
-    }
-
-    /// Ends the run: what it has left. Observers are free again.
-    pub fn finish(mut self) -> Finished {
-        let accuracy = self.calibrations();
-        let (summary, method) = (self.summary(), self.description());
-        let islands = match &self.integrators {
-            Integrators::Whole(_) => Vec::new(),
-            Integrators::Islands { islands, .. } => islands.figures().collect(),
-        };
-        let islands = if islands.len() > 1 { islands } else { Vec::new() };
-        let (joints, contacts) = (self.joint_statuses(), self.contacts());
-        let events = match self.progress {
-            None => Vec::new(),
-            Some(Progress::Whole(course)) => course.events().to_vec(),
-            Some(Progress::Islands(whole)) => whole.events,
-        };
-        let (end, parts) = (self.end, self.parts);
-        Finished { state: self.state, summary, method, islands, events, joints, contacts, accuracy, end, parts }
     }
 }

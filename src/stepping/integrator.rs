@@ -1,14 +1,14 @@
 //! The integrator: a sequence of steps of the scheme.
 //!
-//! A step is made, judged and kept in [`crate::stepper`]; how long it is comes from [`crate::fixed`], [`crate::control`] or
-//! [`crate::reversible`].
+//! A step is made, judged and kept in [`crate::length::stepper`]; how long it is comes from [`crate::length::fixed`], [`crate::length::control`] or
+//! [`crate::length::reversible`].
 
-use crate::companion::Companion;
-use crate::control::Control;
-use crate::fixed::FixedSteps;
-use crate::reversible::Reversible;
-use crate::stage_choice::StageChoice;
-use crate::stepper::Stepper;
+use crate::length::companion::Companion;
+use crate::length::control::Control;
+use crate::length::fixed::FixedSteps;
+use crate::length::reversible::Reversible;
+use crate::length::stage_choice::StageChoice;
+use crate::length::stepper::Stepper;
 use catena_kernels::{precise_step_for, step_for};
 use catena_lobatto::coupled::counted::Counted;
 use catena_lobatto::numbers::lanes::Isa;
@@ -141,7 +141,7 @@ impl Lobatto {
     }
 
     /// Steps of varying length for very long runs, the first of `step` seconds, iterated to rounding: a run that is turned
-    /// round retraces itself ([`crate::reversible`]).
+    /// round retraces itself ([`crate::length::reversible`]).
     ///
     /// # Errors
     /// [`MethodError`] if the number of stages is not from 2 to 16, if the step is not longer than zero, or if there is more than a tree under gravity.

@@ -1,7 +1,7 @@
 //! How an integrator is made: for the mechanism of a run, and for what moves of it while some joints are held.
 
 use crate::integrator::{Lobatto, MethodError};
-use crate::stage_choice::StageChoice;
+use crate::length::stage_choice::StageChoice;
 use catena_mechanism::description::mechanism::Mechanism;
 use catena_mechanism::description::rules::Rule;
 

@@ -9,7 +9,7 @@ use catena::mechanism::motion::state::State;
 use catena::model::{Model, ModelOptions};
 use catena::reduced::Dop853;
 use catena::scene::{PackagePath, read_urdf};
-use catena::simulation::accuracy::calibrate;
+use catena::simulation::tolerance::accuracy::calibrate;
 use catena::simulation::{Simulation, SimulationOptions, StepChoice};
 use catena::stepping::integrator::Lobatto;
 use nalgebra::{Matrix3, Vector3};

@@ -7,13 +7,13 @@ use catena::mechanism::description::mechanism::{Body, Mechanism};
 use catena::mechanism::motion::distance::{distance, probes};
 use catena::mechanism::motion::integrator::{Integrator, MethodDescription};
 use catena::mechanism::motion::state::State;
-use catena::simulation::accuracy::Calibration;
+use catena::simulation::tolerance::accuracy::Calibration;
 use catena::simulation::{
     AccuracySoFar, Finished, Observer, ObserverError, RunError, Sample, Simulation, SimulationOptions, StepChoice,
     UnknownAccuracy,
 };
 use catena::stepping::integrator::Lobatto;
-use catena::stepping::stage_choice::StageChoice;
+use catena::stepping::length::stage_choice::StageChoice;
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 

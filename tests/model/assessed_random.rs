@@ -10,7 +10,7 @@ use catena::mechanism::description::mechanism::{Body, Mechanism};
 use catena::mechanism::motion::distance::{distance, probes, size};
 use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;
-use catena::simulation::accuracy::Calibration;
+use catena::simulation::tolerance::accuracy::Calibration;
 use catena::simulation::{Simulation, SimulationOptions, StepChoice};
 use catena::stepping::integrator::Lobatto;
 use nalgebra::{Rotation3, Translation3, Vector3};

@@ -13,7 +13,7 @@ use catena::mechanism::structure::islands::islands;
 use catena::model::Model;
 use catena::scene::{PackagePath, Scene, read_scene};
 use catena::stepping::integrator::Lobatto;
-use catena::stepping::other_tree::other_tree;
+use catena::stepping::trees::other_tree::other_tree;
 use nalgebra::{DMatrix, Vector3};
 use std::path::PathBuf;
 

@@ -10,8 +10,8 @@ use catena::mechanism::description::target::{Interpolation, Target};
 use catena::mechanism::motion::inputs::Inputs;
 use catena::mechanism::motion::integrator::Integrator;
 use catena::stepping::integrator::Lobatto;
-use catena::stepping::other_tree::OnOtherTree;
 use catena::stepping::recipe::{Recipe, Steps};
+use catena::stepping::trees::other_tree::OnOtherTree;
 
 #[test]
 fn a_step_allocates_nothing_with_fixed_or_chosen_steps_any_joint_any_force_and_loops() {

@@ -11,12 +11,12 @@ use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;
 use catena::model::Model;
 use catena::scene::{PackagePath, read_scene};
-use catena::simulation::accuracy::calibrate;
-use catena::simulation::islands::Islands;
-use catena::simulation::partition::Plan;
-use catena::simulation::threads::Threads;
+use catena::simulation::parallel::islands::Islands;
+use catena::simulation::parallel::partition::Plan;
+use catena::simulation::parallel::threads::Threads;
+use catena::simulation::tolerance::accuracy::calibrate;
 use catena::stepping::integrator::Lobatto;
-use catena::stepping::stage_choice::StageChoice;
+use catena::stepping::length::stage_choice::StageChoice;
 use nalgebra::Vector3;
 use std::path::PathBuf;
 

@@ -6,7 +6,7 @@ use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::motion::integrator::{Integrator, StepError};
 use catena::mechanism::motion::kinematics::body_states;
 use catena::mechanism::motion::state::State;
-use catena::simulation::accuracy::calibrate;
+use catena::simulation::tolerance::accuracy::calibrate;
 use catena::stepping::integrator::{Lobatto, MethodError};
 use nalgebra::Vector3;
 

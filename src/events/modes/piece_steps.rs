@@ -9,10 +9,10 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::reduced::Dop853;
-use crate::stepping::companion::Companion;
 use crate::stepping::integrator::{Lobatto, MethodError, StepPace};
-use crate::stepping::other_tree::OnOtherTree;
+use crate::stepping::length::companion::Companion;
 use crate::stepping::recipe::{Recipe, Steps};
+use crate::stepping::trees::other_tree::OnOtherTree;
 
 /// How the integrators of pieces are made.
 #[derive(Clone, Debug)]

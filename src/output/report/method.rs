@@ -3,7 +3,7 @@
 use crate::mechanism::ground::words::{counted, rounded};
 use crate::mechanism::motion::integrator::{FrequencyStep, MethodDescription, Ringing, SingularPosition};
 use crate::output::report::rounding::{FarSpring, is_energy_rounding};
-use crate::simulation::accuracy::Calibration;
+use crate::simulation::tolerance::accuracy::Calibration;
 use crate::simulation::{Finished, StepChoice, Summary, UnknownAccuracy};
 use serde::Serialize;
 
@@ -297,7 +297,7 @@ impl AccuracyReport {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stepping::stage_choice::StageChoice;
+    use crate::stepping::length::stage_choice::StageChoice;
 
     #[test]
     fn accuracies_among_the_roundings_of_a_motion_that_amplifies_them_are_not_said_to_be_reached_without_a_word() {

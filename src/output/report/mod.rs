@@ -31,7 +31,7 @@ pub use step_error::StepErrorReport;
 use crate::instant::assembly::Redundancy;
 use crate::model::Model;
 use crate::simulation::Summary;
-use crate::simulation::islands::IslandFigures;
+use crate::simulation::parallel::islands::IslandFigures;
 use serde::{Serialize, Serializer};
 use std::path::PathBuf;
 

@@ -10,7 +10,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::output::report::{AccuracyReport, energy_warning};
 use crate::simulation::CalibrationError;
-use crate::simulation::accuracy::calibrate;
+use crate::simulation::tolerance::accuracy::calibrate;
 use crate::study::chart::{Method as ChartMethod, Setting};
 use crate::study::stress::baumgarte::{Baumgarte, BaumgarteError};
 use crate::study::stress::method::Method;

@@ -1,6 +1,6 @@
 //! Estimates the cost of a sweep: a few runs, spread over its indices, are made and timed; nothing is written.
 
-use crate::simulation::threads::on_one_thread;
+use crate::simulation::parallel::threads::on_one_thread;
 use crate::study::sweep::definition::Sweep;
 use crate::study::sweep::error::SweepError;
 use crate::study::sweep::index_ranges::{Shard, files};

@@ -1,6 +1,6 @@
 //! Makes the runs of a sweep on all cores: threads take indices in their order, one writer puts rows on the disk.
 
-use crate::simulation::threads::on_one_thread;
+use crate::simulation::parallel::threads::on_one_thread;
 use crate::study::sweep::definition::Sweep;
 use crate::study::sweep::error::SweepError;
 use crate::study::sweep::folder::Folder;

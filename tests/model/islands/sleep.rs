@@ -11,7 +11,7 @@ use catena::mechanism::motion::energy::{energy, energy_with_forces};
 use catena::mechanism::motion::kinematics::body_states;
 use catena::mechanism::motion::state::State;
 use catena::simulation::RunOptions;
-use catena::simulation::partition::Plan;
+use catena::simulation::parallel::partition::Plan;
 use catena::stepping::integrator::Lobatto;
 use nalgebra::Vector3;
 

@@ -7,7 +7,7 @@ use catena::mechanism::description::mechanism::{Body, Mechanism};
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::motion::state::State;
 use catena::mechanism::structure::plane::Plane;
-use catena::simulation::partition::Plan as IslandPlan;
+use catena::simulation::parallel::partition::Plan as IslandPlan;
 use nalgebra::{Rotation3, Vector3};
 
 #[test]

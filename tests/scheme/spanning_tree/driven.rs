@@ -17,7 +17,7 @@ use catena::mechanism::motion::state::State;
 use catena::mechanism::structure::other_tree::OtherTree;
 use catena::mechanism::structure::plane::Plane;
 use catena::simulation::{ContinuousController, Simulation, SimulationOptions, StepChoice};
-use catena::stepping::other_tree::other_tree;
+use catena::stepping::trees::other_tree::other_tree;
 use nalgebra::{DMatrix, Rotation3, Translation3, Vector3};
 
 /// The same four-bars as a row, whose cranks stand on the ground with couplers on their tips, and as a path; the knees are joints of both trees.

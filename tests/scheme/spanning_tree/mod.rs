@@ -22,7 +22,7 @@ use catena::mechanism::structure::plane::Plane;
 use catena::mechanism::structure::spanning_tree::{Edge, Graph, Hang, SpanningTree};
 use catena::simulation::{Observer, ObserverError, Sample, Simulation, SimulationOptions, StepChoice};
 use catena::stepping::integrator::Lobatto;
-use catena::stepping::other_tree::other_tree;
+use catena::stepping::trees::other_tree::other_tree;
 use nalgebra::{Rotation3, Vector3};
 
 /// Where every body is, by name, and how it moves.

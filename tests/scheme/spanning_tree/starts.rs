@@ -5,7 +5,7 @@ use catena::instant::assembly::assemble;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::motion::gaps::loop_gaps;
 use catena::mechanism::motion::kinematics::body_states;
-use catena::stepping::other_tree::other_tree;
+use catena::stepping::trees::other_tree::other_tree;
 
 #[test]
 fn starts_that_are_off_by_roundings_are_put_on_their_loops_where_they_are_with_every_turn() {

@@ -13,9 +13,9 @@ use catena::mechanism::motion::state::State;
 use catena::model::ModelOptions;
 use catena::reduced::ReducedOde;
 use catena::scene::{PackagePath, read_urdf};
-use catena::stepping::dynamics::Dynamics;
-use catena::stepping::fastest_mode::Fastest;
 use catena::stepping::integrator::Lobatto;
+use catena::stepping::watching::dynamics::Dynamics;
+use catena::stepping::watching::fastest_mode::Fastest;
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 
 /// Second derivatives of a centre of mass and of a rotation matrix.

@@ -5,11 +5,11 @@ use crate::models::Model;
 use crate::{closed, models};
 use catena::mechanism::description::closure::Coordinate;
 use catena::mechanism::description::forces::{JointSpring, PointSpring};
-use catena::stepping::dynamics::Dynamics;
-use catena::stepping::fastest_mode::Fastest;
-use catena::stepping::linearised::Linearised;
+use catena::stepping::watching::dynamics::Dynamics;
+use catena::stepping::watching::fastest_mode::Fastest;
+use catena::stepping::watching::linearised::Linearised;
 
-fn mode(model: &Model, iterations: usize) -> catena::stepping::watch::Mode {
+fn mode(model: &Model, iterations: usize) -> catena::stepping::watching::watch::Mode {
     Linearised::new(&model.mechanism).estimate(&model.mechanism, &model.state, iterations)
 }
 

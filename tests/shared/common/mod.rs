@@ -9,7 +9,7 @@ use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::state::State;
 use catena::model::{Base, Model, ModelError, ModelOptions};
 use catena::scene::{PackagePath, Robot, UrdfJointKind, read_urdf};
-use catena::simulation::accuracy::calibrate;
+use catena::simulation::tolerance::accuracy::calibrate;
 use catena::simulation::{RunOptions, Summary, run};
 use catena::stepping::integrator::Lobatto;
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Unit, Vector3};

@@ -1,0 +1,49 @@
+//! The options of contact: `--floor` and `--contact`.
+
+use crate::cli::arguments::numbers::finite;
+use catena::scene::Touching;
+use std::ffi::OsString;
+
+/// The floor, and which shapes may touch.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ContactArgs {
+    /// Put a floor under everything: a half space below z = Z [m]; without Z below z = 0
+    #[arg(long, value_name = "Z", num_args = 0..=1, require_equals = true, default_missing_value = "0", value_parser = finite)]
+    pub floor: Option<f64>,
+
+    /// Which collision shapes may touch: none, environment (links with obstacles), all (links of different robots, too) [default: environment]
+    #[arg(long, value_name = "PAIRS")]
+    pub contact: Option<Touching>,
+}
+
+/// The arguments with `--floor Z` as `--floor=Z`, so that a file after `--floor` is not taken for its height.
+pub fn with_heights(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut words: Vec<OsString> = Vec::new();
+    for argument in arguments {
+        let is_number = argument.to_str().is_some_and(|text| text.trim().parse::<f64>().is_ok());
+        match words.last_mut() {
+            Some(floor) if is_number && *floor == "--floor" => {
+                floor.push("=");
+                floor.push(argument);
+            }
+            _ => words.push(argument),
+        }
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_after_floor_is_its_height_and_a_file_is_not() {
+        let read = |words: &[&str]| -> Vec<String> {
+            let words = with_heights(words.iter().map(OsString::from));
+            words.into_iter().map(|word| word.into_string().expect("text")).collect()
+        };
+        assert_eq!(read(&["--floor", "-0.5", "a.urdf"]), ["--floor=-0.5", "a.urdf"]);
+        assert_eq!(read(&["--floor", "a.urdf", "1"]), ["--floor", "a.urdf", "1"]);
+        assert_eq!(read(&["--floor=1", "2", "--floor"]), ["--floor=1", "2", "--floor"]);
+    }
+}

@@ -1,0 +1,146 @@
+//! The options that say what is simulated: shared by every verb that reads a robot or a scene.
+//!
+//! What they mean is worked out by [`catena::session::World`].
+
+use crate::cli::arguments::contact_args::ContactArgs;
+use crate::cli::arguments::numbers::numbers;
+use catena::mechanism::description::rules::Rule;
+use catena::model::{Base, Left};
+use catena::scene::Scene;
+use catena::session::{Loaded, World};
+use std::path::{Path, PathBuf};
+
+/// The robot or scene, and where it stands.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "What is simulated")]
+pub struct InputArgs {
+    /// The robot or scene: a .urdf or .toml file
+    #[arg(help_heading = None)]
+    pub input: PathBuf,
+
+    #[command(flatten)]
+    pub world: WorldArgs,
+
+    /// Rules that are switched off.
+    #[arg(long, value_name = "RULE", help = keep_help())]
+    pub keep: Vec<Rule>,
+}
+
+/// Where a robot stands, and where its files are.
+#[derive(Clone, Debug, clap::Args)]
+pub struct WorldArgs {
+    /// Whether the root link is fixed in the world or floats freely [default: fixed]
+    #[arg(long, value_enum)]
+    pub base: Option<BaseChoice>,
+
+    /// Pose of the root link in the world [m, rad]; where it starts if the base floats [default: the world frame]
+    #[arg(long, value_name = "X,Y,Z,ROLL,PITCH,YAW", value_parser = numbers::<6>, allow_hyphen_values = true)]
+    pub base_pose: Option<[f64; 6]>,
+
+    /// Acceleration of gravity in the world [m/s²] [default: 0,0,-9.81]
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    pub gravity: Option<[f64; 3]>,
+
+    /// What is left out of the simulation although the files say it.
+    #[arg(long, value_name = "WHAT", help = without_help())]
+    pub without: Vec<Left>,
+
+    #[command(flatten)]
+    pub contact: ContactArgs,
+
+    /// Set a number of the scene or robot by its key path, as `link7.mass=2.5` (repeatable); `catena model INPUT --parameters` lists them
+    #[arg(long, value_name = "KEY=VALUE", value_parser = one_number)]
+    pub set: Vec<(String, f64)>,
+
+    /// Folder of a ROS package, for package://NAME/... (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the
+    /// folders above the URDF are searched
+    #[arg(long, value_name = "NAME=DIR", value_parser = package)]
+    pub package: Vec<(String, PathBuf)>,
+}
+
+/// `--base`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum BaseChoice {
+    /// The root link is fixed in the world
+    Fixed,
+    /// The root link moves freely
+    Floating,
+}
+
+impl InputArgs {
+    /// Reads and reduces the robot or scene. Every error here is bad input (exit code 2).
+    ///
+    /// # Errors
+    /// What is wrong with the file, naming file, line, and link, joint or key.
+    pub fn load(&self) -> anyhow::Result<Loaded> {
+        self.world.load(&self.input)
+    }
+}
+
+impl WorldArgs {
+    /// Reads and reduces a robot or scene. Every error here is bad input (exit code 2).
+    ///
+    /// # Errors
+    /// What is wrong with the file, naming file, line, and link, joint or key.
+    pub fn load(&self, input: &Path) -> anyhow::Result<Loaded> {
+        Ok(self.world().load(input)?)
+    }
+
+    /// Reads a scene, or a robot as the only one of a scene, whose numbers have key paths.
+    ///
+    /// # Errors
+    /// As [`WorldArgs::load`].
+    pub fn scene(&self, input: &Path) -> anyhow::Result<Scene> {
+        Ok(self.world().scene(input)?)
+    }
+
+    /// What they say.
+    pub fn world(&self) -> World {
+        World {
+            base: self.base.map(BaseChoice::base),
+            base_pose: self.base_pose,
+            gravity: self.gravity,
+            without: self.without.clone(),
+            floor: self.contact.floor,
+            contact: self.contact.contact,
+            packages: self.package.clone(),
+            set: self.set.clone(),
+        }
+    }
+}
+
+impl BaseChoice {
+    fn base(self) -> Base {
+        match self {
+            BaseChoice::Fixed => Base::Fixed,
+            BaseChoice::Floating => Base::Floating,
+        }
+    }
+}
+
+/// `KEY=VALUE`. Which values a key takes is asked where it is known.
+fn one_number(text: &str) -> Result<(String, f64), String> {
+    let (key, value) = text.rsplit_once('=').filter(|(key, _)| !key.is_empty()).ok_or("give KEY=VALUE")?;
+    let value = value.trim().parse().map_err(|_| format!("{value:?} is not a number"))?;
+    Ok((key.to_string(), value))
+}
+
+/// `NAME=DIR`. Whether there is such a folder is asked where it is needed: a log can be read without.
+pub fn package(text: &str) -> Result<(String, PathBuf), String> {
+    match text.split_once('=') {
+        Some((name, folder)) if !name.is_empty() && !folder.is_empty() => Ok((name.to_string(), folder.into())),
+        _ => Err("give NAME=DIR, the name of the package and its folder".to_string()),
+    }
+}
+
+/// The help of `--without`, with everything that can be left out.
+fn without_help() -> String {
+    let names = Left::ALL.map(Left::name).join(", ");
+    format!("Leave out something that the files contain (repeatable): {names}")
+}
+
+/// The help of `--keep`, with the names of all rules.
+fn keep_help() -> String {
+    let names = Rule::ALL.map(Rule::name).join(", ");
+    format!("Disable one model simplification (repeatable): {names}; `catena model` shows what each does")
+}

@@ -1,0 +1,145 @@
+//! The part of `catena model` about contact: shapes, obstacles, which of them may touch and how, and which never do.
+
+use crate::cli::tables::table::{Table, number, triple};
+use catena::mechanism::description::contact::{Collider, ContactPair, Shape};
+use catena::mechanism::description::joint::wxyz_from_rotation;
+use catena::mechanism::ground::words::counted;
+use catena::model::{Model, Owner};
+use catena::scene::Touching;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+
+/// Rows of a table of pairs for people; `--json` has them all.
+const ROWS: usize = 40;
+
+/// Shapes, obstacles and pairs as an entry of the JSON report.
+pub fn as_json(model: &Model) -> Vec<(&'static str, Value)> {
+    let nonsmooth = &model.mechanism.nonsmooth;
+    let contact = &model.contact;
+    let name = |collider: usize| nonsmooth.colliders[collider].name.as_str();
+    let shapes = nonsmooth.colliders.iter().zip(&contact.owners).map(|(collider, owner)| {
+        let body = collider.body.map_or("world", |body| model.mechanism.bodies[body].name.as_str());
+        let mut value = json!({
+            "name": collider.name,
+            "obstacle": matches!(owner, Owner::Obstacle(_)),
+            "body": body,
+            "position": collider.pose.translation.vector.as_slice(),
+            "orientation": wxyz_from_rotation(collider.pose.rotation.matrix()),
+        });
+        for (key, part) in shape_json(&collider.shape) {
+            value[key] = part;
+        }
+        value
+    });
+    let pairs = nonsmooth.pairs.iter().map(|pair| {
+        let ContactPair { a, b, friction, restitution, .. } = *pair;
+        json!({"a": name(a), "b": name(b), "friction": friction, "restitution": restitution})
+    });
+    let left_out = contact.left_out.iter().map(|left| {
+        let because = left.because;
+        json!({"a": name(left.pair.a), "b": name(left.pair.b), "rule": because.name(), "reason": because.reason()})
+    });
+    let contact = json!({
+        "touching": contact.settings.touching.name(),
+        "shapes": shapes.collect::<Value>(),
+        "pairs": pairs.collect::<Value>(),
+        "never_touch": left_out.collect::<Value>(),
+    });
+    vec![("contact", contact)]
+}
+
+/// Why the collision shapes of a model touch nothing, where that is so.
+pub fn write_note(model: &Model, text: &mut String) {
+    let links = model.robots.iter().flat_map(|placed| &placed.robot.links);
+    let touching = links.filter(|link| !link.collisions.is_empty()).count();
+    if touching > 0 && model.mechanism.nonsmooth.colliders.is_empty() {
+        let why = match model.contact.settings.touching {
+            Touching::None => "contact is left out",
+            _ => "there is no obstacle (--floor gives one)",
+        };
+        let links = counted(touching, "link", "links");
+        let _ = writeln!(text, "\nthe collision shapes of {links} touch nothing: {why}");
+    }
+}
+
+/// Shapes, obstacles and pairs as tables for people.
+pub fn tables(model: &Model) -> [Table; 4] {
+    let colliders = &model.mechanism.nonsmooth.colliders;
+    let contact = &model.contact;
+    let shapes = [("Shapes", "shape of", false), ("Obstacles", "obstacle", true)].map(|(title, first, is_obstacle)| {
+        let mut table = Table::new(title, &[first, "shape", "size [m]", "fixed in", "at [m]"]);
+        let of_kind = |owner: &Owner| matches!(owner, Owner::Obstacle(_)) == is_obstacle;
+        for (collider, _) in colliders.iter().zip(&contact.owners).filter(|(_, owner)| of_kind(owner)) {
+            let Collider { name, body, pose, shape } = collider;
+            let (kind, size) = shape_text(collider, shape);
+            let body = body.map_or("world", |body| model.mechanism.bodies[body].name.as_str());
+            table.row(vec![name.clone(), kind.to_string(), size, body.to_string(), triple(&pose.translation.vector)]);
+        }
+        table
+    });
+    let name = |collider: usize| colliders[collider].name.clone();
+    let may = model.mechanism.nonsmooth.pairs.iter();
+    let may = may.map(|pair| vec![name(pair.a), name(pair.b), number(pair.friction), number(pair.restitution)]);
+    let never = contact.left_out.iter();
+    let never = never.map(|left| vec![name(left.pair.a), name(left.pair.b), left.because.reason()]);
+    let [shapes, obstacles] = shapes;
+    [
+        shapes,
+        obstacles,
+        pairs(Table::new("Pairs that may touch", &["may touch", "with", "friction", "restitution"]), may),
+        pairs(Table::new("Pairs that never touch", &["never touches", "with", "because"]), never),
+    ]
+}
+
+/// A table of pairs, those that say the same (shapes of one link) once.
+fn pairs(mut table: Table, rows: impl Iterator<Item = Vec<String>>) -> Table {
+    let mut told: Vec<Vec<String>> = rows.collect();
+    told.dedup();
+    let more = told.len().saturating_sub(ROWS);
+    let width = told.first().map_or(0, Vec::len);
+    told.truncate(ROWS);
+    if more > 0 {
+        let mut last = vec![String::new(); width];
+        last[0] = format!("and {}, which --json lists", counted(more, "more pair", "more pairs"));
+        told.push(last);
+    }
+    told.into_iter().for_each(|row| table.row(row));
+    table
+}
+
+/// What a shape is, for people: its kind and its size.
+fn shape_text(collider: &Collider, shape: &Shape) -> (&'static str, String) {
+    let round = |radius: f64, half: f64| format!("radius {}, length {}", number(radius), number(2.0 * half));
+    match shape {
+        Shape::HalfSpace => {
+            let normal = collider.pose.rotation.matrix().column(2).into_owned();
+            ("half space", format!("normal {}", triple(&normal)))
+        }
+        Shape::Sphere { radius } => ("sphere", format!("radius {}", number(*radius))),
+        Shape::Capsule { radius, half } => ("capsule", round(*radius, *half)),
+        Shape::Cylinder { radius, half } => ("cylinder", round(*radius, *half)),
+        Shape::Box { half } => ("box", triple(&(2.0 * half))),
+        Shape::Hull(points) => ("hull", counted(points.len(), "point", "points")),
+        Shape::Mesh(surface) => ("mesh", counted(surface.triangles.len(), "triangle", "triangles")),
+    }
+}
+
+/// What a shape is, as entries of its JSON object.
+fn shape_json(shape: &Shape) -> Vec<(&'static str, Value)> {
+    let of = |kind: &str| ("shape", json!(kind));
+    match shape {
+        Shape::HalfSpace => vec![of("half_space")],
+        Shape::Sphere { radius } => vec![of("sphere"), ("radius", json!(radius))],
+        Shape::Capsule { radius, half } => {
+            vec![of("capsule"), ("radius", json!(radius)), ("length", json!(2.0 * half))]
+        }
+        Shape::Cylinder { radius, half } => {
+            vec![of("cylinder"), ("radius", json!(radius)), ("length", json!(2.0 * half))]
+        }
+        Shape::Box { half } => vec![of("box"), ("size", json!((2.0 * half).as_slice()))],
+        Shape::Hull(points) => vec![of("hull"), ("points", json!(points.len()))],
+        Shape::Mesh(surface) => {
+            vec![of("mesh"), ("vertices", json!(surface.vertices.len())), ("triangles", json!(surface.triangles.len()))]
+        }
+    }
+}

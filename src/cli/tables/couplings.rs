@@ -1,0 +1,191 @@
+//! The part of `catena model` about everything besides the trees: several robots, loops, mimic relations and forces.
+
+use crate::cli::tables::table::{Table, number, triple};
+use catena::instant::assembly::Redundancy;
+use catena::mechanism::description::closure::{Attachment, Coordinate, LoopKind};
+use catena::mechanism::description::mechanism::Mechanism;
+use catena::mechanism::ground::words::counted;
+use catena::model::Model;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+
+/// The couplings as entries of the JSON report.
+pub fn as_json(model: &Model, redundancy: &Redundancy) -> Vec<(&'static str, Value)> {
+    let mechanism = &model.mechanism;
+    let end = |end: &Attachment| {
+        let z = end.frame.rotation.matrix().column(2).into_owned();
+        json!({
+            "body": body_name(mechanism, end.body),
+            "position": end.frame.translation.vector.as_slice(),
+            "axis": z.as_slice(),
+        })
+    };
+    let point = |end: &Attachment| json!({"body": body_name(mechanism, end.body), "position": end.frame.translation.vector.as_slice()});
+    let robots = model.robots.iter().map(|placed| {
+        json!({
+            "name": placed.name,
+            "urdf": placed.robot.path.display().to_string(),
+            "base": if model.joints[placed.joints.clone()].iter().any(|joint| joint.is_base) { "floating" } else { "fixed" },
+            "position": placed.base_pose.translation.vector.as_slice(),
+        })
+    });
+    let loops = mechanism.loops.iter().map(|closing| {
+        let length = if let LoopKind::Distance(length) = closing.kind { Some(length) } else { None };
+        json!({
+            "name": closing.name,
+            "type": closing.kind.name(),
+            "equations": closing.kind.rows(),
+            "redundant": redundant_of(redundancy, &closing.name),
+            "length": length,
+            "a": end(&closing.a),
+            "b": end(&closing.b),
+        })
+    });
+    let mimics = mechanism.mimics.iter().map(|mimic| {
+        json!({
+            "joint": mimic.name,
+            "leader": joint_name(mechanism, mimic.leader),
+            "multiplier": mimic.multiplier,
+            "offset": mimic.offset,
+        })
+    });
+    let forces = &mechanism.forces;
+    let springs = forces.point_springs.iter().map(|spring| {
+        json!({
+            "name": spring.name,
+            "stiffness": spring.stiffness,
+            "damping": spring.damping,
+            "rest_length": spring.rest_length,
+            "a": point(&spring.a),
+            "b": point(&spring.b),
+        })
+    });
+    let joint_springs = forces.joint_springs.iter().map(|spring| {
+        json!({
+            "joint": joint_name(mechanism, spring.coordinate),
+            "stiffness": spring.stiffness,
+            "rest": spring.rest,
+        })
+    });
+    let joint_dampers = forces
+        .joint_dampers
+        .iter()
+        .map(|damper| json!({"joint": joint_of(mechanism, damper.freedom).0, "damping": damper.coefficient}));
+    let joint_loads = forces
+        .joint_loads
+        .iter()
+        .map(|load| json!({"joint": joint_of(mechanism, load.freedom).0, "effort": load.effort}));
+    let wrenches = forces.wrenches.iter().map(|wrench| {
+        json!({
+            "body": body_name(mechanism, Some(wrench.body)),
+            "position": wrench.point.as_slice(),
+            "force": wrench.force.as_slice(),
+            "torque": wrench.torque.as_slice(),
+        })
+    });
+    vec![
+        ("robots", robots.collect()),
+        ("loops", loops.collect()),
+        ("mimics", mimics.collect()),
+        ("springs", springs.collect()),
+        ("joint_springs", joint_springs.collect()),
+        ("joint_dampers", joint_dampers.collect()),
+        ("joint_loads", joint_loads.collect()),
+        ("wrenches", wrenches.collect()),
+    ]
+}
+
+/// The couplings as tables for people.
+pub fn tables(model: &Model, redundancy: &Redundancy) -> Vec<Table> {
+    let mechanism = &model.mechanism;
+    let mut loops = Table::new("Closed loops", &["loop", "type", "between", "and", "equations", "redundant"]);
+    for closing in &mechanism.loops {
+        let length = if let LoopKind::Distance(length) = closing.kind { format!(" {length} m") } else { String::new() };
+        loops.row(vec![
+            closing.name.clone(),
+            format!("{}{length}", closing.kind.name()),
+            body_name(mechanism, closing.a.body).to_string(),
+            body_name(mechanism, closing.b.body).to_string(),
+            closing.kind.rows().to_string(),
+            redundant_of(redundancy, &closing.name).to_string(),
+        ]);
+    }
+
+    let mut mimics = Table::new("Joints that follow others", &["joint", "follows", "times", "plus"]);
+    for mimic in &mechanism.mimics {
+        let leader = joint_name(mechanism, mimic.leader).to_string();
+        mimics.row(vec![mimic.name.clone(), leader, number(mimic.multiplier), number(mimic.offset)]);
+    }
+
+    let forces = &mechanism.forces;
+    let mut springs = Table::new("Springs", &["spring", "between", "and", "stiffness", "damping", "free at"]);
+    for spring in &forces.point_springs {
+        springs.row(vec![
+            spring.name.clone(),
+            body_name(mechanism, spring.a.body).to_string(),
+            body_name(mechanism, spring.b.body).to_string(),
+            format!("{} N/m", number(spring.stiffness)),
+            format!("{} N s/m", number(spring.damping)),
+            format!("{} m", number(spring.rest_length)),
+        ]);
+    }
+
+    let mut acting = Table::new("What acts on joints and bodies", &["on", "acts", "how"]);
+    for spring in &forces.joint_springs {
+        let (joint, length, effort) = joint_of(mechanism, spring.coordinate.freedom);
+        let how = format!("{} {effort}/{length}, free at {} {length}", number(spring.stiffness), number(spring.rest));
+        acting.row(vec![joint.to_string(), "spring".to_string(), how]);
+    }
+    for damper in &forces.joint_dampers {
+        let (joint, length, effort) = joint_of(mechanism, damper.freedom);
+        let how = format!("{} {effort} s/{length}", number(damper.coefficient));
+        acting.row(vec![joint.to_string(), "damper".to_string(), how]);
+    }
+    for load in &forces.joint_loads {
+        let (joint, _, effort) = joint_of(mechanism, load.freedom);
+        acting.row(vec![joint.to_string(), "effort".to_string(), format!("{} {effort}", number(load.effort))]);
+    }
+    for wrench in &forces.wrenches {
+        let how = format!("force {} N, torque {} N m", triple(&wrench.force), triple(&wrench.torque));
+        acting.row(vec![body_name(mechanism, Some(wrench.body)).to_string(), "wrench".to_string(), how]);
+    }
+    vec![loops, mimics, springs, acting]
+}
+
+/// What the first line says after the degrees of freedom.
+pub fn summary(model: &Model) -> String {
+    let mechanism = &model.mechanism;
+    let mut text = String::new();
+    if !mechanism.loops.is_empty() {
+        let equations: usize = mechanism.loops.iter().map(|closing| closing.kind.rows()).sum();
+        let loops = counted(mechanism.loops.len(), "loop", "loops");
+        // Writing into a String cannot fail.
+        let _ = write!(text, ", {loops} with {}", counted(equations, "equation", "equations"));
+    }
+    if !mechanism.mimics.is_empty() {
+        let _ = write!(text, ", {}", counted(mechanism.mimics.len(), "mimic relation", "mimic relations"));
+    }
+    text
+}
+
+/// How many equations of a closure the others imply.
+fn redundant_of(redundancy: &Redundancy, closure: &str) -> usize {
+    redundancy.redundant.iter().filter(|(name, _)| name == closure).map(|(_, count)| count).sum()
+}
+
+fn body_name(mechanism: &Mechanism, body: Option<usize>) -> &str {
+    body.map_or("world", |body| mechanism.bodies[body].name.as_str())
+}
+
+fn joint_name(mechanism: &Mechanism, coordinate: Coordinate) -> &str {
+    &mechanism.bodies[coordinate.body].joint.name
+}
+
+/// The joint that a degree of freedom belongs to, and the units of its position and its effort.
+fn joint_of(mechanism: &Mechanism, freedom: usize) -> (&str, &'static str, &'static str) {
+    mechanism.body_of_freedom(freedom).map_or(("", "", ""), |body| {
+        let joint = &mechanism.bodies[body].joint;
+        let unit = joint.kind.unit(freedom - joint.velocity_index);
+        (joint.name.as_str(), unit, if unit == "m" { "N" } else { "N m" })
+    })
+}

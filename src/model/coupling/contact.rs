@@ -1,0 +1,125 @@
+//! What may touch: from the collision shapes of links and the obstacles of a scene to colliders and pairs of the mechanism.
+//!
+//! With the frame `L` of a link in the body that carries it and the frame `S` of a shape in the link, the shape lies at `L S` in the body, or in the
+//! world where the link does not move. Where nothing can touch (no obstacle, or `pairs = "none"`) no shape is looked at.
+
+use crate::mechanism::description::contact::Collider;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::model::coupling::contact_meshes::ShapeReader;
+use crate::model::description::contact_pairs::{ContactRecord, LeftOutPair, NeverTouch, Owner, contact_pairs, matches};
+use crate::model::description::contact_reach::ContactReach;
+use crate::model::description::coupling_error::{CouplingError, CouplingProblem};
+use crate::model::description::model_error::{ModelError, listed};
+use crate::model::description::robot_model::Model;
+use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, Touching, Warning};
+
+impl Model {
+    /// Takes the colliders and the pairs that may touch into the mechanism, instead of those it has.
+    ///
+    /// # Errors
+    /// [`ModelError`] for shapes of links without size, names that nothing has, and obstacles with the name of a link. Meshes of links that
+    /// cannot be used are left out, with a warning.
+    pub fn set_contact(&mut self, settings: &ContactSettings) -> Result<(), ModelError> {
+        self.check_contact_names(settings)?;
+        let moving = settings.touching == Touching::All && self.robots.len() > 1;
+        let mut colliders = Vec::new();
+        let mut owners = Vec::new();
+        let mut reader = ShapeReader::default();
+        if settings.touching != Touching::None && (moving || !settings.obstacles.is_empty()) {
+            for number in 0..self.robots.len() {
+                self.link_colliders(number, settings, &mut reader, &mut colliders)?;
+                owners.resize(colliders.len(), Owner::Robot(number));
+            }
+            for (index, obstacle) in settings.obstacles.iter().enumerate() {
+                let (name, shape) = (obstacle.name.clone(), obstacle.shape.clone());
+                colliders.push(Collider { name, body: None, pose: obstacle.pose, shape });
+                owners.push(Owner::Obstacle(index));
+            }
+        }
+        let placed = body_states(&self.mechanism, &self.zero_state());
+        let reach = ContactReach::new(&self.mechanism, placed);
+        let (pairs, left_out) = contact_pairs(settings, &colliders, &owners, &reach);
+        self.mechanism.nonsmooth.colliders = colliders;
+        self.mechanism.nonsmooth.pairs = pairs;
+        self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));
+        self.contact = ContactRecord { settings: settings.clone(), owners, left_out, meshes: reader.meshes };
+        Ok(())
+    }
+
+    /// The collision shapes of all links as colliders, whether they may touch anything or not, and warnings of meshes that cannot be used.
+    ///
+    /// # Errors
+    /// [`ModelError`] for shapes without size.
+    #[cfg(feature = "log")]
+    pub(crate) fn shapes_of_links(&self) -> Result<(Vec<Collider>, Vec<Warning>), ModelError> {
+        let (mut colliders, mut reader) = (Vec::new(), ShapeReader::default());
+        for number in 0..self.robots.len() {
+            self.link_colliders(number, &self.contact.settings, &mut reader, &mut colliders)?;
+        }
+        Ok((colliders, reader.warnings))
+    }
+
+    /// Takes back that shapes are out of reach of each other: what was proved by the limits of joints no longer holds.
+    pub(crate) fn forget_reach(&mut self) {
+        let out_of_reach = |left: &LeftOutPair| left.because == NeverTouch::OutOfReach;
+        let pairs = &mut self.mechanism.nonsmooth.pairs;
+        pairs.extend(self.contact.left_out.iter().filter(|left| out_of_reach(left)).map(|left| left.pair));
+        pairs.sort_by_key(|pair| (pair.a, pair.b));
+        pairs.iter_mut().enumerate().for_each(|(number, pair)| pair.number = number);
+        self.contact.left_out.retain(|left| !out_of_reach(left));
+    }
+
+    /// Adds the colliders of a robot's links.
+    fn link_colliders(
+        &self,
+        number: usize,
+        settings: &ContactSettings,
+        reader: &mut ShapeReader,
+        colliders: &mut Vec<Collider>,
+    ) -> Result<(), ModelError> {
+        let placed = &self.robots[number];
+        for (index, link) in placed.robot.links.iter().enumerate() {
+            let frame = &self.links[placed.links.start + index];
+            let reference = LinkReference::Link { robot: number, link: index };
+            let said = settings.links.iter().find(|said| said.link == reference);
+            let choice = said.map_or(LinkShapes::default(), |said| said.shapes);
+            for given in link.collisions.iter().filter(|_| choice != LinkShapes::None) {
+                let pose = frame.in_body * given.origin;
+                let shapes = reader.shapes((number, &placed.robot), &link.name, given, choice)?;
+                let collider = |shape| Collider { name: frame.name.clone(), body: frame.body, pose, shape };
+                colliders.extend(shapes.into_iter().map(collider));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses names that nothing has, and names that two things have.
+    fn check_contact_names(&self, settings: &ContactSettings) -> Result<(), ModelError> {
+        let file = self.path();
+        for obstacle in &settings.obstacles {
+            if self.link(&obstacle.name).is_some() {
+                let problem = ModelError::ObstacleNamedAsLink(obstacle.name.clone());
+                return Err(match obstacle.line {
+                    Some(line) => ModelError::InFile { file: file.to_path_buf(), line, problem: Box::new(problem) },
+                    None => problem,
+                });
+            }
+        }
+        let links =
+            self.robots.iter().flat_map(|placed| placed.robot.links.iter().zip(&self.links[placed.links.clone()]));
+        let touching = links.filter(|(link, _)| !link.collisions.is_empty()).map(|(_, frame)| &frame.name);
+        let known: Vec<String> =
+            touching.chain(settings.obstacles.iter().map(|obstacle| &obstacle.name)).cloned().collect();
+        for rule in &settings.rules {
+            for pattern in [&rule.a, &rule.b] {
+                if !known.iter().any(|name| matches(pattern, name)) {
+                    let problem = CouplingProblem::NoShape { pattern: pattern.clone(), known: listed(&known) };
+                    let element = Element::Pair(format!("{:?} and {:?}", rule.a, rule.b));
+                    let (file, line) = (file.to_path_buf(), rule.line);
+                    return Err(ModelError::Coupling(CouplingError { file, line, element, problem }));
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,87 @@
+//! Fills the lists of a mechanism that the tree does not have: loops, mimic relations, forces, limits, friction and motors.
+//!
+//! A frame given in a link frame `L` (in its body, [`LinkFrame::in_body`](crate::model::LinkFrame::in_body)) lies at `L X` in the
+//! body, or in the world. What becomes of each kind is in `loops`, `forces`, `joints`, `limits` and `motors`.
+
+use crate::mechanism::description::nonsmooth::Nonsmooth;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use crate::model::coupling::builder::Builder;
+use crate::model::coupling::forces::{Load, Spring};
+use crate::model::description::model_error::ModelError;
+use crate::model::description::robot_model::Model;
+use crate::scene::{Scene, UrdfJointKind};
+use std::collections::HashMap;
+
+impl Model {
+    /// The one place where what files say of loops, mimic relations and forces becomes part of the mechanism.
+    ///
+    /// # Errors
+    /// [`ModelError::Coupling`] with the line of the loop, spring, load or joint.
+    pub(crate) fn build_couplings(&mut self, scene: Option<&Scene>, start: &State) -> Result<(), ModelError> {
+        let bodies = body_states(&self.mechanism, start);
+        let above = self.joints_above();
+        let dropped = |link: usize| self.is_dropped(link, &above);
+        let builder = Builder { model: self, bodies: &bodies, dropped: &dropped, scene };
+        let mut loops = builder.urdf_loops()?;
+        builder.add_scene_loops(&mut loops)?;
+        let mut forces = self.mechanism.forces.clone();
+        for spring in scene.iter().flat_map(|scene| &scene.springs) {
+            match builder.spring(spring)? {
+                Spring::Points(spring) => forces.point_springs.push(spring),
+                Spring::Joint(spring, damper) => {
+                    forces.joint_springs.extend(spring);
+                    forces.joint_dampers.extend(damper);
+                }
+            }
+        }
+        for load in scene.iter().flat_map(|scene| &scene.loads) {
+            match builder.load(load)? {
+                Load::Joint(load) => forces.joint_loads.push(load),
+                Load::Link(wrench) => forces.wrenches.push(wrench),
+            }
+        }
+        let mut warnings = Vec::new();
+        builder.check_scene_joints()?;
+        let springs_dampers = forces.joint_dampers.len();
+        forces.joint_dampers.extend(builder.dampers(&mut warnings));
+        let damping = springs_dampers..forces.joint_dampers.len();
+        let mimics = builder.urdf_mimics(&mut warnings)?;
+        let limits = builder.limits(&mut warnings);
+        let motors = scene.iter().flat_map(|scene| &scene.motors).map(|motor| builder.motor(motor));
+        let nonsmooth = Nonsmooth {
+            limits: limits.clone(),
+            friction: builder.friction(&mut warnings),
+            motors: motors.collect::<Result<_, _>>()?,
+            speeds: builder.speeds(),
+            ..Nonsmooth::default()
+        };
+        self.mechanism.loops = loops;
+        self.mechanism.mimics = mimics;
+        self.mechanism.limits = limits;
+        self.mechanism.nonsmooth = nonsmooth;
+        self.mechanism.forces = forces;
+        self.damping = damping;
+        self.warnings.extend(warnings);
+        Ok(())
+    }
+
+    /// The joint above each link that has one, by name.
+    fn joints_above(&self) -> HashMap<String, usize> {
+        self.joints.iter().enumerate().map(|(index, joint)| (joint.child_link.clone(), index)).collect()
+    }
+
+    /// Whether a link was held still because nothing beyond its joint has mass.
+    fn is_dropped(&self, link: usize, above: &HashMap<String, usize>) -> bool {
+        let mut joint = above.get(&self.links[link].name);
+        while let Some(&index) = joint {
+            let record = &self.joints[index];
+            if record.kind != UrdfJointKind::Fixed && record.body.is_none() {
+                return true;
+            }
+            // A link may have the name of the world, in which the base floats.
+            joint = if record.is_base { None } else { above.get(&record.parent_link) };
+        }
+        false
+    }
+}

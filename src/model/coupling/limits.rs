@@ -1,0 +1,75 @@
+//! The limits of joints: those of `<limit lower upper>`, or those of a `[[joint]]` of the scene file instead.
+
+use crate::mechanism::description::closure::JointLimit;
+use crate::model::coupling::builder::Builder;
+use crate::model::description::model_error::ModelError;
+use crate::scene::{Element, LimitChoice, SceneJoint, UrdfJoint, UrdfJointKind, Warning};
+
+impl Builder<'_> {
+    /// What the scene file says of a joint.
+    pub(crate) fn said(&self, robot: usize, joint: &str) -> Option<&SceneJoint> {
+        let joints = self.scene.map_or(&[][..], |scene| &scene.joints);
+        joints.iter().find(|said| said.joint.robot == robot && said.joint.joint == joint)
+    }
+
+    /// Refuses a `[[joint]]` for a joint without the one coordinate that it is about.
+    ///
+    /// # Errors
+    /// [`ModelError::Coupling`] with the line and the joint.
+    pub(crate) fn check_scene_joints(&self) -> Result<(), ModelError> {
+        for said in self.scene.iter().flat_map(|scene| &scene.joints) {
+            let stand = self.stand(said.line, Element::Joint(said.name.clone()));
+            self.coordinate(said.joint.robot, &said.joint.joint, &stand)?;
+        }
+        Ok(())
+    }
+
+    /// The limits of all joints that turn about or slide along an axis.
+    pub(crate) fn limits(&self, warnings: &mut Vec<Warning>) -> Vec<JointLimit> {
+        let mut limits = Vec::new();
+        let (mut empty, mut idle) = (Vec::new(), Vec::new());
+        for of in self.urdf_joints() {
+            let joint = of.joint;
+            let Some(coordinate) = of.coordinate(self) else { continue };
+            let said = self.said(of.robot, &joint.name);
+            let range = match said.and_then(|said| said.limit) {
+                Some(LimitChoice::Unlimited) => None,
+                Some(LimitChoice::Range(lower, upper)) => {
+                    (lower.is_finite() || upper.is_finite()).then_some((lower, upper))
+                }
+                None => {
+                    empty.extend(empty_range(joint).map(|message| of.stand().warning(message)));
+                    joint.own_limits()
+                }
+            };
+            let restitution = said.and_then(|said| said.restitution);
+            match (range, restitution) {
+                (Some((lower, upper)), restitution) => {
+                    limits.push(JointLimit { coordinate, lower, upper, restitution: restitution.unwrap_or(0.0) });
+                }
+                (None, Some(_)) => {
+                    let line = said.map_or(joint.line, |said| said.line);
+                    let stand = self.stand(line, Element::Joint(joint.name.clone()));
+                    idle.push(stand.warning("its restitution does nothing, because it has no limits; give it a limit"));
+                }
+                (None, None) => {}
+            }
+        }
+        warnings.extend(Warning::of_kind(empty, "joint", "joints"));
+        warnings.extend(idle);
+        limits
+    }
+}
+
+/// What to say of a `<limit>` that leaves a joint nothing or does not say what it leaves it.
+fn empty_range(joint: &UrdfJoint) -> Option<&'static str> {
+    let limit = joint.limit.filter(|_| matches!(joint.kind, UrdfJointKind::Revolute | UrdfJointKind::Prismatic))?;
+    match (limit.lower, limit.upper) {
+        (None, None) => Some("its <limit> has neither lower nor upper, so it has no limits; write both if it has"),
+        (Some(lower), Some(upper)) if lower == 0.0 && upper == 0.0 => Some(
+            "its <limit> has lower = upper = 0, which is taken for no limits; to lock it write limit = [0, 0] in a [[joint]] \
+             of a scene file, or make it fixed",
+        ),
+        _ => None,
+    }
+}

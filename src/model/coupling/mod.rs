@@ -1,0 +1,11 @@
+//! What the tree does not have, built into the mechanism: loops, mimic relations, forces, limits, friction, motors, shapes.
+
+pub(crate) mod builder;
+pub(crate) mod contact;
+pub(crate) mod contact_meshes;
+pub(crate) mod couplings;
+pub(crate) mod forces;
+pub(crate) mod joints;
+pub(crate) mod limits;
+pub(crate) mod loops;
+pub(crate) mod motors;

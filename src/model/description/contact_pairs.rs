@@ -1,0 +1,169 @@
+//! Which shapes may touch, and with which friction and restitution.
+//!
+//! Candidates are shapes of links with obstacles, and with `pairs = "all"` shapes of links of different robots. What a pair has of friction and
+//! restitution is said by the last `[[contact.pair]]` that names both, else by the obstacle, else by `[contact]`.
+
+use crate::mechanism::description::contact::{Collider, ContactPair};
+use crate::model::description::contact_reach::ContactReach;
+use crate::scene::{ContactSettings, MeshSource, Obstacle, PairRule, Touching};
+
+/// Why two shapes never touch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NeverTouch {
+    /// Neither moves.
+    BothFixed,
+    /// A `[[contact.pair]]` says so, on this line.
+    Ignored(usize),
+    /// No motion of the joints brings them together.
+    OutOfReach,
+}
+
+impl NeverTouch {
+    /// The reason, for people.
+    pub fn reason(self) -> String {
+        match self {
+            NeverTouch::BothFixed => "both are fixed in the world".to_string(),
+            NeverTouch::Ignored(line) => format!("ignored by the [[contact.pair]] of line {line}"),
+            NeverTouch::OutOfReach => "the joints cannot bring them together".to_string(),
+        }
+    }
+
+    /// A name for programs.
+    pub fn name(self) -> &'static str {
+        match self {
+            NeverTouch::BothFixed => "both_fixed",
+            NeverTouch::Ignored(_) => "ignored",
+            NeverTouch::OutOfReach => "out_of_reach",
+        }
+    }
+}
+
+/// Two shapes that are not looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeftOutPair {
+    /// As it would be; its number says nothing.
+    pub pair: ContactPair,
+    /// Why.
+    pub because: NeverTouch,
+}
+
+/// To whom a collider belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Owner {
+    /// A link of a robot, by the number of the robot.
+    Robot(usize),
+    /// An obstacle, by number.
+    Obstacle(usize),
+}
+
+/// What became of the shapes of a model.
+#[derive(Clone, Debug, Default)]
+pub struct ContactRecord {
+    /// What was asked for.
+    pub settings: ContactSettings,
+    /// To whom each collider of the mechanism belongs.
+    pub owners: Vec<Owner>,
+    /// The pairs that never touch, and why.
+    pub left_out: Vec<LeftOutPair>,
+    /// The meshes of links that were read.
+    pub meshes: Vec<MeshSource>,
+}
+
+/// The pairs of colliders that may touch, and those that never do.
+pub(crate) fn contact_pairs(
+    settings: &ContactSettings,
+    colliders: &[Collider],
+    owners: &[Owner],
+    reach: &ContactReach,
+) -> (Vec<ContactPair>, Vec<LeftOutPair>) {
+    let (mut pairs, mut left_out) = (Vec::new(), Vec::new());
+    for (a, one) in colliders.iter().enumerate() {
+        for (b, other) in colliders.iter().enumerate().skip(a + 1) {
+            let obstacle = match (owners[a], owners[b]) {
+                (Owner::Robot(_), Owner::Obstacle(obstacle)) if settings.touching != Touching::None => {
+                    Some(&settings.obstacles[obstacle])
+                }
+                (Owner::Robot(one), Owner::Robot(other)) if one != other && settings.touching == Touching::All => None,
+                _ => continue,
+            };
+            let Manner { friction, restitution, ignored } = manner(settings, obstacle, &one.name, &other.name);
+            let pair = ContactPair { number: pairs.len(), a, b, friction, restitution };
+            let because = match ignored {
+                _ if one.body.is_none() && other.body.is_none() => Some(NeverTouch::BothFixed),
+                Some(line) => Some(NeverTouch::Ignored(line)),
+                None => reach.never_meet(one, other).then_some(NeverTouch::OutOfReach),
+            };
+            match because {
+                Some(because) => left_out.push(LeftOutPair { pair, because }),
+                None => pairs.push(pair),
+            }
+        }
+    }
+    (pairs, left_out)
+}
+
+/// How two shapes touch, and on which line it says that they do not.
+struct Manner {
+    friction: f64,
+    restitution: f64,
+    ignored: Option<usize>,
+}
+
+fn manner(settings: &ContactSettings, obstacle: Option<&Obstacle>, a: &str, b: &str) -> Manner {
+    let of_obstacle = |of: fn(&Obstacle) -> Option<f64>| obstacle.and_then(of);
+    let mut manner = Manner {
+        friction: of_obstacle(|obstacle| obstacle.friction).unwrap_or(settings.friction),
+        restitution: of_obstacle(|obstacle| obstacle.restitution).unwrap_or(settings.restitution),
+        ignored: None,
+    };
+    for rule in settings.rules.iter().filter(|rule| names(rule, a, b)) {
+        manner.friction = rule.friction.unwrap_or(manner.friction);
+        manner.restitution = rule.restitution.unwrap_or(manner.restitution);
+        manner.ignored = rule.ignore.map_or(manner.ignored, |ignore| ignore.then_some(rule.line));
+    }
+    manner
+}
+
+/// Whether a rule names two shapes, in either order.
+fn names(rule: &PairRule, a: &str, b: &str) -> bool {
+    (matches(&rule.a, a) && matches(&rule.b, b)) || (matches(&rule.a, b) && matches(&rule.b, a))
+}
+
+/// Whether a pattern, in which `*` stands for any text, is a name.
+pub(crate) fn matches(pattern: &str, name: &str) -> bool {
+    let mut parts = pattern.split('*');
+    let Some(mut rest) = name.strip_prefix(parts.next().unwrap_or_default()) else { return false };
+    let Some(last) = parts.next_back() else { return rest.is_empty() };
+    for part in parts {
+        match rest.find(part) {
+            Some(at) => rest = &rest[at + part.len()..],
+            None => return false,
+        }
+    }
+    rest.ends_with(last)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::matches;
+
+    #[test]
+    fn a_star_stands_for_any_text_and_everything_else_for_itself() {
+        for (pattern, name) in [
+            ("*", ""),
+            ("*", "a"),
+            ("foot*", "foot"),
+            ("foot*", "foot_left"),
+            ("*/foot", "a/foot"),
+            ("a*b*c", "a__bb_c"),
+            ("a", "a"),
+        ] {
+            assert!(matches(pattern, name), "{pattern} {name}");
+        }
+        for (pattern, name) in
+            [("foot*", "afoot"), ("a", "ab"), ("*a", "ab"), ("a*a", "a"), ("a*b*c", "acb"), ("", "a")]
+        {
+            assert!(!matches(pattern, name), "{pattern} {name}");
+        }
+    }
+}

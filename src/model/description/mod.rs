@@ -1,0 +1,11 @@
+//! The nouns: a model with its records and frames, coordinates, errors, and which shapes can touch.
+
+pub(crate) mod contact_pairs;
+pub(crate) mod contact_reach;
+pub(crate) mod coordinates;
+pub(crate) mod coupling_error;
+pub(crate) mod model_error;
+pub(crate) mod reported;
+pub(crate) mod robot_model;
+pub(crate) mod start_checks;
+pub(crate) mod without;

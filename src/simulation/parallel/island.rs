@@ -1,0 +1,154 @@
+//! One island of a run: its own loop, and its samples and events until the other islands have reached the same time.
+
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::event::Event;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::state::State;
+use crate::mechanism::structure::islands::Island;
+use crate::simulation::steps::course::{Aim, Course, RunError, RunOptions};
+use crate::simulation::steps::making::Making;
+use crate::simulation::steps::observer::{Observer, ObserverError, Sample, StepEnd};
+use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
+use std::collections::VecDeque;
+
+/// An island and its run.
+pub(crate) struct IslandRun<'a> {
+    pub(crate) island: Island,
+    pub(crate) state: State,
+    /// External efforts on its joints [N m or N]: empty, or one per degree of freedom.
+    pub(crate) efforts: Vec<f64>,
+    /// `None` if it sleeps.
+    pub(crate) awake: Option<Making<'a>>,
+    pub(crate) course: Option<Course>,
+    /// Samples and steps that have not been taken over yet.
+    pub(crate) shown: Shown,
+    /// Its kinetic energy, and the error of its energy balance, at the last step taken over (J).
+    pub(crate) kinetic: f64,
+    pub(crate) deviation: f64,
+    /// Its total energy at the start (J).
+    initial: f64,
+    /// Energy dissipated since the start of the run, and work of external efforts, up to that step (J).
+    pub(crate) exchange: Exchange,
+    /// The accuracy that it has told up to that step.
+    pub(crate) so_far: Option<AccuracySoFar>,
+    /// Steps taken over, and their iterations.
+    pub(crate) steps: usize,
+    pub(crate) iterations: usize,
+    failed: Option<RunError>,
+}
+
+/// Samples and steps of one island, in order.
+#[derive(Default)]
+pub(crate) struct Shown {
+    pub(crate) samples: VecDeque<Kept>,
+    pub(crate) steps: VecDeque<StepEnd>,
+    pub(crate) events: VecDeque<Event>,
+    pub(crate) told: VecDeque<AccuracySoFar>,
+    /// The contacts of the next sample.
+    contacts: Vec<ContactPoint>,
+}
+
+/// A sample of one island.
+pub(crate) struct Kept {
+    pub(crate) time: f64,
+    pub(crate) position: Vec<f64>,
+    pub(crate) velocity: Vec<f64>,
+    pub(crate) contacts: Vec<ContactPoint>,
+}
+
+impl Observer for Shown {
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        let (position, velocity) = (sample.position.to_vec(), sample.velocity.to_vec());
+        let contacts = std::mem::take(&mut self.contacts);
+        self.samples.push_back(Kept { time: sample.time, position, velocity, contacts });
+        Ok(())
+    }
+
+    fn step(&mut self, end: &StepEnd) {
+        self.steps.push_back(*end);
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.events.push_back(*event);
+    }
+
+    fn accuracy(&mut self, so_far: &AccuracySoFar) {
+        self.told.push_back(*so_far);
+    }
+
+    fn contacts(&mut self, points: &[ContactPoint]) {
+        self.contacts.clear();
+        self.contacts.extend_from_slice(points);
+    }
+}
+
+impl IslandRun<'_> {
+    pub(crate) fn new(island: Island, whole: &State) -> Self {
+        IslandRun {
+            state: island.state(whole),
+            island,
+            efforts: Vec::new(),
+            awake: None,
+            course: None,
+            shown: Shown::default(),
+            kinetic: 0.0,
+            deviation: 0.0,
+            initial: 0.0,
+            exchange: Exchange::default(),
+            so_far: None,
+            steps: 0,
+            iterations: 0,
+            failed: None,
+        }
+    }
+
+    /// Prepares a run from the present state.
+    pub(crate) fn begin(&mut self, duration: f64, rate: f64) -> Result<(), RunError> {
+        if self.awake.is_none() {
+            return Ok(());
+        }
+        let mut course = Course::new(&self.island.mechanism, &self.state, duration, Some(rate));
+        let initial = course.summary().initial_energy;
+        (self.kinetic, self.deviation, self.initial) = (initial.kinetic, 0.0, initial.total());
+        (self.exchange, self.steps, self.iterations, self.failed) = (Exchange::default(), 0, 0, None);
+        (self.shown, self.so_far) = (Shown::default(), None);
+        course.begin(&mut [&mut self.shown])?;
+        self.course = Some(course);
+        Ok(())
+    }
+
+    /// Makes steps as far as the aim, and keeps an error.
+    pub(crate) fn proceed(&mut self, aim: Aim, options: &RunOptions) {
+        let IslandRun { island, state, efforts, awake: Some(integrator), course: Some(course), shown, failed, .. } =
+            self
+        else {
+            return;
+        };
+        let inputs = Inputs::constant(efforts);
+        let ended = course.proceed(&island.mechanism, inputs, state, integrator, aim, options.interrupt, &mut [shown]);
+        *failed = ended.err();
+    }
+
+    /// Takes over the figures of its next step.
+    pub(crate) fn take(&mut self, end: &StepEnd) {
+        self.kinetic = end.energy.kinetic;
+        self.exchange = end.exchange;
+        self.deviation = end.energy.total() - self.initial + end.exchange.lost();
+        self.steps += 1;
+        self.iterations += end.outcome.iterations;
+    }
+}
+
+/// The time that all awake islands have reached (s).
+pub(crate) fn frontier(awake: &[&mut IslandRun]) -> f64 {
+    awake.iter().map(|part| part.state.time).fold(f64::INFINITY, f64::min)
+}
+
+/// The failure at the earliest time; an interruption counts only if nothing failed.
+pub(crate) fn first_error(awake: &mut [&mut IslandRun]) -> Option<RunError> {
+    let interrupted = |part: &IslandRun| matches!(part.failed, Some(RunError::Interrupted { .. }));
+    let failed = awake.iter_mut().filter(|part| part.failed.is_some());
+    let first = failed.min_by(|a, b| interrupted(a).cmp(&interrupted(b)).then(a.state.time.total_cmp(&b.state.time)));
+    first.and_then(|part| part.failed.take())
+}

@@ -1,0 +1,325 @@
+//! Runs of independent mechanisms in parallel: each island with its own integrator. Islands at rest are not integrated.
+//!
+//! Nothing couples the islands ([`crate::mechanism::structure::islands`]). So each has its own loop ([`crate::simulation`]) and steps, as if it
+//! were alone. Afterwards their results are merged in order of time:
+//!
+//! - a sample of the whole consists of the samples of all islands at the same instant, from their own dense outputs;
+//! - the figures of a run add up over the ends of all steps of all islands: the energy balance at an instant is the sum of the
+//!   balances at each island's last step;
+//! - the figures of a sample are those at its instant, because the islands have no common end of a step.
+//!
+//! Small islands are faster together ([`Plan::grouped`](crate::simulation::parallel::partition::Plan::grouped)). Islands advance in windows of simulated
+//! time, in parallel on the available threads. An island depends neither on the windows nor on the others, and merging is in order of time and
+//! number. So every result is bit-identical, whatever the windows and the number of threads.
+
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::energy::energy_with_forces;
+use crate::mechanism::motion::event::JointStatus;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
+use crate::mechanism::motion::kinematics::place_bodies;
+use crate::mechanism::motion::state::State;
+use crate::simulation::method::step_choice::StepChoice;
+use crate::simulation::parallel::island::{IslandRun, first_error, frontier};
+use crate::simulation::parallel::merged::MergedRun;
+use crate::simulation::parallel::partition::Plan;
+use crate::simulation::parallel::threads::{Threads, spread};
+use crate::simulation::steps::course::{Aim, RunError, RunOptions};
+use crate::simulation::steps::making::Making;
+use crate::simulation::steps::observer::Observer;
+use crate::simulation::steps::summary::Summary;
+use crate::simulation::tolerance::assessed::Assessed;
+use std::time::Instant;
+
+/// A window should take this long (s of wall time): long against starting threads, short against a user's patience.
+const WINDOW: f64 = 0.02;
+/// Without samples for observers the run still takes so many, so that a failed run has a last state.
+const CHECKPOINTS: f64 = 16.0;
+
+/// The integrators of all islands of a mechanism.
+pub struct Islands<'a> {
+    parts: Vec<IslandRun<'a>>,
+    threads: Threads,
+    /// The window of simulated time for all islands, and the wall time of the last one (s).
+    window: f64,
+    took: f64,
+    kept: Vec<Rule>,
+}
+
+/// The figures of an island in a run, for the report.
+#[derive(Clone, Debug)]
+pub struct IslandFigures {
+    /// The bodies that are jointed to the world.
+    pub roots: Vec<String>,
+    /// Number of its bodies.
+    pub bodies: usize,
+    /// How it was integrated; `None` if it slept.
+    pub method: Option<MethodDescription>,
+    /// Accepted steps.
+    pub steps: usize,
+    /// Their iterations.
+    pub iterations: usize,
+}
+
+/// An island, whether it sleeps, and the result of making its integrator.
+type Job<'a, N, E> = (IslandRun<'a>, bool, Option<Result<N, E>>);
+
+impl<'a> Islands<'a> {
+    /// Makes the integrators of the awake islands, each with a note for the caller, in the order of these islands. `expected` is the expected time
+    /// (s); it decides whether several threads are used.
+    ///
+    /// # Errors
+    /// The first error of `make`, in the order of the islands.
+    pub fn new<I: Into<Making<'a>>, N: Send, E: Send>(
+        plan: Plan,
+        state: &State,
+        threads: Threads,
+        expected: f64,
+        make: impl Fn(&Mechanism, &State) -> Result<(I, N), E> + Sync,
+    ) -> Result<(Self, Vec<N>), E> {
+        let kept = plan.kept;
+        let mut jobs: Vec<Job<'a, N, E>> =
+            plan.islands.into_iter().map(|(island, asleep)| (IslandRun::new(island, state), asleep, None)).collect();
+        spread(&mut jobs, threads.for_work_of(expected), |(part, asleep, note)| {
+            if *asleep {
+                return;
+            }
+            *note = Some(make(&part.island.mechanism, &part.state).map(|(integrator, note)| {
+                part.awake = Some(integrator.into());
+                note
+            }));
+        });
+        let mut parts = Vec::with_capacity(jobs.len());
+        let mut notes = Vec::new();
+        for (part, _, note) in jobs {
+            if let Some(note) = note {
+                notes.push(note?);
+            }
+            parts.push(part);
+        }
+        Ok((Islands { parts, threads, window: 0.0, took: 0.0, kept }, notes))
+    }
+
+    /// The combined method of the awake islands; `None` if all sleep.
+    ///
+    /// It has the largest number of stages, the mean step, and the smallest margin of stability of all islands.
+    pub fn description(&self) -> Option<MethodDescription> {
+        let mut all = self.parts.iter().filter_map(|part| Some((part.awake.as_ref()?.description(), part.steps)));
+        let (mut together, mut steps) = all.next()?;
+        let mut stepped = together.step * steps as f64;
+        for (one, count) in all {
+            together.stages = together.stages.max(one.stages);
+            together.order = together.order.max(one.order);
+            steps += count;
+            stepped += one.step * count as f64;
+            together.include_stability(&one);
+            together.singular = together.singular.into_iter().chain(one.singular).max_by_key(|seen| seen.extra);
+            together.unsolved_contacts += one.unsolved_contacts;
+            together.reversible_resets = together.reversible_resets.zip(one.reversible_resets).map(|(a, b)| a + b);
+        }
+        if steps > 0 {
+            together.step = stepped / steps as f64;
+        }
+        Some(together)
+    }
+
+    /// The status of each body's joint (free, held, on a limit).
+    pub(crate) fn joint_statuses(&self, bodies: usize) -> Vec<JointStatus> {
+        let mut statuses = vec![JointStatus::default(); bodies];
+        for IslandRun { island, state, awake, .. } in &self.parts {
+            for body in 0..island.mechanism.bodies.len() {
+                let status = awake.as_ref().map(|own| own.joint_status(&island.mechanism, state, body));
+                statuses[island.body_of_whole(body)] = status.unwrap_or_default();
+            }
+        }
+        statuses
+    }
+
+    /// Adds the closed contacts of all islands, in the order of their pairs.
+    pub(crate) fn contacts(&self, out: &mut Vec<ContactPoint>) {
+        for IslandRun { island, state, awake, .. } in &self.parts {
+            awake.iter().for_each(|own| own.contacts(&island.mechanism, state, out));
+        }
+        // Stable: several points of a pair stay in their order.
+        out.sort_by_key(|point| point.pair);
+    }
+
+    /// Calls a function with each island that estimates its error, and its state.
+    pub(crate) fn each_telling(&mut self, mut work: impl FnMut(&Mechanism, &State, &mut Assessed)) {
+        for IslandRun { island, state, awake, .. } in &mut self.parts {
+            if let Some(assessed) = awake.as_mut().and_then(Making::telling) {
+                work(&island.mechanism, state, assessed);
+            }
+        }
+    }
+
+    /// The error of samples inside the steps of each island that moves, as its integrator alone knows it (m).
+    pub(crate) fn between(&self) -> Vec<Option<f64>> {
+        self.parts.iter().filter_map(|part| part.awake.as_ref()).map(Making::between).collect()
+    }
+
+    /// The figures of each island.
+    pub fn figures(&self) -> impl Iterator<Item = IslandFigures> {
+        self.parts.iter().map(|part| IslandFigures {
+            roots: part.island.roots().map(str::to_string).collect(),
+            bodies: part.island.mechanism.bodies.len(),
+            method: part.awake.as_ref().map(Integrator::description),
+            steps: part.steps,
+            iterations: part.iterations,
+        })
+    }
+
+    /// Runs all islands from their present states for `options.duration`, and calls the observers.
+    ///
+    /// `state` is moved to the end of the run, or, if it ends early, to the last sample that all islands have reached. The summary
+    /// is filled in up to there.
+    pub fn run(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+    ) -> (Summary, Result<(), RunError>) {
+        let mut whole = MergedRun::new(mechanism, state, options);
+        let ended = self
+            .begin_with(mechanism, state, options, observers, &mut whole)
+            .and_then(|()| self.proceed(mechanism, f64::INFINITY, options, observers, &mut whole));
+        self.settle(mechanism, state, &mut whole, ended.is_ok());
+        (whole.summary, ended)
+    }
+
+    /// Begins a run from a state, and passes it to the observers.
+    pub(crate) fn begin(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &State,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<MergedRun, RunError> {
+        let mut whole = MergedRun::new(mechanism, state, options);
+        self.begin_with(mechanism, state, options, observers, &mut whole)?;
+        Ok(whole)
+    }
+
+    fn begin_with(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &State,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+        whole: &mut MergedRun,
+    ) -> Result<(), RunError> {
+        // The first window is one step of each island, to measure its time.
+        (self.window, self.took) = (0.0, 0.0);
+        for part in &mut self.parts {
+            part.state = part.island.state(state);
+            part.begin(options.duration, sampling_rate(options))?;
+        }
+        let mut awake = awake(&mut self.parts);
+        if awake.is_empty() {
+            return whole.show(mechanism, observers);
+        }
+        whole.take(mechanism, &mut awake, observers)
+    }
+
+    /// Sets the external efforts on each island, and wakes sleeping islands on which efforts act.
+    pub(crate) fn wake(
+        &mut self,
+        inputs: Inputs,
+        choice: StepChoice,
+        whole: &MergedRun,
+        options: &RunOptions,
+    ) -> Result<(), RunError> {
+        for part in &mut self.parts {
+            let of_part = part.island.pieces.iter().map(|piece| piece.velocities.clone());
+            part.efforts.clear();
+            if !inputs.is_none() {
+                of_part.for_each(|freedoms| part.efforts.extend_from_slice(&inputs.efforts[freedoms]));
+            }
+            let driven = part.efforts.iter().any(|&effort| effort != 0.0);
+            if part.awake.is_none() && driven {
+                let Ok(integrator) = choice.integrator(&part.island.mechanism, &self.kept) else { continue };
+                part.awake = Some(integrator.into());
+                part.state.time = whole.start;
+                part.begin(options.duration, sampling_rate(options))?;
+                part.shown.samples.clear();
+                part.state.time = whole.state.time;
+                if let Some(course) = &mut part.course {
+                    course.skip_to(whole.state.time);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves `state` to the present time of the run, or, after an error, to the last sample that all islands have reached.
+    pub(crate) fn settle(&mut self, mechanism: &Mechanism, state: &mut State, whole: &mut MergedRun, together: bool) {
+        let times = self.parts.iter().filter_map(|part| Some(part.course.as_ref()?.summary().solve_cpu_seconds));
+        // The sum starts from 0, because an empty sum would be −0.
+        whole.summary.solve_cpu_seconds = times.fold(0.0, |sum, time| sum + time);
+        for part in self.parts.iter().filter_map(|part| part.course.as_ref()) {
+            whole.summary.contact.include(&part.summary().contact);
+        }
+        if together {
+            for IslandRun { island, state: own, .. } in &self.parts {
+                island.put(&own.position, &mut state.position, |piece| &piece.positions);
+                island.put(&own.compensation, &mut state.compensation, |piece| &piece.positions);
+                island.put(&own.velocity, &mut state.velocity, |piece| &piece.velocities);
+            }
+            let moving = self.parts.iter().filter(|part| part.awake.is_some()).map(|part| part.state.time);
+            state.time = moving.reduce(f64::min).unwrap_or(whole.state.time);
+        } else {
+            state.copy_from(&whole.state);
+        }
+        place_bodies(mechanism, state, &mut whole.bodies);
+        whole.summary.final_energy = energy_with_forces(mechanism, &state.position, &whole.bodies);
+    }
+
+    /// Makes steps until all islands are at `until` (s) or at the end of the run, and calls the observers with merged results.
+    pub(crate) fn proceed(
+        &mut self,
+        mechanism: &Mechanism,
+        until: f64,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+        whole: &mut MergedRun,
+    ) -> Result<(), RunError> {
+        let mut awake = awake(&mut self.parts);
+        if awake.is_empty() {
+            return whole.show_rest(mechanism, until, options, observers);
+        }
+        let end = whole.end.min(until);
+        while frontier(&awake) < end {
+            let begin = frontier(&awake);
+            let aim = Aim { horizon: (begin + self.window).max(begin.next_up()), until };
+            let clock = Instant::now();
+            let threads = self.threads.for_work_of(self.took);
+            // The largest island comes first, because a large one started last would delay the end.
+            awake.sort_by_key(|part| std::cmp::Reverse(part.island.mechanism.bodies.len()));
+            spread(&mut awake, threads, |part| part.proceed(aim, options));
+            awake.sort_by_key(|part| part.island.pieces.first().map(|piece| piece.bodies.start));
+            self.took = clock.elapsed().as_secs_f64();
+            whole.take(mechanism, &mut awake, observers)?;
+            if let Some(error) = first_error(&mut awake) {
+                return Err(match error {
+                    RunError::Interrupted { .. } => RunError::Interrupted { time: whole.state.time },
+                    error => error,
+                });
+            }
+            self.window = self.window.max(frontier(&awake) - begin) * (WINDOW / self.took).clamp(0.25, 4.0);
+        }
+        Ok(())
+    }
+}
+
+/// The islands that move.
+fn awake<'p, 'a>(parts: &'p mut [IslandRun<'a>]) -> Vec<&'p mut IslandRun<'a>> {
+    parts.iter_mut().filter(|part| part.awake.is_some()).collect()
+}
+
+/// Samples of each island per simulated second.
+fn sampling_rate(options: &RunOptions) -> f64 {
+    options.rate.unwrap_or(CHECKPOINTS / options.duration)
+}

@@ -1,0 +1,239 @@
+//! The run of the whole mechanism, merged from the runs of the islands in order of time.
+
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::energy::{energy_with_forces, violation};
+use crate::mechanism::motion::event::Event;
+use crate::mechanism::motion::gaps::worse;
+use crate::mechanism::motion::integrator::StepOutcome;
+use crate::mechanism::motion::kinematics::{body_states, place_bodies};
+use crate::mechanism::motion::state::State;
+use crate::simulation::parallel::island::{IslandRun, frontier};
+use crate::simulation::steps::course::{RunError, RunOptions};
+use crate::simulation::steps::observer::{Counts, Observer, Sample, StepEnd, show};
+use crate::simulation::steps::summary::{KEPT_EVENTS, Summary, pushes};
+use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
+use std::sync::atomic::Ordering;
+
+/// The run of the whole mechanism, merged from those of the islands.
+pub(crate) struct MergedRun {
+    pub(crate) start: f64,
+    pub(crate) end: f64,
+    /// Whether observers want samples inside the run.
+    sampled: bool,
+    /// The last sample. Its positions are without the rounded-off parts.
+    pub(crate) state: State,
+    pub(crate) bodies: Vec<BodyState>,
+    pub(crate) summary: Summary,
+    /// Sums over the islands at the last step taken over (J).
+    kinetic: f64,
+    deviation: f64,
+    exchange: Exchange,
+    largest_kinetic: f64,
+    largest_deviation: f64,
+    /// Total cost of the steps since the last sample, and the number of steps before it.
+    since: StepOutcome,
+    steps_before: usize,
+    /// Steps to be merged, with the numbers of their islands.
+    waiting: Vec<(StepEnd, usize)>,
+    /// Number of samples after the first that were shown while nothing moved.
+    rested: u64,
+    /// The first events.
+    pub(crate) events: Vec<Event>,
+    /// The contacts of the last sample.
+    contacts: Vec<ContactPoint>,
+}
+
+impl MergedRun {
+    pub(crate) fn new(mechanism: &Mechanism, state: &State, options: &RunOptions) -> Self {
+        let bodies = body_states(mechanism, state);
+        let initial = energy_with_forces(mechanism, &state.position, &bodies);
+        MergedRun {
+            start: state.time,
+            end: state.time + options.duration,
+            sampled: options.rate.is_some(),
+            state: State { compensation: vec![0.0; state.position.len()], ..state.clone() },
+            summary: Summary {
+                initial_energy: initial,
+                final_energy: initial,
+                pushes: pushes(mechanism, state, initial.spring),
+                max_violation: violation(mechanism, state, &bodies),
+                ..Summary::default()
+            },
+            bodies,
+            kinetic: initial.kinetic,
+            deviation: 0.0,
+            exchange: Exchange::default(),
+            largest_kinetic: initial.kinetic,
+            largest_deviation: 0.0,
+            since: StepOutcome::default(),
+            steps_before: 0,
+            waiting: Vec::new(),
+            rested: 0,
+            events: Vec::new(),
+            contacts: Vec::new(),
+        }
+    }
+
+    /// Merges everything up to the time that all islands have reached, in order of time.
+    pub(crate) fn take(
+        &mut self,
+        mechanism: &Mechanism,
+        awake: &mut [&mut IslandRun],
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), RunError> {
+        loop {
+            let ready = awake.iter().all(|part| !part.shown.samples.is_empty());
+            let until = match awake.first().and_then(|part| part.shown.samples.front()) {
+                Some(sample) if ready => sample.time,
+                _ => frontier(awake),
+            };
+            self.take_events(awake, until, observers);
+            self.take_accuracy(awake, until, observers);
+            self.take_steps(awake, until);
+            if !ready {
+                return Ok(());
+            }
+            self.contacts.clear();
+            for IslandRun { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
+                let Some(sample) = shown.samples.pop_front() else { continue };
+                self.contacts.extend_from_slice(&sample.contacts);
+                island.put(&sample.position, &mut self.state.position, |piece| &piece.positions);
+                island.put(&sample.velocity, &mut self.state.velocity, |piece| &piece.velocities);
+            }
+            place_bodies(mechanism, &self.state, &mut self.bodies);
+            self.state.time = until;
+            self.show(mechanism, observers)?;
+        }
+    }
+
+    /// Merges all events up to `until`, and passes them to the observers.
+    fn take_events(&mut self, awake: &mut [&mut IslandRun], until: f64, observers: &mut [&mut dyn Observer]) {
+        let mut happened = Vec::new();
+        for IslandRun { island, shown, .. } in awake.iter_mut().map(|part| &mut **part) {
+            let count = shown.events.partition_point(|event| event.time <= until);
+            let of_whole = |event: Event| Event { body: island.body_of_whole(event.body), ..event };
+            happened.extend(shown.events.drain(..count).map(of_whole));
+        }
+        // Stable: those of one instant stay in the order of the islands.
+        happened.sort_by(|a, b| a.time.total_cmp(&b.time));
+        for event in &happened {
+            self.summary.events.count(event.kind);
+            observers.iter_mut().for_each(|observer| observer.event(event));
+        }
+        let room = KEPT_EVENTS - self.events.len();
+        self.events.extend(happened.into_iter().take(room));
+    }
+
+    /// Takes the accuracies of the islands up to `until`, and passes the accuracy of the whole to the observers.
+    fn take_accuracy(&mut self, awake: &mut [&mut IslandRun], until: f64, observers: &mut [&mut dyn Observer]) {
+        let mut has_news = false;
+        for part in awake.iter_mut() {
+            let count = part.shown.told.partition_point(|so_far| so_far.time <= until);
+            if let Some(so_far) = part.shown.told.drain(..count).next_back() {
+                (part.so_far, has_news) = (Some(so_far), true);
+            }
+        }
+        if !has_news || awake.iter().any(|part| part.so_far.is_none()) {
+            return;
+        }
+        if let Some(so_far) = AccuracySoFar::together(awake.iter().filter_map(|part| part.so_far)) {
+            observers.iter_mut().for_each(|observer| observer.accuracy(&so_far));
+        }
+    }
+
+    /// Merges all steps that end at or before `until`.
+    fn take_steps(&mut self, awake: &mut [&mut IslandRun], until: f64) {
+        for (number, part) in awake.iter_mut().enumerate() {
+            let steps = &mut part.shown.steps;
+            let count = steps.partition_point(|end| end.time <= until);
+            self.waiting.extend(steps.drain(..count).map(|end| (end, number)));
+        }
+        // Stable: what ends at the same time stays in the order of the islands.
+        self.waiting.sort_by(|(a, _), (b, _)| a.time.total_cmp(&b.time));
+        let mut impacts = 0.0;
+        for (index, (end, number)) in self.waiting.iter().enumerate() {
+            let part = &mut awake[*number];
+            let before = (part.kinetic, part.deviation, part.exchange);
+            part.take(end);
+            self.kinetic += part.kinetic - before.0;
+            self.deviation += part.deviation - before.1;
+            self.exchange.dissipated += part.exchange.dissipated - before.2.dissipated;
+            self.exchange.work += part.exchange.work - before.2.work;
+            self.exchange.friction += part.exchange.friction - before.2.friction;
+            self.exchange.impacts += part.exchange.impacts - before.2.impacts;
+            self.summary.count(&end.outcome, end.violation);
+            self.since.step += end.outcome.step;
+            self.since.iterations += end.outcome.iterations;
+            self.since.rejected += end.outcome.rejected;
+            self.since.exchange.dissipated += end.outcome.exchange.dissipated;
+            self.since.exchange.work += end.outcome.exchange.work;
+            impacts += end.outcome.exchange.impacts.max(0.0);
+            // The energy balance is complete when all steps that end at the same time are merged.
+            if self.waiting.get(index + 1).is_none_or(|(next, _)| next.time > end.time) {
+                self.largest_kinetic = self.largest_kinetic.max(self.kinetic + std::mem::take(&mut impacts));
+                self.summary.largest_kinetic = self.largest_kinetic;
+                self.largest_deviation = worse(self.largest_deviation, self.deviation.abs());
+            }
+        }
+        self.waiting.clear();
+        let scale = if self.largest_kinetic > 0.0 { self.largest_kinetic } else { 1.0 };
+        self.summary.max_relative_energy_error = self.largest_deviation / scale;
+        self.summary.exchange = self.exchange;
+    }
+
+    /// Passes the last sample to the observers, if they want it, with the figures of its instant.
+    pub(crate) fn show(&mut self, mechanism: &Mechanism, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
+        let time = self.state.time;
+        let wanted = self.sampled || time == self.start || time == self.end;
+        if observers.is_empty() || !wanted {
+            return Ok(());
+        }
+        let mut outcome = std::mem::take(&mut self.since);
+        let Summary { steps, iterations, rejected_steps: rejected, .. } = self.summary;
+        outcome.step /= (steps - std::mem::replace(&mut self.steps_before, steps)).max(1) as f64;
+        let step = StepEnd {
+            time,
+            energy: energy_with_forces(mechanism, &self.state.position, &self.bodies),
+            exchange: self.exchange,
+            violation: violation(mechanism, &self.state, &self.bodies),
+            outcome,
+            so_far: Counts { steps, iterations, rejected },
+        };
+        if !mechanism.nonsmooth.pairs.is_empty() {
+            // Stable: several points of a pair stay in their order.
+            self.contacts.sort_by_key(|point| point.pair);
+            observers.iter_mut().for_each(|observer| observer.contacts(&self.contacts));
+        }
+        let State { position, velocity, .. } = &self.state;
+        show(observers, &Sample { time, position, velocity, step: &step }).map_err(RunError::Observer)
+    }
+
+    /// Passes samples of a run without motion to the observers, up to `until` (s).
+    pub(crate) fn show_rest(
+        &mut self,
+        mechanism: &Mechanism,
+        until: f64,
+        options: &RunOptions,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), RunError> {
+        let end = self.end.min(until);
+        while self.state.time < end {
+            if options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+                return Err(RunError::Interrupted { time: self.state.time });
+            }
+            let next =
+                options.rate.map_or(self.end, |rate| (self.start + (self.rested + 1) as f64 / rate).min(self.end));
+            if next > end {
+                self.state.time = end;
+                return Ok(());
+            }
+            self.rested += 1;
+            self.state.time = next;
+            self.show(mechanism, observers)?;
+        }
+        Ok(())
+    }
+}

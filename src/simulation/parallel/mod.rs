@@ -1,0 +1,7 @@
+//! Islands in parallel: which bodies belong together, their threads, and their figures merged.
+
+pub(crate) mod island;
+pub mod islands;
+pub(crate) mod merged;
+pub mod partition;
+pub mod threads;

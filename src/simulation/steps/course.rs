@@ -1,0 +1,374 @@
+//! The loop of a run: it makes steps, takes samples inside them, and passes both to the observers.
+
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::contact_point::{ContactFigures, ContactPoint};
+use crate::mechanism::motion::event::Event;
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
+use crate::mechanism::motion::kinematics::{body_states, place_bodies};
+use crate::mechanism::motion::state::State;
+use crate::simulation::steps::clock::Clock;
+use crate::simulation::steps::making::Tells;
+use crate::simulation::steps::observer::{Observer, ObserverError, Sample, show};
+use crate::simulation::steps::summary::{Bookkeeper, KEPT_EVENTS, Summary};
+use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// The duration and the sampling of a run.
+pub struct RunOptions<'o> {
+    /// Simulated time to run (s).
+    pub duration: f64,
+    /// Samples per simulated second, `None` for the first and the last instant only.
+    pub rate: Option<f64>,
+    /// A flag that ends the run after the current step when it is set.
+    pub interrupt: Option<&'o AtomicBool>,
+}
+
+/// How a run ended.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The integrator failed.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// An observer failed.
+    #[error(transparent)]
+    Observer(ObserverError),
+    /// The interrupt flag was set.
+    #[error("interrupted at t = {time} s")]
+    Interrupted { time: f64 },
+    /// The steps were too coarse: [`Simulation::run`](crate::simulation::Simulation::run) restarts the run with finer ones.
+    #[error("at t = {time} s the estimated error exceeds the tolerance")]
+    BeginsAgain { time: f64 },
+}
+
+/// Runs `integrator` from `state` for `options.duration` and calls the observers.
+///
+/// The summary is filled in up to the end of the run, also after an error.
+pub fn run(
+    mechanism: &Mechanism,
+    state: &mut State,
+    integrator: &mut dyn Integrator,
+    options: &RunOptions,
+    observers: &mut [&mut dyn Observer],
+) -> (Summary, Result<(), RunError>) {
+    let mut course = Course::new(mechanism, state, options.duration, options.rate);
+    let ended = course.begin(observers).and_then(|()| {
+        course.proceed(mechanism, Inputs::NONE, state, integrator, Aim::END, options.interrupt, observers)
+    });
+    (course.summary(), ended)
+}
+
+/// Where a run is halted.
+#[derive(Clone, Copy)]
+pub(crate) struct Aim {
+    /// Until a step ends at or after this time (s).
+    pub horizon: f64,
+    /// No step ends after this time (s), and one ends exactly there.
+    pub until: f64,
+}
+
+impl Aim {
+    /// No halt before the end of the run.
+    pub const END: Aim = Aim { horizon: f64::INFINITY, until: f64::INFINITY };
+}
+
+/// A run that can be halted between steps and continued.
+pub(crate) struct Course {
+    start: f64,
+    end: f64,
+    rate: Option<f64>,
+    /// Number of samples so far.
+    sampled: u64,
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    bodies: Vec<BodyState>,
+    /// Whether figures are computed: energies, constraint errors and times of steps.
+    figures: bool,
+    /// Wall time of the steps since [`Course::count_time`] was called last.
+    solving: Duration,
+    bookkeeper: Bookkeeper,
+    /// The events of the last step.
+    happened: Vec<Event>,
+    /// The first events of the run.
+    events: Vec<Event>,
+    /// The last accuracy that was passed to the observers.
+    told: Option<AccuracySoFar>,
+    /// The state of a sample, if there are pairs of shapes that may touch, and its contacts.
+    sampled_state: Option<State>,
+    contacts: Vec<ContactPoint>,
+    /// How far forces at the end of the last step are from their cones (N). They count once what is closed there has lasted: an event at the same instant
+    /// opens it again, and no force has acted.
+    not_lasted: f64,
+}
+
+impl Course {
+    /// A run of `duration` from `state` with `rate` samples a second.
+    pub(crate) fn new(mechanism: &Mechanism, state: &State, duration: f64, rate: Option<f64>) -> Self {
+        let bodies = body_states(mechanism, state);
+        Course {
+            start: state.time,
+            end: state.time + duration,
+            rate,
+            sampled: 0,
+            position: state.position.clone(),
+            velocity: state.velocity.clone(),
+            bookkeeper: Bookkeeper::new(mechanism, state, &bodies),
+            bodies,
+            figures: true,
+            solving: Duration::ZERO,
+            happened: Vec::new(),
+            events: Vec::new(),
+            told: None,
+            sampled_state: (!mechanism.nonsmooth.pairs.is_empty()).then(|| state.clone()),
+            contacts: Vec::new(),
+            not_lasted: 0.0,
+        }
+    }
+
+    /// Disables the figures: those of steps that observers receive keep their values at the start.
+    pub(crate) fn without_figures(self) -> Self {
+        Course { figures: false, ..self }
+    }
+
+    /// The figures so far.
+    pub(crate) fn summary(&self) -> Summary {
+        let mut summary = self.bookkeeper.summary;
+        summary.contact.include(&ContactFigures { penetration: 0.0, cone_violation: self.not_lasted });
+        summary
+    }
+
+    /// The k-th sample is at start + k/rate, never at an accumulated sum; the last one is the end itself.
+    fn sample_time(&self, k: u64) -> f64 {
+        match self.rate {
+            Some(rate) => (self.start + k as f64 / rate).min(self.end),
+            None if k == 0 => self.start,
+            None => self.end,
+        }
+    }
+
+    /// Passes the start to the observers.
+    pub(crate) fn begin(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
+        self.sampled = 1;
+        self.show(self.start, observers)
+    }
+
+    /// Sets the next sample to the first after `time` (s), for an island that starts to move only then.
+    pub(crate) fn skip_to(&mut self, time: f64) {
+        while self.sample_time(self.sampled) <= time && self.sample_time(self.sampled) < self.end {
+            self.sampled += 1;
+        }
+    }
+
+    /// Makes steps under these inputs from `state`, where the last call stopped, to the aim or the end of the run.
+    #[expect(clippy::too_many_arguments, reason = "what is constant, what changes and who watches are apart")]
+    pub(crate) fn proceed<I: Integrator + Tells + ?Sized>(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        integrator: &mut I,
+        aim: Aim,
+        interrupt: Option<&AtomicBool>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), RunError> {
+        if !self.figures {
+            return self.steps(mechanism, inputs, state, integrator, aim, interrupt, observers);
+        }
+        let clock = Clock::start();
+        let ended = self.steps(mechanism, inputs, state, integrator, aim, interrupt, observers);
+        self.count_time(&clock);
+        ended
+    }
+
+    /// Adds the CPU time of the steps since `clock` was started to the summary.
+    pub(crate) fn count_time(&mut self, clock: &Clock) {
+        self.bookkeeper.summary.solve_cpu_seconds += clock.share(std::mem::take(&mut self.solving));
+    }
+
+    /// As [`Course::proceed`]; adds the wall time spent in the integrator to `solving`. The caller calls [`Course::count_time`].
+    #[expect(clippy::too_many_arguments, reason = "what is constant, what changes and who watches are apart")]
+    pub(crate) fn steps<I: Integrator + Tells + ?Sized>(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        integrator: &mut I,
+        aim: Aim,
+        interrupt: Option<&AtomicBool>,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), RunError> {
+        let end = self.end.min(aim.until);
+        while state.time < end && state.time < aim.horizon {
+            if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+                return Err(RunError::Interrupted { time: state.time });
+            }
+            let clock = self.figures.then(Instant::now);
+            inputs.check(mechanism, state)?;
+            let outcome = integrator.step(mechanism, inputs, state, end);
+            self.solving += clock.map_or(Duration::ZERO, |clock| clock.elapsed());
+            let outcome = outcome?;
+            if integrator.begins_again() {
+                return Err(RunError::BeginsAgain { time: state.time });
+            }
+            self.see_events(integrator, observers);
+            if self.figures {
+                self.count(mechanism, state, integrator, outcome);
+            }
+            observers.iter_mut().for_each(|observer| observer.step(&self.bookkeeper.last));
+            self.see_accuracy(integrator.so_far(), observers);
+            while self.sample_time(self.sampled) <= state.time {
+                let time = self.sample_time(self.sampled);
+                if time == state.time {
+                    self.position.copy_from_slice(&state.position);
+                    self.velocity.copy_from_slice(&state.velocity);
+                } else {
+                    integrator.dense(mechanism, time, &mut self.position, &mut self.velocity);
+                }
+                self.see_contacts(mechanism, integrator, time, observers);
+                self.show(time, observers)?;
+                self.sampled += 1;
+                if time == self.end {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the figures of a step to the summary.
+    fn count<I: Integrator + ?Sized>(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &State,
+        integrator: &I,
+        outcome: StepOutcome,
+    ) {
+        let bodies = integrator.bodies().unwrap_or_else(|| {
+            place_bodies(mechanism, state, &mut self.bodies);
+            &self.bodies
+        });
+        self.bookkeeper.record(mechanism, state, bodies, outcome);
+        if self.sampled_state.is_some() {
+            self.contacts.clear();
+            integrator.contacts(mechanism, state, &mut self.contacts);
+            let mut figures = ContactFigures::default();
+            figures.see(&self.contacts, &mechanism.nonsmooth.pairs);
+            let not_lasted = std::mem::replace(&mut self.not_lasted, figures.cone_violation);
+            figures.cone_violation = if outcome.step > 0.0 { not_lasted } else { 0.0 };
+            self.bookkeeper.summary.contact.include(&figures);
+        }
+    }
+
+    /// Counts the events of the last step, and passes them to the observers.
+    fn see_events<I: Integrator + ?Sized>(&mut self, integrator: &mut I, observers: &mut [&mut dyn Observer]) {
+        self.happened.clear();
+        integrator.take_events(&mut self.happened);
+        for event in &self.happened {
+            self.bookkeeper.summary.events.count(event.kind);
+            if self.events.len() < KEPT_EVENTS {
+                self.events.push(*event);
+            }
+            observers.iter_mut().for_each(|observer| observer.event(event));
+        }
+    }
+
+    /// Passes the accuracy so far to the observers if it has changed.
+    fn see_accuracy(&mut self, so_far: Option<AccuracySoFar>, observers: &mut [&mut dyn Observer]) {
+        let Some(told) = so_far.filter(|told| self.told.is_none_or(|before| before != *told)) else { return };
+        self.told = so_far;
+        observers.iter_mut().for_each(|observer| observer.accuracy(&told));
+    }
+
+    /// Passes the contacts at the instant of a sample to the observers.
+    fn see_contacts<I: Integrator + ?Sized>(
+        &mut self,
+        mechanism: &Mechanism,
+        integrator: &I,
+        time: f64,
+        observers: &mut [&mut dyn Observer],
+    ) {
+        let Some(sample) = self.sampled_state.as_mut().filter(|_| !observers.is_empty()) else { return };
+        sample.time = time;
+        sample.position.copy_from_slice(&self.position);
+        sample.velocity.copy_from_slice(&self.velocity);
+        sample.compensation.fill(0.0);
+        self.contacts.clear();
+        integrator.contacts(mechanism, sample, &mut self.contacts);
+        observers.iter_mut().for_each(|observer| observer.contacts(&self.contacts));
+    }
+
+    /// The first events so far.
+    pub(crate) fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    fn show(&self, time: f64, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
+        let Course { position, velocity, .. } = self;
+        show(observers, &Sample { time, position, velocity, step: &self.bookkeeper.last }).map_err(RunError::Observer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
+    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+    use crate::mechanism::description::mechanism::Body;
+    use crate::mechanism::motion::integrator::MethodDescription;
+    use nalgebra::Vector3;
+
+    /// Makes steps of given lengths (s), with a contact at the end of each whose force pulls (N).
+    struct Pulling {
+        steps: Vec<(f64, f64)>,
+        made: usize,
+    }
+
+    impl Integrator for Pulling {
+        fn step(&mut self, _: &Mechanism, _: Inputs, state: &mut State, until: f64) -> Result<StepOutcome, StepError> {
+            let (step, _) = self.steps[self.made];
+            self.made += 1;
+            state.time = if self.made == self.steps.len() { until } else { state.time + step };
+            Ok(StepOutcome { step, ..StepOutcome::default() })
+        }
+
+        fn dense(&mut self, _: &Mechanism, _: f64, _: &mut [f64], _: &mut [f64]) {}
+
+        fn description(&self) -> MethodDescription {
+            MethodDescription::fixed("pulling", 2, 2, 0.1)
+        }
+
+        fn contacts(&self, _: &Mechanism, _: &State, out: &mut Vec<ContactPoint>) {
+            let force = Vector3::z() * -self.steps[self.made - 1].1;
+            let (position, normal) = (Vector3::zeros(), Vector3::z());
+            out.push(ContactPoint { pair: 0, position, normal, force, gap: -1e-9, sticks: true });
+        }
+    }
+
+    #[test]
+    fn forces_of_what_was_closed_for_no_time_do_not_count_and_those_at_the_end_do() {
+        let joint = Joint::new("ball", JointKind::Floating, Pose::identity(), Pose::identity());
+        let body = Body { name: "ball".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(1.0), joint };
+        let mut mechanism = Mechanism::new("ball", Vector3::zeros(), vec![body]).expect("a free body");
+        for (body, shape) in [(Some(0), Shape::Sphere { radius: 0.1 }), (None, Shape::HalfSpace)] {
+            let collider = Collider { name: "one".into(), body, pose: Pose::identity(), shape };
+            mechanism.nonsmooth.colliders.push(collider);
+        }
+        mechanism.nonsmooth.pairs.push(ContactPair { number: 0, a: 0, b: 1, friction: 0.5, restitution: 0.0 });
+        // Each step with the pull at its end; the one that follows says whether that has lasted.
+        let worst = |steps: &[(f64, f64)]| {
+            let mut state = State::zero(&mechanism);
+            let mut integrator = Pulling { steps: steps.to_vec(), made: 0 };
+            let options = RunOptions { duration: 1.0, rate: None, interrupt: None };
+            let (summary, ended) = run(&mechanism, &mut state, &mut integrator, &options, &mut []);
+            ended.expect("to the end");
+            assert_eq!(summary.contact.penetration, 1e-9);
+            summary.contact.cone_violation
+        };
+        assert_eq!(worst(&[(0.5, 7.0), (0.0, 0.0), (0.5, 0.0)]), 0.0);
+        assert_eq!(worst(&[(0.5, 7.0), (0.1, 0.0), (0.4, 0.0)]), 7.0);
+        assert_eq!(worst(&[(0.5, 7.0), (0.0, 3.0), (0.5, 1.0)]), 3.0);
+        assert_eq!(worst(&[(0.5, 0.0), (0.5, 2.0)]), 2.0);
+    }
+}

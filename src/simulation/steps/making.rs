@@ -1,0 +1,124 @@
+//! The integrator of a run or of an island: with an estimate of its error, or without.
+
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::contact_point::ContactPoint;
+use crate::mechanism::motion::event::{Event, JointStatus};
+use crate::mechanism::motion::inputs::Inputs;
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription, StepError, StepOutcome};
+use crate::mechanism::motion::state::State;
+use crate::simulation::method::run_integrator::RunIntegrator;
+use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
+use crate::simulation::tolerance::assessed::Assessed;
+use crate::stepping::integrator::Lobatto;
+
+/// The integrator.
+pub enum Making<'a> {
+    /// An integrator alone.
+    Alone(RunIntegrator),
+    /// With an estimate of its error; it may restart.
+    Telling(Box<Assessed<'a>>),
+}
+
+impl From<RunIntegrator> for Making<'_> {
+    fn from(alone: RunIntegrator) -> Self {
+        Making::Alone(alone)
+    }
+}
+
+impl From<Lobatto> for Making<'_> {
+    fn from(lobatto: Lobatto) -> Self {
+        Making::Alone(lobatto.into())
+    }
+}
+
+/// An integrator that may tell its accuracy during a run.
+pub(crate) trait Tells {
+    /// The accuracy so far, if it is known.
+    fn so_far(&self) -> Option<AccuracySoFar> {
+        None
+    }
+}
+
+impl Tells for dyn Integrator + '_ {}
+
+impl Tells for Making<'_> {
+    fn so_far(&self) -> Option<AccuracySoFar> {
+        match self {
+            Making::Telling(assessed) => assessed.so_far(),
+            Making::Alone(_) => None,
+        }
+    }
+}
+
+impl<'a> Making<'a> {
+    /// The integrator with an estimate of its error, if it is one.
+    pub(crate) fn telling(&mut self) -> Option<&mut Assessed<'a>> {
+        match self {
+            Making::Telling(assessed) => Some(assessed),
+            Making::Alone(_) => None,
+        }
+    }
+
+    /// The error of samples inside the steps of an integrator alone (m), where it is known; one with an estimate tells it with that.
+    pub(crate) fn between(&self) -> Option<f64> {
+        match self {
+            Making::Alone(alone) => alone.between(),
+            Making::Telling(_) => None,
+        }
+    }
+
+    fn inner(&self) -> &dyn Integrator {
+        match self {
+            Making::Alone(alone) => alone,
+            Making::Telling(assessed) => assessed.as_ref(),
+        }
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn Integrator {
+        match self {
+            Making::Alone(alone) => alone,
+            Making::Telling(assessed) => assessed.as_mut(),
+        }
+    }
+}
+
+impl Integrator for Making<'_> {
+    fn step(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        until: f64,
+    ) -> Result<StepOutcome, StepError> {
+        self.inner_mut().step(mechanism, inputs, state, until)
+    }
+
+    fn begins_again(&self) -> bool {
+        self.inner().begins_again()
+    }
+
+    fn dense(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        self.inner_mut().dense(mechanism, time, position, velocity);
+    }
+
+    fn bodies(&self) -> Option<&[BodyState]> {
+        self.inner().bodies()
+    }
+
+    fn description(&self) -> MethodDescription {
+        self.inner().description()
+    }
+
+    fn take_events(&mut self, events: &mut Vec<Event>) {
+        self.inner_mut().take_events(events);
+    }
+
+    fn joint_status(&self, mechanism: &Mechanism, state: &State, body: usize) -> JointStatus {
+        self.inner().joint_status(mechanism, state, body)
+    }
+
+    fn contacts(&self, mechanism: &Mechanism, state: &State, out: &mut Vec<ContactPoint>) {
+        self.inner().contacts(mechanism, state, out);
+    }
+}

@@ -1,0 +1,154 @@
+//! The figures of a run, collected step by step.
+
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::closure::Coordinate;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::forces::total::Exchange;
+use crate::mechanism::motion::contact_point::ContactFigures;
+use crate::mechanism::motion::energy::{Energy, Violation, energy_with_forces, violation};
+use crate::mechanism::motion::event::EventCounts;
+use crate::mechanism::motion::gaps::worse;
+use crate::mechanism::motion::integrator::StepOutcome;
+use crate::mechanism::motion::state::State;
+use crate::simulation::steps::observer::{Counts, StepEnd};
+use crate::stepping::watching::unseen::Pushes;
+
+/// The figures of a whole run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Accepted steps.
+    pub steps: usize,
+    /// Iterations of all steps.
+    pub iterations: usize,
+    /// Those of them that kept the factors of the articulated inertias of an earlier one.
+    pub kept_iterations: usize,
+    /// Attempts thrown away.
+    pub rejected_steps: usize,
+    /// Accepted steps whose equations the exact Newton method solved: all with closed loops, and where nothing else converges.
+    pub exact_steps: usize,
+    /// CPU time in the integrator alone (s): that of the thread, divided as the clock on the wall divides it. To ask for the
+    /// thread's own time is a call of the system, which would take as long as a small step.
+    pub solve_cpu_seconds: f64,
+    /// Energy at the start.
+    pub initial_energy: Energy,
+    /// Energy at the end.
+    pub final_energy: Energy,
+    /// Energy dissipated over the run, and work put in by forces without a potential (J).
+    pub exchange: Exchange,
+    /// Largest deviation of the total energy, plus what was dissipated, less what was put in, from its start, relative to
+    /// the largest kinetic energy seen.
+    pub max_relative_energy_error: f64,
+    /// The largest kinetic energy seen (J).
+    pub largest_kinetic: f64,
+    /// The most that all forces have pushed with, added up [N or N m].
+    pub pushes: f64,
+    /// Largest violation of any constraint at the end of any step.
+    pub max_violation: Violation,
+    /// How many events there were of each kind.
+    pub events: EventCounts,
+    /// The worst of the contacts at the end of any step.
+    pub contact: ContactFigures,
+}
+
+/// Kinetic energies below this part of the others are those of a robot at rest.
+const AT_REST: f64 = 1e-9;
+
+/// So many events of a run are kept, the first ones.
+pub(crate) const KEPT_EVENTS: usize = 1000;
+
+impl Summary {
+    /// Counts an accepted step, at whose end the constraints are violated by so much.
+    pub(crate) fn count(&mut self, outcome: &StepOutcome, violation: Violation) {
+        self.steps += 1;
+        self.iterations += outcome.iterations;
+        self.kept_iterations += outcome.kept;
+        self.rejected_steps += outcome.rejected;
+        self.exact_steps += usize::from(outcome.exact);
+        self.max_violation.position = worse(self.max_violation.position, violation.position);
+        self.max_violation.velocity = worse(self.max_violation.velocity, violation.velocity);
+    }
+}
+
+/// Collects the figures of the run.
+pub(crate) struct Bookkeeper {
+    pub summary: Summary,
+    pub last: StepEnd,
+    largest_kinetic: f64,
+    largest_deviation: f64,
+    /// Whether there are motors.
+    driven: bool,
+    /// What rounding has cut off the sums of dissipated energy and work.
+    rest: Exchange,
+}
+
+impl Bookkeeper {
+    pub fn new(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> Self {
+        let initial = energy_with_forces(mechanism, &state.position, bodies);
+        let violation = violation(mechanism, state, bodies);
+        Bookkeeper {
+            summary: Summary {
+                initial_energy: initial,
+                final_energy: initial,
+                pushes: pushes(mechanism, state, initial.spring),
+                max_violation: violation,
+                ..Summary::default()
+            },
+            last: StepEnd {
+                time: state.time,
+                energy: initial,
+                exchange: Exchange::default(),
+                violation,
+                outcome: StepOutcome::default(),
+                so_far: Counts::default(),
+            },
+            largest_kinetic: initial.kinetic,
+            largest_deviation: 0.0,
+            driven: !mechanism.nonsmooth.motors.is_empty(),
+            rest: Exchange::default(),
+        }
+    }
+
+    pub fn record(&mut self, mechanism: &Mechanism, state: &State, bodies: &[BodyState], outcome: StepOutcome) {
+        let energy = energy_with_forces(mechanism, &state.position, bodies);
+        let violation = violation(mechanism, state, bodies);
+        let summary = &mut self.summary;
+        add(&mut summary.exchange.dissipated, &mut self.rest.dissipated, outcome.exchange.dissipated);
+        add(&mut summary.exchange.work, &mut self.rest.work, outcome.exchange.work);
+        add(&mut summary.exchange.friction, &mut self.rest.friction, outcome.exchange.friction);
+        add(&mut summary.exchange.impacts, &mut self.rest.impacts, outcome.exchange.impacts);
+        let exchange = summary.exchange;
+        summary.count(&outcome, violation);
+        let so_far = Counts { steps: summary.steps, iterations: summary.iterations, rejected: summary.rejected_steps };
+        self.last = StepEnd { time: state.time, energy, exchange, violation, outcome, so_far };
+        summary.final_energy = energy;
+        // What impacts took was kinetic before, also where the step ends with them.
+        self.largest_kinetic = self.largest_kinetic.max(energy.kinetic + outcome.exchange.impacts.max(0.0));
+        summary.largest_kinetic = self.largest_kinetic;
+        summary.pushes = summary.pushes.max(pushes(mechanism, state, energy.spring));
+        let balance = energy.total() - summary.initial_energy.total() + exchange.lost();
+        self.largest_deviation = worse(self.largest_deviation, balance.abs());
+        // Motors hold a robot with next to no motion: the balance is one of the energies that they move, too.
+        let exchanged = exchange.dissipated.abs() + exchange.work.abs() + exchange.friction + exchange.impacts;
+        let moved = if self.driven { exchanged.max(AT_REST * (energy.potential.abs() + energy.spring)) } else { 0.0 };
+        let scale = self.largest_kinetic.max(moved);
+        summary.max_relative_energy_error =
+            if scale > 0.0 { self.largest_deviation / scale } else { self.largest_deviation };
+    }
+}
+
+/// What all forces of a mechanism push with in a state, added up, for springs that store so much (J) [N or N m].
+pub(crate) fn pushes(mechanism: &Mechanism, state: &State, stored: f64) -> f64 {
+    let motors = mechanism.nonsmooth.motors.iter().map(|motor| {
+        let Coordinate { position, freedom, .. } = motor.coordinate;
+        motor.effort(state.time, state.position[position], state.velocity[freedom]).abs()
+    });
+    Pushes::of(mechanism).with(stored, motors.sum())
+}
+
+/// `sum += term`, compensated (Kahan).
+fn add(sum: &mut f64, rest: &mut f64, term: f64) {
+    let wanted = term + *rest;
+    let next = *sum + wanted;
+    *rest = wanted - (next - *sum);
+    *sum = next;
+}

@@ -1,0 +1,66 @@
+//! A coarser run beside another, with its own steps: their distance is an estimate of the error.
+
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::event::Event;
+use crate::mechanism::motion::integrator::Integrator;
+use crate::mechanism::motion::state::State;
+use crate::simulation::method::run_integrator::RunIntegrator;
+use crate::simulation::tolerance::terms::Terms;
+use crate::stepping::length::control::COARSEST_STOP;
+use crate::stepping::length::stage_choice::StageChoice;
+
+/// Stop of this run over that of the run.
+pub(crate) const RATIO: f64 = 30.0;
+/// The least energy change that may be made, over the stop. With the bound of the run, a coarse companion would take more steps than the run.
+const ENERGY: f64 = 300.0;
+
+/// Why a separate run has not reached the time that was asked for.
+pub(crate) enum Behind {
+    /// It has failed: so coarse a run may fail although a finer one succeeds.
+    Failed,
+    /// It was interrupted, and may go on from where it is.
+    Interrupted,
+}
+
+/// A separate coarser run, and its state.
+pub(crate) struct Beside {
+    run: RunIntegrator,
+    pub(crate) state: State,
+    pub(crate) events: Vec<Event>,
+}
+
+impl Beside {
+    /// A run with these settings and this stop, from a state on; `None` for invalid steps.
+    pub(crate) fn new(
+        mechanism: &Mechanism,
+        terms: &Terms,
+        stop: f64,
+        stages: StageChoice,
+        state: &State,
+    ) -> Option<Self> {
+        let stop = (RATIO * stop).min(COARSEST_STOP);
+        let coarser = Terms {
+            tolerance: terms.tolerance.max(ENERGY * stop),
+            kept: terms.kept.clone(),
+            counted: terms.counted.clone(),
+            ..*terms
+        };
+        let run = coarser.run(mechanism, stop, stages).ok()?;
+        Some(Beside { run, state: state.clone(), events: Vec::new() })
+    }
+
+    /// Advances to a time (s), where a step ends. Because its steps end there and those of the finer run do not, the steps of the two runs differ.
+    ///
+    /// # Errors
+    /// [`Behind`] if it does not reach that time.
+    pub(crate) fn advance(&mut self, mechanism: &Mechanism, terms: &Terms, until: f64) -> Result<(), Behind> {
+        while self.state.time < until {
+            if terms.is_interrupted() {
+                return Err(Behind::Interrupted);
+            }
+            self.run.advance(mechanism, &mut self.state, until).map_err(|_| Behind::Failed)?;
+            self.run.take_events(&mut self.events);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,47 @@
+//! The settings of a run that estimates its own error: the tolerance, and how its steps may be chosen.
+
+use crate::lobatto::coupled::counted::Counted;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::rules::Rule;
+use crate::simulation::method::run_integrator::RunIntegrator;
+use crate::stepping::integrator::MethodError;
+use crate::stepping::length::stage_choice::StageChoice;
+use crate::stepping::recipe::Steps;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What is wanted of a run, and how it may be made.
+pub(crate) struct Terms<'a> {
+    /// The accuracy (m).
+    pub tolerance: f64,
+    /// When the run begins and ends (s).
+    pub start: f64,
+    pub end: f64,
+    /// Rules that leave nothing out.
+    pub kept: Vec<Rule>,
+    /// What was counted of the closures at the start.
+    pub counted: Option<Arc<Counted>>,
+    /// A flag that ends the run when it is set.
+    pub interrupt: Option<&'a AtomicBool>,
+}
+
+impl Terms<'_> {
+    /// Whether the flag is set.
+    pub(crate) fn is_interrupted(&self) -> bool {
+        self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
+    /// The integrator with this iteration stop and these stages.
+    ///
+    /// # Errors
+    /// [`MethodError`] for steps that cannot be.
+    pub(crate) fn run(
+        &self,
+        mechanism: &Mechanism,
+        stop: f64,
+        stages: StageChoice,
+    ) -> Result<RunIntegrator, MethodError> {
+        let steps = Steps::Chosen { tolerance: self.tolerance, stop, stages };
+        Ok(RunIntegrator::new(mechanism, steps, &self.kept)?.counted(self.counted.clone()))
+    }
+}

@@ -1,0 +1,300 @@
+//! Accepts or rejects an attempt at a step, and chooses the length of the next one by the rules of [`crate::length::control`].
+
+use crate::length::control::{Control, Decision, KINK, Kink};
+use crate::length::energies::Energies;
+use crate::watching::unseen::unseen;
+use catena_lobatto::stages::attempt::{Attempt, Guess};
+use catena_lobatto::stages::pose::MAX_TURN;
+
+/// The number of iterations the controller steers for.
+const WANTED_ITERATIONS: f64 = 12.0;
+
+/// The share of the tolerance by which one step may change the energy, relative to the largest kinetic energy: the
+/// changes of some hundred steps, of either sign, then stay below the tolerance.
+const ENERGY_SHARE: f64 = 0.03;
+
+/// A step is to be by this factor shorter than one that would change the energy by its share.
+const CAUTION: f64 = 0.9;
+
+/// No joint is to turn further in the next step (rad): a little less than [`MAX_TURN`].
+const REPRESENTED: f64 = 0.97 * MAX_TURN;
+
+/// Below this share of the wanted E the error of a step is that of its iteration.
+const NEGLIGIBLE: f64 = 0.1;
+/// But not for so many steps after one that changed the energy too much.
+const WARY: usize = 20;
+
+/// An E of some roundings: the step is too short for anything to be seen of its shape.
+const FLAT: f64 = 1e-14;
+
+/// No rounding changes the energy by a larger part of the kinetic energy in a step.
+const ROUNDED: f64 = 1e-6;
+/// The part of a rounding that is expected to come again after each step.
+const FORGOTTEN: f64 = 0.9;
+
+impl Control {
+    /// Judges an attempt of length `step`, which began from a `guess`, and sets the next one.
+    pub fn judge(&mut self, attempt: &Attempt, energies: Option<Energies>, step: f64, guess: Guess) -> Decision {
+        match *attempt {
+            Attempt::Failed { .. } => {
+                if guess != Guess::Plain {
+                    return Decision::Retry { guess: Guess::Plain };
+                }
+                self.memory.halvings += 1;
+                self.retry(0.5 * step);
+                Decision::Retry { guess: Guess::Past }
+            }
+            Attempt::TurnedTooFar { .. } => {
+                self.retry(0.7 * step);
+                Decision::Retry { guess: Guess::Past }
+            }
+            Attempt::Inaccurate { legendre, .. } => {
+                // Of early iterates E tells too little.
+                let smoothest = if self.rule().early { None } else { self.see_kink(step, legendre) };
+                self.memory.broken_off += 1;
+                self.shorten(step, legendre, smoothest)
+            }
+            Attempt::Converged { iterations, legendre, turn, .. } => {
+                // Less is rounding, and its ratio to that of the step before says nothing.
+                let error = legendre.max(1e-16);
+                if error > self.limit && self.memory.kink != Kink::Seen {
+                    let smoothest = self.see_kink(step, error);
+                    if !self.is_kink(step, error) {
+                        return self.shorten(step, error, smoothest);
+                    }
+                }
+                let by_energy = energies.map_or(Ok(f64::INFINITY), |energies| self.heed(energies, step, error));
+                match by_energy {
+                    Ok(by_energy) => {
+                        self.largest = self.largest.max(error);
+                        self.go_on(step, error, iterations, by_energy, REPRESENTED / turn)
+                    }
+                    Err(by_energy) => {
+                        self.retry(step * by_energy.exp().clamp(0.2, 0.9));
+                        self.memory.wary = WARY;
+                        // It may have found another motion, behind a singular position.
+                        return Decision::Retry { guess: Guess::Past };
+                    }
+                }
+                Decision::Accept
+            }
+        }
+    }
+
+    /// The next attempt after one whose E was too large: a shorter one, or where there is a kink the `smoothest` once more.
+    fn shorten(&mut self, step: f64, error: f64, smoothest: Option<f64>) -> Decision {
+        self.memory.too_long += 1;
+        if let Some(smoothest) = smoothest {
+            self.memory.kink = Kink::Seen;
+            self.memory.step = smoothest;
+            return Decision::Retry { guess: Guess::Past };
+        }
+        let order = (self.stages - 1) as f64;
+        self.retry(step * (self.wanted / error).powf(1.0 / order).clamp(0.2, 0.9));
+        Decision::Retry { guess: Guess::Longer(step) }
+    }
+
+    /// The next attempt, a shorter one: it passes no kink.
+    fn retry(&mut self, step: f64) {
+        self.memory.step = step;
+        if self.memory.kink == Kink::Seen {
+            self.memory.kink = Kink::Refused;
+        }
+    }
+
+    /// The logarithm of the factor by which the next step may be longer for its energy, or, as an error, by which this one has to be shorter.
+    fn heed(&mut self, energies: Energies, step: f64, error: f64) -> Result<f64, f64> {
+        if !energies.change.is_finite() {
+            return Err(f64::NEG_INFINITY);
+        }
+        let mut by_energy = f64::INFINITY;
+        // Of attempts that are thrown away, too: a motion that begins at rest has no other measure.
+        self.memory.kinetic = self.memory.kinetic.max(energies.kinetic);
+        // Each of the two is rounded, also where they cancel.
+        let rounding = self.memory.rounding.max(1e-13 * (energies.kinetic + energies.potential));
+        // A motor near its target has hardly any kinetic energy, and a displacement of the size of the tolerance changes that of its springs.
+        let (pull, stiffness) = energies.pull;
+        let stored = pull + 0.5 * stiffness * self.tolerance;
+        let share = ENERGY_SHARE * self.tolerance * (self.memory.kinetic + stored);
+        // Where nothing moves that is a part of roundings.
+        let allowed = share.max(unseen(energies.pushes));
+        // What rounding changes does not fall with the step.
+        let change = (energies.change.abs() - rounding).max(0.0);
+        // At rest nothing is allowed and nothing changes.
+        if change > 0.0 && (error > NEGLIGIBLE * self.wanted || self.memory.wary > 0 || change > allowed) {
+            let order = (2 * self.stages - 1) as f64;
+            by_energy = CAUTION.ln() + (allowed / change).ln() / order;
+        }
+        let refused = change > allowed && !self.is_rounding(step, error, change + rounding);
+        if refused { Err(by_energy) } else { Ok(by_energy) }
+    }
+
+    /// The next step after one that is kept, by how much its energy (the logarithm) and its turns allow it to be longer.
+    fn go_on(&mut self, step: f64, error: f64, iterations: usize, by_energy: f64, by_turns: f64) {
+        let order = (self.stages - 1) as f64;
+        let memory = &mut self.memory;
+        let previous = memory.previous.unwrap_or(error);
+        let by_error = (0.7 * (self.wanted / error).ln() + 0.3 * (previous / error).ln()) / order;
+        let by_iterations = ((WANTED_ITERATIONS + 1.0) / (iterations as f64 + 1.0)).sqrt();
+        let growth = if memory.rejected { 1.0 } else { 2.0 };
+        let factor = by_error.min(by_energy).exp().min(by_iterations).min(by_turns).clamp(0.3, growth);
+        memory.rejected = false;
+        (memory.halvings, memory.too_long, memory.broken_off) = (0, 0, 0);
+        memory.wary = memory.wary.saturating_sub(1);
+        memory.previous = Some(error);
+        (memory.refused, memory.unresolved, memory.smoothest, memory.kink) = (None, None, None, Kink::Unseen);
+        memory.rounding *= FORGOTTEN;
+        // A truncated last step must not shorten what follows.
+        memory.step = if step < 0.999 * memory.step { memory.step.max(step * factor) } else { step * factor };
+    }
+
+    /// Whether E is that of a kink: a shorter step has as large a one, while truncation would fall to nothing. Joint coordinates have one
+    /// where a motion passes a gimbal lock, which is best passed in one step: the more ends of steps come near, the more rates are rounded.
+    /// The energy decides on such a step.
+    fn is_kink(&mut self, step: f64, error: f64) -> bool {
+        let (longer, larger) = *self.memory.unresolved.get_or_insert((step, error));
+        if step > 0.8 * longer {
+            return false;
+        }
+        // The first of them may have been too long for more reasons than one.
+        self.memory.unresolved = Some((step, error));
+        error >= 0.5 * larger && error <= KINK * self.limit
+    }
+
+    /// The length with the least E, where E is that of a kink for certain: a step half as long has as large a one. Whether it was solved or not,
+    /// that is the one to try again. (With forces E does not tell: hard dampers leave much in any step.)
+    fn see_kink(&mut self, step: f64, error: f64) -> Option<f64> {
+        let memory = &mut self.memory;
+        let (smoothest, least) = *memory.smoothest.get_or_insert((step, error));
+        if error < least {
+            memory.smoothest = Some((step, error));
+        }
+        let stays = step <= 0.5 * smoothest && error >= least;
+        let kink = self.telling && stays && memory.kink == Kink::Unseen && least <= KINK * self.limit;
+        kink.then_some(smoothest)
+    }
+
+    /// Whether a change of energy is one of rounding alone: E is nothing else either (hard dampers change much where little moves), or a step half as long
+    /// changes the energy as much, where truncation would fall to nothing. Joint rates near a gimbal lock are thousands of times those of the bodies, and so are their roundings.
+    fn is_rounding(&mut self, step: f64, error: f64, change: f64) -> bool {
+        let (first_step, first_change) = *self.memory.refused.get_or_insert((step, change));
+        let stays = step <= 0.5 * first_step && change >= 0.1 * first_change;
+        let flat = self.telling && error <= FLAT;
+        let rounding = (stays || flat) && change <= ROUNDED * self.memory.kinetic;
+        if rounding {
+            self.memory.rounding = 3.0 * change;
+        }
+        rounding
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::length::stage_choice::StageChoice;
+    use catena_mechanism::description::joint::{Joint, JointKind, Pose};
+    use catena_mechanism::description::mechanism::{Body, Mechanism};
+    use nalgebra::Vector3;
+
+    fn control() -> Control {
+        let joint = Joint::new("hinge", JointKind::Revolute, Pose::identity(), Pose::translation(0.0, 0.0, 0.5));
+        let body = Body { name: "rod".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(0.1), joint };
+        let mechanism = Mechanism::new("pendulum", Vector3::new(0.0, 9.81, 0.0), vec![body]).unwrap();
+        Control::new(&mechanism, 1e-3, 1e-7, StageChoice::Few)
+    }
+
+    #[test]
+    fn a_step_with_a_large_e_is_likely_kept_unless_one_of_the_last_changed_the_energy_too_much() {
+        let mut control = control();
+        let (wanted, limit) = (control.wanted, control.limit);
+        assert!(control.is_likely_kept(limit) && !control.is_likely_kept(1.01 * limit));
+        let solved = Attempt::Converged { iterations: 5, legendre: wanted, turn: 0.0, exact: false };
+        let energies = Energies { change: 1.0, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
+        assert!(matches!(control.judge(&solved, Some(energies), 0.1, Guess::Past), Decision::Retry { .. }));
+        assert!(control.is_likely_kept(0.4 * wanted) && !control.is_likely_kept(wanted));
+    }
+
+    #[test]
+    fn an_attempt_whose_energy_is_not_finite_is_thrown_away_and_allows_no_more_later() {
+        let mut control = control();
+        let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, turn: 0.0, exact: false };
+        let mut decision = |change, kinetic| {
+            let energies = Energies { change, kinetic, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
+            control.judge(&solved, Some(energies), 0.1, Guess::Past)
+        };
+        let refused = Decision::Retry { guess: Guess::Past };
+        // 3e-5 of the largest kinetic energy so far.
+        assert_eq!(decision(1e-5, 1.0), Decision::Accept);
+        assert_eq!(decision(1e-4, 1.0), refused);
+        for (change, kinetic) in [(f64::INFINITY, f64::INFINITY), (f64::NAN, f64::NAN)] {
+            assert_eq!(decision(change, kinetic), refused, "{change}, {kinetic}");
+            assert_eq!(decision(1e-4, 1.0), refused, "after {change}, {kinetic}");
+        }
+        assert_eq!(decision(1e-4, 10.0), Decision::Accept);
+        assert_eq!(decision(1e-4, 1.0), Decision::Accept, "of a motion that has been that fast");
+    }
+
+    #[test]
+    fn where_nothing_moves_a_step_may_change_the_energy_by_what_forces_do_over_roundings_of_places() {
+        let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, turn: 0.0, exact: true };
+        let is_kept = |change, pushes| {
+            let energies = Energies { change, kinetic: 1e-20, potential: 0.0, pull: (0.0, 0.0), pushes };
+            control().judge(&solved, Some(energies), 0.1, Guess::Past) == Decision::Accept
+        };
+        // 7 N over 1e-13 m.
+        assert!(is_kept(5e-13, 7.0) && is_kept(-5e-13, 7.0));
+        assert!(!is_kept(1e-12, 7.0) && !is_kept(5e-13, 0.0));
+    }
+
+    #[test]
+    fn a_kink_is_passed_in_the_smoothest_step_where_the_energy_allows_it_and_approached_where_not() {
+        for change in [1e-9, 1e-2] {
+            let mut control = control();
+            let limit = control.limit;
+            let mut attempt = |step, large: f64| {
+                let legendre = large * limit;
+                let solved = Attempt::Converged { iterations: 5, legendre, turn: 0.0, exact: false };
+                let broken_off = Attempt::Inaccurate { iterations: 4, legendre };
+                let energies = Energies { change, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
+                let decision = if large <= 2.0 {
+                    control.judge(&solved, Some(energies), step, Guess::Past)
+                } else {
+                    control.judge(&broken_off, None, step, Guess::Past)
+                };
+                (decision, control.step())
+            };
+            // An E that does not fall with the step, after one that did.
+            for (step, large) in [(0.2, 9.0), (0.1, 2.0), (0.08, 3.0)] {
+                let (decision, next) = attempt(step, large);
+                assert_eq!(decision, Decision::Retry { guess: Guess::Longer(step) });
+                assert!(next < step, "{next} after {step}");
+            }
+            assert_eq!(attempt(0.04, 4.0), (Decision::Retry { guess: Guess::Past }, 0.1));
+            let (decision, next) = attempt(0.1, 2.0);
+            if change < 1e-3 {
+                assert_eq!(decision, Decision::Accept);
+            } else {
+                assert!(decision == Decision::Retry { guess: Guess::Past } && next < 0.1, "{decision:?}, {next}");
+                let (decision, next) = attempt(0.03, 5.0);
+                assert!(
+                    decision == Decision::Retry { guess: Guess::Longer(0.03) } && next < 0.03,
+                    "{decision:?}, {next}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_change_of_energy_is_rounding_where_e_is_or_where_half_the_step_changes_as_much() {
+        let judge = |control: &mut Control, step, legendre| {
+            let solved = Attempt::Converged { iterations: 5, legendre, turn: 0.0, exact: false };
+            // Ten times what a step may change, and not more than roundings do.
+            let energies = Energies { change: 3e-7, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
+            control.judge(&solved, Some(energies), step, Guess::Past) == Decision::Accept
+        };
+        let tight = || Control { tolerance: 1e-6, ..control() };
+        let mut shape = tight();
+        assert!([0.1, 0.06, 0.04].map(|step| judge(&mut shape, step, 1e-9)) == [false, false, true]);
+        assert!(judge(&mut tight(), 0.1, 1e-15));
+    }
+}

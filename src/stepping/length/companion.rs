@@ -1,0 +1,161 @@
+//! A second motion, computed in the steps of the run but without the errors that the iterations leave ([`Step::carry_on`]). The distance of the
+//! two is the error that the run has made so far.
+
+use catena_lobatto::stages::attempt::Carrying;
+use catena_lobatto::step::interface::Step;
+use catena_lobatto::tableau::butcher::Tableau;
+use catena_mechanism::description::joint::FreeRotation;
+use catena_mechanism::description::mechanism::{Body, Mechanism};
+use catena_mechanism::motion::energy::Energy;
+use catena_mechanism::motion::state::State;
+
+/// What an iteration may leave of what parts the motions,
+const PART: f64 = 0.02;
+/// and after so many of them it may leave more.
+const MOST: usize = 2;
+const REST: f64 = 0.05;
+/// Steps of which E is above this part of the largest that is kept have a truncation that counts.
+const TRUNCATED: f64 = 0.5;
+
+/// The error at the end of a step consists of products of two coefficients that the polynomials leave out. There are n² such products for n degrees
+/// of freedom, so the estimate grows like n² up to this n (`doc/findings/2026-11-24-honest-both-ways.md`).
+const MANY_FREEDOMS: f64 = 8.0;
+
+/// The motion beside that of the run.
+pub struct Companion {
+    state: State,
+    /// Where it is at the end of a finished step, if it went through it [with the run](Companion::finish).
+    next: State,
+    ahead: bool,
+    /// The factor of the truncation error for few degrees of freedom, `min(1, n/8)²`.
+    share: f64,
+    begun: bool,
+    /// Truncation of the next step to be accepted (rad, m).
+    truncation: f64,
+    /// The weights of the stages 2 … s in a top Legendre coefficient, and room for that of each degree of freedom.
+    top: &'static [f64],
+    coefficients: Vec<[f64; 2]>,
+}
+
+impl Companion {
+    /// None so far: it begins with the next step.
+    pub(crate) fn new(mechanism: &Mechanism, tableau: &'static Tableau) -> Self {
+        let freedoms = mechanism.velocity_count as f64 / MANY_FREEDOMS;
+        Companion {
+            state: State::zero(mechanism),
+            next: State::zero(mechanism),
+            ahead: false,
+            share: freedoms.min(1.0).powi(2),
+            begun: false,
+            truncation: 0.0,
+            top: &tableau.top_legendre[1..],
+            coefficients: vec![[0.0; 2]; mechanism.velocity_count],
+        }
+    }
+
+    /// Where it is.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Whether it goes along.
+    pub(crate) fn has_begun(&self) -> bool {
+        self.begun
+    }
+
+    /// Takes note of a step that is solved: its E, the largest that would be, and the E that goes with the iteration `stop` (rad, m). The local
+    /// error falls like E², which is chosen to be that of the stop ([`crate::length::control`]).
+    pub(crate) fn see(&mut self, legendre: f64, limit: f64, wanted: f64, stop: f64) {
+        let counts = legendre > TRUNCATED * limit;
+        self.truncation = if counts { self.share * stop * (legendre / wanted).powi(2) } else { 0.0 };
+    }
+
+    /// Begins where the run begins.
+    pub(crate) fn begin(&mut self, kernel: &mut dyn Step, mechanism: &Mechanism, state: &State) {
+        self.begun = true;
+        self.state.copy_from(state);
+        kernel.begin_to_carry(mechanism, state);
+    }
+
+    /// Finishes the solved step of the run from `state` to `time` (s), of which `end` is to become the end, and goes through it, both at once; returns the
+    /// energy at the end. `None`, and nothing is done, where steps cannot.
+    pub(crate) fn finish(
+        &mut self,
+        kernel: &mut dyn Step,
+        mechanism: &Mechanism,
+        state: &State,
+        end: &mut State,
+        time: f64,
+    ) -> Option<Energy> {
+        let carrying = self.carrying(kernel, mechanism, state, false, time);
+        self.next.copy_from(&self.state);
+        let energy = kernel.finish_both(mechanism, end, &mut self.next, &carrying);
+        self.next.time = time;
+        self.ahead = energy.is_some();
+        energy
+    }
+
+    /// Stays where it is: the run has finished a step alone.
+    pub(crate) fn wait(&mut self) {
+        self.ahead = false;
+    }
+
+    /// Goes through the finished step of the run from `state` to `time` (s), if it has not yet.
+    pub(crate) fn follow(
+        &mut self,
+        kernel: &mut dyn Step,
+        mechanism: &Mechanism,
+        state: &State,
+        exactly: bool,
+        time: f64,
+    ) {
+        if std::mem::take(&mut self.ahead) {
+            kernel.keep_carried();
+            std::mem::swap(&mut self.state, &mut self.next);
+            return;
+        }
+        let carrying = self.carrying(kernel, mechanism, state, exactly, time);
+        kernel.carry_on(mechanism, &mut self.state, &carrying);
+        self.state.time = time;
+    }
+
+    /// How it goes through the solved step of the run.
+    fn carrying(
+        &mut self,
+        kernel: &dyn Step,
+        mechanism: &Mechanism,
+        state: &State,
+        exactly: bool,
+        time: f64,
+    ) -> Carrying {
+        let pairs = self.state.position.iter().zip(&state.position);
+        let apart = pairs.map(|(own, other)| (own - other).abs()).fold(0.0, f64::max);
+        let mut truncation = self.truncation;
+        if truncation > 0.0 && !self.parts_further(kernel, mechanism, state, time - state.time) {
+            truncation = 0.0;
+        }
+        Carrying { apart, part: PART, most: MOST, rest: REST, exactly, truncation }
+    }
+
+    /// Whether the truncation, whose sign nothing tells, takes the motions further apart over a step of `length` seconds. They part in the directions
+    /// in which errors grow, and if truncation brought them together there by chance nothing would tell of the error any more.
+    fn parts_further(&mut self, kernel: &dyn Step, mechanism: &Mechanism, state: &State, length: f64) -> bool {
+        kernel.weigh_displacements([self.top, self.top], &mut self.coefficients);
+        let mut along = 0.0;
+        for Body { joint, .. } in &mechanism.bodies {
+            let ball = joint.kind.rotation() == FreeRotation::Ball;
+            let scalars = joint.kind.velocity_count() - if ball { 3 } else { 0 };
+            for offset in 0..joint.kind.velocity_count() {
+                let freedom = joint.velocity_index + offset;
+                let mut apart = length * (self.state.velocity[freedom] - state.velocity[freedom]);
+                // Of ball joints the rates will do.
+                if offset < scalars {
+                    let entry = joint.position_index + offset;
+                    apart += self.state.position[entry] - state.position[entry];
+                }
+                along += self.coefficients[freedom][0] * apart;
+            }
+        }
+        along >= 0.0
+    }
+}

@@ -1,0 +1,412 @@
+//! Steps of the scheme, one after the other: attempted, finished, accepted or failed. How long they are is decided elsewhere.
+//!
+//! ```text
+//!     state ──attempt(h)──▶ solved stages ──finish──▶ end, energies ──accept──▶ state, the next start
+//! ```
+//!
+//! Between `finish` and `accept` the state has not moved, so that a step can still be thrown away.
+
+use crate::instants::feedback;
+use crate::instants::inside::{Inside, has_dampers};
+use crate::instants::sampling::LastStep;
+use crate::instants::stage_motion::stage_motion;
+use crate::length::companion::Companion;
+use crate::length::energies::{Energies, pull};
+use crate::length::outside::Outside;
+use crate::watching::modes::Modes;
+use crate::watching::pace::Pace;
+use crate::watching::ranks::Ranks;
+use crate::watching::watch::{FIRST_LOOK, Watch};
+use catena_lobatto::coupled::counted::Counted;
+use catena_lobatto::stages::attempt::{Attempt, Guess, StopRule};
+use catena_lobatto::step::interface::Step;
+use catena_lobatto::tableau::butcher::MAXIMUM_STAGES;
+use catena_lobatto::tableau::butcher::Tableau;
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::energy::Energy;
+use catena_mechanism::motion::inputs::Inputs;
+use catena_mechanism::motion::integrator::{SingularPosition, StepError, StepOutcome};
+use catena_mechanism::motion::state::State;
+use std::sync::Arc;
+
+/// Whatever makes a step shorter does so at most this often before it gives up.
+pub(crate) const HALVINGS: u32 = 14;
+
+/// A step that is not longer than what is left.
+pub(crate) struct Stride {
+    /// Its length (s).
+    pub length: f64,
+    /// Where it ends (s).
+    pub end: f64,
+    /// Whether that is where the run ends.
+    pub reaches: bool,
+}
+
+impl Stride {
+    /// From `time` as far as `step`, but exactly to `until` where that is nearer, or further by a rounding.
+    pub fn towards(until: f64, time: f64, step: f64) -> Self {
+        let remaining = until - time;
+        if step >= remaining * (1.0 - 1e-9) {
+            Stride { length: remaining, end: until, reaches: true }
+        } else {
+            Stride { length: step, end: time + step, reaches: false }
+        }
+    }
+}
+
+/// A mechanism on its way through time.
+pub(crate) struct Stepper {
+    /// Solves the stage equations.
+    pub kernel: Box<dyn Step>,
+    /// The scheme.
+    pub tableau: &'static Tableau,
+    /// Looks now and then how near the steps are to the limit of stability.
+    pub watch: Watch,
+    /// What it looks at.
+    modes: Modes,
+    /// Where the last step started, for dense output.
+    origin: State,
+    /// Where a step is finished before it is accepted, and where the last one ended.
+    end: State,
+    length: f64,
+    /// Its inside.
+    inside: Inside,
+    /// Whether dampers act.
+    damped: bool,
+    ranks: Ranks,
+    steps: usize,
+    stepped_time: f64,
+    /// What the last step left behind; anything else means that somebody moved the state.
+    left_at: Option<f64>,
+    /// What acts, as far as the kernel knows.
+    outside: Outside,
+    /// Efforts that change in time, at the stages of an attempt.
+    changing: Vec<f64>,
+    /// Efforts of the last attempt, added up [N or N m].
+    efforts: f64,
+    /// What was counted of the closures where the first step is going to begin.
+    pub counted: Option<Arc<Counted>>,
+    /// What goes beside the motion, if anything does.
+    pub companion: Option<Box<Companion>>,
+}
+
+impl Stepper {
+    /// A stepper that has not seen a state yet.
+    pub fn new(mechanism: &Mechanism, tableau: &'static Tableau, kernel: Box<dyn Step>) -> Self {
+        Stepper {
+            kernel,
+            watch: Watch::new(tableau, !mechanism.forces.is_empty()),
+            tableau,
+            modes: Modes::new(mechanism),
+            origin: State::zero(mechanism),
+            end: State::zero(mechanism),
+            length: 0.0,
+            inside: Inside::new(tableau, mechanism),
+            damped: has_dampers(&mechanism.forces),
+            ranks: Ranks::default(),
+            steps: 0,
+            stepped_time: 0.0,
+            left_at: None,
+            outside: Outside::new(mechanism),
+            changing: Vec::new(),
+            efforts: 0.0,
+            counted: None,
+            companion: None,
+        }
+    }
+
+    /// Goes on with another kernel of the same scheme, which has no past.
+    pub fn replace_kernel(&mut self, kernel: Box<dyn Step>) {
+        self.kernel = kernel;
+        self.left_at = None;
+    }
+
+    /// Whether the kernel knows all that acts now: it was made for this gravity and these forces, and for efforts if there are any.
+    #[inline]
+    pub fn knows(&self, mechanism: &Mechanism, inputs: Inputs) -> bool {
+        let driven = mechanism.forces.driven || self.outside.driven.is_some() || inputs.is_none();
+        driven && self.outside.is_that_of(mechanism)
+    }
+
+    /// What acts has changed: takes note of it, and returns the mechanism that a kernel is to be made for.
+    pub fn learn(&mut self, mechanism: &Mechanism, inputs: Inputs) -> Arc<Mechanism> {
+        let was_driven = self.outside.driven.is_some();
+        self.outside = Outside::new(mechanism);
+        let mut now = mechanism.clone();
+        if was_driven || !inputs.is_none() {
+            now.forces.driven = true;
+        }
+        let now = Arc::new(now);
+        if now.forces.driven && !mechanism.forces.driven {
+            self.outside.driven = Some(now.clone());
+        }
+        self.watch = Watch::new(self.tableau, !now.forces.is_empty());
+        self.damped = has_dampers(&now.forces);
+        self.modes = Modes::new(&now);
+        now
+    }
+
+    /// The mechanism as the kernel knows it, if that is not the one that the caller has.
+    pub fn driven(&self) -> Option<Arc<Mechanism>> {
+        self.outside.driven.clone()
+    }
+
+    /// Starts anew where the state is not what the last step left; returns whether that was so.
+    pub fn meet(&mut self, mechanism: &Mechanism, state: &State) -> bool {
+        let moved = self.left_at != Some(state.time) || *state != self.end;
+        if moved {
+            if let Some(counted) = self.counted.take() {
+                self.kernel.expect_at(counted);
+            }
+            self.kernel.begin(mechanism, state);
+            // One that has begun knows nothing of where the motion was moved to.
+            self.companion = self.companion.take().filter(|companion| !companion.has_begun());
+            if let Some(companion) = &mut self.companion {
+                companion.begin(self.kernel.as_mut(), mechanism, state);
+            }
+            self.watch.forget();
+            self.modes.forget();
+            if let Some(known) = self.kernel.known() {
+                self.modes.heed(known);
+                self.ranks.hear(known.weak, state.time);
+            }
+        }
+        moved
+    }
+
+    /// Attempts a step of `length` seconds from `state` under these inputs.
+    pub fn attempt(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &State,
+        length: f64,
+        rule: &StopRule,
+        guess: Guess,
+    ) -> Attempt {
+        self.efforts = inputs.efforts.iter().map(|effort| effort.abs()).sum();
+        if let Some(feedback) = inputs.feedback {
+            let kernel = self.kernel.as_mut();
+            let (attempt, efforts) =
+                feedback::attempt(kernel, self.tableau, mechanism, feedback, state, length, rule, guess);
+            self.efforts += efforts;
+            return attempt;
+        }
+        if let Some(changing) = inputs.changing {
+            let nodes = &self.tableau.nodes;
+            self.changing.clear();
+            for entry in 0..changing.freedoms().len() {
+                self.changing.extend(nodes.iter().map(|node| changing.effort(entry, state.time + node * length)));
+            }
+            let at_end = self.changing.iter().skip(nodes.len() - 1).step_by(nodes.len());
+            self.efforts += at_end.map(|effort| effort.abs()).sum::<f64>();
+            self.kernel.change(changing.freedoms(), &self.changing);
+        }
+        self.kernel.attempt(mechanism, length, rule, guess)
+    }
+
+    /// Makes the last step again from its start with another length (s), near the first: moves `state` to the new end.
+    ///
+    /// # Errors
+    /// [`StepError`] where the equations cannot be solved to rounding; the state is then the start of the step.
+    pub fn again(
+        &mut self,
+        mechanism: &Mechanism,
+        inputs: Inputs,
+        state: &mut State,
+        length: f64,
+    ) -> Result<StepOutcome, StepError> {
+        self.kernel.retract();
+        self.companion = None;
+        state.copy_from(&self.origin);
+        self.left_at = None;
+        self.steps -= 1;
+        self.stepped_time -= self.length;
+        let mut outcome = StepOutcome::default();
+        for guess in [Guess::Longer(self.length), Guess::Plain] {
+            let attempt = self.attempt(mechanism, inputs, state, length, &StopRule::ROUNDING, guess);
+            outcome.iterations += attempt.iterations();
+            if let Attempt::Converged { exact, .. } = attempt {
+                outcome.exact = exact;
+                self.finish(mechanism, state);
+                let end = state.time + length;
+                self.accept(mechanism, state, length, end, &mut outcome)?;
+                if self.damped {
+                    self.look_inside(mechanism, 0.0);
+                }
+                return Ok(outcome);
+            }
+            outcome.rejected += 1;
+            if guess == Guess::Plain {
+                return Err(self.failure(mechanism, state.time, length, &attempt));
+            }
+        }
+        Ok(outcome)
+    }
+
+    /// Rates of a scalar coordinate at all stages of the last step [m/s or rad/s], as dampers feel them: `ẏ_j` of
+    /// [`catena_lobatto::equations::forces`].
+    pub fn stage_rates(&self, freedom: usize, rates: &mut [f64]) {
+        let mut displacements = [0.0; MAXIMUM_STAGES];
+        let stages = self.tableau.stages;
+        let step = (self.length, self.origin.velocity[freedom]);
+        stage_motion(self.kernel.as_ref(), self.tableau, freedom, step, &mut displacements[..stages], rates);
+    }
+
+    /// The state at the start of the last step.
+    pub fn origin(&self) -> &State {
+        &self.origin
+    }
+
+    /// What the first attempt at a step begins from.
+    pub fn first_guess(&self) -> Guess {
+        if self.kernel.has_past() { Guess::Past } else { Guess::Plain }
+    }
+
+    /// Finishes the solved step, without moving `state`; returns the energies at its end, with the change that nothing
+    /// accounts for.
+    pub fn finish(&mut self, mechanism: &Mechanism, state: &State) -> Energies {
+        if let Some(companion) = &mut self.companion {
+            companion.wait();
+        }
+        self.end.copy_from(state);
+        let before = self.kernel.energy();
+        let after = self.kernel.finish(mechanism, &mut self.end);
+        self.energies(mechanism, before, after)
+    }
+
+    /// The same of a step to `time` (s) that is likely to be kept: the companion goes through it, too, if there is one and both can at once.
+    pub fn finish_both(&mut self, mechanism: &Mechanism, state: &State, time: f64) -> Energies {
+        let Stepper { companion, kernel, end, .. } = self;
+        if let Some(companion) = companion {
+            end.copy_from(state);
+            let before = kernel.energy();
+            if let Some(after) = companion.finish(kernel.as_mut(), mechanism, state, end, time) {
+                return self.energies(mechanism, before, after);
+            }
+        }
+        self.finish(mechanism, state)
+    }
+
+    fn energies(&self, mechanism: &Mechanism, before: Energy, after: Energy) -> Energies {
+        let exchange = self.kernel.exchange();
+        Energies {
+            change: after.total() - before.total() + exchange.lost(),
+            kinetic: after.kinetic,
+            potential: after.potential.abs() + after.spring + after.load.abs(),
+            pull: if mechanism.forces.driven { pull(mechanism, &self.end) } else { (0.0, 0.0) },
+            pushes: if mechanism.has_closures() { self.outside.pushes.with(after.spring, self.efforts) } else { 0.0 },
+        }
+    }
+
+    /// Accepts the finished step of `length` seconds: moves `state` to its end, at time `time`, and completes its `outcome`.
+    ///
+    /// # Errors
+    /// [`StepError::NotFinite`], without moving the state, if a velocity at the end is not a number.
+    pub fn accept(
+        &mut self,
+        mechanism: &Mechanism,
+        state: &mut State,
+        length: f64,
+        time: f64,
+        outcome: &mut StepOutcome,
+    ) -> Result<(), StepError> {
+        if let Some(freedom) = self.end.velocity.iter().position(|rate| !rate.is_finite()) {
+            let joint = mechanism.joint_of_freedom(freedom).to_string();
+            return Err(StepError::NotFinite { time: state.time, step: length, joint });
+        }
+        outcome.step = length;
+        outcome.exchange = self.kernel.exchange();
+        outcome.kept = self.kernel.take_kept();
+        if let Some(redundant) = self.kernel.redundant() {
+            self.ranks.see(redundant, mechanism, &self.end, time);
+        }
+        if let Some(companion) = &mut self.companion {
+            companion.follow(self.kernel.as_mut(), mechanism, state, outcome.exact, time);
+        }
+        self.kernel.accept();
+        self.origin.copy_from(state);
+        self.end.time = time;
+        state.copy_from(&self.end);
+        self.length = length;
+        self.steps += 1;
+        self.stepped_time += length;
+        self.left_at = Some(time);
+        if let Some(iterations) = self.watch.due() {
+            self.look(mechanism, state, iterations, length);
+        }
+        Ok(())
+    }
+
+    /// Looks at the inside of the last step, of which the largest top Legendre coefficient is `legendre` (rad, m); returns the error of samples (m),
+    /// where it is known.
+    pub fn look_inside(&mut self, mechanism: &Mechanism, legendre: f64) -> Option<f64> {
+        let Stepper { kernel, tableau, origin, end, inside, watch, length, .. } = self;
+        let last = LastStep { kernel: kernel.as_ref(), inner: tableau.stages - 1, origin, end, length: *length };
+        inside.look(mechanism, &last, self.damped && watch.is_too_hard(*length), legendre)
+    }
+
+    /// The largest error of samples in steps that were too long for a damper (m).
+    pub fn ringing_inside(&self) -> f64 {
+        self.inside.ringing()
+    }
+
+    /// Whether dampers act, so that every step is looked at.
+    pub fn is_damped(&self) -> bool {
+        self.damped
+    }
+
+    /// Looks how near a step of this length is to the limit of stability, after a step that did not converge.
+    pub fn look_after_failure(&mut self, mechanism: &Mechanism, state: &State, length: f64) {
+        self.look(mechanism, state, FIRST_LOOK, length);
+    }
+
+    fn look(&mut self, mechanism: &Mechanism, state: &State, iterations: usize, length: f64) {
+        let mode = self.modes.fastest(mechanism, state, iterations);
+        self.watch.see(mode, length, state.time);
+        if self.watch.listens()
+            && let Some(transient) = self.modes.transient(mechanism, state)
+        {
+            self.watch.hear(transient, length, state.time);
+        }
+    }
+
+    /// Why a step failed: because of its length alone, if that is beyond the limit of stability.
+    pub fn failure(&self, mechanism: &Mechanism, time: f64, step: f64, attempt: &Attempt) -> StepError {
+        if let Some(seen) = self.watch.latest().filter(|seen| seen.is_unstable() && seen.time == time) {
+            let longest = seen.longest();
+            return StepError::Unstable { time, step: seen.step, stages: self.tableau.stages, longest };
+        }
+        let joint = |freedom| mechanism.joint_of_freedom(freedom).to_string();
+        match *attempt {
+            Attempt::Converged { .. } | Attempt::Inaccurate { .. } => StepError::NotAccurate { time, step },
+            Attempt::TurnedTooFar { freedom, .. } => StepError::TurnedTooFar { time, step, joint: joint(freedom) },
+            Attempt::Failed { freedom, increment, .. } => {
+                StepError::NotConverged { time, step, joint: joint(freedom), increment }
+            }
+        }
+    }
+
+    /// The pace of the motion at the end of the last step; `None` with forces and closures, which it does not know.
+    pub fn pace(&mut self, mechanism: &Mechanism, state: &State) -> Option<Pace> {
+        self.modes.pace(mechanism, state)
+    }
+
+    /// Positions and velocities at a time inside the last step (s), but for closures.
+    pub fn sample(&mut self, mechanism: &Mechanism, time: f64, position: &mut [f64], velocity: &mut [f64]) {
+        let Stepper { kernel, tableau, origin, end, length, inside, .. } = self;
+        let (inner, length) = (tableau.stages - 1, *length);
+        let last = LastStep { kernel: kernel.as_ref(), inner, origin, end, length };
+        inside.sample(mechanism, &last, (time - origin.time) / length, position, velocity);
+    }
+
+    /// Mean length of the steps so far (s).
+    pub fn mean_step(&self) -> f64 {
+        self.stepped_time / self.steps.max(1) as f64
+    }
+
+    /// Where equations of the loops were redundant that elsewhere were not.
+    pub fn singular(&self) -> Option<SingularPosition> {
+        self.ranks.singular()
+    }
+}

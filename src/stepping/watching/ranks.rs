@@ -1,0 +1,50 @@
+//! Singular positions of loops: solves find more redundant equations than elsewhere, and kinematics confirms it.
+
+use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::motion::integrator::SingularPosition;
+use catena_mechanism::motion::state::State;
+use catena_mechanism::structure::ranks::counting;
+
+/// Where the solves leave more equations next to nothing than elsewhere, and kinematics agrees.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Ranks {
+    fewest: Option<usize>,
+    most: usize,
+    singular: Option<SingularPosition>,
+    /// How often kinematics did not agree.
+    refuted: usize,
+}
+
+/// Kinematics is asked no more once it has not agreed so often: what solves leave of light bodies says nothing.
+const REFUTED: usize = 64;
+
+impl Ranks {
+    /// Takes how many equations the last solve left redundant, in the state in which it ended.
+    pub(crate) fn see(&mut self, redundant: usize, mechanism: &Mechanism, state: &State, time: f64) {
+        let more = self.fewest.is_some_and(|fewest| redundant > self.most.max(fewest));
+        self.fewest = Some(self.fewest.map_or(redundant, |fewest| fewest.min(redundant)));
+        if more && self.refuted < REFUTED {
+            self.ask(mechanism, state, time);
+            self.most = if self.singular.is_some_and(|seen| seen.time == time) { redundant } else { self.most };
+        }
+    }
+
+    /// Asks kinematics whether a position is singular.
+    fn ask(&mut self, mechanism: &Mechanism, state: &State, time: f64) {
+        self.hear(counting::Ranks::at(mechanism, state).weak, time);
+    }
+
+    /// Takes how many independent equations are weak in a position.
+    pub(crate) fn hear(&mut self, weak: usize, time: f64) {
+        if weak > 0 {
+            self.singular = Some(SingularPosition { time, extra: weak });
+        } else {
+            self.refuted += 1;
+        }
+    }
+
+    /// The last singular position that was seen.
+    pub(crate) fn singular(&self) -> Option<SingularPosition> {
+        self.singular
+    }
+}
