@@ -46,7 +46,7 @@ const OFF_FRICTION: f64 = 1e-2;
 /// Where all contacts stick nothing takes energy, and a given step is made shorter if it is off by more than this part of the largest kinetic energy.
 const OFF_STUCK: f64 = 1e-3;
 
-/// Contacts that slide overlap by no more at the end of a step (m).
+/// Closed contacts overlap by no more at the end of a step (m).
 const OVERLAP: f64 = 1e-12;
 
 /// Roundings of gaps, 1e-17 m, are velocities in steps that are shorter than this (s).
@@ -119,7 +119,7 @@ impl Eventful {
     /// Whether a closed contact overlaps at the end of the step by more than roundings: where contacts that slide nearly jam the iteration of the stages
     /// falls slowly, and ends with what it has left.
     pub(super) fn overlaps(&mut self, end: &State) -> bool {
-        if self.mode.contacts.iter().all(|closed| closed.slides.is_none()) {
+        if self.mode.contacts.is_empty() {
             return false;
         }
         let Eventful { whole, mode, bodies, .. } = self;

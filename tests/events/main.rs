@@ -21,6 +21,7 @@ mod contacts_robot;
 mod contacts_rocking;
 mod contacts_rocking_cylinder;
 mod contacts_rod;
+mod contacts_short_steps;
 mod contacts_turning;
 mod contacts_wall;
 mod contacts_wobble;

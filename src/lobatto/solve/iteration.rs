@@ -5,6 +5,7 @@
 //! ```text
 //!     converged:    |δ_n| ≤ ε max(1, |θ|),   or   |δ_n| ≤ 10⁻¹¹ max(1, |θ|)  and  |δ_n| > ½ |δ_{n−1}|      (rounding)
 //!                   |δ_n|, |δ_{n−1}| ≤ 10⁻⁹ max(1, |θ|)  after fifteen iterations, exact method alone      (beside a singular position)
+//!                   and, where something closes, |δ_1| ≤ 10⁻¹³,  |δ_2| ≤ 10⁻¹¹ max(1, |θ|) or |δ_2| ≤ ½ |δ_1|
 //!                   and, where contacts slide, no more than 10⁻³, 10⁻² and 10⁻² of how far the slowest of them slides in the step
 //!     hopeless:     |δ_n| > 0.3 |δ_{n−4}|  and  |δ_n| > 10⁻⁹ max(1, |θ|)  after eight iterations
 //!     too long:     E > 20, 4, 2, 1.5, 1.1 times the largest that is kept, after one, two … five iterations,
@@ -118,12 +119,23 @@ const CLOSED: f64 = 1e-10;
 /// Those with closed contacts so far: where they slide the method is not quite Newton's, and gaps are of the order of the increment itself.
 const TOUCHED: f64 = 1e-12;
 
+/// Where something closes the first iteration ends with no larger an increment. The multipliers of a step begin at nothing, and the proximal term leaves ε
+/// times their increments of the gaps: the first iteration, from however good a guess, moves away from the closures by as much, and the second moves back.
+const UNPROVEN: f64 = 1e-13;
+/// Of what the second moves back it leaves a hundredth: it ends with so many times as much, or where increments have fallen.
+const TAKEN_BACK: f64 = 100.0;
+
 /// The rule by which the exact method stops. On trees it is asked where something is out of the ordinary, as beside a gimbal lock, and
 /// what its first iterates show may be that.
 pub(crate) fn exact_rule(mechanism: &Mechanism, rule: &StopRule) -> StopRule {
     if mechanism.has_closures() {
         let closed = if mechanism.touches.is_empty() { CLOSED } else { TOUCHED };
-        StopRule { increment: rule.increment.min(closed), rounding: rule.rounding.min(CLOSED), ..*rule }
+        StopRule {
+            increment: rule.increment.min(closed),
+            rounding: rule.rounding.min(CLOSED),
+            unproven: UNPROVEN,
+            ..*rule
+        }
     } else {
         StopRule { early: false, ..*rule }
     }
@@ -211,7 +223,13 @@ pub(crate) fn solve(equations: &mut impl Equations, rule: &StopRule) -> Attempt 
         let (falls, stays) = ((OF_SLIDE * slide).max(NO_FINER), (OF_SLIDE_STAYING * slide).max(NO_FINER_STAYING));
         let rounds =
             iteration >= PATIENCE && equations.is_exact() && previous.max(increment) <= SLACK.min(stays) * scale;
+        let closed = match iteration {
+            1 => increment <= rule.unproven * scale,
+            2 => increment <= TAKEN_BACK * rule.unproven * scale || increment <= 0.5 * previous,
+            _ => true,
+        };
         let converged = (settled || !refines)
+            && closed
             && (increment <= rule.increment.min(falls) * scale
                 || (increment <= rule.rounding.min(stays) * scale && increment > 0.5 * previous)
                 || rounds);
@@ -312,6 +330,56 @@ mod tests {
         let rule = StopRule { increment: 0.1, ..StopRule::ROUNDING };
         let solved = solve(&mut Rounding { floor: 0.0, exact: false, iterations: 0 }, &rule);
         assert_eq!(solved, Attempt::Converged { iterations: 1, legendre: 0.0, turn: 3.0, exact: false });
+    }
+
+    /// Equations with these increments.
+    struct Given {
+        increments: &'static [f64],
+        next: usize,
+    }
+
+    impl Equations for Given {
+        fn iterate(&mut self, _: bool) -> f64 {
+            self.next += 1;
+            self.increments[self.next - 1]
+        }
+
+        fn advance(&mut self) -> f64 {
+            0.1
+        }
+
+        fn complete(&mut self) {}
+
+        fn legendre(&self) -> f64 {
+            0.0
+        }
+
+        fn joint_legendre(&self) -> f64 {
+            0.0
+        }
+
+        fn worst_freedom(&self) -> usize {
+            0
+        }
+
+        fn furthest_turn(&self) -> Turn {
+            Turn::default()
+        }
+    }
+
+    #[test]
+    fn where_something_closes_no_iteration_is_the_last_before_gaps_have_been_closed() {
+        let iterations = |increments: &'static [f64], unproven| {
+            let rule = StopRule { increment: 1e-10, rounding: 1e-10, unproven, ..StopRule::ROUNDING };
+            solve(&mut Given { increments, next: 0 }, &rule).iterations()
+        };
+        // What the proximal term leaves of the gaps in the first iteration, and the second takes back.
+        let back = &[9e-11, 9e-11, 6e-13, 4e-15];
+        assert_eq!(iterations(back, UNPROVEN), 3);
+        assert_eq!(iterations(back, f64::INFINITY), 1);
+        assert_eq!(iterations(&[1e-6, 9e-11, 1e-15], UNPROVEN), 2);
+        assert_eq!(iterations(&[9e-12, 9e-12, 6e-14], UNPROVEN), 2);
+        assert_eq!(iterations(&[8e-14, 8e-14, 1e-15], UNPROVEN), 1);
     }
 
     #[test]

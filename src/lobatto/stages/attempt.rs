@@ -11,6 +11,8 @@ pub struct StopRule {
     pub increment: f64,
     /// Increments below this that no longer fall are rounding: the iteration ends.
     pub rounding: f64,
+    /// Larger increments end no iteration before they have been seen to fall (relative to 1 rad or 1 m).
+    pub unproven: f64,
     /// Largest number of iterations.
     pub iterations: usize,
     /// An attempt whose top Legendre coefficient is well above this is not worth finishing.
@@ -28,6 +30,7 @@ impl StopRule {
     pub const ROUNDING: StopRule = StopRule {
         increment: 2e-16,
         rounding: 1e-11,
+        unproven: f64::INFINITY,
         iterations: 60,
         legendre: f64::INFINITY,
         early: false,

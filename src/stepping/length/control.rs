@@ -229,6 +229,7 @@ impl Control {
         StopRule {
             increment: self.stop,
             rounding: self.stop.max(1e-11),
+            unproven: f64::INFINITY,
             iterations: 40,
             legendre: if self.memory.kink == Kink::Seen { KINK * self.limit } else { self.limit },
             early: self.telling
