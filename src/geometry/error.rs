@@ -52,6 +52,17 @@ pub enum GeometryError {
     /// A mesh without triangles that have an area.
     #[error("the mesh has no triangle with an area: export it again with its faces")]
     EmptyMesh,
+    /// A flat surface is to be cut into pieces.
+    #[error("the mesh is flat and encloses nothing: give it a thickness, or use its convex hull")]
+    EnclosesNothing,
+    /// A surface with a border is to be cut into pieces.
+    #[error(
+        "the mesh is not closed ({edges} edges have a triangle on one side only): close it, or use its convex hull"
+    )]
+    Open {
+        /// How many edges are on a border.
+        edges: usize,
+    },
     /// A triangle names a vertex that is not there.
     #[error("triangle {triangle} names vertex {vertex}, but there are {count} vertices: export the mesh again")]
     Index {

@@ -14,7 +14,7 @@
 //! | `beyond` | how far the rest of two shapes is from each other while they touch |
 //! | `forms`, `crossing`, `rims` | which pair of a joint two features are, and which form the gap of rims has |
 //! | `place`, `pair` | answers |
-//! | `decompose` | convex pieces of a surface |
+//! | `decompose`, `cells` | convex pieces of a surface; exact ones |
 //! | `hull_surface` | the triangles of a hull, for drawing |
 //!
 //! parry proposes candidates (GJK, hulls, the tree of triangles, VHACD). This crate computes every result from the features.
@@ -24,6 +24,7 @@
 mod best;
 mod beyond;
 mod both;
+mod cells;
 mod convex;
 mod crossing;
 mod decompose;
@@ -49,7 +50,7 @@ mod rims;
 mod tests;
 
 pub use convex::check_shape;
-pub use decompose::decompose;
+pub use decompose::{Pieces, decompose};
 pub use error::GeometryError;
 pub use feature::FeatureId;
 pub use hull_surface::hull_surface;

@@ -134,6 +134,10 @@ fn offer_features(best: &mut Best, both: &Both, normal: &Vector3<f64>, depth: f6
                 let Some((found, points)) = meet(&on_a, &on_b, &guess) else { continue };
                 if lie_on(both, [one, other], &points) {
                     best.offer(found, points, [one, other]);
+                    // A guess of a place says nothing of the side on which the normal is.
+                    if guess.at_point {
+                        best.offer(-found, points, [one, other]);
+                    }
                     // Between points that coincide every normal that separates will do.
                     if (points[1] - points[0]).norm() <= COINCIDENT * both.size() {
                         best.offer(*normal, points, [one, other]);

@@ -3,21 +3,26 @@
 use super::scenes::{Numbers, collider, support};
 use crate::PairGeometry;
 use nalgebra::{Translation3, Vector3};
+use std::ops::Range;
 
 const KINDS: [&str; 6] = ["half space", "sphere", "capsule", "box", "hull", "cylinder"];
 
-/// Largest certificate of a pair of kinds, relative to the size, over random poses with gaps on either side of zero.
-fn worst_certificate(one: &str, other: &str, size: f64, count: usize) -> (f64, String) {
+/// Largest certificate of a pair of kinds, relative to the size, over random poses with gaps on either side of zero. Rounds before the first are drawn,
+/// but not looked at.
+fn worst_certificate(one: &str, other: &str, size: f64, rounds: Range<usize>) -> (f64, String) {
     let mut numbers = Numbers::new(7);
     let mut worst = (0.0, String::new());
     let mut pair = None;
-    for round in 0..count {
+    for round in 0..rounds.end {
         if round % 50 == 0 {
             let (a, b) = (collider(one, size, &mut numbers), collider(other, size, &mut numbers));
             pair = PairGeometry::new(&a, &b).ok();
         }
         let pair = pair.as_ref().expect("shapes that are possible");
         let (a, mut b) = (numbers.pose(0.3 * size), numbers.pose(0.3 * size));
+        if round < rounds.start {
+            continue;
+        }
         let first = pair.distance(&a, &b);
         let gap = size * [0.1, 1e-3, 1e-6, 1e-9, 1e-12, 0.0, -1e-12, -1e-9, -1e-6, -1e-3][round % 10];
         b.translation = Translation3::from(b.translation.vector + first.normal * (gap - first.distance));
@@ -35,7 +40,7 @@ fn worst_certificate(one: &str, other: &str, size: f64, count: usize) -> (f64, S
 fn all_certified(size: f64, count: usize) {
     for one in KINDS {
         for other in KINDS.into_iter().filter(|other| [one, *other] != ["half space", "half space"]) {
-            let (worst, at) = worst_certificate(one, other, size, count);
+            let (worst, at) = worst_certificate(one, other, size, 0..count);
             assert!(worst <= 1e-13, "{at}: {worst:.1e} of the size {size:e}");
         }
     }
@@ -56,12 +61,20 @@ fn distances_of_all_pairs_are_certified_at_a_kilometre() {
     all_certified(1e3, 300);
 }
 
+/// An edge that leaves over a rim, with its normal 2.5e-4 rad from the axis: only the guess at one end of the edge leads to this place, and what is known of the
+/// normal there has the other sign. The points of the largest separation alone are 1.2e-13 of the size off.
+#[test]
+fn an_edge_on_a_rim_is_found_on_either_side_of_the_normal_that_was_guessed() {
+    let (worst, at) = worst_certificate("cylinder", "box", 1e-5, 12277..12278);
+    assert!(worst <= 1e-15, "{at}: {worst:.1e} of the size");
+}
+
 /// A hundred thousand poses of a pair of kinds at each of three sizes; the worst of each is printed, with the time of a pose.
 fn certified_at_length(one: &str, other: &str) {
     let mut missed = Vec::new();
     for size in [1e-5, 1.0, 1e3] {
         let start = std::time::Instant::now();
-        let (worst, at) = worst_certificate(one, other, size, 100_000);
+        let (worst, at) = worst_certificate(one, other, size, 0..100_000);
         let each = start.elapsed().as_secs_f64() * 1e6 / 2e5;
         println!("{one}-{other}, size {size:e}: {worst:.1e} ({at}), {each:.0} µs for a distance");
         if worst.is_nan() || worst > 1e-13 {

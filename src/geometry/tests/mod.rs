@@ -4,5 +4,6 @@ mod certificates;
 mod manifolds;
 mod margins;
 mod meshes;
+mod pieces;
 mod refused;
 mod scenes;

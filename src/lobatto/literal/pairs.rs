@@ -12,18 +12,28 @@
 //!     lines                 (c_b − c_a) · z_a = (c_b − c_a) · z_b = 0                    n = side z_a × z_b/|z_a × z_b|
 //!     plane and rim         c_b = P_b − ρ m,  m = (n − (n·z_b) z_b)/√(1 − (n·z_b)²)      n = z_a
 //!     line f and rim        (c_b − c_a) · f = (c_b − c_a) · τ = 0                        n = side f × (m × k)/|f × (m × k)|
+//!     rim and point         (c_b − c_a) · τ = 0                                          n as of points
+//!     rim and round line    (c_b − c_a) · f = (c_b − c_a) · τ = 0                        n as of points
+//!     rims                  (c_b − c_a) · τ_a = (c_b − c_a) · τ_b = 0                    n = side τ_a × τ_b/|τ_a × τ_b|
 //! ```
 //!
 //! A point of a rim about k with the centre P is `P + ρ m`, its tangent `τ = k × m`. Both conditions of a line and a rim are solved by Newton's
-//! method from the point where the line meets the plane of the rim, or leaves the cylinder above it. Source: the table of feature pairs in the
-//! project's page on contact, section 2. Nothing here shares code with [`catena_mechanism::motion::contact_geometry`], which it is the oracle
-//! for; the two agree where features touch, and with their gradients there.
+//! method from the point where the line meets the plane of the rim, or leaves the cylinder above it. Those of a round line and of two rims have several
+//! solutions. There Newton's method starts at the least distance of points at equal angles on a rim from the other core, among those that are on the side that
+//! [`Touch::side`] says: m · f > 0 for a line that goes outwards, `τ_b · k_a < 0` for a rim that goes down through the plane of another, and the left of the way
+//! from centre to centre for two rims nearly in one plane.
+//!
+//! Source: the table of feature pairs in the project's page on contact, section 2. Nothing here shares code with
+//! [`catena_mechanism::motion::contact_geometry`], which it is the oracle for; the two agree where features touch, and with their gradients there.
 
-use catena_mechanism::description::contact::{Feature, Touch};
+use catena_mechanism::description::contact::{Feature, LEVEL, Touch};
 use nalgebra::{Matrix2, Vector2, Vector3};
+use std::f64::consts::TAU;
 
-/// Iterations for the nearest points of a line and a rim, which are near at the start.
+/// Iterations for the nearest points of a rim and another core, which are near at the start.
 const ITERATIONS: usize = 12;
+/// Points of a rim at which the least distance is looked for.
+const LOOKED_AT: u32 = 72;
 
 /// Where the frame of a feature is.
 #[derive(Clone, Copy, Debug)]
@@ -83,8 +93,114 @@ pub(crate) fn meet(touch: &Touch, a: Placed, b: Placed) -> Option<Meeting> {
             let [on_line, on_rim, normal] = line_and_rim(b, a, rim, out, side)?;
             meeting([on_rim, on_line], normal, [0.0; 2])
         }
+        [Feature::Rim { radius: rim }, Feature::Point { radius }] if radius > 0.0 => {
+            let on_rim = Circle::new(a, rim).nearest(&b.origin);
+            meeting([on_rim, b.origin], (b.origin - on_rim).normalize(), [0.0, radius])
+        }
+        [Feature::Rim { radius: rim }, Feature::Line { radius }] => {
+            let [on_rim, on_line] = rim_and_round_line(Circle::new(a, rim), b, side > 0.0)?;
+            meeting([on_rim, on_line], (on_line - on_rim).normalize(), [0.0, radius])
+        }
+        [Feature::Rim { radius: rim }, Feature::Rim { radius: other }] => {
+            let [on_a, on_b, normal] = rim_and_rim([Circle::new(a, rim), Circle::new(b, other)], side)?;
+            meeting([on_a, on_b], normal, [0.0; 2])
+        }
         _ => return None,
     })
+}
+
+/// A rim, by angles about its axis.
+#[derive(Clone, Copy, Debug)]
+struct Circle {
+    centre: Vector3<f64>,
+    axes: [Vector3<f64>; 3],
+    radius: f64,
+}
+
+impl Circle {
+    fn new(placed: Placed, radius: f64) -> Self {
+        let k = placed.axis;
+        let x = k.cross(&Vector3::ith(k.iamin(), 1.0)).normalize();
+        Circle { centre: placed.origin, axes: [x, k.cross(&x), k], radius }
+    }
+
+    /// m and τ at an angle (rad).
+    fn frame(&self, angle: f64) -> [Vector3<f64>; 2] {
+        let [x, y, _] = self.axes;
+        [x * angle.cos() + y * angle.sin(), y * angle.cos() - x * angle.sin()]
+    }
+
+    /// `P + ρ m` (m).
+    fn point(&self, angle: f64) -> Vector3<f64> {
+        self.centre + self.frame(angle)[0] * self.radius
+    }
+
+    /// The angle of its point that is nearest to another point (rad).
+    fn angle_of(&self, point: &Vector3<f64>) -> f64 {
+        let arm = point - self.centre;
+        self.axes[1].dot(&arm).atan2(self.axes[0].dot(&arm))
+    }
+
+    /// Its point that is nearest to another one (m).
+    fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.point(self.angle_of(point))
+    }
+
+    /// Of equally spaced angles the one whose point has the least distance (m), among those that are allowed.
+    fn least(&self, allowed: impl Fn(f64) -> bool, distance: impl Fn(&Vector3<f64>) -> f64) -> Option<f64> {
+        let angles = (0..LOOKED_AT).map(|number| TAU * f64::from(number) / f64::from(LOOKED_AT));
+        let of = |angle: &f64| distance(&self.point(*angle));
+        angles.filter(|angle| allowed(*angle)).min_by(|one, other| of(one).total_cmp(&of(other)))
+    }
+}
+
+/// The nearest points of a rim and a line; if `outwards` where the line goes out of the rim.
+fn rim_and_round_line(rim: Circle, line: Placed, outwards: bool) -> Option<[Vector3<f64>; 2]> {
+    let f = line.axis.normalize();
+    let foot = |point: &Vector3<f64>| line.origin + f * f.dot(&(point - line.origin));
+    let allowed = |angle: f64| !outwards || rim.frame(angle)[0].dot(&f) > 0.0;
+    let mut angle = rim.least(allowed, |point| (foot(point) - point).norm())?;
+    let mut along = f.dot(&(rim.point(angle) - line.origin));
+    for _ in 0..ITERATIONS {
+        // d = c_b − c_a, with ∂d/∂s = f and ∂d/∂θ = −ρ τ.
+        let [out, tangent] = rim.frame(angle);
+        let d = line.origin + f * along - rim.point(angle);
+        let slope = -rim.radius * f.dot(&tangent);
+        let matrix = Matrix2::new(1.0, slope, f.dot(&tangent), -rim.radius - d.dot(&out));
+        let change = matrix.lu().solve(&-Vector2::new(d.dot(&f), d.dot(&tangent)))?;
+        along += change.x;
+        angle += change.y;
+    }
+    Some([rim.point(angle), line.origin + f * along])
+}
+
+/// The nearest points of two rims, at the place that the side says, and n.
+fn rim_and_rim(rims: [Circle; 2], side: f64) -> Option<[Vector3<f64>; 3]> {
+    let [a, b] = rims;
+    let (k, l) = (a.axes[2], b.axes[2]);
+    let left = (k + l).cross(&(b.centre - a.centre));
+    let allowed = |angle: f64| {
+        let [out, tangent] = b.frame(angle);
+        if side.abs() == LEVEL {
+            (b.centre + out * b.radius - a.centre).dot(&left) > 0.0
+        } else {
+            tangent.dot(&k) < 0.0
+        }
+    };
+    let second = b.least(allowed, |point| (a.nearest(point) - point).norm())?;
+    let mut angles = Vector2::new(a.angle_of(&b.point(second)), second);
+    let frames = |angles: &Vector2<f64>| [a.frame(angles.x), b.frame(angles.y)];
+    for _ in 0..ITERATIONS {
+        // d = c_b − c_a, with ∂d/∂α = −ρ_a τ_a and ∂d/∂β = ρ_b τ_b.
+        let [[m, along], [u, across]] = frames(&angles);
+        let d = b.point(angles.y) - a.point(angles.x);
+        let mixed = along.dot(&across);
+        let matrix = Matrix2::new(-a.radius - d.dot(&m), b.radius * mixed, -a.radius * mixed, b.radius - d.dot(&u));
+        angles += matrix.lu().solve(&-Vector2::new(d.dot(&along), d.dot(&across)))?;
+    }
+    let [[_, along], [_, across]] = frames(&angles);
+    let normal = along.cross(&across).normalize() * side.signum();
+    Some([a.point(angles.x), b.point(angles.y), normal])
 }
 
 /// From the nearest points of the cores.

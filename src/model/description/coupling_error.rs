@@ -21,6 +21,9 @@ pub struct CouplingError {
 /// What can be wrong with something that couples or pushes bodies.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum CouplingProblem {
+    /// Convex pieces were asked for of a mesh that encloses nothing.
+    #[error("its collision mesh {mesh:?} cannot be cut into convex pieces: {problem}")]
+    Pieces { mesh: String, problem: Box<GeometryError> },
     /// The link was left out of the mechanism.
     #[error(
         "link {0:?} is not simulated, because neither it nor anything beyond it has mass; give it a mass and an inertia"

@@ -26,8 +26,9 @@ impl TomlText<'_> {
             if let Some(table) = key.as_ref().filter(|key| !key.contains('.') && message.ends_with("a sequence")) {
                 message = format!("{message}; there may be several: write [[{table}]]");
             }
+            let element = error.span().and_then(|span| self.obstacle(span.start));
             let problem = Box::new(Problem::Toml { key, message });
-            SceneError { file: self.file.to_path_buf(), line, element: None, problem }
+            SceneError { file: self.file.to_path_buf(), line, element, problem }
         })
     }
 
@@ -41,6 +42,19 @@ impl TomlText<'_> {
     pub fn error(&self, span: &Range<usize>, element: Option<Element>, problem: Problem) -> SceneError {
         let line = Some(self.line(span));
         SceneError { file: self.file.to_path_buf(), line, element, problem: Box::new(problem) }
+    }
+
+    /// The obstacle that a byte belongs to, if it has a name.
+    fn obstacle(&self, offset: usize) -> Option<Element> {
+        let table = DeTable::parse(self.text).ok()?;
+        let DeValue::Array(obstacles) = table.get_ref().get("obstacle")?.get_ref() else { return None };
+        let own = obstacles.iter().find(|obstacle| {
+            let mut found = Vec::new();
+            search_value(obstacle.get_ref(), offset, &mut Vec::new(), &mut found);
+            !found.is_empty()
+        })?;
+        let DeValue::String(name) = own.get_ref().as_table()?.get("name")?.get_ref() else { return None };
+        Some(Element::Obstacle(name.to_string()))
     }
 
     /// The dotted name of the innermost key that a byte belongs to.

@@ -1,6 +1,6 @@
 //! What scene files say of contact becomes colliders and pairs: where shapes lie, which may touch, and how.
 
-use super::{ONE, build, folder};
+use super::{ONE, build, folder, refusal};
 use catena::geometry::PairGeometry;
 use catena::mechanism::description::contact::{Collider, Shape};
 use catena::mechanism::motion::kinematics::body_states;
@@ -290,17 +290,18 @@ fn a_mesh_of_a_link_that_cannot_be_used_is_left_out_with_a_warning_where_it_coul
 }
 
 #[test]
-fn a_flat_mesh_of_a_link_is_a_plate_whole_or_in_pieces() {
+fn a_flat_mesh_of_a_link_is_a_plate_and_has_no_pieces() {
     let folder = with_walker("plates");
     let meshed = std::fs::read_to_string(folder.join("meshed.urdf")).expect("there");
     std::fs::write(folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n").expect("written");
     std::fs::write(folder.join("plate.urdf"), meshed.replace("twins.obj", "flat.obj")).expect("written");
-    for shapes in ["", "[[link]]\nname = \"leg\"\ncollision = \"decompose\"\n"] {
-        let model = model(&folder, &format!("{}{FLOOR}{shapes}", FLOATING.replace("walker", "plate")));
-        let plates = model.mechanism.nonsmooth.colliders.iter().filter(|collider| collider.name == "leg");
-        assert_eq!(plates.count(), 1, "{shapes}");
-        assert!(model.warnings.iter().all(|warning| !warning.message.contains("mesh")), "{:?}", model.warnings);
-    }
+    let scene = format!("{}{FLOOR}", FLOATING.replace("walker", "plate"));
+    let model = model(&folder, &scene);
+    let plates = model.mechanism.nonsmooth.colliders.iter().filter(|collider| collider.name == "leg");
+    assert_eq!(plates.count(), 1);
+    assert!(model.warnings.iter().all(|warning| !warning.message.contains("mesh")), "{:?}", model.warnings);
+    let message = refusal(&folder, &format!("{scene}[[link]]\nname = \"leg\"\ncollision = \"decompose\"\n"));
+    assert!(message.contains("link \"leg\": its collision mesh \"flat.obj\" cannot be cut into convex"), "{message}");
 }
 
 #[test]

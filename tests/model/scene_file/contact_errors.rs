@@ -44,6 +44,18 @@ fn wrong_obstacles_are_refused_with_file_line_and_key() {
         // Numbers.
         (half_space("friction = -0.1"), &["scene.toml:5: obstacle.friction: -0.1 must not be negative"]),
         (half_space("friction = nan"), &["scene.toml:5: obstacle.friction: NaN is not finite"]),
+        // An obstacle that has a name is called by it.
+        (
+            format!(
+                "{}\n[[obstacle]]\nname = \"ramp\"\nfriction = nan\nshape = {{ type = \"half_space\" }}\n",
+                half_space("")
+            ),
+            &["scene.toml:8: obstacle \"ramp\": obstacle.friction: NaN is not finite"],
+        ),
+        (
+            of("type = \"sphere\", radius = 0", "name = \"stone\"\n"),
+            &["scene.toml:4: obstacle \"stone\": obstacle.shape.radius: 0 must be greater than zero"],
+        ),
         (half_space("restitution = 1.1"), &["scene.toml:5: obstacle.restitution: 1.1 must be from 0 to 1"]),
         (half_space("restitution = nan"), &["scene.toml:5: obstacle.restitution: NaN must be from 0 to 1"]),
         (half_space("pose = { position = [0, inf, 0] }"), &["scene.toml:5: obstacle.pose.position: inf is not finite"]),

@@ -108,7 +108,7 @@ fn wrong_contact_writes_nothing() {
     assert!(text(&output.stderr).contains("--contact environment"), "{}", text(&output.stderr));
     let scene = std::fs::read_to_string(folder.join("scene.toml")).expect("there");
     for (wrong, part) in [
-        ("friction = -1\n", "scene.toml:7: obstacle.friction: -1 must not be negative"),
+        ("friction = -1\n", "scene.toml:7: obstacle \"floor\": obstacle.friction: -1 must not be negative"),
         ("[[contact.pair]]\na = \"foot*\"\nb = \"floor\"\nfriction = 1\n", "scene.toml:7: contact of \"foot*\" and"),
         ("[[obstacle]]\nshape = { type = \"mesh\", file = \"none.stl\" }\n", "scene.toml:8: obstacle \"obstacle2\": "),
     ] {

@@ -3,6 +3,7 @@
 mod contact;
 mod errors;
 mod joints;
+mod pieces;
 mod report;
 mod runs;
 mod warnings;
