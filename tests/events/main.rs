@@ -10,6 +10,7 @@ mod contacts_cans;
 mod contacts_car;
 mod contacts_cradle;
 mod contacts_disc;
+mod contacts_dominoes;
 mod contacts_falling;
 mod contacts_mesh;
 mod contacts_orders;
