@@ -16,7 +16,7 @@ use crate::events::modes::mode::{Closures, JointMode, Mode, MotorMode};
 use crate::events::modes::narrowed::Felt;
 use crate::events::modes::piece::Piece;
 use crate::events::modes::piece_steps::PieceRecipe;
-use crate::events::modes::present::Present;
+use crate::events::modes::present::{Begun, Present};
 use crate::instant::elements::Elements;
 use crate::instant::response::Response;
 use crate::instant::touching::Touching;
@@ -95,6 +95,8 @@ pub struct Eventful {
     pub(super) ringing: f64,
     /// How often the law of contact could not be solved to its accuracy.
     pub(super) unsolved: usize,
+    /// Steps of first order, and how long they were together (s).
+    pub(super) first_order: (usize, f64),
     /// Whether everything has come to rest on contacts, and is not moved until something changes.
     pub(super) asleep: bool,
     /// Steps in a row in which nothing has moved.
@@ -144,8 +146,14 @@ impl Eventful {
         let mut response = Response::new(mechanism);
         let nothing = Held::new(mechanism, &state, vec![false; mechanism.bodies.len()], &Closures::default());
         let holding = {
-            let present =
-                Present { whole: mechanism, elements: &elements, touching: &touching, mode: &mode, moving: &nothing };
+            let present = Present {
+                whole: mechanism,
+                elements: &elements,
+                touching: &touching,
+                mode: &mode,
+                moving: &nothing,
+                begun: Begun::default(),
+            };
             Holding::new(&present, &mut response, &state)
         };
         Ok(Eventful {
@@ -188,6 +196,7 @@ impl Eventful {
             between: Some(0.0),
             ringing: 0.0,
             unsolved: 0,
+            first_order: (0, 0.0),
             crowding: Crowding::CALM,
             stepped_over: None,
             asleep: false,

@@ -12,7 +12,7 @@ use crate::events::finding::approach::{Closing, first_closing};
 use crate::events::finding::detection::{
     Bracket, FIRST_SAMPLES, Looking, ONE_INSTANT, SAMPLES, close_in, first_sign_change,
 };
-use crate::events::finding::watched::Watched;
+use crate::events::finding::watched::{BORDER, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::{Evaluated, Inside};
 use crate::instant::touching::Pair;
@@ -232,13 +232,17 @@ impl Eventful {
         speed(1.0) > TURNED * before
     }
 
-    /// The function that is negative from the start on, and all pairs that overlap there.
+    /// The function that is negative from the start on, and all pairs that overlap and contacts that have left their features there.
     fn overlaps_at_start(&mut self, negative: usize) -> Vec<Watched> {
         place_bodies(&self.whole, &self.origin, &mut self.bodies);
         self.evaluated = Evaluated::default();
         let overlaps = |index: usize| match self.watched[index] {
             Watched::Approach(pair) => {
                 self.touching.distance(pair, &self.bodies) < -TOGETHER * self.touching.pairs[pair].size
+            }
+            Watched::Feature(contact) => {
+                let contact = &self.mode.contacts[contact].contact;
+                self.touching.margin(contact, &self.bodies) < -BORDER * self.touching.pairs[contact.pair].size
             }
             _ => false,
         };

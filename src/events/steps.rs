@@ -182,6 +182,12 @@ impl Eventful {
                 self.ignored.push(*trigger);
             }
         }
+        // Contacts of one pair that slide leave their features at about the same time: one step without looking goes beyond all of these borders.
+        if at_start && triggers.iter().any(|trigger| matches!(trigger, Watched::Feature(_))) {
+            let borders = self.watched.iter().filter(|watched| matches!(watched, Watched::Feature(_)));
+            let more: Vec<Watched> = borders.filter(|border| !self.ignored.contains(border)).copied().collect();
+            self.ignored.extend(more);
+        }
     }
 
     /// The pairs that overlap at the end of a step that did not look at them.
@@ -297,7 +303,10 @@ impl Integrator for Eventful {
                 | StepError::NotAccurate { .. }
                 | StepError::TurnedTooFar { .. }
                 | StepError::Unstable { .. },
-            ) if !self.touching.pairs.is_empty() => self.stumble(inputs, state, next),
+            ) if !self.touching.pairs.is_empty() => {
+                self.crowding.fail(self.origin.time);
+                self.stumble(inputs, state, next)
+            }
             done => done?,
         };
         // What is left is less than the time can tell.
@@ -348,6 +357,7 @@ impl Integrator for Eventful {
             description.step = self.stepped / self.steps.max(1) as f64;
         }
         description.unsolved_contacts = self.unsolved;
+        (description.first_order_steps, description.first_order_time) = self.first_order;
         description
     }
 

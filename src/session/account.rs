@@ -176,7 +176,7 @@ impl Begun {
             .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))
             .chain(ringing_warning(&method))
             .chain(singular_warning(&method))
-            .chain(unsolved_warning(&method))
+            .chain(unsolved_warning(&method, duration))
             .chain(speeds.iter().flat_map(|speeds| speeds.warning()))
             .collect();
         let estimated_error =

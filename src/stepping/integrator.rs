@@ -426,6 +426,8 @@ impl Integrator for Lobatto {
             digits: if self.precise { 32 } else { 16 },
             reversible_resets: resets,
             unsolved_contacts: 0,
+            first_order_steps: 0,
+            first_order_time: 0.0,
         }
     }
 }

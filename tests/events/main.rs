@@ -11,6 +11,7 @@ mod contacts_car;
 mod contacts_corners;
 mod contacts_cradle;
 mod contacts_disc;
+mod contacts_dominoes;
 mod contacts_falling;
 mod contacts_mesh;
 mod contacts_orders;

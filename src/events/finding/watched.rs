@@ -72,6 +72,9 @@ pub(crate) struct Seen<'s> {
 
 /// What is closed counts as open down to this part of the size of a pair: its other features may lie in the same plane.
 const COPLANAR: f64 = 1e-13;
+/// A closed contact leaves its features this far beyond their borders, as a part of the size of the pair: what touches is looked for with those up to
+/// 1.1e-11 beyond ([`crate::events::effects::contacts::TOUCHED`]), and would be the same features again before.
+pub(crate) const BORDER: f64 = 1.2e-11;
 /// The other features of a closed pair are looked at within this part of its size; those of a half space, which has no borders, everywhere.
 const NEARBY: f64 = 0.02;
 
@@ -201,7 +204,7 @@ impl Watched {
             }
             Watched::Feature(index) => {
                 let contact = &mode.contacts[index].contact;
-                touching.margin(contact, bodies) + COPLANAR * touching.pairs[contact.pair].size
+                touching.margin(contact, bodies) + BORDER * touching.pairs[contact.pair].size
             }
         }
     }

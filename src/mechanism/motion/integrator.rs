@@ -36,6 +36,9 @@ pub struct MethodDescription {
     pub reversible_resets: Option<usize>,
     /// How often the law of contact could not be solved to its accuracy at an event; the run went on with the best that was found.
     pub unsolved_contacts: usize,
+    /// Steps of first order where contacts changed faster than steps could follow, and the time that they took of the motion (s).
+    pub first_order_steps: usize,
+    pub first_order_time: f64,
 }
 
 impl MethodDescription {
@@ -54,6 +57,8 @@ impl MethodDescription {
             digits: 16,
             reversible_resets: None,
             unsolved_contacts: 0,
+            first_order_steps: 0,
+            first_order_time: 0.0,
         }
     }
 

@@ -29,6 +29,10 @@ pub struct MethodReport {
     pub digits: u32,
     /// How often reversible steps had to be set anew, which turning time round would not repeat; null for other steps.
     pub reversible_resets: Option<usize>,
+    /// Steps of first order where contacts changed faster than steps could follow,
+    pub first_order_steps: usize,
+    /// and the time that they took of the motion (s).
+    pub first_order_time: f64,
 }
 
 /// How near a step came to the limit of linear stability.
@@ -63,6 +67,8 @@ impl MethodReport {
             }),
             digits: description.digits,
             reversible_resets: description.reversible_resets,
+            first_order_steps: description.first_order_steps,
+            first_order_time: description.first_order_time,
         }
     }
 
@@ -115,16 +121,24 @@ pub(crate) fn singular_warning(description: &MethodDescription) -> Option<String
     ))
 }
 
-/// What the user should know, if contacts were too many or too contradictory for the solver.
-pub(crate) fn unsolved_warning(description: &MethodDescription) -> Option<String> {
-    let count = description.unsolved_contacts;
-    (count > 0).then(|| {
-        format!(
-            "contacts changed faster than steps could follow at {}: the run took first-order steps there; compare it with a run of another step or \
-             tolerance",
-            counted(count, "instant", "instants")
-        )
-    })
+/// What the user should know, if contacts were too many or too contradictory for the solver in a run of this duration (s).
+pub(crate) fn unsolved_warning(description: &MethodDescription, duration: f64) -> Option<String> {
+    let &MethodDescription { unsolved_contacts, first_order_steps: steps, first_order_time: time, .. } = description;
+    let compare = "compare it with a run of another step or tolerance";
+    if steps > 0 {
+        let steps = counted(steps, "first-order step", "first-order steps");
+        let share = rounded(100.0 * time / duration);
+        Some(format!(
+            "contacts changed faster than steps could follow: the run took {steps}, {share} % of its time; {compare}"
+        ))
+    } else if unsolved_contacts > 0 {
+        let instants = counted(unsolved_contacts, "instant", "instants");
+        Some(format!(
+            "the law of contact could not be solved exactly at {instants}: the run took the best that was found; {compare}"
+        ))
+    } else {
+        None
+    }
 }
 
 /// The accuracy to expect of a run, from the run itself or from trial runs before it.
