@@ -9,7 +9,7 @@
 //! Closed loops have five where their tolerance is not fine (doc/findings/2026-11-stages.md): all stages are coupled there, and an iteration with nine costs
 //! twice as much. Nine make steps so long that Newton's method limits them, and not the accuracy. One or two four-bars, which pass singular positions, need
 //! much shorter steps with five, and keep nine; and so do springs and dampers so stiff that the stability of the scheme limits the step, which nine stages extend
-//! to twice the length: the trial runs see that (`simulation::accuracy`).
+//! to twice the length: the trial runs see that (`simulation::tolerance::accuracy`).
 //!
 //! Time with nine stages over that with five, same tolerance (m), least and most of the scenes of each kind:
 //!
