@@ -10,7 +10,7 @@
 //! | `feature` | vertices, edges, faces, rims, sides: names, parts, borders |
 //! | `meet`, `guesses` | normal and points of two features: closed forms; where they are looked for |
 //! | `both`, `best`, `nearest`, `deepest` | the distance of two convex shapes with its certificate; the depth at rims |
-//! | `manifold`, `lens` | all places where they touch; the points of two discs on each other |
+//! | `manifold`, `lens`, `arcs` | all places where they touch; the points of two discs on each other, of a disc on a face |
 //! | `beyond` | how far the rest of two shapes is from each other while they touch |
 //! | `forms`, `crossing`, `rims` | which pair of a joint two features are, and which form the gap of rims has |
 //! | `place`, `pair` | answers |
@@ -21,6 +21,7 @@
 
 #![deny(unsafe_code)]
 
+mod arcs;
 mod best;
 mod beyond;
 mod both;

@@ -6,6 +6,7 @@
 //! that cross). Places at the same point are one. Of places in one plane with gaps that are linear over it those inside of their hull
 //! are left out, because the others decide about them.
 
+use crate::arcs::points_on_faces;
 use crate::both::{Both, Candidate};
 use crate::convex::Core;
 use crate::crossing::beside_tangent;
@@ -56,6 +57,7 @@ fn candidates(both: &Both, closest: &Candidate, near: f64, radii: f64) -> Vec<Ca
     let mut of_a: Vec<FeatureId> = contact_features(a, &normal, depth).collect();
     let mut of_b: Vec<FeatureId> = contact_features(b, &-own, depth).collect();
     points_of_arcs(both, &normal, &mut of_a, &mut of_b);
+    points_on_faces(both, &normal, &mut of_a, &mut of_b);
     let rims_of_b: Vec<FeatureId> = flat_rims(b, &of_b).collect();
     let within_a = |feature: &FeatureId| is_open(a, *feature) && touches(a, *feature, &normal, least_a);
     let within_b = |feature: &FeatureId| is_open(b, *feature) && touches(b, *feature, &-own, least_b);
