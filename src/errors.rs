@@ -1,6 +1,6 @@
 //! The causes that an [`Error`] may hold.
 
-pub use crate::instant::assembly::AssemblyError;
+pub use crate::instant::start::assembly::AssemblyError;
 pub use crate::mechanism::description::mechanism::MechanismError;
 pub use crate::mechanism::motion::step_error::StepError;
 pub use crate::model::{CouplingError, CouplingProblem, ModelError};

@@ -2,7 +2,7 @@
 
 use crate::model::seven;
 use crate::refusal::{input, refuse};
-use catena::instant::reactions::Reactions;
+use catena::instant::exerting::reactions::Reactions;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::motion::energy::energy_with_forces;
 use catena::mechanism::motion::kinematics::body_states;

@@ -8,7 +8,7 @@ use crate::cli::inspect_follow::follow;
 use crate::cli::recorded::Recorded;
 use crate::cli::terminal::printing::{Failure, print, print_json, warn};
 use anyhow::anyhow;
-use catena::instant::statuses::joint_statuses;
+use catena::instant::holding::statuses::joint_statuses;
 use catena::mechanism::ground::words::decimals;
 use catena::output::inspection::compare::compare;
 use catena::output::inspection::curves::curves;

@@ -5,7 +5,7 @@ use crate::cli::page_files::{check_page, write_page};
 use crate::cli::tables::table::{Table, number, triple};
 use crate::cli::tables::{contact_tables, couplings, joint_tables, rules};
 use crate::cli::terminal::printing::{Failure, print, print_json};
-use catena::instant::assembly::{Redundancy, redundancy, redundancy_counted};
+use catena::instant::start::assembly::{Redundancy, redundancy, redundancy_counted};
 use catena::mechanism::description::joint::wxyz_from_rotation;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::ground::words::counted;

@@ -16,7 +16,7 @@ use crate::events::modes::instants::Instants;
 use crate::events::modes::mode::{Closures, MotorMode};
 use crate::events::modes::piece::{Key, Piece};
 use crate::events::modes::present::{Begun, Present};
-use crate::instant::elements::Elements;
+use crate::instant::holding::elements::Elements;
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
 use crate::stepping::integrator::StepPace;

@@ -15,7 +15,7 @@ use crate::events::finding::detection::{
 use crate::events::finding::watched::{BORDER, Watched};
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::{Evaluated, Inside};
-use crate::instant::touching::Pair;
+use crate::instant::holding::touching::Pair;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::place_bodies;

@@ -22,9 +22,9 @@
 //! | `effects` | what follows: impulses, which contacts stay closed and stick, the next mode, the list of events |
 //! | here | the integrator: its steps, those that end at events, rest, and crowds of events |
 //!
-//! A room imports those above it in this table. Limits, friction, motors and pairs of shapes are in [`crate::instant::elements`] and
-//! [`crate::instant::touching`], accelerations and velocities under efforts and impulses in [`crate::instant::response`],
-//! [`crate::instant::blocks`] and [`crate::instant::cone`].
+//! A room imports those above it in this table. Limits, friction, motors and pairs of shapes are in [`crate::instant::holding::elements`] and
+//! [`crate::instant::holding::touching`], accelerations and velocities under efforts and impulses in [`crate::instant::dynamics::response`],
+//! [`crate::instant::holding::blocks`] and [`crate::instant::cone`].
 
 mod contact_points;
 mod crowding;

@@ -16,13 +16,13 @@
 
 use crate::events::effects::resting::energy;
 use crate::events::integrator::Eventful;
-use crate::instant::assembly::assemble;
-use crate::instant::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::{Law, Problem, Unsolved};
 use crate::instant::cone::solve;
-use crate::instant::elements::inward;
-use crate::instant::touching::Contact;
+use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::elements::inward;
+use crate::instant::holding::touching::Contact;
+use crate::instant::start::assembly::assemble;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::StepOutcome;

@@ -2,19 +2,19 @@
 //!
 //! All is computed in the frame of the body of one of them and handed out in the world; a place has its frames in the body frames.
 
-use crate::beyond::{height_of_moved, is_flat};
-use crate::both::{Both, Candidate};
-use crate::convex::{Convex, Core, kind};
-use crate::crossing::off_crossing;
-use crate::error::GeometryError;
-use crate::feature::{FeatureId, Part, inside, off_neighbours, off_tilt, part, rim_point_towards};
-use crate::half_space::HalfSpace;
-use crate::manifold::manifold;
-use crate::meet::{Guess, meet};
-use crate::mesh::Mesh;
-use crate::nearest::nearest;
-use crate::place::{Bearer, PlaceId, TouchPlace, place};
-use crate::rims::{Joined, Meeting, off_rim};
+use crate::distances::beyond::{height_of_moved, is_flat};
+use crate::distances::half_space::HalfSpace;
+use crate::distances::manifold::manifold;
+use crate::distances::mesh::Mesh;
+use crate::distances::nearest::nearest;
+use crate::features::both::{Both, Candidate};
+use crate::features::crossing::off_crossing;
+use crate::features::feature::{FeatureId, Part, inside, off_neighbours, off_tilt, part, rim_point_towards};
+use crate::features::meet::{Guess, meet};
+use crate::features::place::{Bearer, PlaceId, TouchPlace, place};
+use crate::features::rims::{Joined, Meeting, off_rim};
+use crate::shapes::convex::{Convex, Core, kind};
+use crate::shapes::error::GeometryError;
 use catena_mechanism::description::contact::{Collider, Shape};
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Matrix3, Vector3};

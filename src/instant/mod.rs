@@ -1,27 +1,15 @@
 //! Problems at one instant: the assembly of closed loops, the reactions of joints and loops, and whether the mechanism is in equilibrium.
+//!
+//! | where | what is in it |
+//! |---|---|
+//! | `dynamics` | accelerations under efforts, velocities after impulses |
+//! | `holding` | what can hold or press, as elements and as rows of one problem |
+//! | `cone` | the laws of that problem and their solvers |
+//! | `start` | closed loops, limits kept, shapes moved apart |
+//! | `exerting` | reactions, rest, snapshots for logs |
 
-mod apart;
-pub mod assembly;
-mod assembly_elsewhere;
-pub(crate) mod blocks;
-mod box_programme;
-mod closing;
 pub(crate) mod cone;
-pub(crate) mod elements;
-mod exerted;
-mod following;
-#[doc(hidden)]
-pub mod limits;
-pub(crate) mod mass_matrix;
-pub mod reactions;
-mod reactions_elsewhere;
-mod reactions_on_tree;
-pub(crate) mod response;
-mod response_on_tree;
-pub mod rest;
-#[doc(hidden)]
-pub mod snapshots;
-pub mod statuses;
-pub(crate) mod touching;
-mod unbalanced;
-pub mod unreachable;
+pub(crate) mod dynamics;
+pub mod exerting;
+pub mod holding;
+pub mod start;

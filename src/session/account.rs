@@ -4,7 +4,7 @@
 //!     open ─▶ begun (sizes, accuracy) ─▶ log ─▶ the run ─▶ close: the log completed, the report
 //! ```
 
-use crate::instant::assembly::redundancy_counted;
+use crate::instant::start::assembly::redundancy_counted;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::integrator::MethodDescription;

@@ -10,7 +10,7 @@
 //!
 //! Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapters 5 to 7.
 
-use crate::instant::mass_matrix::mass_matrix;
+use crate::instant::dynamics::mass_matrix::mass_matrix;
 use crate::mechanism::description::body_state::WORLD;
 use crate::mechanism::motion::kinematics::forward_kinematics;
 use crate::mechanism::motion::state::State;

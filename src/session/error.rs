@@ -1,6 +1,6 @@
 //! The errors of a session: in its input, the start, the run, or the log.
 
-use crate::instant::assembly::AssemblyError;
+use crate::instant::start::assembly::AssemblyError;
 use crate::model::ModelError;
 use crate::output::log::LogError;
 use crate::scene::SceneError;

@@ -1,6 +1,6 @@
 //! A loaded model, and the state in which its run starts.
 
-use crate::instant::assembly::assemble_counted;
+use crate::instant::start::assembly::assemble_counted;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::ground::words::{decimals, short};
 use crate::mechanism::motion::energy::violation;

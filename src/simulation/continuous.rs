@@ -8,7 +8,7 @@
 //! whole mechanism, so stiff gains cost iterations, not steps ([`Feedback`]). A controller that acts at fixed instants is a
 //! [`Controller`](crate::simulation::Controller).
 
-use crate::instant::response::Response;
+use crate::instant::dynamics::response::Response;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::scalar_coordinate;
 use crate::mechanism::motion::inputs::Feedback;

@@ -2,7 +2,7 @@
 
 use crate::exact::{answer, near};
 use crate::mechanisms::{GRAVITY, fixed, of_kind, run};
-use catena::instant::reactions::Reactions;
+use catena::instant::exerting::reactions::Reactions;
 use catena::mechanism::description::contact::{Collider, ContactPair, Shape};
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use catena::mechanism::description::mechanism::{Body, Mechanism};

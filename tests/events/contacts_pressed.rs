@@ -3,7 +3,7 @@
 use crate::common::literal_link_poses;
 use crate::exact::near;
 use crate::mechanisms::GRAVITY;
-use catena::instant::reactions::Reactions;
+use catena::instant::exerting::reactions::Reactions;
 use catena::mechanism::motion::event::EventKind;
 use catena::mechanism::motion::kinematics::body_states;
 use catena::model::Model;

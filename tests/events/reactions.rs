@@ -3,8 +3,8 @@
 use crate::mechanisms::{
     GRAVITY, at_rest, double_pendulum, fixed, friction, hinge, limit, mechanism, motor, pendulum, run, slide,
 };
-use catena::instant::reactions::Reactions;
-use catena::instant::snapshots::View;
+use catena::instant::exerting::reactions::Reactions;
+use catena::instant::exerting::snapshots::View;
 use catena::lobatto::instants::snapshot::{Instants, Snapshots};
 use catena::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
 use catena::mechanism::description::joint::Pose;

@@ -1,7 +1,7 @@
 //! Real robots on a floor, held by position motors in all their joints: from a metre above it, until after they have landed.
 
 use crate::common::{scratch, shared};
-use catena::instant::assembly::assemble;
+use catena::instant::start::assembly::assemble;
 use catena::model::Model;
 use catena::scene::{PackagePath, UrdfJointKind, read_scene, read_urdf};
 use catena::simulation::{Simulation, SimulationOptions, StepChoice};

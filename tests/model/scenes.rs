@@ -1,7 +1,7 @@
 //! Claims about the example scenes in `robots/`: they load, they are assembled, and they are the mechanisms they say.
 
 use crate::common::{run_until, stem};
-use catena::instant::assembly::assemble;
+use catena::instant::start::assembly::assemble;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::motion::energy::energy;

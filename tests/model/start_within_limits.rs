@@ -1,6 +1,6 @@
 //! A start outside limits is moved in by the least motion in the metric of the mass matrix; what cannot be is named.
 
-use catena::instant::assembly::{AssemblyError, assemble};
+use catena::instant::start::assembly::{AssemblyError, assemble};
 use catena::mechanism::motion::state::State;
 use catena::model::{Left, Model, ModelOptions};
 use catena::scene::{PackagePath, robot_from_text};

@@ -4,7 +4,7 @@
 //! for each.
 
 use allocation_counter::measure;
-use catena::instant::assembly::assemble;
+use catena::instant::start::assembly::assemble;
 use catena::mechanism::motion::state::State;
 use catena::model::{Base, Model, ModelOptions};
 use catena::output::log::{Ending, LogOptions, Recorder};

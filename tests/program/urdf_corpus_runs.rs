@@ -2,7 +2,7 @@
 //! and damaged ones are refused, or run with a warning, as a user of the command line sees it.
 
 use crate::common::{by_tolerance, models_of, run_until, scratch, shared, stem, urdf_files};
-use catena::instant::assembly::assemble;
+use catena::instant::start::assembly::assemble;
 use serde_json::Value;
 use std::process::Command;
 

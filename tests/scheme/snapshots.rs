@@ -2,7 +2,7 @@
 
 use crate::common::Numbers;
 use crate::models;
-use catena::instant::snapshots::{SerialInstants, View};
+use catena::instant::exerting::snapshots::{SerialInstants, View};
 use catena::kernels::instants_for;
 use catena::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Row, Snapshots};
 use catena::lobatto::instants::tree::LaneInstants;

@@ -3,7 +3,7 @@
 use crate::closed::four_bars;
 use crate::common::{by_tolerance, run_until};
 use crate::models;
-use catena::instant::assembly::assemble;
+use catena::instant::start::assembly::assemble;
 use catena::mechanism::description::forces::JointDamper;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::motion::distance::{distance, probes};

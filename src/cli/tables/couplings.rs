@@ -1,7 +1,7 @@
 //! The part of `catena model` about everything besides the trees: several robots, loops, mimic relations and forces.
 
 use crate::cli::tables::table::{Table, number, triple};
-use catena::instant::assembly::Redundancy;
+use catena::instant::start::assembly::Redundancy;
 use catena::mechanism::description::closure::{Attachment, Coordinate, LoopKind};
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::ground::words::counted;

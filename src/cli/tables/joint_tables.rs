@@ -1,7 +1,7 @@
 //! The part of `catena model` about joints: limits, dry friction, watched speeds, and motors.
 
 use crate::cli::tables::table::{Table, number};
-use catena::instant::unreachable::{never_reached, never_slides};
+use catena::instant::start::unreachable::{never_reached, never_slides};
 use catena::mechanism::description::closure::Coordinate;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::description::nonsmooth::{Motor, MotorLaw};

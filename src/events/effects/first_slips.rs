@@ -11,8 +11,8 @@
 //! with a pressure for each, and its direction is that of another one than steps take: a slip that began in it would turn at once, or stop.
 
 use crate::events::forces::closed_forces::Chosen;
-use crate::instant::blocks::{Block, Of};
 use crate::instant::cone::problem::Law;
+use crate::instant::holding::blocks::{Block, Of};
 use nalgebra::{DMatrix, DVector};
 
 /// Iterations, at most.

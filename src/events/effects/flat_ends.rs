@@ -13,7 +13,7 @@
 //!
 //! Source: R. Hettich, K. O. Kortanek, Semi-infinite programming: theory, methods, and applications, SIAM Review 35 (1993), section 7 (exchange methods).
 
-use crate::instant::touching::{Contact, RimOf, Touching};
+use crate::instant::holding::touching::{Contact, RimOf, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::motion::touches::{tangents, touch_motion};

@@ -1,6 +1,6 @@
 //! Impacts: the momentum of the whole mechanism, with all its closures, on all limits and contacts that are met at once.
 //!
-//! With the rows W of what is met ([`crate::instant::blocks`]), their rates `u = W v` and `D = W Y Wᵀ`:
+//! With the rows W of what is met ([`crate::instant::holding::blocks`]), their rates `u = W v` and `D = W Y Wᵀ`:
 //!
 //! ```text
 //!     u⁺ = D P + u⁻,     limits:  0 ≤ P ⊥ u⁺ + e min(u⁻, 0) ≥ 0,     contacts: the same along the normal, within Coulomb's cone
@@ -13,9 +13,9 @@
 
 use crate::events::effects::decision::Scene;
 use crate::events::forces::closed_forces::Chosen;
-use crate::instant::blocks::{Block, Of, Rows};
 use crate::instant::cone::impact::impact;
 use crate::instant::cone::problem::{Law, Problem, Unsolved};
+use crate::instant::holding::blocks::{Block, Of, Rows};
 use crate::mechanism::motion::state::State;
 
 /// A rate that an impact leaves is zero if it is this part of the largest before.

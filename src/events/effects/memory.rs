@@ -3,7 +3,7 @@
 //! Of infinitely many impacts with flights `T_k` and a ratio ρ of two speeds the last is at `t∞ = t_k + T_k ρ/(1 − ρ)`.
 
 use crate::events::finding::watched::Watched;
-use crate::instant::blocks::Of;
+use crate::instant::holding::blocks::Of;
 use crate::mechanism::motion::event::{Event, Side};
 
 /// So many impacts within [`CROWD_TIME`] end in one without restitution.

@@ -6,8 +6,8 @@ use crate::events::effects::impact::Meeting;
 use crate::events::effects::memory::{Done, Memory};
 use crate::events::finding::watched::Watched;
 use crate::events::modes::mode::{JointMode, Mode};
-use crate::instant::blocks::Of;
-use crate::instant::elements::Elements;
+use crate::instant::holding::blocks::Of;
+use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::event::{Event, EventKind, Side};
 

@@ -14,7 +14,7 @@
 //! Source: G. W. Housner, The behavior of inverted pendulum structures during earthquakes, Bulletin of the Seismological Society of America 53 (1963).
 
 use crate::geometry::FeatureId;
-use crate::instant::touching::{Contact, Touching};
+use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::Feature;
 use nalgebra::Vector3;

@@ -5,8 +5,8 @@
 //! ```
 
 use crate::events::effects::decision::Scene;
-use crate::instant::blocks::Rows;
 use crate::instant::cone::bounded::minimise;
+use crate::instant::holding::blocks::Rows;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::energy::{Energy, energy_with_forces};
 use crate::mechanism::motion::kinematics::body_states;

@@ -11,9 +11,9 @@
 //! as long as all stay closed, whatever ε is: then `zᵀ λ_N = 0` costs nothing. Where some open, ε says how little the others give way.
 
 use crate::events::forces::closed_forces::implied;
-use crate::instant::blocks::{Block, Of};
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
 use crate::instant::cone::solve;
+use crate::instant::holding::blocks::{Block, Of};
 use nalgebra::{DMatrix, DVector};
 
 /// ε.

@@ -19,10 +19,10 @@ use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, 
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
-use crate::instant::blocks::{Block, Of, Rows, row_of_freedom};
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
-use crate::instant::elements::{Elements, inward};
+use crate::instant::holding::blocks::{Block, Of, Rows, row_of_freedom};
+use crate::instant::holding::elements::{Elements, inward};
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;
 

@@ -17,8 +17,8 @@
 
 use crate::events::forces::holding::Holding;
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
-use crate::instant::elements::Elements;
-use crate::instant::touching::{Contact, Pair, Touching};
+use crate::instant::holding::elements::Elements;
+use crate::instant::holding::touching::{Contact, Pair, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::state::State;

@@ -12,12 +12,12 @@
 
 use crate::events::modes::mode::{Closed, JointMode};
 use crate::events::modes::present::{Begun, Present};
-use crate::instant::blocks::{Block, Of, Rows, fall, row_of_freedom, rows_of_contact, second_rates};
 use crate::instant::cone::least_norm::least_norm;
 use crate::instant::cone::margin_or_clear;
 use crate::instant::cone::problem::{Law, Problem};
-use crate::instant::response::Response;
-use crate::instant::touching::Contact;
+use crate::instant::dynamics::response::Response;
+use crate::instant::holding::blocks::{Block, Of, Rows, fall, row_of_freedom, rows_of_contact, second_rates};
+use crate::instant::holding::touching::Contact;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;

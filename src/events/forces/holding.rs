@@ -13,7 +13,7 @@ use crate::events::forces::closed_forces::{are_unique, closed_forces};
 use crate::events::modes::held::Held as Moving;
 use crate::events::modes::mode::JointMode;
 use crate::events::modes::present::Present;
-use crate::instant::response::Response;
+use crate::instant::dynamics::response::Response;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::joint::JointKind;
 use crate::mechanism::description::mechanism::{Body, Mechanism};

@@ -5,10 +5,10 @@
 
 use crate::events::forces::closed_forces::Closing;
 use crate::events::modes::present::Present;
-use crate::instant::blocks::Of;
 use crate::instant::cone::problem::{Law, Unsolved};
 use crate::instant::cone::{least_compliance, solve};
-use crate::instant::response::Response;
+use crate::instant::dynamics::response::Response;
+use crate::instant::holding::blocks::Of;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 

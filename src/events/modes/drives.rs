@@ -14,7 +14,7 @@
 use crate::events::modes::held::Held;
 use crate::events::modes::mode::{Mode, MotorMode};
 use crate::events::modes::piece_steps::PieceSteps;
-use crate::instant::elements::Elements;
+use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::closure::Coordinate;
 use crate::mechanism::description::forces::{JointDamper, JointSpring};
 use crate::mechanism::description::mechanism::Mechanism;

@@ -12,8 +12,8 @@
 //! | contact | sliding along t | `λ (n − μ t)`, λ ≥ 0 |
 //! | contact | sticking, or rolling | whatever holds it, `|λ_T| ≤ μ λ_N` |
 
-use crate::instant::elements::{ElementJoint, Elements};
-use crate::instant::touching::{Contact, Touching};
+use crate::instant::holding::elements::{ElementJoint, Elements};
+use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
 use crate::mechanism::description::contact::{Feature, Grip, TouchJoint};

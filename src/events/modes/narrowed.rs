@@ -11,7 +11,7 @@
 
 use crate::events::modes::drives::Drives;
 use crate::events::modes::held::Held;
-use crate::instant::response::Response;
+use crate::instant::dynamics::response::Response;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::inputs::{ChangingEfforts, Feedback, Inputs};
 use crate::mechanism::motion::state::State;

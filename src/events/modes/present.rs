@@ -2,8 +2,8 @@
 
 use crate::events::modes::held::Held as Moving;
 use crate::events::modes::mode::Mode;
-use crate::instant::elements::Elements;
-use crate::instant::touching::Touching;
+use crate::instant::holding::elements::Elements;
+use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::mechanism::Mechanism;
 use nalgebra::Vector3;
 

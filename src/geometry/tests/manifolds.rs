@@ -1,7 +1,7 @@
 //! How many places of contact there are, and that each is what it says.
 
 use super::scenes::{Numbers, at, collider, cuboid, floor, pair};
-use crate::plane::across;
+use crate::shapes::plane::across;
 use crate::{FeatureId, PairGeometry, TouchPlace};
 use catena_mechanism::description::contact::{Feature, Shape};
 use catena_mechanism::description::joint::Pose;

@@ -1,7 +1,7 @@
 //! Meshes: the same as a half space where they are flat, and no ghost edges.
 
 use super::scenes::{Numbers, at, cuboid, floor, pair};
-use crate::mesh::Mesh;
+use crate::distances::mesh::Mesh;
 use crate::{FeatureId, Pieces, decompose};
 use catena_mechanism::description::contact::{Shape, Surface};
 use catena_mechanism::description::joint::Pose;

@@ -107,7 +107,7 @@ fn enclosed(surface: &Surface) -> f64 {
 
 /// Volumes of the hulls of pieces (m³).
 fn volumes(pieces: &[Vec<Vector3<f64>>]) -> Vec<f64> {
-    pieces.iter().map(|piece| enclosed(&crate::hull_surface(piece).expect("a hull"))).collect()
+    pieces.iter().map(|piece| enclosed(&crate::shapes::hull_surface::hull_surface(piece).expect("a hull"))).collect()
 }
 
 /// How far the nearest of the pieces is from a shape at a place (m).

@@ -28,7 +28,7 @@ pub(crate) use rounding::{FarSpring, balance_warning};
 pub use speeds::SpeedWatch;
 pub use step_error::StepErrorReport;
 
-use crate::instant::assembly::Redundancy;
+use crate::instant::start::assembly::Redundancy;
 use crate::model::Model;
 use crate::simulation::Summary;
 use crate::simulation::parallel::islands::IslandFigures;

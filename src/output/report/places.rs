@@ -1,6 +1,6 @@
 //! Positions, velocities and reactions of links, joints and loops in a state.
 
-use crate::instant::reactions::{LoopReaction, Reactions};
+use crate::instant::exerting::reactions::{LoopReaction, Reactions};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::closure::LoopJoint;
 use crate::mechanism::description::joint::wxyz_from_rotation;

@@ -3,7 +3,7 @@
 //! Each step has a fixed cost, which small islands share if they are integrated together. Those in parallel planes are grouped among themselves,
 //! because planar steps are cheaper than spatial ones.
 
-use crate::instant::rest::is_at_rest_counted;
+use crate::instant::exerting::rest::is_at_rest_counted;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::rules::Rule;

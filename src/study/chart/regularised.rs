@@ -13,8 +13,8 @@
 //!
 //! Source of d: the ratio of two maxima of a damped oscillation half a period apart, exp(−π ζ / (1 − ζ²)^½) = e.
 
-use crate::instant::elements::Elements;
-use crate::instant::response::Response;
+use crate::instant::dynamics::response::Response;
+use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::reduced::{ReducedOde, Regularised, SoftFriction, SoftLimit};

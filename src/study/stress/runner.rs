@@ -1,6 +1,6 @@
 //! A run of any of the methods, one step at a time, with names for the ways in which it can fail.
 
-use crate::instant::assembly::{AssemblyError, assemble};
+use crate::instant::start::assembly::{AssemblyError, assemble};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::Exchange;

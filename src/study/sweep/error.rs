@@ -1,6 +1,6 @@
 //! Errors of sweeps.
 
-use crate::instant::assembly::AssemblyError;
+use crate::instant::start::assembly::AssemblyError;
 use crate::model::ModelError;
 use crate::scene::SceneError;
 use std::io;

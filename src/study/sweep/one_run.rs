@@ -2,7 +2,7 @@
 //!
 //! This is the one place where a sweep makes a simulation: scene → model → start on loops and limits → simulation, as `catena simulate` does it.
 
-use crate::instant::assembly::{AssemblyError, assemble_counted};
+use crate::instant::start::assembly::{AssemblyError, assemble_counted};
 use crate::mechanism::motion::event::EventKind;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::model::{Model, ModelError};

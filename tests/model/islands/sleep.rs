@@ -3,7 +3,7 @@
 use super::{Way, parts, pendulum, run_islands, side_by_side, spring_between};
 use crate::models::Model;
 use crate::{closed, common, models};
-use catena::instant::rest::is_at_rest;
+use catena::instant::exerting::rest::is_at_rest;
 use catena::mechanism::description::forces::{JointLoad, PointSpring};
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::description::rules::Rule;

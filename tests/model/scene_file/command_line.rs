@@ -2,7 +2,7 @@
 
 use super::{TWO, build, folder};
 use crate::common::command::{self, assert_one_error, run};
-use catena::instant::rest::is_at_rest;
+use catena::instant::exerting::rest::is_at_rest;
 use serde_json::Value;
 use std::path::Path;
 

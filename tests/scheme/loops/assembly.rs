@@ -2,7 +2,7 @@
 //! counted.
 
 use crate::closed;
-use catena::instant::assembly::{AssemblyError, assemble, redundancy};
+use catena::instant::start::assembly::{AssemblyError, assemble, redundancy};
 use catena::mechanism::description::closure::{Coordinate, JointLimit};
 use catena::mechanism::motion::gaps::loop_gaps;
 use catena::mechanism::motion::kinematics::body_states;

@@ -1,8 +1,8 @@
 //! Every kind of loop joint, and mimic relations, allow the motions that they should.
 
 use super::{frame, run, total_energy};
-use catena::instant::assembly::assemble;
-use catena::instant::reactions::Reactions;
+use catena::instant::exerting::reactions::Reactions;
+use catena::instant::start::assembly::assemble;
 use catena::mechanism::description::closure::{Attachment, Coordinate, LoopJoint, LoopKind, Mimic};
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use catena::mechanism::description::mechanism::{Body, Mechanism};

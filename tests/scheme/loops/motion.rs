@@ -5,8 +5,8 @@
 
 use super::{run, run_keeping};
 use crate::closed;
-use catena::instant::assembly::{assemble, redundancy};
-use catena::instant::reactions::Reactions;
+use catena::instant::exerting::reactions::Reactions;
+use catena::instant::start::assembly::{assemble, redundancy};
 use catena::mechanism::description::closure::LoopJoint;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::description::rules::Rule;

@@ -3,7 +3,7 @@
 
 use super::run;
 use crate::models::{body, frame};
-use catena::instant::assembly::{assemble, redundancy};
+use catena::instant::start::assembly::{assemble, redundancy};
 use catena::mechanism::description::closure::{Attachment, Coordinate, LoopJoint, LoopKind, Mimic};
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use catena::mechanism::description::mechanism::{Body, Mechanism};

@@ -2,7 +2,7 @@
 
 use super::{run, run_keeping, total_energy};
 use crate::closed;
-use catena::instant::assembly::{AssemblyError, assemble};
+use catena::instant::start::assembly::{AssemblyError, assemble};
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::motion::integrator::Integrator;
 use catena::mechanism::motion::kinematics::body_states;

@@ -4,7 +4,7 @@ use super::{KINDS, apart, random_loops};
 use crate::in_plane::random_tree;
 use crate::models::Model;
 use crate::{closed, models};
-use catena::instant::assembly::assemble;
+use catena::instant::start::assembly::assemble;
 use catena::lobatto::numbers::lanes::Isa;
 use catena::lobatto::stages::attempt::StopRule;
 use catena::mechanism::description::closure::{Coordinate, Mimic};

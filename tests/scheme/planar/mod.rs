@@ -8,7 +8,7 @@ mod trees;
 use crate::common::Numbers;
 use crate::in_plane::{place, random_tree};
 use crate::models::Model;
-use catena::instant::assembly::assemble;
+use catena::instant::start::assembly::assemble;
 use catena::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::motion::kinematics::body_states;

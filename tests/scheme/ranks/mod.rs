@@ -2,7 +2,7 @@
 
 pub(crate) mod random;
 
-use catena::instant::assembly::{assemble, assemble_counted, redundancy};
+use catena::instant::start::assembly::{assemble, assemble_counted, redundancy};
 use catena::lobatto::coupled::counted::Counted;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::motion::gaps::loop_gaps;

@@ -2,7 +2,7 @@
 
 use super::apart;
 use crate::linkage::{Linkage, path};
-use catena::instant::reactions::Reactions;
+use catena::instant::exerting::reactions::Reactions;
 use catena::lobatto::plan::elimination::Elimination;
 use catena::mechanism::description::closure::{Coordinate, JointLimit};
 use catena::mechanism::description::contact::{Collider, ContactPair, Shape};

@@ -3,7 +3,7 @@
 use super::{apart, end, random_tree};
 use crate::common;
 use crate::ranks::random;
-use catena::instant::assembly::assemble;
+use catena::instant::start::assembly::assemble;
 use catena::mechanism::description::mechanism::Mechanism;
 use catena::mechanism::motion::gaps::loop_gaps;
 use catena::mechanism::motion::kinematics::body_states;

@@ -7,7 +7,7 @@ mod starts;
 
 use crate::linkage::{Linkage, path};
 use crate::{closed, common};
-use catena::instant::reactions::Reactions;
+use catena::instant::exerting::reactions::Reactions;
 use catena::lobatto::plan::elimination::Elimination;
 use catena::lobatto::plan::spanning::spanning_tree;
 use catena::mechanism::description::closure::{Coordinate, JointLimit, LoopKind};

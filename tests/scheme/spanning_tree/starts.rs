@@ -1,7 +1,7 @@
 //! Starts are put on their loops in the coordinates of the file, whichever joints are cut.
 
 use crate::linkage::path;
-use catena::instant::assembly::assemble;
+use catena::instant::start::assembly::assemble;
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::motion::gaps::loop_gaps;
 use catena::mechanism::motion::kinematics::body_states;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::models::{self, Model};
-use catena::instant::assembly::assemble;
+use catena::instant::start::assembly::assemble;
 use catena::kernels::step_for;
 use catena::lobatto::literal::scheme::{Literal, LiteralStep};
 use catena::lobatto::numbers::lanes::Isa;

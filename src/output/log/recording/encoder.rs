@@ -1,9 +1,9 @@
 //! Makes messages of samples (the table of [`crate::output::log`]).
 //!
 //! Everything that does not change is prepared once: names, message layouts, buffers. Samples are looked at several at once
-//! ([`crate::instant::snapshots`]); what is in a message does not depend on which samples its own was looked at with.
+//! ([`crate::instant::exerting::snapshots`]); what is in a message does not depend on which samples its own was looked at with.
 
-use crate::instant::snapshots::View;
+use crate::instant::exerting::snapshots::View;
 use crate::lobatto::instants::snapshot::{INSTANTS, Instants, LinkPlace, Snapshots};
 use crate::model::Model;
 use crate::output::log::encoding::definitions::{LOG, TRANSFORMS};

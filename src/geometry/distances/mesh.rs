@@ -1,0 +1,370 @@
+//! A surface of triangles that stands still for convex shapes to touch, without ghost edges.
+//!
+//! Vertices at the same place are one. n₁ and n₂ are the normals of the triangles beside an edge. Its class is that of the opposite vertex
+//! of one triangle against the plane of the other:
+//!
+//! | class | opposite vertex | can be touched with normals |
+//! |---|---|---|
+//! | flat | in the plane, to 1e-9 of the size | never |
+//! | concave | in front | never |
+//! | convex | behind | between n₁ and n₂ |
+//! | border | none | on the open side |
+//!
+//! A vertex can be touched if one of its edges can. Triangles are found by parry's tree of boxes; each is asked as a polytope.
+//! A point on a common edge belongs to the triangle of the lower number.
+//!
+//! The surface is a shell whose outside is where the normals point. A convex shape that is wholly behind it counts as apart from it, so
+//! passing through is noticed on the way only.
+
+use crate::distances::manifold::{manifold, without_doubles, without_inner};
+use crate::distances::nearest::nearest;
+use crate::features::both::{Both, Candidate};
+use crate::features::feature::{FeatureId, Part, inside};
+use crate::shapes::convex::{Convex, Core};
+use crate::shapes::error::GeometryError;
+use crate::shapes::hull::check_points;
+use crate::shapes::polytope::Polytope;
+use catena_mechanism::description::contact::Surface;
+use catena_mechanism::description::joint::Pose;
+use nalgebra::{Matrix3, Vector3};
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::math::Vector;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Meshes of more triangles take too long.
+const MOST_TRIANGLES: usize = 2_000_000;
+/// Flat, relative to the size of the triangles.
+const FLAT: f64 = 1e-9;
+/// Normals that lean over a neighbour by less than this angle (rad) are those of the border.
+const ALONG: f64 = 1e-9;
+
+/// A surface of triangles in the frame of its body.
+#[derive(Clone)]
+pub struct Mesh {
+    parts: Arc<Parts>,
+}
+
+struct Parts {
+    vertices: Vec<Vector3<f64>>,
+    triangles: Vec<Triangle>,
+    edges: Vec<MeshEdge>,
+    /// Numbers of the edges at each vertex.
+    around: Vec<Vec<usize>>,
+    tree: Bvh,
+    reach: f64,
+}
+
+struct Triangle {
+    corners: [usize; 3],
+    normal: Vector3<f64>,
+    shape: Convex,
+    /// Numbers of the edges of the mesh, in the order of the polytope's edges.
+    edges: [usize; 3],
+}
+
+struct MeshEdge {
+    ends: [usize; 2],
+    /// The triangles beside it, one at a border.
+    beside: Vec<usize>,
+    /// Whether it can be touched.
+    open: bool,
+}
+
+impl std::fmt::Debug for Mesh {
+    fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(to, "Mesh of {} triangles", self.parts.triangles.len())
+    }
+}
+
+impl Mesh {
+    /// A surface with its pose in the body.
+    pub fn new(surface: &Surface, pose: &Pose) -> Result<Self, GeometryError> {
+        check_points(&surface.vertices)?;
+        if surface.triangles.len() > MOST_TRIANGLES {
+            let count = surface.triangles.len();
+            return Err(GeometryError::TooMany { what: "triangles", count, limit: MOST_TRIANGLES });
+        }
+        if !pose.translation.vector.iter().chain(pose.rotation.matrix()).all(|entry| entry.is_finite()) {
+            return Err(GeometryError::Pose { shape: "triangle mesh" });
+        }
+        let count = surface.vertices.len();
+        for (triangle, corners) in surface.triangles.iter().enumerate() {
+            if let Some(&vertex) = corners.iter().find(|&&corner| corner as usize >= count) {
+                return Err(GeometryError::Index { triangle, vertex, count });
+            }
+        }
+        let (vertices, of) = merged(&surface.vertices, pose);
+        let mut triangles = Vec::new();
+        let mut beside: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
+        for corners in &surface.triangles {
+            let corners = corners.map(|corner| of[corner as usize]);
+            let [a, b, c] = corners.map(|corner| vertices[corner]);
+            let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+            let doubled = (b - a).cross(&(c - a));
+            // What has no area has no side, and its neighbours cover it.
+            if doubled.norm() <= 1e-12 * longest * longest {
+                continue;
+            }
+            let normal = doubled.normalize();
+            for side in 0..3 {
+                let ends = [corners[side], corners[(side + 1) % 3]];
+                beside.entry([ends[0].min(ends[1]), ends[0].max(ends[1])]).or_default().push(triangles.len());
+            }
+            let shape = Convex::round(Polytope::triangle([a, b, c], normal), 0.0);
+            triangles.push(Triangle { corners, normal, shape, edges: [0; 3] });
+        }
+        if triangles.is_empty() {
+            return Err(GeometryError::EmptyMesh);
+        }
+        let mut edges: Vec<MeshEdge> = Vec::new();
+        let mut around = vec![Vec::new(); vertices.len()];
+        for (ends, beside) in beside {
+            let edge = MeshEdge { ends, open: is_open(&ends, &beside, &triangles, &vertices), beside };
+            for &triangle in &edge.beside {
+                let Triangle { corners, shape, edges: own, .. } = &mut triangles[triangle];
+                if let Core::Polytope(polytope) = &mut shape.core {
+                    let same = |local: [usize; 2]| local.map(|end| corners[end]).iter().all(|end| ends.contains(end));
+                    let place = polytope.edges.iter().position(|edge| same(edge.ends)).unwrap_or(0);
+                    polytope.edges[place].open = edge.open;
+                    own[place] = edges.len();
+                }
+            }
+            ends.iter().for_each(|&end| around[end].push(edges.len()));
+            edges.push(edge);
+        }
+        let boxes: Vec<Aabb> = triangles.iter().map(|triangle| bounds(&triangle.shape)).collect();
+        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
+        let reach = vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max);
+        Ok(Mesh { parts: Arc::new(Parts { vertices, triangles, edges, around, tree, reach }) })
+    }
+
+    /// Distance of its farthest vertex from the origin of the body (m).
+    pub fn reach(&self) -> f64 {
+        self.parts.reach
+    }
+
+    /// A feature, in the frame of its body; features are numbered through the whole mesh.
+    pub fn part(&self, feature: FeatureId) -> Part {
+        let parts = &self.parts;
+        match feature {
+            FeatureId::Edge(number) => {
+                Part::Line(parts.edges[number as usize].ends.map(|end| parts.vertices[end]), 0.0)
+            }
+            FeatureId::EdgePoint { edge, part } => {
+                let [from, to] = parts.edges[edge as usize].ends.map(|end| parts.vertices[end]);
+                Part::Point(from + (to - from) * f64::from_bits(part))
+            }
+            FeatureId::Vertex(number) => Part::Point(parts.vertices[number as usize]),
+            FeatureId::Face(number) => {
+                let triangle = &parts.triangles[number as usize];
+                Part::Plane(parts.vertices[triangle.corners[0]], triangle.normal)
+            }
+            _ => Part::Point(parts.vertices[0]),
+        }
+    }
+
+    /// How far inside the bounds of a feature a point on it is (m).
+    pub fn inside(&self, feature: FeatureId, point: &Vector3<f64>) -> f64 {
+        match feature {
+            FeatureId::Face(number) => {
+                inside(&self.parts.triangles[number as usize].shape.core, FeatureId::Face(0), point)
+            }
+            FeatureId::Edge(number) => {
+                let [from, to] = self.parts.edges[number as usize].ends.map(|end| self.parts.vertices[end]);
+                let along = (to - from).normalize();
+                along.dot(&(point - from)).min(along.dot(&(to - point)))
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// How far inside the region of an edge a point off the mesh is, by the planes to the triangles beside it (m).
+    pub fn off_neighbours(&self, feature: FeatureId, point: &Vector3<f64>) -> f64 {
+        let FeatureId::Edge(number) = feature else { return f64::INFINITY };
+        let edge = &self.parts.edges[number as usize];
+        let beside = |&triangle: &usize| -self.inward(edge, triangle).dot(&(point - self.parts.vertices[edge.ends[0]]));
+        edge.beside.iter().map(beside).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The unit vector in the plane of a triangle from its edge inward.
+    fn inward(&self, edge: &MeshEdge, triangle: usize) -> Vector3<f64> {
+        let triangle = &self.parts.triangles[triangle];
+        let from = self.parts.vertices[edge.ends[0]];
+        let across = triangle.normal.cross(&(self.parts.vertices[edge.ends[1]] - from)).normalize();
+        let third = triangle.corners.iter().find(|corner| !edge.ends.contains(corner));
+        let towards = third.map_or(1.0, |&third| across.dot(&(self.parts.vertices[third] - from)).signum());
+        across * towards
+    }
+
+    /// The nearest points of the surface and a convex core whose frame has this rotation and translation (m) in that of the mesh.
+    pub fn nearest(&self, b: &Convex, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Option<Candidate> {
+        if !translation.iter().chain(rotation).all(|entry| entry.abs() < 1e150) {
+            return None;
+        }
+        let centre = rotation * b.centre + translation;
+        let mut best: Option<Candidate> = None;
+        // Boxes that grow about the shape until one holds a triangle that is nearer than its border.
+        let mut margin = 0.1 * b.size;
+        loop {
+            let region = about(&centre, b.size + margin);
+            let mut all: Vec<u32> = self.parts.tree.intersect_aabb(&region).collect();
+            all.sort_unstable();
+            for number in &all {
+                if best
+                    .is_some_and(|found| self.gap_over(*number as usize, b, rotation, translation) > found.distance())
+                {
+                    continue;
+                }
+                let candidate = self.ask(*number as usize, b, rotation, translation);
+                let Some(candidate) = candidate else { continue };
+                if best.is_none_or(|found| candidate.distance() < found.distance()) {
+                    best = Some(candidate);
+                }
+            }
+            let reached = best.is_some_and(|found| found.distance() <= margin + b.radius);
+            if reached || all.len() == self.parts.triangles.len() {
+                return best;
+            }
+            margin *= 4.0;
+        }
+    }
+
+    /// All places of the surface and a convex shape whose gap is below a bound (m).
+    pub fn manifold(
+        &self,
+        b: &Convex,
+        rotation: &Matrix3<f64>,
+        translation: &Vector3<f64>,
+        near: f64,
+    ) -> Vec<Candidate> {
+        let centre = rotation * b.centre + translation;
+        let region = about(&centre, b.size + near.max(0.0));
+        let mut all: Vec<u32> = self.parts.tree.intersect_aabb(&region).collect();
+        all.sort_unstable();
+        let mut found = Vec::new();
+        for number in all {
+            if self.gap_over(number as usize, b, rotation, translation) - b.radius >= near {
+                continue;
+            }
+            let triangle = &self.parts.triangles[number as usize];
+            let both = Both { a: &triangle.shape, b, rotation: *rotation, translation: *translation };
+            let named = manifold(&both, near).into_iter().map(|candidate| self.named(number as usize, candidate));
+            found.extend(named.filter(|candidate| self.may_touch(candidate)));
+        }
+        found.sort_by_key(|candidate| !matches!(candidate.features[0], FeatureId::Face(_)));
+        without_doubles(&mut found, 1e-7 * b.size, [0.0, b.radius]);
+        without_inner(&mut found, 1e-12 * b.size);
+        found
+    }
+
+    /// A length that a triangle and a core are at least apart (m): the largest separation along its normal and straight out of its sides.
+    fn gap_over(&self, number: usize, b: &Convex, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> f64 {
+        let triangle = &self.parts.triangles[number];
+        let both = Both { a: &triangle.shape, b, rotation: *rotation, translation: *translation };
+        let [one, two, three] = triangle.corners.map(|corner| self.parts.vertices[corner]);
+        let sides = [two - one, three - two, one - three].map(|side| side.cross(&triangle.normal).normalize());
+        let normals = [triangle.normal, -triangle.normal].into_iter().chain(sides);
+        normals.map(|normal| both.separation(&normal)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The nearest points of one triangle and a convex core.
+    fn ask(&self, number: usize, b: &Convex, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Option<Candidate> {
+        let triangle = &self.parts.triangles[number];
+        let both = Both { a: &triangle.shape, b, rotation: *rotation, translation: *translation };
+        nearest(&both).map(|candidate| self.named(number, candidate))
+    }
+
+    /// A candidate of one triangle with the name that its feature has in the whole mesh.
+    fn named(&self, number: usize, candidate: Candidate) -> Candidate {
+        let triangle = &self.parts.triangles[number];
+        let name = match candidate.features[0] {
+            FeatureId::Edge(edge) => FeatureId::Edge(triangle.edges[edge as usize] as u32),
+            FeatureId::EdgePoint { edge, part } => self.named_point(triangle, edge as usize, f64::from_bits(part)),
+            FeatureId::Vertex(vertex) => FeatureId::Vertex(triangle.corners[vertex as usize] as u32),
+            _ => FeatureId::Face(number as u32),
+        };
+        Candidate { features: [name, candidate.features[1]], ..candidate }
+    }
+
+    /// The name in the whole mesh of the point at a part of an edge of a triangle.
+    fn named_point(&self, triangle: &Triangle, edge: usize, part: f64) -> FeatureId {
+        let number = triangle.edges[edge];
+        let start = match &triangle.shape.core {
+            Core::Polytope(polytope) => triangle.corners[polytope.edges[edge].ends[0]],
+            Core::Cylinder(_) => triangle.corners[0],
+        };
+        let part = if self.parts.edges[number].ends[0] == start { part } else { 1.0 - part };
+        FeatureId::EdgePoint { edge: number as u32, part: part.to_bits() }
+    }
+
+    /// Whether the surface can be touched there with that normal.
+    fn may_touch(&self, candidate: &Candidate) -> bool {
+        let normal = &candidate.normal;
+        match candidate.features[0] {
+            FeatureId::Face(number) => normal.dot(&self.parts.triangles[number as usize].normal) > 0.0,
+            FeatureId::Edge(number) | FeatureId::EdgePoint { edge: number, .. } => {
+                let edge = &self.parts.edges[number as usize];
+                edge.open && edge.beside.iter().all(|&triangle| self.inward(edge, triangle).dot(normal) <= ALONG)
+            }
+            FeatureId::Vertex(number) => {
+                let own = number as usize;
+                let edges = || self.parts.around[own].iter().map(|&edge| &self.parts.edges[edge]);
+                let along = |edge: &MeshEdge| {
+                    let other = if edge.ends[0] == own { edge.ends[1] } else { edge.ends[0] };
+                    (self.parts.vertices[other] - self.parts.vertices[own]).normalize()
+                };
+                edges().any(|edge| edge.open) && edges().map(along).all(|along| along.dot(normal) <= ALONG)
+            }
+            _ => false,
+        }
+    }
+
+    /// Which edges can be touched, for tests.
+    #[cfg(test)]
+    pub fn open_edges(&self) -> usize {
+        self.parts.edges.iter().filter(|edge| edge.open).count()
+    }
+}
+
+/// Vertices in the frame of the body, those at the same place once, and the new number of each.
+fn merged(vertices: &[Vector3<f64>], pose: &Pose) -> (Vec<Vector3<f64>>, Vec<usize>) {
+    let mut numbers: BTreeMap<[u64; 3], usize> = BTreeMap::new();
+    let mut kept = Vec::new();
+    let mut of = Vec::with_capacity(vertices.len());
+    for vertex in vertices {
+        // Adding zero makes both zeros the same.
+        let key = [0, 1, 2].map(|axis| (vertex[axis] + 0.0).to_bits());
+        let number = *numbers.entry(key).or_insert_with(|| {
+            kept.push(pose.rotation * vertex + pose.translation.vector);
+            kept.len() - 1
+        });
+        of.push(number);
+    }
+    (kept, of)
+}
+
+/// Whether an edge can be touched: it is convex, a border, or has more than two triangles.
+fn is_open(ends: &[usize; 2], beside: &[usize], triangles: &[Triangle], vertices: &[Vector3<f64>]) -> bool {
+    let [one, other] = beside else { return true };
+    let third = triangles[*other].corners.iter().find(|corner| !ends.contains(corner));
+    let Some(&third) = third else { return false };
+    let (triangle, size) = (&triangles[*one], triangles[*one].shape.size.max(triangles[*other].shape.size));
+    triangle.normal.dot(&(vertices[third] - vertices[ends[0]])) < -FLAT * size
+}
+
+/// The box of a triangle.
+fn bounds(shape: &Convex) -> Aabb {
+    let corner = |sign: f64| {
+        let along = |axis: Vector3<f64>| sign * shape.core.support(&(axis * sign));
+        Vector::new(along(Vector3::x()), along(Vector3::y()), along(Vector3::z()))
+    };
+    Aabb::new(corner(-1.0), corner(1.0))
+}
+
+/// A box about a point (m).
+fn about(centre: &Vector3<f64>, half: f64) -> Aabb {
+    let middle = Vector::new(centre.x, centre.y, centre.z);
+    Aabb::new(middle - Vector::splat(half), middle + Vector::splat(half))
+}

@@ -1,0 +1,193 @@
+//! The distance of two convex cores by their features, exact to rounding.
+//!
+//! Every pair of features proposes its normal and points ([`crate::features::meet`]); the one of the largest separation is the distance, and its
+//! certificate proves it. GJK says where to look first: features within δ of its support planes; δ grows until the certificate holds.
+//! Of cores that overlap or nearly touch GJK's normal means nothing: there the normals of the faces and of crossing edges are tried.
+
+use crate::distances::best::Best;
+use crate::distances::deepest::deepest;
+use crate::features::both::{Both, Candidate};
+use crate::features::feature::{FeatureId, Part, features, inside, lies_near, normals, part};
+use crate::features::guesses::{guesses, is_beyond};
+use crate::features::meet::{Guess, meet};
+use crate::shapes::convex::{Core, Cylinder};
+use nalgebra::Vector3;
+
+/// How far from the support planes features are looked for, relative to the size, one after the other.
+const DEPTHS: [f64; 4] = [1e-9, 1e-6, 1e-3, 0.05];
+/// At the same place by rounding, relative to the size.
+const COINCIDENT: f64 = 2e-14;
+/// All pairs of edges are tried if they are not more.
+const MOST_PAIRS: usize = 50_000;
+/// Outside of a feature by rounding, relative to the size.
+const ROUNDING: f64 = 1e-12;
+
+/// The nearest points of two cores, or those of the least depth; `None` only if a pose is not finite.
+pub fn nearest(both: &Both) -> Option<Candidate> {
+    if !both.translation.iter().chain(&both.rotation).all(|entry| entry.abs() < 1e150) {
+        return None;
+    }
+    let mut best = Best::new(both);
+    if let Some(normal) = both.hint(&Vector3::zeros()) {
+        search(&mut best, both, &normal);
+    }
+    if best.is_global() {
+        return best.found();
+    }
+    try_normals(&mut best, both);
+    search_apart(&mut best, both);
+    if best.is_global() {
+        return best.found();
+    }
+    try_crossings(&mut best, both);
+    let start = best.steepest().1;
+    search(&mut best, both, &start);
+    if !best.is_exact() {
+        search_apart(&mut best, both);
+    }
+    let bound = supports(both, best.steepest());
+    best.found().filter(|found| best.error(found) <= bound.certificate()).or(Some(bound))
+}
+
+/// Moves the two apart along the best normal, asks GJK there, and searches along what it finds: the normal of a small depth.
+fn search_apart(best: &mut Best, both: &Both) {
+    for apart in [0.1, 1e-2, 1e-3, 1e-4] {
+        let (separation, normal) = best.steepest();
+        if let Some(normal) = both.hint(&(normal * (apart * both.size() - separation))) {
+            best.try_normal(&normal);
+        }
+    }
+    let start = best.steepest().1;
+    search(best, both, &start);
+}
+
+/// Offers what lies near the support planes of a normal, until the best is exact.
+fn search(best: &mut Best, both: &Both, normal: &Vector3<f64>) {
+    for depth in DEPTHS {
+        offer_features(best, both, normal, depth * both.size(), false);
+        if best.is_exact() {
+            return;
+        }
+    }
+}
+
+/// Tries the normals across two edges, or across what is like an edge of a cylinder.
+fn try_crossings(best: &mut Best, both: &Both) {
+    let (a, b) = (&both.a.core, &both.b.core);
+    let (Core::Polytope(one), Core::Polytope(other)) = (a, b) else {
+        let start = best.steepest().1;
+        return offer_features(best, both, &start, f64::INFINITY, true);
+    };
+    if one.edges.len() * other.edges.len() > MOST_PAIRS {
+        return;
+    }
+    for edge in &one.edges {
+        let own = both.rotation.tr_mul(&(one.vertices[edge.ends[1]] - one.vertices[edge.ends[0]]));
+        let arc = edge.faces.map(|faces| faces.map(|face| both.rotation.tr_mul(&one.faces[face].normal)));
+        for partner in &other.edges {
+            let opposite = partner.faces.map(|faces| faces.map(|face| -other.faces[face].normal));
+            if !arcs_cross(&arc, &opposite) {
+                continue;
+            }
+            let across = own.cross(&(other.vertices[partner.ends[1]] - other.vertices[partner.ends[0]]));
+            if let Some(across) = both.turned(&across).try_normalize(1e-12 * both.size() * both.size()) {
+                best.try_normal(&across);
+                best.try_normal(&-across);
+            }
+        }
+    }
+}
+
+/// Tries the normals of faces and caps, and those straight out of the sides of cylinders.
+fn try_normals(best: &mut Best, both: &Both) {
+    let towards = both.centres();
+    let radial = |core: &Core, towards: Vector3<f64>| match core {
+        Core::Cylinder(Cylinder { axis, .. }) => (towards - axis * axis.dot(&towards)).try_normalize(1e-9),
+        Core::Polytope(_) => None,
+    };
+    let of_a = normals(&both.a.core).chain(radial(&both.a.core, towards));
+    let of_b = normals(&both.b.core).chain(radial(&both.b.core, -both.rotation.tr_mul(&towards)));
+    for normal in of_a.chain(of_b.map(|normal| -both.turned(&normal))).chain([towards]) {
+        best.try_normal(&normal);
+    }
+}
+
+/// Offers the pairs of features that lie within a depth (m) of the support planes of a normal; looked for at the normal alone, or everywhere.
+fn offer_features(best: &mut Best, both: &Both, normal: &Vector3<f64>, depth: f64, everywhere: bool) {
+    let (a, b) = (&both.a.core, &both.b.core);
+    let own = both.rotation.tr_mul(normal);
+    let (least_a, least_b) = (a.support(normal) - depth, b.support(&-own) - depth);
+    let guess = Guess { normal: *normal, point: both.of_b(&b.support_point(&-own)), at_point: false };
+    // What was found so far lies on both, so no pair that is farther apart is nearer, or less deep.
+    let reach = if everywhere { best.reach() } else { f64::INFINITY };
+    for one in features(a).filter(|&feature| lies_near(a, feature, normal, least_a)) {
+        let on_a = part(a, one);
+        for other in features(b).filter(|&feature| lies_near(b, feature, &-own, least_b)) {
+            let on_b = part(b, other).moved(&both.rotation, &both.translation);
+            if is_beyond(&on_a, &on_b, reach) {
+                continue;
+            }
+            if everywhere && let Some((found, points)) = deepest(&on_a, &on_b, &guess) {
+                best.offer(found, points, [one, other]);
+            }
+            for guess in guesses(&on_a, &on_b, guess).take(if everywhere { usize::MAX } else { 1 }) {
+                let Some((found, points)) = meet(&on_a, &on_b, &guess) else { continue };
+                if lie_on(both, [one, other], &points) {
+                    best.offer(found, points, [one, other]);
+                    // A guess of a place says nothing of the side on which the normal is.
+                    if guess.at_point {
+                        best.offer(-found, points, [one, other]);
+                    }
+                    // Between points that coincide every normal that separates will do.
+                    if (points[1] - points[0]).norm() <= COINCIDENT * both.size() {
+                        best.offer(*normal, points, [one, other]);
+                    }
+                } else if spans_plane(&on_a, &on_b) {
+                    best.try_normal(&found);
+                }
+            }
+        }
+    }
+}
+
+/// Whether points (m) lie on a pair of features.
+pub fn lie_on(both: &Both, pair: [FeatureId; 2], points: &[Vector3<f64>; 2]) -> bool {
+    let least = -ROUNDING * both.size();
+    let own = both.rotation.tr_mul(&(points[1] - both.translation));
+    inside(&both.a.core, pair[0], &points[0]) >= least && inside(&both.b.core, pair[1], &own) >= least
+}
+
+/// Whether the normal of a pair of features stays certain as their distance goes to zero.
+pub fn spans_plane(a: &Part, b: &Part) -> bool {
+    let sharp = |part: &Part| match part {
+        Part::Point(_) => 0,
+        Part::Line(_, radius) if *radius == 0.0 => 1,
+        Part::Circle(..) => 1,
+        Part::Line(..) | Part::Plane(..) => 2,
+    };
+    sharp(a) + sharp(b) >= 2
+}
+
+/// Whether the product of two edges can be a normal of both shapes: the arc of normals of one and that of the opposite of the other cross.
+/// Segments have no arcs, and those of plates are half circles, on which the test says nothing.
+fn arcs_cross(one: &Option<[Vector3<f64>; 2]>, other: &Option<[Vector3<f64>; 2]>) -> bool {
+    let (Some([n, m]), Some([u, v])) = (one, other) else { return true };
+    if n.dot(m) < -0.999_999 || u.dot(v) < -0.999_999 {
+        return true;
+    }
+    let (arc, opposite) = (m.cross(n), v.cross(u));
+    let (ua, va, no, mo) = (u.dot(&arc), v.dot(&arc), n.dot(&opposite), m.dot(&opposite));
+    ua * va <= ROUNDING && no * mo <= ROUNDING && ua * mo >= -ROUNDING
+}
+
+/// The support points of a normal and its separation (m): a lower bound of the distance, whose certificate says that it is not exact.
+fn supports(both: &Both, (separation, normal): (f64, Vector3<f64>)) -> Candidate {
+    let own = -both.rotation.tr_mul(&normal);
+    let feature = |core: &Core, direction: &Vector3<f64>| match core {
+        Core::Polytope(polytope) => FeatureId::Vertex(polytope.support_vertex(direction) as u32),
+        Core::Cylinder(cylinder) => FeatureId::Rim(u32::from(cylinder.axis.dot(direction) >= 0.0)),
+    };
+    let (a, b) = (&both.a.core, &both.b.core);
+    let points = [a.support_point(&normal), both.of_b(&b.support_point(&own))];
+    Candidate { normal, points, features: [feature(a, &normal), feature(b, &own)], separation }
+}

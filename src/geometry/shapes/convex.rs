@@ -1,0 +1,199 @@
+//! A convex shape prepared for queries: a core and a radius about it, in the frame of its body.
+//!
+//! ```text
+//!     shape = core ⊕ ball(r)          h(n) = h_core(n) + r |n|
+//! ```
+//!
+//! | shape | core | r |
+//! |---|---|---|
+//! | sphere, capsule | point, segment | its radius |
+//! | box, hull, triangle | polytope | 0 |
+//! | cylinder | cylinder: centre c, unit axis k, radius ρ, half length h | 0 |
+
+use crate::shapes::error::GeometryError;
+use crate::shapes::hull::{check_points, convex_hull};
+use crate::shapes::polytope::{Face, Polytope};
+use catena_mechanism::description::contact::Shape;
+use catena_mechanism::description::joint::Pose;
+use nalgebra::Vector3;
+
+/// A cylinder in the frame of its body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cylinder {
+    /// Its middle (m).
+    pub centre: Vector3<f64>,
+    /// Unit vector along its axis.
+    pub axis: Vector3<f64>,
+    /// ρ (m).
+    pub radius: f64,
+    /// Half its length (m).
+    pub half: f64,
+}
+
+/// What is left of a convex shape without its radius.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Core {
+    /// Flat faces and straight edges, or less.
+    Polytope(Polytope),
+    /// Two discs and a side.
+    Cylinder(Cylinder),
+}
+
+/// A convex shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Convex {
+    /// Its core.
+    pub core: Core,
+    /// r (m).
+    pub radius: f64,
+    /// A point inside (m).
+    pub centre: Vector3<f64>,
+    /// Distance of its farthest point from the centre (m).
+    pub size: f64,
+}
+
+impl Cylinder {
+    /// Centre of the rim at the end along the axis (`end` = 1) or against it (0) (m).
+    pub fn rim_centre(&self, end: usize) -> Vector3<f64> {
+        self.centre + self.axis * if end == 1 { self.half } else { -self.half }
+    }
+
+    /// Normal of a cap, out of the cylinder.
+    pub fn cap_normal(&self, end: usize) -> Vector3<f64> {
+        if end == 1 { self.axis } else { -self.axis }
+    }
+
+    /// The point that is farthest along a direction (m).
+    pub fn support_point(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let along = self.axis.dot(direction);
+        let across = direction - self.axis * along;
+        let norm = across.norm();
+        let rim = if norm > 0.0 { across * (self.radius / norm) } else { Vector3::zeros() };
+        self.rim_centre(usize::from(along >= 0.0)) + rim
+    }
+
+    /// `max n · p` (m).
+    pub fn support(&self, normal: &Vector3<f64>) -> f64 {
+        // The cross product, because 1 − (k · n)² loses half of the digits near the axis.
+        let across = self.axis.cross(normal).norm();
+        normal.dot(&self.centre) + self.half * self.axis.dot(normal).abs() + self.radius * across
+    }
+}
+
+impl Core {
+    /// `max n · p` over the core (m).
+    pub fn support(&self, normal: &Vector3<f64>) -> f64 {
+        match self {
+            Core::Polytope(polytope) => polytope.support(normal),
+            Core::Cylinder(cylinder) => cylinder.support(normal),
+        }
+    }
+
+    /// A point of the core that is farthest along a direction (m).
+    pub fn support_point(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Core::Polytope(polytope) => polytope.vertices[polytope.support_vertex(direction)],
+            Core::Cylinder(cylinder) => cylinder.support_point(direction),
+        }
+    }
+}
+
+impl Convex {
+    /// A polytope with a radius (m) about it.
+    pub fn round(polytope: Polytope, radius: f64) -> Self {
+        let count = polytope.vertices.len().max(1) as f64;
+        let centre = polytope.vertices.iter().sum::<Vector3<f64>>() / count;
+        let farthest = polytope.vertices.iter().map(|vertex| (vertex - centre).norm()).fold(0.0, f64::max);
+        Convex { core: Core::Polytope(polytope), radius, centre, size: farthest + radius }
+    }
+
+    /// Distance of its farthest point from the origin of the body (m), or a little more.
+    pub fn reach(&self) -> f64 {
+        match &self.core {
+            Core::Polytope(polytope) => {
+                polytope.vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max) + self.radius
+            }
+            Core::Cylinder(_) => self.centre.norm() + self.size,
+        }
+    }
+
+    /// A convex shape with its pose in the body; `None` for half spaces and meshes.
+    pub fn new(shape: &Shape, pose: &Pose) -> Result<Option<Self>, GeometryError> {
+        let kind = kind(shape);
+        if !pose.translation.vector.iter().chain(pose.rotation.matrix()).all(|entry| entry.is_finite()) {
+            return Err(GeometryError::Pose { shape: kind });
+        }
+        let positive = |what: &'static str, value: f64| match value > 0.0 && value < 1e150 {
+            true => Ok(value),
+            false => Err(GeometryError::Size { shape: kind, what, value }),
+        };
+        let origin = pose.translation.vector;
+        let axis = pose.rotation * Vector3::z();
+        Ok(Some(match shape {
+            Shape::HalfSpace | Shape::Mesh(_) => return Ok(None),
+            Shape::Sphere { radius } => Convex::round(Polytope::point(origin), positive("radius", *radius)?),
+            Shape::Capsule { radius, half } => {
+                let (radius, half) = (positive("radius", *radius)?, positive("half length", *half)?);
+                Convex::round(Polytope::segment([origin - axis * half, origin + axis * half]), radius)
+            }
+            Shape::Cylinder { radius, half } => {
+                let (radius, half) = (positive("radius", *radius)?, positive("half length", *half)?);
+                let cylinder = Cylinder { centre: origin, axis, radius, half };
+                Convex { core: Core::Cylinder(cylinder), radius: 0.0, centre: origin, size: radius.hypot(half) }
+            }
+            Shape::Box { half } => {
+                let half =
+                    Vector3::new(positive("x size", half.x)?, positive("y size", half.y)?, positive("z size", half.z)?);
+                Convex::round(cuboid(&half, pose), 0.0)
+            }
+            Shape::Hull(points) => {
+                check_points(points)?;
+                let placed: Vec<Vector3<f64>> = points.iter().map(|point| pose.rotation * point + origin).collect();
+                Convex::round(convex_hull(&placed)?, 0.0)
+            }
+        }))
+    }
+}
+
+/// Whether a shape can be used.
+///
+/// # Errors
+/// [`GeometryError`] for sizes that are no lengths, for points that have no hull, and for meshes that are too large or have coordinates that are not finite.
+pub fn check_shape(shape: &Shape) -> Result<(), GeometryError> {
+    match shape {
+        Shape::Mesh(surface) => check_points(&surface.vertices),
+        _ => Convex::new(shape, &Pose::identity()).map(drop),
+    }
+}
+
+/// A shape's kind in words.
+pub fn kind(shape: &Shape) -> &'static str {
+    match shape {
+        Shape::HalfSpace => "half space",
+        Shape::Sphere { .. } => "sphere",
+        Shape::Capsule { .. } => "capsule",
+        Shape::Cylinder { .. } => "cylinder",
+        Shape::Box { .. } => "box",
+        Shape::Hull(_) => "convex hull",
+        Shape::Mesh(_) => "triangle mesh",
+    }
+}
+
+/// A box; vertex number 4 x + 2 y + z with 0 or 1 for each axis.
+fn cuboid(half: &Vector3<f64>, pose: &Pose) -> Polytope {
+    let sign = |bit: usize| if bit == 1 { 1.0 } else { -1.0 };
+    let corner = |number: usize| Vector3::new(sign(number >> 2), sign(number >> 1 & 1), sign(number & 1));
+    let vertices = (0..8).map(|number| pose.rotation * corner(number).component_mul(half) + pose.translation.vector);
+    let face = |axis: usize, side: usize| {
+        let (next, last) = ([2, 1, 0][(axis + 1) % 3], [2, 1, 0][(axis + 2) % 3]);
+        let own = side << [2, 1, 0][axis];
+        let mut corners = vec![own, own | 1 << next, own | 1 << next | 1 << last, own | 1 << last];
+        if side == 0 {
+            corners.reverse();
+        }
+        let normal = pose.rotation.matrix().column(axis) * sign(side);
+        Face { normal, corners }
+    };
+    let faces = (0..6).map(|number| face(number / 2, number % 2)).collect();
+    Polytope::of_faces(vertices.collect(), faces)
+}

@@ -1,0 +1,170 @@
+//! The convex hull of points, as a polytope whose coplanar triangles are merged into faces.
+//!
+//! The triangles are parry's (quickhull). Two that meet in an edge belong to one face if the opposite vertex of either lies within
+//! 1e-10 of the size in the plane of the other. Points in one plane make a plate without thickness, with two faces.
+
+use crate::shapes::error::GeometryError;
+use crate::shapes::plane::{across, corners};
+use crate::shapes::polytope::{Face, Polytope};
+use nalgebra::{Matrix3, Vector3};
+use parry3d_f64::math::Vector;
+use parry3d_f64::transformation::try_convex_hull;
+use std::collections::BTreeMap;
+
+/// Hulls of more points take too long.
+const MOST_POINTS: usize = 1_000_000;
+/// Flat, relative to the size.
+const FLAT: f64 = 1e-7;
+/// In one plane, relative to the size.
+const COPLANAR: f64 = 1e-10;
+/// In one plane to rounding, relative to the size.
+const PLANE: f64 = 1e-14;
+
+/// The convex hull of points (m).
+pub fn convex_hull(points: &[Vector3<f64>]) -> Result<Polytope, GeometryError> {
+    check_points(points)?;
+    if points.len() < 3 {
+        return Err(GeometryError::FewPoints { count: points.len() });
+    }
+    let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+    let size = points.iter().map(|point| (point - middle).norm()).fold(0.0, f64::max);
+    let (normal, thickness) = plane(points, &middle);
+    if thickness <= FLAT * size {
+        let plate = if thickness <= PLANE * size { plate(points, &normal, size) } else { None };
+        return plate.ok_or(GeometryError::Flat { thickness });
+    }
+    // In units of the size, because parry's tolerances are absolute.
+    let unit: Vec<Vector> =
+        points.iter().map(|point| (point - middle) / size).map(|p| Vector::new(p.x, p.y, p.z)).collect();
+    let hull = try_convex_hull(&unit).map_err(|error| GeometryError::Hull { reason: error.to_string() })?;
+    let (vertices, triangles) = hull;
+    // Exactly the points that were given, because a place that is scaled forth and back differs in the last digit.
+    let nearest = |vertex: &Vector| {
+        let among = |number: &usize| (unit[*number] - *vertex).length_squared();
+        (0..unit.len()).min_by(|one, other| among(one).total_cmp(&among(other))).map_or(middle, |number| points[number])
+    };
+    let vertices: Vec<Vector3<f64>> = vertices.iter().map(nearest).collect();
+    merged(vertices, &triangles, size)
+}
+
+/// All coordinates are finite, and there are not too many of them.
+pub fn check_points(points: &[Vector3<f64>]) -> Result<(), GeometryError> {
+    if points.len() > MOST_POINTS {
+        return Err(GeometryError::TooMany { what: "points", count: points.len(), limit: MOST_POINTS });
+    }
+    for (vertex, point) in points.iter().enumerate() {
+        if let Some(axis) = (0..3).find(|&axis| point[axis].is_nan() || point[axis].abs() >= 1e150) {
+            let name = ['x', 'y', 'z'][axis];
+            return Err(GeometryError::Coordinate { vertex, axis: name, value: point[axis] });
+        }
+    }
+    Ok(())
+}
+
+/// The polygon of points in one plane, with a face on either side; `None` if they lie on a line.
+fn plate(points: &[Vector3<f64>], normal: &Vector3<f64>, size: f64) -> Option<Polytope> {
+    let (x, y) = across(normal);
+    let flat: Vec<Vector3<f64>> = points.iter().map(|point| Vector3::new(x.dot(point), y.dot(point), 0.0)).collect();
+    let vertices: Vec<Vector3<f64>> =
+        corners(&flat, COPLANAR * size).into_iter().map(|corner| points[corner]).collect();
+    let count = vertices.len();
+    let doubled = (2..count).map(|last| (vertices[last - 1] - vertices[0]).cross(&(vertices[last] - vertices[0])));
+    if count < 3 || doubled.sum::<Vector3<f64>>().norm() <= FLAT * size * size {
+        return None;
+    }
+    let front = Face { normal: *normal, corners: (0..count).collect() };
+    let back = Face { normal: -normal, corners: (0..count).rev().collect() };
+    Some(Polytope::of_faces(vertices, vec![front, back]))
+}
+
+/// The normal of the plane of least squares, and the distance of the farthest point from it (m).
+fn plane(points: &[Vector3<f64>], middle: &Vector3<f64>) -> (Vector3<f64>, f64) {
+    let size = points.iter().map(|point| (point - middle).amax()).fold(f64::MIN_POSITIVE, f64::max);
+    let spread: Matrix3<f64> =
+        points.iter().map(|point| (point - middle) / size).map(|arm| arm * arm.transpose()).sum();
+    let eigen = spread.symmetric_eigen();
+    let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+    (normal, points.iter().map(|point| normal.dot(&(point - middle)).abs()).fold(0.0, f64::max))
+}
+
+/// The polytope whose faces are the triangles, those in one plane merged.
+fn merged(vertices: Vec<Vector3<f64>>, triangles: &[[u32; 3]], size: f64) -> Result<Polytope, GeometryError> {
+    let triangles: Vec<[usize; 3]> = triangles.iter().map(|corners| corners.map(|corner| corner as usize)).collect();
+    let doubled = |corners: &[usize; 3]| {
+        let [a, b, c] = corners.map(|corner| vertices[corner]);
+        (b - a).cross(&(c - a))
+    };
+    let mut beside: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+    for (number, corners) in triangles.iter().enumerate() {
+        for side in 0..3 {
+            beside.insert([corners[side], corners[(side + 1) % 3]], number);
+        }
+    }
+    // The largest triangles begin, so that the plane of a face is that of its best-known part.
+    let areas: Vec<f64> = triangles.iter().map(|corners| doubled(corners).norm()).collect();
+    let mut order: Vec<usize> = (0..triangles.len()).collect();
+    order.sort_by(|&one, &other| areas[other].total_cmp(&areas[one]));
+    let mut face_of = vec![usize::MAX; triangles.len()];
+    let mut faces = Vec::new();
+    for &first in &order {
+        if face_of[first] != usize::MAX {
+            continue;
+        }
+        if areas[first] == 0.0 {
+            return Err(GeometryError::Hull { reason: "a face has no area".into() });
+        }
+        let (normal, own) = (doubled(&triangles[first]) / areas[first], faces.len());
+        let on_plane =
+            |corner: usize| normal.dot(&(vertices[corner] - vertices[triangles[first][0]])).abs() <= COPLANAR * size;
+        face_of[first] = own;
+        let mut members = vec![first];
+        let mut place = 0;
+        while place < members.len() {
+            let corners = triangles[members[place]];
+            for side in 0..3 {
+                let other = beside.get(&[corners[(side + 1) % 3], corners[side]]).copied();
+                if let Some(other) = other.filter(|&other| face_of[other] == usize::MAX)
+                    && triangles[other].iter().all(|&corner| on_plane(corner))
+                    && !(areas[other] > 1e-9 * size * size && doubled(&triangles[other]).dot(&normal) < 0.0)
+                {
+                    face_of[other] = own;
+                    members.push(other);
+                }
+            }
+            place += 1;
+        }
+        faces.push(outline(&triangles, &members, normal)?);
+    }
+    let polytope = Polytope::of_faces(vertices, faces);
+    match polytope.edges.iter().all(|edge| edge.faces.is_some()) {
+        true => Ok(polytope),
+        false => Err(GeometryError::Hull { reason: "its surface is not closed".into() }),
+    }
+}
+
+/// The outline of some triangles in one plane.
+fn outline(triangles: &[[usize; 3]], members: &[usize], normal: Vector3<f64>) -> Result<Face, GeometryError> {
+    let sides = |&member: &usize| {
+        let corners = triangles[member];
+        (0..3).map(move |side| (corners[side], corners[(side + 1) % 3]))
+    };
+    let mut next: BTreeMap<usize, usize> = BTreeMap::new();
+    let all: std::collections::BTreeSet<(usize, usize)> = members.iter().flat_map(sides).collect();
+    for &(from, to) in all.iter().filter(|(from, to)| !all.contains(&(*to, *from))) {
+        next.insert(from, to);
+    }
+    let open = || GeometryError::Hull { reason: "the outline of a face is not closed".into() };
+    let first = *next.keys().next().ok_or_else(open)?;
+    let mut corners = vec![first];
+    while corners.len() <= next.len() {
+        let to = *next.get(&corners[corners.len() - 1]).ok_or_else(open)?;
+        if to == first {
+            break;
+        }
+        corners.push(to);
+    }
+    match corners.len() == next.len() {
+        true => Ok(Face { normal, corners }),
+        false => Err(open()),
+    }
+}

@@ -1,0 +1,10 @@
+//! The shapes, prepared from what users give: planes, polytopes, hulls, round bodies; convex pieces of surfaces.
+
+pub(crate) mod cells;
+pub(crate) mod convex;
+pub(crate) mod decompose;
+pub(crate) mod error;
+pub(crate) mod hull;
+pub(crate) mod hull_surface;
+pub(crate) mod plane;
+pub(crate) mod polytope;

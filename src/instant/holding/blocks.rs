@@ -1,0 +1,175 @@
+//! Elements that touch, rest or stick at an instant, as the blocks of one problem.
+//!
+//! ```text
+//!     joint on a limit or with friction     one row: its degree of freedom
+//!     contact without friction              one row: its normal
+//!     contact                               three rows: normal, two tangents
+//!
+//!     W  (m × n)  all rows: rates u = W v;     Y Wᵀ  (n × m)  their response;     D = W Y Wᵀ  (m × m)
+//! ```
+//!
+//! A row is the efforts along the freedoms that a unit force along it does the work of ([`efforts_of_wrenches`]). Impulses and forces `r` along the rows change velocities and
+//! accelerations by `Y Wᵀ r`.
+
+use crate::instant::cone::problem::Law;
+use crate::instant::dynamics::response::Response;
+use crate::instant::holding::elements::Elements;
+use crate::mechanism::description::body_state::BodyState;
+use crate::mechanism::description::contact::TouchJoint;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::efforts::efforts_of_wrenches;
+use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations};
+use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::touches::{tangents, touch_accelerations, touch_motion};
+use nalgebra::{DMatrix, DVector, Vector3};
+
+/// An acceleration that is this part of what it is the difference of is rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// Whose block it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Of {
+    /// A joint, by its number among the elements.
+    Joint(usize),
+    /// A contact, by its number in a list of the caller.
+    Contact(usize),
+}
+
+/// One block.
+#[derive(Clone, Debug)]
+pub(crate) struct Block {
+    pub of: Of,
+    pub law: Law,
+    /// One entry a degree of freedom, each.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// The rows of blocks with their response.
+pub(crate) struct Rows {
+    rows: Vec<Vec<f64>>,
+    /// Y Wᵀ.
+    columns: DMatrix<f64>,
+    /// D.
+    pub square: DMatrix<f64>,
+}
+
+/// The row of one degree of freedom, with a sign.
+pub(crate) fn row_of_freedom(count: usize, freedom: usize, sign: f64) -> Vec<f64> {
+    let mut row = vec![0.0; count];
+    row[freedom] = sign;
+    row
+}
+
+/// The row of a force f on the second body at a point p of the world, and its opposite on the first.
+pub(crate) fn row_of_force(
+    mechanism: &Mechanism,
+    bodies: &[BodyState],
+    joint: &TouchJoint,
+    point: &Vector3<f64>,
+    force: &Vector3<f64>,
+) -> Vec<f64> {
+    let mut wrenches = vec![(Vector3::zeros(), Vector3::zeros()); bodies.len()];
+    for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
+        if let Some(body) = end {
+            let force = force * sign;
+            wrenches[body].0 += force;
+            wrenches[body].1 += (point - bodies[body].position).cross(&force);
+        }
+    }
+    let mut row = vec![0.0; mechanism.velocity_count];
+    efforts_of_wrenches(mechanism, bodies, &mut wrenches, &mut row);
+    row
+}
+
+/// The rows of a contact: its normal, and with friction its two tangents.
+pub(crate) fn rows_of_contact(
+    mechanism: &Mechanism,
+    bodies: &[BodyState],
+    joint: &TouchJoint,
+    friction: bool,
+) -> Vec<Vec<f64>> {
+    let touch = touch_motion(joint, bodies);
+    let [first, second] = tangents(&touch.normal);
+    let count = if friction { 3 } else { 1 };
+    [touch.normal, first, second][..count]
+        .iter()
+        .map(|along| row_of_force(mechanism, bodies, joint, &touch.point, along))
+        .collect()
+}
+
+/// How fast what a row w is of falls under accelerations a of the joints, `Σ |w a|`: bodies that fall freely beside each other press with the difference of
+/// these, which is rounding.
+pub(crate) fn fall(row: &[f64], accelerations: &[f64]) -> f64 {
+    row.iter().zip(accelerations).map(|(w, a)| (w * a).abs()).sum()
+}
+
+/// Ẇ v + W a: the second rates of the rows of blocks, for accelerations a of the joints; `touching` gives the contact of a number.
+pub(crate) fn second_rates<'c>(
+    mechanism: &Mechanism,
+    elements: &Elements,
+    bodies: &[BodyState],
+    state: &State,
+    accelerations: &[f64],
+    blocks: &[Block],
+    touching: impl Fn(usize) -> &'c TouchJoint,
+) -> Vec<f64> {
+    let mut of_bodies = vec![BodyAcceleration::default(); bodies.len()];
+    if blocks.iter().any(|block| matches!(block.of, Of::Contact(_))) {
+        body_accelerations(mechanism, bodies, &state.velocity, accelerations, &mut of_bodies);
+    }
+    let mut rates = Vec::with_capacity(blocks.iter().map(|block| block.rows.len()).sum());
+    for block in blocks {
+        match block.of {
+            Of::Joint(index) => rates.push(accelerations[elements.joints[index].coordinate.freedom]),
+            Of::Contact(index) => {
+                let joint = touching(index);
+                let tangents = tangents(&touch_motion(joint, bodies).normal);
+                let along = touch_accelerations(joint, bodies, &of_bodies, &tangents);
+                let along = &along[..block.rows.len()];
+                // What falls beside each other is accelerated apart by roundings of its fall, also across it; what slides is accelerated along its plane as well.
+                let most = block.rows.iter().map(|row| fall(row, accelerations)).fold(0.0, f64::max);
+                let held = if matches!(block.law, Law::Sliding { .. }) { 1 } else { along.len() };
+                let together = along[..held].iter().all(|rate| rate.abs() <= ROUNDING * most);
+                let rate = |(row, rate): (usize, &f64)| if together && row < held { 0.0 } else { *rate };
+                rates.extend(along.iter().enumerate().map(rate));
+            }
+        }
+    }
+    rates
+}
+
+impl Rows {
+    /// Those of blocks at a state.
+    pub fn of(response: &mut Response, state: &State, blocks: &[Block]) -> Self {
+        Rows::new(response, state, blocks.iter().flat_map(|block| block.rows.iter().cloned()).collect())
+    }
+
+    /// Rows at a state.
+    pub fn new(response: &mut Response, state: &State, rows: Vec<Vec<f64>>) -> Self {
+        let columns = response.answers(state, &rows);
+        let half = DMatrix::from_fn(rows.len(), rows.len(), |row, column| {
+            rows[row].iter().zip(columns.column(column).iter()).map(|(a, b)| a * b).sum::<f64>()
+        });
+        // Symmetric to the last bit.
+        let square = 0.5 * (&half + half.transpose());
+        Rows { rows, columns, square }
+    }
+
+    /// W v.
+    pub fn rates(&self, velocity: &[f64]) -> Vec<f64> {
+        self.rows.iter().map(|row| row.iter().zip(velocity).map(|(a, b)| a * b).sum()).collect()
+    }
+
+    /// v + Y Wᵀ r.
+    pub fn add(&self, impulses: &[f64], velocity: &mut [f64]) {
+        let change = &self.columns * DVector::from_column_slice(impulses);
+        for (rate, change) in velocity.iter_mut().zip(change.iter()) {
+            *rate += change;
+        }
+    }
+
+    /// Y Wᵀ.
+    pub fn columns(&self) -> &DMatrix<f64> {
+        &self.columns
+    }
+}

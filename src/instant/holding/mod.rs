@@ -1,0 +1,6 @@
+//! What can hold or press: limits, friction, motors and contacts as elements, and as rows of one problem.
+
+pub(crate) mod blocks;
+pub(crate) mod elements;
+pub mod statuses;
+pub(crate) mod touching;

@@ -1,0 +1,157 @@
+//! Starts without overlap: shapes that start inside each other are moved apart, by the least motion.
+//!
+//! ```text
+//!     minimise ½ dqᵀ H dq   subject to  φ + W dq ≥ 0,  J dq = 0          dq = Y Wᵀ r,   0 ≤ r ⊥ D r + φ ≥ 0
+//! ```
+//!
+//! with the gaps φ of all contacts that are near, their rows W and `D = W Y Wᵀ` ([`crate::instant::holding::blocks`]), and limits of joints; repeated with the new gaps
+//! until nothing overlaps by more than rounding. Of hundreds of vertices that are near a few push: rows are taken into the problem one by one, the
+//! one that is violated most first, until none is violated (a cutting-plane method).
+//!
+//! Source: J. E. Kelley, The cutting-plane method for solving convex programs, Journal of the SIAM 8 (1960).
+
+use crate::instant::cone::bounded::minimise;
+use crate::instant::dynamics::response::Response;
+use crate::instant::holding::blocks::{Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::touching::Touching;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use nalgebra::DMatrix;
+
+/// Largest number of rounds.
+const ROUNDS: usize = 60;
+/// What may be left of an overlap, as a part of the size of a pair.
+const APART: f64 = 1e-14;
+/// Contacts of a pair that overlaps are near if their gaps are less than this part of its size.
+const NEAR: f64 = 0.1;
+/// Gaps of the linear problem above minus this part of the deepest overlap are closed.
+const CLOSED: f64 = 1e-13;
+/// Largest change of a freedom in one round (rad, m).
+const REACH: f64 = 0.2;
+
+/// The pair that overlaps most, and by how much (m); none if nothing does.
+pub(crate) fn deepest(touching: &Touching, mechanism: &Mechanism, state: &State) -> Option<(usize, f64)> {
+    let bodies = body_states(mechanism, state);
+    let depth = |pair: usize| (pair, -touching.distance(pair, &bodies));
+    let overlaps =
+        (0..touching.pairs.len()).map(depth).filter(|&(pair, depth)| depth > APART * touching.pairs[pair].size);
+    overlaps.max_by(|one, other| one.1.total_cmp(&other.1))
+}
+
+/// Makes one round: moves a state so that what overlaps would not, were its gaps linear. Says whether anything was moved.
+pub(crate) fn move_apart(
+    touching: &Touching,
+    mechanism: &Mechanism,
+    response: &mut Response,
+    state: &mut State,
+) -> bool {
+    let bodies = body_states(mechanism, state);
+    let (mut rows, mut gaps) = (Vec::new(), Vec::new());
+    for (pair, size) in touching.pairs.iter().map(|pair| pair.size).enumerate() {
+        if touching.distance(pair, &bodies) > NEAR * size {
+            continue;
+        }
+        for (contact, gap) in touching.near(pair, &bodies, NEAR * size) {
+            rows.extend(rows_of_contact(mechanism, &bodies, &contact.joint, false));
+            gaps.push(gap);
+        }
+    }
+    if gaps.iter().all(|gap| *gap >= 0.0) {
+        return false;
+    }
+    for limit in &mechanism.nonsmooth.limits {
+        let position = state.position[limit.coordinate.position];
+        for (sign, room) in [(1.0, position - limit.lower), (-1.0, limit.upper - position)] {
+            if room.is_finite() {
+                rows.push(row_of_freedom(mechanism.velocity_count, limit.coordinate.freedom, sign));
+                gaps.push(room);
+            }
+        }
+    }
+    let rows = Rows::new(response, state, rows);
+    let pushes = least_pushes(&rows.square, &gaps);
+    let mut change = vec![0.0; mechanism.velocity_count];
+    rows.add(&pushes, &mut change);
+    let largest = change.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    if largest > REACH {
+        change.iter_mut().for_each(|value| *value *= REACH / largest);
+    }
+    state.displace(mechanism, &change);
+    true
+}
+
+/// The least pushes r ≥ 0 with `D r + φ ≥ 0`.
+fn least_pushes(square: &DMatrix<f64>, gaps: &[f64]) -> Vec<f64> {
+    let deepest = gaps.iter().fold(0.0_f64, |most, gap| most.max(-gap));
+    let mut left = gaps.to_vec();
+    let mut pushes = vec![0.0; gaps.len()];
+    let mut taken: Vec<usize> = Vec::new();
+    loop {
+        let violated = (0..gaps.len()).filter(|row| left[*row] < -CLOSED * deepest && !taken.contains(row));
+        let Some(next) = violated.min_by(|&one, &other| left[one].total_cmp(&left[other])) else { return pushes };
+        taken.push(next);
+        let of = |row: usize, column: usize| square[(taken[row], taken[column])];
+        let own: Vec<f64> = taken.iter().map(|&row| gaps[row]).collect();
+        let only_away = vec![(0.0, f64::INFINITY); taken.len()];
+        let found = minimise(&DMatrix::from_fn(taken.len(), taken.len(), of), &own, &only_away).efforts;
+        left.copy_from_slice(gaps);
+        for (&row, &push) in taken.iter().zip(&found) {
+            pushes[row] = push;
+            left.iter_mut().zip(square.column(row).iter()).for_each(|(left, mobility)| *left += mobility * push);
+        }
+    }
+}
+
+/// A pair that overlaps, by its number, and by how much (m); none if nothing does.
+pub(crate) type Overlap = Option<(usize, f64)>;
+
+/// Moves a state apart; `close` brings it back on what else has to hold. Says which pair overlapped most, and which still does.
+pub(crate) fn without_overlap<E>(
+    mechanism: &Mechanism,
+    state: &mut State,
+    mut close: impl FnMut(&mut State) -> Result<(), E>,
+) -> Result<(Overlap, Overlap), E> {
+    let touching = Touching::new(mechanism);
+    if touching.pairs.is_empty() {
+        return Ok((None, None));
+    }
+    let named = |(pair, depth): (usize, f64)| (touching.pairs[pair].number, depth);
+    let first = deepest(&touching, mechanism, state).map(named);
+    let mut response = None;
+    for _ in 0..ROUNDS {
+        if deepest(&touching, mechanism, state).is_none() {
+            return Ok((first, None));
+        }
+        let response = response.get_or_insert_with(|| Response::new(mechanism));
+        if !move_apart(&touching, mechanism, response, state) {
+            break;
+        }
+        close(state)?;
+    }
+    let left = deepest(&touching, mechanism, state);
+    let left = left.filter(|&(pair, depth)| depth > 1e-12 * touching.pairs[pair].size);
+    Ok((first, left.map(named)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instant::cone::scenes::Random;
+
+    #[test]
+    fn rows_taken_one_by_one_are_pushed_as_all_rows_together() {
+        let mut random = Random::new(2);
+        for round in 0..50 {
+            // Forty near vertices of a body that moves freely: rows n_k with n_z > 0, six freedoms.
+            let rows = DMatrix::from_fn(40, 6, |_, freedom| if freedom == 2 { 1.0 } else { random.signed() });
+            let square = &rows * rows.transpose();
+            let gaps: Vec<f64> = (0..40).map(|_| 0.1 * random.signed()).collect();
+            let all = minimise(&square, &gaps, &vec![(0.0, f64::INFINITY); 40]).efforts;
+            let motion = |pushes: Vec<f64>| rows.transpose() * nalgebra::DVector::from_vec(pushes);
+            // The least motion is unique, whatever the pushes; both have it to rounding.
+            let difference = (motion(all) - motion(least_pushes(&square, &gaps))).amax();
+            assert!(difference < 1e-11, "round {round}: {difference:e}");
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! Starts: loops are closed, limits kept, shapes moved apart, or it is told why that cannot be.
+
+pub(crate) mod apart;
+pub mod assembly;
+pub(crate) mod assembly_elsewhere;
+pub(crate) mod box_programme;
+#[doc(hidden)]
+pub mod limits;
+pub mod unreachable;
