@@ -1,7 +1,7 @@
 //! The closed contacts in a state of the last step, as reports name them.
 
 use crate::events::integrator::Eventful;
-use crate::events::modes::present::{Begun, Present};
+use crate::events::modes::present::Present;
 use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -21,8 +21,7 @@ impl Eventful {
         self.felt.add(state.time, &mut efforts);
         mode.add_constant_efforts(elements, &mut efforts);
         mode.add_motor_efforts(elements, self.origin.time, state.time, state, &mut efforts);
-        let present =
-            Present { whole, elements, touching, mode, moving: &pieces[*current].moving, begun: Begun::default() };
+        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         let mut reporting = reporting.borrow_mut();
         let unique = self.holding.is_unique() && !inside;
         let forces = reporting.forces(&present, state, &efforts, unique);

@@ -15,7 +15,7 @@ use crate::events::modes::held::Held;
 use crate::events::modes::instants::Instants;
 use crate::events::modes::mode::{Closures, MotorMode};
 use crate::events::modes::piece::{Key, Piece};
-use crate::events::modes::present::{Begun, Present};
+use crate::events::modes::present::Present;
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::motion::kinematics::place_bodies;
 use crate::mechanism::motion::state::State;
@@ -70,8 +70,7 @@ impl Eventful {
         }
         self.holding = {
             let Eventful { whole, elements, touching, mode, pieces, current, response, .. } = self;
-            let present =
-                Present { whole, elements, touching, mode, moving: &pieces[*current].moving, begun: Begun::default() };
+            let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
             Holding::new(&present, response, state)
         };
         let moving = &self.pieces[self.current].moving;

@@ -16,7 +16,7 @@ use crate::events::modes::mode::{Closures, JointMode, Mode, MotorMode};
 use crate::events::modes::narrowed::Felt;
 use crate::events::modes::piece::Piece;
 use crate::events::modes::piece_steps::PieceRecipe;
-use crate::events::modes::present::{Begun, Present};
+use crate::events::modes::present::Present;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::touching::Touching;
@@ -146,14 +146,8 @@ impl Eventful {
         let mut response = Response::new(mechanism);
         let nothing = Held::new(mechanism, &state, vec![false; mechanism.bodies.len()], &Closures::default());
         let holding = {
-            let present = Present {
-                whole: mechanism,
-                elements: &elements,
-                touching: &touching,
-                mode: &mode,
-                moving: &nothing,
-                begun: Begun::default(),
-            };
+            let present =
+                Present { whole: mechanism, elements: &elements, touching: &touching, mode: &mode, moving: &nothing };
             Holding::new(&present, &mut response, &state)
         };
         Ok(Eventful {

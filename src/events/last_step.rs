@@ -6,12 +6,9 @@
 use crate::events::finding::watched::Seen;
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::{Evaluated, Inside};
-use crate::events::modes::present::{Begun, Present};
+use crate::events::modes::present::Present;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::kinematics::place_bodies;
-
-/// Slips below this part of the fastest that a body has been have no direction of their own in a step: the stages are solved to 1e-10 of it.
-pub(super) const SLOW: f64 = 1e-7;
 
 impl Eventful {
     /// Places the sample and its bodies at an instant of the last step.
@@ -60,19 +57,11 @@ impl Eventful {
             efforts,
             bodies,
             slips,
-            memory,
             ..
         } = self;
         if !evaluated.efforts && which.iter().any(|&index| watched[index].needs_efforts()) {
             mode.efforts_at(elements, inputs, since, sample, efforts);
-            let present = Present {
-                whole,
-                elements,
-                touching,
-                mode,
-                moving: &pieces[*current].moving,
-                begun: Begun { slips, slow: SLOW * memory.fastest },
-            };
+            let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
             holding.evaluate(&present, response, sample, efforts);
             evaluated.efforts = true;
         }

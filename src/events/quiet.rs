@@ -2,7 +2,7 @@
 
 use crate::events::forces::closed_forces::accelerations;
 use crate::events::integrator::Eventful;
-use crate::events::modes::present::{Begun, Present};
+use crate::events::modes::present::Present;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
@@ -32,8 +32,7 @@ impl Eventful {
         }
         let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
         mode.efforts_at(elements, inputs, state.time, state, efforts);
-        let present =
-            Present { whole, elements, touching, mode, moving: &pieces[*current].moving, begun: Begun::default() };
+        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         let all = accelerations(&present, response, state, efforts, holding.is_unique());
         all.iter().all(|(acceleration, size)| acceleration.abs() <= ROUNDING * size)
     }

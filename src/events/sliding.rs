@@ -9,9 +9,8 @@
 use crate::events::effects::resting::energy;
 use crate::events::forces::closed_forces::{Slipping, slipping};
 use crate::events::integrator::Eventful;
-use crate::events::last_step::SLOW;
 use crate::events::modes::piece::Piece;
-use crate::events::modes::present::{Begun, Present};
+use crate::events::modes::present::Present;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::inputs::Inputs;
@@ -67,8 +66,7 @@ impl Eventful {
         let Eventful { whole, elements, touching, mode, response, pieces, current, holding, efforts, .. } = self;
         let mut all = vec![0.0; efforts.len()];
         mode.efforts_at(elements, inputs, since, state, &mut all);
-        let present =
-            Present { whole, elements, touching, mode, moving: &pieces[*current].moving, begun: Begun::default() };
+        let present = Present { whole, elements, touching, mode, moving: &pieces[*current].moving };
         let rest = NO_SLIP * self.memory.fastest;
         let Slipping { stops, turns } = slipping(&present, response, state, &all, holding.is_unique(), rest);
         let stops = if stops < SOON { SHORT_OF * stops } else { BEYOND * stops };
@@ -137,12 +135,11 @@ impl Eventful {
         Pushes::of(&moving.mechanism).with(energy(&moving.mechanism, small).spring, efforts)
     }
 
-    /// Takes the directions in which closed contacts slide at the end of the step that was made last, as far as they are known there.
+    /// Takes the directions in which closed contacts slide at the end of the step that was made last.
     pub(super) fn turn_slips(&mut self) {
-        let Eventful { mode, bodies, slips, memory, .. } = self;
+        let Eventful { mode, bodies, slips, .. } = self;
         for (closed, slip) in mode.contacts.iter().zip(slips) {
-            let now = touch_motion(&closed.contact.joint, bodies).slip;
-            *slip = now.try_normalize(SLOW * memory.fastest).unwrap_or(*slip);
+            *slip = touch_motion(&closed.contact.joint, bodies).slip.try_normalize(0.0).unwrap_or(*slip);
         }
     }
 

@@ -11,7 +11,7 @@
 //! slides λ moves nothing; it is the least-norm one, and the question is whether any admissible λ exists ([`crate::instant::cone::margin`]).
 
 use crate::events::modes::mode::{Closed, JointMode};
-use crate::events::modes::present::{Begun, Present};
+use crate::events::modes::present::Present;
 use crate::instant::cone::least_norm::least_norm;
 use crate::instant::cone::margin_or_clear;
 use crate::instant::cone::problem::{Law, Problem};
@@ -55,27 +55,18 @@ fn blocks(at: &Present, bodies: &[BodyState]) -> Vec<Block> {
     let contacts = mode.contacts.iter().enumerate().map(|(index, closed)| {
         let friction = touching.pairs[closed.contact.pair].friction;
         let joint = &closed.contact.joint;
-        let law = Law::of_contact(friction, slide(at, index, bodies));
+        let law = Law::of_contact(friction, slide(closed, bodies));
         Block { of: Of::Contact(index), law, rows: rows_of_contact(whole, bodies, joint, friction > 0.0) }
     });
     held.chain(contacts).collect()
 }
 
 /// The direction in which a contact slides now, in its tangents; none if it sticks.
-fn slide(at: &Present, index: usize, bodies: &[BodyState]) -> Option<[f64; 2]> {
-    let Closed { contact, slides } = &at.mode.contacts[index];
-    let begins = (*slides)?;
-    let touch = touch_motion(&contact.joint, bodies);
+fn slide(closed: &Closed, bodies: &[BodyState]) -> Option<[f64; 2]> {
+    let begins = closed.slides?;
+    let touch = touch_motion(&closed.contact.joint, bodies);
     let [first, second] = tangents(&touch.normal);
-    let Begun { slips, slow } = at.begun;
-    let own = touch.slip.try_normalize(SLOWEST).unwrap_or(begins);
-    let direction = match slips.get(index) {
-        Some(begun) if touch.slip.norm() < slow => {
-            let known = if own.dot(begun) > 0.0 { touch.slip.norm() / slow } else { 0.0 };
-            own * known + begun * (1.0 - known)
-        }
-        _ => own,
-    };
+    let direction = touch.slip.try_normalize(SLOWEST).unwrap_or(begins);
     let along = [direction.dot(&first), direction.dot(&second)];
     let length = along[0].hypot(along[1]).max(f64::MIN_POSITIVE);
     Some(along.map(|part| part / length))
