@@ -76,21 +76,7 @@ impl Eventful {
             }
             let impulses = impulses_of(&rows, &rates, &blocks);
             rows.add(&impulses, &mut state.velocity);
-            let mut row = 0;
-            for (block, gap) in blocks.iter().zip(&gaps) {
-                if let Of::Contact(contact) = block.of
-                    && impulses[row] > 0.0
-                {
-                    let holds = match block.law {
-                        Law::Contact { friction } if friction > 0.0 => {
-                            impulses[row + 1].hypot(impulses[row + 2]) < HOLDS * friction * impulses[row]
-                        }
-                        _ => false,
-                    };
-                    pressed.push(Pressed { contact: contacts[contact].clone(), gap: *gap, holds });
-                }
-                row += block.rows.len();
-            }
+            pressed = pressed_in(&blocks, &gaps, &contacts, &impulses);
         }
         let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
         state.displace(&self.whole, &moved);
@@ -231,6 +217,25 @@ struct Pressed {
     gap: f64,
     /// Whether friction has held it.
     holds: bool,
+}
+
+/// The contacts that have pressed with these impulses.
+fn pressed_in(blocks: &[Block], gaps: &[f64], contacts: &[Contact], impulses: &[f64]) -> Vec<Pressed> {
+    let (mut row, mut pressed) = (0, Vec::new());
+    for (block, &gap) in blocks.iter().zip(gaps) {
+        let own = &impulses[row..row + block.rows.len()];
+        row += own.len();
+        if let (Of::Contact(contact), [pressure, across @ ..]) = (block.of, own)
+            && *pressure > 0.0
+        {
+            let holds = match (block.law, across) {
+                (Law::Contact { friction }, [first, second]) => first.hypot(*second) < HOLDS * friction * pressure,
+                _ => false,
+            };
+            pressed.push(Pressed { contact: contacts[contact].clone(), gap, holds });
+        }
+    }
+    pressed
 }
 
 /// What brings these values of rows to zero, with the least change of what the rows are of.

@@ -1,9 +1,9 @@
 //! Sharp corners on rims: a spindle that slides or falls on the rim of a standing can, and a box and a can that slide off over a corner and a rim.
 
+use crate::contacts_rims::distance;
 use crate::exact::{near, runge_kutta};
 use crate::loose::{DOWN, cuboid, loose, meet, obstacle, put, solid};
 use crate::mechanisms::{GRAVITY, fixed, of_kind, run_within};
-use catena::geometry::PairGeometry;
 use catena::mechanism::description::contact::Shape;
 use catena::mechanism::description::joint::Pose;
 use catena::mechanism::description::mechanism::Mechanism;
@@ -46,21 +46,6 @@ fn over(body: Shape, under: Shape, friction: f64, restitution: f64) -> Mechanism
     let under = obstacle(&mut mechanism, under, -Vector3::z() * HALF);
     meet(&mut mechanism, under, 0, friction, restitution);
     mechanism
-}
-
-/// How far the only pair of a mechanism is apart (m), by the certificate, which knows nothing of contacts that are closed.
-fn distance(mechanism: &Mechanism, state: &State) -> f64 {
-    let bodies = body_states(mechanism, state);
-    let colliders = &mechanism.nonsmooth.colliders;
-    let pair = mechanism.nonsmooth.pairs[0];
-    let [a, b] = [pair.a, pair.b].map(|number| &colliders[number]);
-    let pose = |body: Option<usize>| match body.map(|body| &bodies[body]) {
-        Some(body) => {
-            Pose::from_parts(Translation3::from(body.position), Rotation3::from_matrix_unchecked(body.rotation))
-        }
-        None => Pose::identity(),
-    };
-    PairGeometry::new(a, b).expect("a pair").distance(&pose(a.body), &pose(b.body)).distance
 }
 
 /// Fails where a free body is further (m) from a place in the plane through z at an angle, and from a turn about the axis across it (rad).

@@ -36,8 +36,8 @@ fn block() -> Shape {
 
 const BELOW: Vector3<f64> = Vector3::new(0.0, 0.0, -HALF);
 
-/// How deep the only pair of a mechanism overlaps in a state, or how far it is apart (m).
-fn distance(mechanism: &Mechanism, state: &State) -> f64 {
+/// How deep the only pair of a mechanism overlaps in a state, or how far it is apart (m), by the certificate, which knows nothing of contacts that are closed.
+pub(crate) fn distance(mechanism: &Mechanism, state: &State) -> f64 {
     let bodies = body_states(mechanism, state);
     let colliders = &mechanism.nonsmooth.colliders;
     let pair = mechanism.nonsmooth.pairs[0];

@@ -87,21 +87,20 @@ fn angle(place: Vector2<f64>) -> f64 {
 /// Adds points of the arcs of a rim that lie in a face of the other shape and have none; `normal` points from the first to the second. The arcs on a triangle
 /// of a mesh go on in its neighbours, and have none.
 pub fn points_on_faces(both: &Both, normal: &Vector3<f64>, of_a: &mut Vec<FeatureId>, of_b: &mut Vec<FeatureId>) {
-    let (own, other, features, out) = match (&both.a.core, &both.b.core) {
-        (Core::Cylinder(_), Core::Polytope(polytope)) => (&both.a.core, polytope, of_a, -normal),
-        (Core::Polytope(polytope), Core::Cylinder(_)) => (&both.b.core, polytope, of_b, *normal),
+    let (core, polytope, features, second) = match (&both.a.core, &both.b.core) {
+        (core, Core::Polytope(polytope)) => (core, polytope, of_a, false),
+        (Core::Polytope(polytope), core) => (core, polytope, of_b, true),
         _ => return,
     };
-    let (Core::Cylinder(cylinder), Some(end)) = (own, flat_end(features)) else { return };
-    if other.edges.iter().any(|edge| !edge.open) {
+    let (Core::Cylinder(cylinder), Some(end)) = (core, flat_end(features)) else { return };
+    if polytope.edges.iter().any(|edge| !edge.open) {
         return;
     }
-    let second = matches!(both.b.core, Core::Cylinder(_));
-    let centre = cylinder.rim_centre(end as usize);
-    let centre = if second { both.of_b(&centre) } else { centre };
+    let own_centre = cylinder.rim_centre(end as usize);
+    let (centre, out) = if second { (both.of_b(&own_centre), *normal) } else { (own_centre, -normal) };
     let disc = Disc { both, second, cylinder, centre, axes: across(normal) };
-    let Some(corners) = disc.face_against(other, &out) else { return };
-    let is_known = features.iter().any(|&name| match (name, part(own, name)) {
+    let Some(corners) = disc.face_against(polytope, &out) else { return };
+    let is_known = features.iter().any(|&name| match (name, part(core, name)) {
         (FeatureId::RimPoint { .. }, Part::Point(at)) => disc.is_inside(&corners, angle(disc.flat(second, at))),
         _ => false,
     });

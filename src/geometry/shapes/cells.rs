@@ -14,6 +14,7 @@
 //! of a plane triangle, IEEE Transactions on Biomedical Engineering 30 (1983).
 
 use crate::shapes::hull::convex_hull;
+use crate::shapes::hull_surface::fans;
 use crate::shapes::plane::across;
 use crate::shapes::polytope::Polytope;
 use catena_mechanism::description::contact::Surface;
@@ -55,17 +56,16 @@ impl Plane {
     }
 }
 
-/// The convex pieces of a closed surface, each by its corners (m); `None` if they are more than wanted, or if the surface has too many planes.
-pub fn exact_pieces(surface: &Surface, most: usize) -> Option<Vec<Vec<Vector3<f64>>>> {
+/// The convex pieces of a closed surface with this hull, each by its corners (m); `None` if they are more than wanted, or if the surface has too many planes.
+pub fn exact_pieces(surface: &Surface, hull: &Polytope, most: usize) -> Option<Vec<Vec<Vector3<f64>>>> {
     if surface.triangles.len() > MOST_TRIANGLES {
         return None;
     }
-    let hull = convex_hull(&surface.vertices).ok()?;
     let middle = hull.vertices.iter().sum::<Vector3<f64>>() / hull.vertices.len() as f64;
     let on = ON * hull.vertices.iter().map(|vertex| (vertex - middle).norm()).fold(0.0, f64::max);
     let triangles: Vec<[Vector3<f64>; 3]> =
         surface.triangles.iter().map(|corners| corners.map(|corner| surface.vertices[corner as usize])).collect();
-    let (planes, within) = fragments(&triangles, &hull, on);
+    let (planes, within) = fragments(&triangles, hull, on);
     let faces = hull.faces.iter().map(|face| face.corners.iter().map(|&corner| hull.vertices[corner]).collect());
     let mut open = vec![Cell { faces: faces.collect(), within }];
     let (mut inside, mut made) = (Vec::new(), 1);
@@ -224,11 +224,8 @@ fn ordered(points: Vec<Vector3<f64>>, normal: &Vector3<f64>, on: f64) -> Vec<Vec
 fn volume(points: &[Vector3<f64>]) -> Option<f64> {
     let hull = convex_hull(points).ok()?;
     let at = |corner: usize| hull.vertices[corner] - hull.vertices[0];
-    let fan = |corners: &[usize]| -> f64 {
-        let first = at(corners[0]);
-        corners.windows(2).skip(1).map(|pair| first.dot(&at(pair[0]).cross(&at(pair[1])))).sum()
-    };
-    Some(hull.faces.iter().map(|face| fan(&face.corners)).sum::<f64>() / 6.0)
+    let sixfold = |[a, b, c]: [Vector3<f64>; 3]| a.dot(&b.cross(&c));
+    Some(fans(&hull).map(|corners| sixfold(corners.map(at))).sum::<f64>() / 6.0)
 }
 
 /// Joins cells, each by its corners, whose union is convex, until there are none.

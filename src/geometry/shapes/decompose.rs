@@ -51,7 +51,8 @@ pub fn decompose(surface: &Surface, most: u32) -> Result<Pieces, GeometryError> 
     if size == 0.0 {
         return Err(GeometryError::EmptyMesh);
     }
-    if convex_hull(&surface.vertices).is_ok_and(|hull| hull.faces.len() == 2) {
+    let hull = convex_hull(&surface.vertices).ok();
+    if hull.as_ref().is_some_and(|hull| hull.faces.len() == 2) {
         return Err(GeometryError::EnclosesNothing);
     }
     check_closed(surface)?;
@@ -60,7 +61,7 @@ pub fn decompose(surface: &Surface, most: u32) -> Result<Pieces, GeometryError> 
     if encloses(&points, &surface.triangles) >= CONVEX * volume_of_hull(&points) {
         return Ok(Pieces { hulls: vec![surface.vertices.clone()], exact: true });
     }
-    if let Some(hulls) = exact_pieces(surface, MOST_EXACT) {
+    if let Some(hulls) = hull.and_then(|hull| exact_pieces(surface, &hull, MOST_EXACT)) {
         return Ok(Pieces { hulls, exact: true });
     }
     let parameters = VHACDParameters { max_convex_hulls: most.max(1), ..VHACDParameters::default() };

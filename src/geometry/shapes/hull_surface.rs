@@ -5,6 +5,7 @@
 
 use crate::shapes::error::GeometryError;
 use crate::shapes::hull::convex_hull;
+use crate::shapes::polytope::{Face, Polytope};
 use catena_mechanism::description::contact::Surface;
 use nalgebra::Vector3;
 
@@ -14,12 +15,16 @@ use nalgebra::Vector3;
 /// [`GeometryError`] for points on a line, or nearly in a plane; points in a plane have both faces of a plate.
 pub fn hull_surface(points: &[Vector3<f64>]) -> Result<Surface, GeometryError> {
     let hull = convex_hull(points)?;
-    let fan = |corners: &Vec<usize>| -> Vec<[u32; 3]> {
-        let corners: Vec<u32> = corners.iter().map(|&corner| corner as u32).collect();
-        corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]).collect()
-    };
-    let triangles = hull.faces.iter().flat_map(|face| fan(&face.corners)).collect();
+    let triangles = fans(&hull).map(|corners| corners.map(|corner| corner as u32)).collect();
     Ok(Surface { vertices: hull.vertices, triangles })
+}
+
+/// The faces of a polytope as triangles, by the numbers of their corners.
+pub(crate) fn fans(polytope: &Polytope) -> impl Iterator<Item = [usize; 3]> {
+    polytope
+        .faces
+        .iter()
+        .flat_map(|Face { corners, .. }| corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]))
 }
 
 #[cfg(test)]

@@ -69,33 +69,21 @@ fn rate((follower, leader, ratio): (usize, usize, f64), velocity: &[f64]) -> f64
 mod tests {
     use super::*;
     use crate::instant::dynamics::mass_matrix::mass_matrix;
+    use crate::instant::dynamics::mass_matrix::tests::tree;
     use crate::instant::dynamics::response_on_tree::ResponseOnTree;
     use crate::mechanism::description::closure::Coordinate;
-    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
-    use crate::mechanism::description::mechanism::Body;
+    use crate::mechanism::description::joint::JointKind;
     use crate::mechanism::motion::state::State;
-    use nalgebra::{Rotation3, Translation3, Vector3};
 
     #[test]
     fn answers_are_those_of_the_freedoms_that_followers_leave() {
-        let pose = |x: f64, turn: f64| {
-            Pose::from_parts(Translation3::new(x, 0.2, -x), Rotation3::from_euler_angles(turn, 0.4, -turn))
-        };
-        let body = |parent, kind, x: f64| Body {
-            name: String::new(),
-            parent,
-            mass: 1.0 + x,
-            inertia: Vector3::new(0.1, 0.2 + x, 0.25 + x),
-            joint: Joint::new("", kind, pose(x, 0.3), pose(0.5 * x, -0.7)),
-        };
-        let bodies = vec![
-            body(None, JointKind::Floating, 0.3),
-            body(Some(0), JointKind::Revolute, 0.5),
-            body(Some(1), JointKind::Prismatic, 0.1),
-            body(Some(0), JointKind::Revolute, 0.7),
-            body(Some(3), JointKind::Revolute, 0.9),
-        ];
-        let mut mechanism = Mechanism::new("hand", Vector3::zeros(), bodies).expect("a tree");
+        let mut mechanism = tree(&[
+            (None, JointKind::Floating, 0.3),
+            (Some(0), JointKind::Revolute, 0.5),
+            (Some(1), JointKind::Prismatic, 0.1),
+            (Some(0), JointKind::Revolute, 0.7),
+            (Some(3), JointKind::Revolute, 0.9),
+        ]);
         let coordinate = |body: usize| {
             let joint = &mechanism.bodies[body].joint;
             Coordinate { body, position: joint.position_index, freedom: joint.velocity_index }

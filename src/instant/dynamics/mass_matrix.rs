@@ -57,7 +57,7 @@ pub fn mass_matrix(mechanism: &Mechanism, state: &State) -> DMatrix<f64> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::mechanism::description::joint::{Joint, JointKind, Pose};
     use crate::mechanism::description::mechanism::Body;
@@ -65,26 +65,30 @@ mod tests {
     use crate::mechanism::motion::kinematics::body_states;
     use nalgebra::{Rotation3, Translation3};
 
-    #[test]
-    fn its_quadratic_form_is_twice_the_kinetic_energy() {
+    /// A tree of bodies, each by its parent, its joint and a size (m, kg) by which all of its numbers differ from those of others.
+    pub(crate) fn tree(bodies: &[(Option<usize>, JointKind, f64)]) -> Mechanism {
         let pose = |x: f64, turn: f64| {
             Pose::from_parts(Translation3::new(x, 0.2, -x), Rotation3::from_euler_angles(turn, 0.4, -turn))
         };
-        let body = |parent, kind, x: f64| Body {
+        let body = |&(parent, kind, x): &(Option<usize>, JointKind, f64)| Body {
             name: String::new(),
             parent,
             mass: 1.0 + x,
             inertia: Vector3::new(0.1, 0.2 + x, 0.25 + x),
             joint: Joint::new("", kind, pose(x, 0.3), pose(0.5 * x, -0.7)),
         };
-        let bodies = vec![
-            body(None, JointKind::Floating, 0.3),
-            body(Some(0), JointKind::Revolute, 0.5),
-            body(Some(1), JointKind::Prismatic, 0.1),
-            body(Some(0), JointKind::Spherical, 0.7),
-            body(None, JointKind::Planar, 0.9),
-        ];
-        let mechanism = Mechanism::new("tree", Vector3::zeros(), bodies).expect("a tree");
+        Mechanism::new("tree", Vector3::zeros(), bodies.iter().map(body).collect()).expect("a tree")
+    }
+
+    #[test]
+    fn its_quadratic_form_is_twice_the_kinetic_energy() {
+        let mechanism = tree(&[
+            (None, JointKind::Floating, 0.3),
+            (Some(0), JointKind::Revolute, 0.5),
+            (Some(1), JointKind::Prismatic, 0.1),
+            (Some(0), JointKind::Spherical, 0.7),
+            (None, JointKind::Planar, 0.9),
+        ]);
         let mut state = State::zero(&mechanism);
         let increment: Vec<f64> = (0..mechanism.velocity_count).map(|index| (index as f64).sin()).collect();
         state.displace(&mechanism, &increment);
