@@ -23,6 +23,9 @@ pub enum MeshError {
     /// It is not what its ending says.
     #[error("{0}")]
     Damaged(String),
+    /// What Git LFS leaves in the place of a file that it has not fetched.
+    #[error("it is a pointer of Git LFS, not a mesh; fetch the mesh with git lfs pull")]
+    LfsPointer,
     /// No triangle in it has three different corners.
     #[error("there is no triangle in it")]
     Empty,

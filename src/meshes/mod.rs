@@ -37,6 +37,9 @@ pub type Neighbour<'n> = dyn Fn(&str) -> Option<Vec<u8>> + 'n;
 /// # Errors
 /// [`MeshError`] if it is of no known kind, damaged, or has no triangles.
 pub fn read_surface(ending: &str, data: &[u8], neighbour: &Neighbour) -> Result<Surface, MeshError> {
+    if data.starts_with(b"version https://git-lfs.") {
+        return Err(MeshError::LfsPointer);
+    }
     let surface = match ending.to_ascii_lowercase().as_str() {
         "stl" => stl::read(data)?,
         "obj" => obj::read(data, neighbour)?,

@@ -17,7 +17,6 @@ pub use description::contact_pairs::{ContactRecord, LeftOutPair, NeverTouch, Own
 pub use description::coordinates::{JointCoordinates, position_names, velocity_names};
 pub use description::coupling_error::{CouplingError, CouplingProblem};
 pub use description::model_error::ModelError;
-pub(crate) use description::model_error::listed;
 pub use description::robot_model::{
     JointRecord, LinkFrame, LinkState, Model, PlacedRobot, Reduction, ReductionRule, SourceFile,
 };

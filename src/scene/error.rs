@@ -151,8 +151,8 @@ pub enum Problem {
     #[error("the name of an obstacle must not be empty, {WORLD_LINK:?} or contain \"|\" or \"*\"", WORLD_LINK = crate::scene::world::WORLD_LINK)]
     ObstacleName,
     /// A link or joint that no robot has.
-    #[error("there is no {what} {name:?}{}", hint(*robots))]
-    UnknownName { what: &'static str, name: String, robots: usize },
+    #[error("there is no {what} {name:?}{}; there are {}", hint(*robots), listed(known))]
+    UnknownName { what: &'static str, name: String, robots: usize, known: Vec<String> },
     /// Limits between which there is nothing.
     #[error("its lower limit {lower} is above its upper limit {upper}; swap them")]
     ReversedLimits { lower: f64, upper: f64 },
@@ -204,4 +204,17 @@ fn proposal(near: &[String]) -> String {
 /// `"a", "b", "c"`.
 pub(crate) fn quoted<S: AsRef<str>>(names: &[S]) -> String {
     names.iter().map(|name| format!("{:?}", name.as_ref())).collect::<Vec<_>>().join(", ")
+}
+
+/// Names in quotes; of a robot with hundreds of joints no more than fit into a line or two.
+pub(crate) fn listed(known: &[String]) -> String {
+    const MOST: usize = 12;
+    match known {
+        [] => "none".to_string(),
+        few if few.len() <= MOST => quoted(few),
+        many => {
+            let (shown, rest) = many.split_at(MOST - 2);
+            format!("{} and {} more, which `catena model` lists", quoted(shown), rest.len())
+        }
+    }
 }

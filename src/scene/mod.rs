@@ -39,8 +39,8 @@ pub use coupling::{
     JointReference, LinkReference, LoadKind, LoopEnd, Point, SceneLoad, SceneLoop, SceneSpring, SpringPlace,
 };
 pub use description::{JointValues, STANDARD_GRAVITY, Scene, SceneRobot, SimulationSettings};
-pub(crate) use error::quoted;
 pub use error::{Element, Problem, SceneError};
+pub(crate) use error::{listed, quoted};
 pub use joint_settings::{LimitChoice, SceneJoint, SceneMotor, TableFile, TargetTable};
 pub use parameters::Parameter;
 pub use robot::{

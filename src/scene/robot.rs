@@ -7,6 +7,7 @@ use crate::scene::warning::Warning;
 use crate::scene::world::WORLD_LINK;
 
 use nalgebra::{IsometryMatrix3, Matrix3, Vector3};
+use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -124,14 +125,16 @@ pub struct MeshFile {
 }
 
 impl MeshFile {
-    /// Where it is and its bytes, or why there are none, as the end of a sentence about it.
-    pub(crate) fn read(&self) -> Result<(PathBuf, Arc<Vec<u8>>), String> {
+    /// Where it is and its bytes; `None` if there is no such file.
+    ///
+    /// # Errors
+    /// Of the file system, for a file that is there, and for one that is too large.
+    pub(crate) fn read(&self) -> Option<io::Result<(PathBuf, Arc<Vec<u8>>)>> {
         if let Some(bytes) = &self.carried {
-            return Ok((PathBuf::from(&self.path), bytes.clone()));
+            return Some(Ok((PathBuf::from(&self.path), bytes.clone())));
         }
-        let path = self.resolved.as_ref().ok_or("was not found")?;
-        let bytes = read_bounded(path).map_err(|error| format!("cannot be read: {error}"))?;
-        Ok((path.clone(), Arc::new(bytes)))
+        let path = self.resolved.as_ref()?;
+        Some(read_bounded(path).map(|bytes| (path.clone(), Arc::new(bytes))))
     }
 }
 

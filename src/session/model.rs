@@ -224,7 +224,7 @@ impl Model {
     pub(crate) fn link_index(&self, link: &str) -> Result<usize, Error> {
         self.description().link(link).ok_or_else(|| {
             let known: Vec<String> = self.description().links.iter().map(|link| link.name.clone()).collect();
-            Error::UnknownLink { link: link.to_string(), known: crate::model::listed(&known) }
+            Error::UnknownLink { link: link.to_string(), known: crate::scene::listed(&known) }
         })
     }
 

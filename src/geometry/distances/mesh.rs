@@ -22,7 +22,7 @@ use crate::features::both::{Both, Candidate};
 use crate::features::feature::{FeatureId, Part, inside};
 use crate::shapes::convex::{Convex, Core};
 use crate::shapes::error::GeometryError;
-use crate::shapes::hull::check_points;
+use crate::shapes::hull::check_surface;
 use crate::shapes::polytope::Polytope;
 use catena_mechanism::description::contact::Surface;
 use catena_mechanism::description::joint::Pose;
@@ -33,8 +33,6 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Meshes of more triangles take too long.
-const MOST_TRIANGLES: usize = 2_000_000;
 /// Flat, relative to the size of the triangles.
 const FLAT: f64 = 1e-9;
 /// Normals that lean over a neighbour by less than this angle (rad) are those of the border.
@@ -81,19 +79,9 @@ impl std::fmt::Debug for Mesh {
 impl Mesh {
     /// A surface with its pose in the body.
     pub fn new(surface: &Surface, pose: &Pose) -> Result<Self, GeometryError> {
-        check_points(&surface.vertices)?;
-        if surface.triangles.len() > MOST_TRIANGLES {
-            let count = surface.triangles.len();
-            return Err(GeometryError::TooMany { what: "triangles", count, limit: MOST_TRIANGLES });
-        }
+        check_surface(surface)?;
         if !pose.translation.vector.iter().chain(pose.rotation.matrix()).all(|entry| entry.is_finite()) {
             return Err(GeometryError::Pose { shape: "triangle mesh" });
-        }
-        let count = surface.vertices.len();
-        for (triangle, corners) in surface.triangles.iter().enumerate() {
-            if let Some(&vertex) = corners.iter().find(|&&corner| corner as usize >= count) {
-                return Err(GeometryError::Index { triangle, vertex, count });
-            }
         }
         let (vertices, of) = merged(&surface.vertices, pose);
         let mut triangles = Vec::new();

@@ -11,11 +11,15 @@
 //! | cylinder | cylinder: centre c, unit axis k, radius ρ, half length h | 0 |
 
 use crate::shapes::error::GeometryError;
-use crate::shapes::hull::{check_points, convex_hull};
+use crate::shapes::hull::{check_points, check_surface, convex_hull};
 use crate::shapes::polytope::{Face, Polytope};
 use catena_mechanism::description::contact::Shape;
 use catena_mechanism::description::joint::Pose;
 use nalgebra::Vector3;
+
+/// Farthest point of a shape from its origin (m): beyond it coordinates are rounded to more than 1e-10 m, and gaps that are closed at the start, to 1e-9
+/// of the size, to more than 1e-3 m.
+const FARTHEST: f64 = 1e6;
 
 /// A cylinder in the frame of its body.
 #[derive(Clone, Debug, PartialEq)]
@@ -158,12 +162,17 @@ impl Convex {
 /// Whether a shape can be used.
 ///
 /// # Errors
-/// [`GeometryError`] for sizes that are no lengths, for points that have no hull, and for meshes that are too large or have coordinates that are not finite.
+/// [`GeometryError`] for sizes that are no lengths, for points that have no hull, for meshes of too many points or with coordinates that are not
+/// finite, and for what reaches too far from its origin.
 pub fn check_shape(shape: &Shape) -> Result<(), GeometryError> {
-    match shape {
-        Shape::Mesh(surface) => check_points(&surface.vertices),
-        _ => Convex::new(shape, &Pose::identity()).map(drop),
-    }
+    let reach = match shape {
+        Shape::Mesh(surface) => {
+            check_surface(surface)?;
+            surface.vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max)
+        }
+        _ => Convex::new(shape, &Pose::identity())?.map_or(0.0, |convex| convex.reach()),
+    };
+    if reach <= FARTHEST { Ok(()) } else { Err(GeometryError::TooFar { shape: kind(shape), reach, limit: FARTHEST }) }
 }
 
 /// A shape's kind in words.

@@ -8,7 +8,7 @@
 
 use crate::shapes::cells::exact_pieces;
 use crate::shapes::error::GeometryError;
-use crate::shapes::hull::{check_points, convex_hull};
+use crate::shapes::hull::{check_surface, convex_hull};
 use catena_mechanism::description::contact::Surface;
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector;
@@ -36,13 +36,8 @@ pub struct Pieces {
 /// [`GeometryError`] for a surface without an extent or triangles, with triangles of vertices that do not exist, or with coordinates that are not
 /// finite; and for one that encloses nothing because it is flat or not closed.
 pub fn decompose(surface: &Surface, most: u32) -> Result<Pieces, GeometryError> {
-    check_points(&surface.vertices)?;
+    check_surface(surface)?;
     let count = surface.vertices.len();
-    for (triangle, corners) in surface.triangles.iter().enumerate() {
-        if let Some(&vertex) = corners.iter().find(|&&corner| corner as usize >= count) {
-            return Err(GeometryError::Index { triangle, vertex, count });
-        }
-    }
     if surface.triangles.is_empty() {
         return Err(GeometryError::EmptyMesh);
     }

@@ -83,6 +83,19 @@ pub enum GeometryError {
         /// How many are possible.
         limit: usize,
     },
+    /// Coordinates that are rounded to more than contacts are exact to.
+    #[error(
+        "the {shape} reaches {} m from its origin, farther than {limit:e} m: give lengths in metres (a mesh takes a scale), or a half space as ground",
+        shown(*.reach)
+    )]
+    TooFar {
+        /// Kind of the shape.
+        shape: &'static str,
+        /// m.
+        reach: f64,
+        /// m.
+        limit: f64,
+    },
     /// Two shapes of which neither is convex and bounded.
     #[error("contact of a {a} with a {b} is not possible: one of two shapes must be convex and bounded")]
     Obstacles {

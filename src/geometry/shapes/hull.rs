@@ -6,11 +6,14 @@
 use crate::shapes::error::GeometryError;
 use crate::shapes::plane::{across, corners};
 use crate::shapes::polytope::{Face, Polytope};
+use catena_mechanism::description::contact::Surface;
 use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::math::Vector;
 use parry3d_f64::transformation::try_convex_hull;
 use std::collections::BTreeMap;
 
+/// Meshes of more triangles take too long.
+const MOST_TRIANGLES: usize = 2_000_000;
 /// Hulls of more points take too long.
 const MOST_POINTS: usize = 1_000_000;
 /// Flat, relative to the size.
@@ -39,12 +42,32 @@ pub fn convex_hull(points: &[Vector3<f64>]) -> Result<Polytope, GeometryError> {
     let hull = try_convex_hull(&unit).map_err(|error| GeometryError::Hull { reason: error.to_string() })?;
     let (vertices, triangles) = hull;
     // Exactly the points that were given, because a place that is scaled forth and back differs in the last digit.
-    let nearest = |vertex: &Vector| {
-        let among = |number: &usize| (unit[*number] - *vertex).length_squared();
-        (0..unit.len()).min_by(|one, other| among(one).total_cmp(&among(other))).map_or(middle, |number| points[number])
-    };
-    let vertices: Vec<Vector3<f64>> = vertices.iter().map(nearest).collect();
+    let vertices = given(&vertices, &unit).into_iter().map(|number| points[number]).collect();
     merged(vertices, &triangles, size)
+}
+
+/// The numbers of the given points that are nearest to the vertices of their hull, the first of equally near ones. Points are looked at in the order
+/// of their x, from that of the vertex outwards, as long as x alone allows one that is nearer.
+fn given(vertices: &[Vector], points: &[Vector]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&one, &other| points[one].x.total_cmp(&points[other].x));
+    let nearest = |vertex: &Vector| {
+        let mut best = (f64::INFINITY, usize::MAX);
+        let mut look = |number: usize| {
+            let across = points[number].x - vertex.x;
+            let is_near = across * across <= best.0;
+            if is_near {
+                let square = (points[number] - *vertex).length_squared();
+                best = if (square, number) < best { (square, number) } else { best };
+            }
+            is_near
+        };
+        let middle = order.partition_point(|&number| points[number].x < vertex.x);
+        let _ = order[middle..].iter().all(|&number| look(number));
+        let _ = order[..middle].iter().rev().all(|&number| look(number));
+        best.1
+    };
+    vertices.iter().map(nearest).collect()
 }
 
 /// All coordinates are finite, and there are not too many of them.
@@ -56,6 +79,22 @@ pub fn check_points(points: &[Vector3<f64>]) -> Result<(), GeometryError> {
         if let Some(axis) = (0..3).find(|&axis| point[axis].is_nan() || point[axis].abs() >= 1e150) {
             let name = ['x', 'y', 'z'][axis];
             return Err(GeometryError::Coordinate { vertex, axis: name, value: point[axis] });
+        }
+    }
+    Ok(())
+}
+
+/// All coordinates are finite, all corners of triangles are there, and there are not too many of them.
+pub fn check_surface(surface: &Surface) -> Result<(), GeometryError> {
+    check_points(&surface.vertices)?;
+    if surface.triangles.len() > MOST_TRIANGLES {
+        let count = surface.triangles.len();
+        return Err(GeometryError::TooMany { what: "triangles", count, limit: MOST_TRIANGLES });
+    }
+    let count = surface.vertices.len();
+    for (triangle, corners) in surface.triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&corner| corner as usize >= count) {
+            return Err(GeometryError::Index { triangle, vertex, count });
         }
     }
     Ok(())

@@ -124,3 +124,29 @@ fn points_in_one_plane_make_a_plate_that_touches_with_its_corners_and_is_touched
     let boxes = pair(hull(&points(&Pose::identity())), cuboid(0.1, 0.1, 0.1));
     assert_eq!(boxes.touches(&Pose::identity(), &at(0.3, 0.1, 0.1), 1e-9).len(), 4);
 }
+
+#[test]
+fn what_reaches_too_far_or_has_too_many_triangles_is_refused_before_it_is_in_a_scene() {
+    let refused = |shape: &Shape| check_shape(shape).err().map(|error| error.to_string());
+    let corners = |size: f64| [[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0], [0.0, 0.0, size]];
+    for (size, is_refused) in [(9.9e5, false), (1.01e6, true)] {
+        let shapes = [
+            Shape::Sphere { radius: size },
+            Shape::Capsule { radius: 0.5 * size, half: 0.5 * size },
+            Shape::Cylinder { radius: 0.6 * size, half: 0.8 * size },
+            cuboid(size, 0.01, 0.01),
+            hull(&corners(size)),
+            mesh(&corners(size), &[[0, 2, 1]]),
+        ];
+        for shape in &shapes {
+            let said = refused(shape);
+            assert_eq!(said.is_some(), is_refused, "{shape:?}: {said:?}");
+            assert!(said.is_none_or(|said| said.contains("farther than 1e6 m: give lengths in metres")), "{shape:?}");
+        }
+    }
+    assert_eq!(refused(&Shape::HalfSpace), None);
+    let many = refused(&mesh(&corners(1.0), &vec![[0, 2, 1]; 2_000_001]));
+    assert!(many.is_some_and(|said| said.starts_with("2000001 triangles are more than 2000000: simplify the shape")));
+    let nowhere = refused(&mesh(&corners(1.0), &[[0, 2, 4]]));
+    assert!(nowhere.is_some_and(|said| said.starts_with("triangle 0 names vertex 4")));
+}

@@ -9,16 +9,16 @@ use crate::model::coupling::contact_meshes::ShapeReader;
 use crate::model::description::contact_pairs::{ContactRecord, LeftOutPair, NeverTouch, Owner, contact_pairs, matches};
 use crate::model::description::contact_reach::ContactReach;
 use crate::model::description::coupling_error::{CouplingError, CouplingProblem};
-use crate::model::description::model_error::{ModelError, listed};
+use crate::model::description::model_error::ModelError;
 use crate::model::description::robot_model::Model;
-use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, Touching, Warning};
+use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, Touching, Warning, listed};
 
 impl Model {
     /// Takes the colliders and the pairs that may touch into the mechanism, instead of those it has.
     ///
     /// # Errors
-    /// [`ModelError`] for shapes of links without size, names that nothing has, and obstacles with the name of a link. Meshes of links that
-    /// cannot be used are left out, with a warning.
+    /// [`ModelError`] for shapes of links without size, meshes that are there and cannot be used, names that nothing has, and obstacles with the
+    /// name of a link. Meshes of links that are not found are left out, with a warning.
     pub fn set_contact(&mut self, settings: &ContactSettings) -> Result<(), ModelError> {
         self.check_contact_names(settings)?;
         let moving = settings.touching == Touching::All && self.robots.len() > 1;
@@ -46,10 +46,10 @@ impl Model {
         Ok(())
     }
 
-    /// The collision shapes of all links as colliders, whether they may touch anything or not, and warnings of meshes that cannot be used.
+    /// The collision shapes of all links as colliders, whether they may touch anything or not, and warnings of meshes that were not found.
     ///
     /// # Errors
-    /// [`ModelError`] for shapes without size.
+    /// [`ModelError`] for shapes without size and meshes that cannot be used.
     #[cfg(feature = "log")]
     pub(crate) fn shapes_of_links(&self) -> Result<(Vec<Collider>, Vec<Warning>), ModelError> {
         let (mut colliders, mut reader) = (Vec::new(), ShapeReader::default());
@@ -85,7 +85,7 @@ impl Model {
             let choice = said.map_or(LinkShapes::default(), |said| said.shapes);
             for given in link.collisions.iter().filter(|_| choice != LinkShapes::None) {
                 let pose = frame.in_body * given.origin;
-                let shapes = reader.shapes((number, &placed.robot), &link.name, given, choice)?;
+                let shapes = reader.shapes((number, &placed.robot), [&link.name, &frame.name], given, choice)?;
                 let collider = |shape| Collider { name: frame.name.clone(), body: frame.body, pose, shape };
                 colliders.extend(shapes.into_iter().map(collider));
             }

@@ -2,7 +2,7 @@
 
 use crate::geometry::{GeometryError, Pieces, check_shape, decompose};
 use crate::mechanism::description::contact::Shape;
-use crate::meshes::{MeshError, collision_surface, connected_parts};
+use crate::meshes::{collision_surface, connected_parts};
 use crate::model::description::coupling_error::{CouplingError, CouplingProblem};
 use crate::model::description::model_error::ModelError;
 use crate::scene::{
@@ -19,17 +19,20 @@ const MOST_PIECES: u32 = 16;
 pub(crate) struct ShapeReader {
     /// The meshes that were read, each once for each robot.
     pub meshes: Vec<MeshSource>,
-    /// Of meshes that were left out.
+    /// Of meshes that were not found, and of pieces that are approximate.
     pub warnings: Vec<Warning>,
 }
 
 impl ShapeReader {
-    /// The shapes that a collision shape of a link of robot `number` stands for: several of a mesh in parts, none of a mesh that cannot be
-    /// read, of which there is a warning.
+    /// The shapes that a collision shape of a link of robot `number` stands for: several of a mesh in parts, none of a mesh that is not found, of
+    /// which there is a warning. The link is given by its names in the URDF and in the scene.
+    ///
+    /// # Errors
+    /// [`ModelError`] for shapes without size, and for meshes that are there and cannot be used: a run without them would be one of another robot.
     pub fn shapes(
         &mut self,
         (number, robot): (usize, &Robot),
-        link: &str,
+        [link, touching]: [&str; 2],
         given: &LinkShape,
         choice: LinkShapes,
     ) -> Result<Vec<Shape>, ModelError> {
@@ -56,29 +59,34 @@ impl ShapeReader {
                 half: 0.5 * positive("length of its capsule", *length)?,
             },
             Geometry::Mesh(mesh) => {
-                let reason = match self.hulls(number, mesh, choice) {
-                    Ok((shapes, exact)) => {
-                        if !exact {
-                            let message = format!(
-                                "its collision mesh {:?} has too many planes to be cut exactly, so {} approximate pieces reach into its hollows",
-                                mesh.path,
-                                shapes.len()
-                            );
-                            self.warn(robot, link, given.line, message);
-                        }
-                        return Ok(shapes);
-                    }
-                    Err(Unusable::Pieces(problem)) => {
-                        return Err(refuse(CouplingProblem::Pieces {
-                            mesh: mesh.path.clone(),
-                            problem: Box::new(problem),
-                        }));
-                    }
-                    Err(Unusable::Mesh(reason)) => reason,
+                let unusable = |problem: String| CouplingProblem::Mesh {
+                    mesh: mesh.path.clone(),
+                    problem,
+                    link: touching.to_string(),
                 };
-                let message = format!("its collision mesh {:?} {reason}, so this shape touches nothing", mesh.path);
-                self.warn(robot, link, given.line, message);
-                return Ok(Vec::new());
+                let Some(source) = self.source(number, mesh).map_err(|problem| refuse(unusable(problem)))? else {
+                    let message =
+                        format!("its collision mesh {:?} was not found, so this shape touches nothing", mesh.path);
+                    self.warn(robot, link, given.line, message);
+                    return Ok(Vec::new());
+                };
+                let (shapes, exact) = hulls(&source, mesh, choice).map_err(|why| {
+                    refuse(match why {
+                        Unusable::Mesh(problem) => unusable(problem),
+                        Unusable::Pieces(problem) => {
+                            CouplingProblem::Pieces { mesh: mesh.path.clone(), problem: Box::new(problem) }
+                        }
+                    })
+                })?;
+                if !exact {
+                    let message = format!(
+                        "its collision mesh {:?} has too many planes to be cut exactly, so {} approximate pieces reach into its hollows",
+                        mesh.path,
+                        shapes.len()
+                    );
+                    self.warn(robot, link, given.line, message);
+                }
+                return Ok(shapes);
             }
         };
         check_shape(&shape).map_err(|problem| refuse(CouplingProblem::Shape(problem)))?;
@@ -91,53 +99,47 @@ impl ShapeReader {
         self.warnings.push(warning.in_group(WarningGroup::NotSimulated));
     }
 
-    /// The convex hulls of a mesh and whether they are what was asked for exactly, or why there are none.
-    fn hulls(&mut self, number: usize, mesh: &MeshFile, choice: LinkShapes) -> Result<(Vec<Shape>, bool), Unusable> {
-        let unusable = |error: MeshError| format!("cannot be used: {error}");
+    /// The file of a mesh and its bytes, read once for each robot; `None` if there is no such file.
+    fn source(&mut self, number: usize, mesh: &MeshFile) -> Result<Option<MeshSource>, String> {
         let name = format!("robot{}: {}", number + 1, mesh.path);
-        let source = match self.meshes.iter().find(|source| source.name == name) {
-            Some(source) => source,
-            None => {
-                let (path, bytes) = mesh.read()?;
-                self.meshes.push(MeshSource { name, path, bytes });
-                &self.meshes[self.meshes.len() - 1]
-            }
-        };
-        let surface =
-            collision_surface(std::path::Path::new(&mesh.path), &source.bytes, &mesh.scale).map_err(unusable)?;
-        let mut exact = true;
-        let parts: Vec<Vec<Vector3<f64>>> = match choice {
-            LinkShapes::Decompose => {
-                let parts = connected_parts(&surface);
-                let pieces: Result<Vec<Pieces>, _> = parts.iter().map(|part| decompose(part, MOST_PIECES)).collect();
-                let refused = |error| match error {
-                    GeometryError::EnclosesNothing | GeometryError::Open { .. } => Unusable::Pieces(error),
-                    error => Unusable::Mesh(format!("cannot be used: {error}")),
-                };
-                let pieces = pieces.map_err(refused)?;
-                exact = pieces.iter().all(|part| part.exact);
-                pieces.into_iter().flat_map(|part| part.hulls).collect()
-            }
-            LinkShapes::Hull | LinkShapes::None => vec![surface.vertices],
-        };
-        let shapes: Vec<Shape> = parts.into_iter().map(|part| Shape::Hull(Arc::new(part))).collect();
-        match shapes.iter().try_for_each(check_shape) {
-            Ok(()) => Ok((shapes, exact)),
-            Err(problem) => Err(Unusable::Mesh(format!("cannot be used: {problem}"))),
+        if let Some(source) = self.meshes.iter().find(|source| source.name == name) {
+            return Ok(Some(source.clone()));
         }
+        let Some(read) = mesh.read() else { return Ok(None) };
+        let (path, bytes) = read.map_err(|error| format!("it cannot be read: {error}"))?;
+        let source = MeshSource { name, path, bytes };
+        self.meshes.push(source.clone());
+        Ok(Some(source))
     }
 }
 
-/// Why a mesh has no shapes.
+/// The convex hulls of a mesh and whether they are what was asked for exactly, or why there are none.
+fn hulls(source: &MeshSource, mesh: &MeshFile, choice: LinkShapes) -> Result<(Vec<Shape>, bool), Unusable> {
+    let surface = collision_surface(std::path::Path::new(&mesh.path), &source.bytes, &mesh.scale);
+    let surface = surface.map_err(|error| Unusable::Mesh(error.to_string()))?;
+    let mut exact = true;
+    let parts: Vec<Vec<Vector3<f64>>> = match choice {
+        LinkShapes::Decompose => {
+            let parts = connected_parts(&surface);
+            let pieces: Result<Vec<Pieces>, _> = parts.iter().map(|part| decompose(part, MOST_PIECES)).collect();
+            let pieces = pieces.map_err(|error| match error {
+                GeometryError::EnclosesNothing | GeometryError::Open { .. } => Unusable::Pieces(error),
+                error => Unusable::Mesh(error.to_string()),
+            })?;
+            exact = pieces.iter().all(|part| part.exact);
+            pieces.into_iter().flat_map(|part| part.hulls).collect()
+        }
+        LinkShapes::Hull | LinkShapes::None => vec![surface.vertices],
+    };
+    let shapes: Vec<Shape> = parts.into_iter().map(|part| Shape::Hull(Arc::new(part))).collect();
+    shapes.iter().try_for_each(check_shape).map_err(|problem| Unusable::Mesh(problem.to_string()))?;
+    Ok((shapes, exact))
+}
+
+/// Why a mesh that is there has no shapes.
 enum Unusable {
-    /// In words: the mesh is left out.
+    /// In words.
     Mesh(String),
-    /// Pieces were asked for of what has none: an error.
+    /// Pieces were asked for of what has none.
     Pieces(GeometryError),
-}
-
-impl From<String> for Unusable {
-    fn from(reason: String) -> Self {
-        Unusable::Mesh(reason)
-    }
 }

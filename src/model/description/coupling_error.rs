@@ -21,6 +21,11 @@ pub struct CouplingError {
 /// What can be wrong with something that couples or pushes bodies.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum CouplingProblem {
+    /// A collision mesh that is there and cannot be used.
+    #[error(
+        "its collision mesh {mesh:?} cannot be used: {problem}. Mend the file, or let the link touch nothing: collision = \"none\" in the [[link]] {link:?} of the scene file"
+    )]
+    Mesh { mesh: String, problem: String, link: String },
     /// Convex pieces were asked for of a mesh that encloses nothing.
     #[error("its collision mesh {mesh:?} cannot be cut into convex pieces: {problem}")]
     Pieces { mesh: String, problem: Box<GeometryError> },

@@ -2,7 +2,7 @@
 
 use crate::mechanism::description::mechanism::MechanismError;
 use crate::model::description::coupling_error::CouplingError;
-use crate::scene::Element;
+use crate::scene::{Element, listed};
 use std::path::PathBuf;
 
 /// Errors of the reduction and of initial conditions.
@@ -89,19 +89,6 @@ fn with_fused(fused: &[String]) -> String {
     match fused {
         [] => "the link".to_string(),
         fused => format!("together with the links fixed to it ({}) it", crate::scene::quoted(fused)),
-    }
-}
-
-/// Names in quotes; of a robot with hundreds of joints no more than fit into a line or two.
-pub(crate) fn listed(known: &[String]) -> String {
-    const MOST: usize = 12;
-    match known {
-        [] => "none".to_string(),
-        few if few.len() <= MOST => crate::scene::quoted(few),
-        many => {
-            let (shown, rest) = many.split_at(MOST - 2);
-            format!("{} and {} more, which `catena model` lists", crate::scene::quoted(shown), rest.len())
-        }
     }
 }
 

@@ -268,7 +268,7 @@ impl Keys {
     fn contact(&mut self, scene: &Scene) {
         for (obstacle, one) in scene.contact.obstacles.iter().enumerate() {
             let called = |what: &str| format!("{}.{what}", one.name);
-            self.put("obstacle", &called("friction"), Range::NotNegative, Place::ObstacleFriction(obstacle));
+            self.put("obstacle", &called("friction"), Range::Friction, Place::ObstacleFriction(obstacle));
             self.put("obstacle", &called("restitution"), Range::Fraction, Place::ObstacleRestitution(obstacle));
             let place = |axis| Place::ObstaclePosition { obstacle, axis };
             self.vector("obstacle", &called("pose.position"), Range::Finite, place);
@@ -286,11 +286,11 @@ impl Keys {
                 _ => {}
             }
         }
-        self.put("contact", "friction", Range::NotNegative, Place::ContactFriction);
+        self.put("contact", "friction", Range::Friction, Place::ContactFriction);
         self.put("contact", "restitution", Range::Fraction, Place::ContactRestitution);
         for rule in 0..scene.contact.rules.len() {
             let called = |what: &str| format!("pair.{}.{what}", rule + 1);
-            self.put("contact", &called("friction"), Range::NotNegative, Place::PairFriction(rule));
+            self.put("contact", &called("friction"), Range::Friction, Place::PairFriction(rule));
             self.put("contact", &called("restitution"), Range::Fraction, Place::PairRestitution(rule));
         }
     }

@@ -40,7 +40,7 @@ mod stand;
 
 use crate::scene::description::Scene;
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::scene_reading::scene_numbers::{Bound, Finite, Fraction, NotNegative, Positive, STAGES};
+use crate::scene::scene_reading::scene_numbers::{Bound, Finite, Fraction, Friction, NotNegative, Positive, STAGES};
 use place::Place;
 
 /// A number of a scene: where it is, what it may be, and what the files say it is.
@@ -63,6 +63,8 @@ enum Range {
     Bound,
     /// From 0 to 1.
     Fraction,
+    /// A friction coefficient.
+    Friction,
     /// A limit of a joint, perhaps infinite; both are checked together when all numbers are set.
     Limit,
     /// A number of stages.
@@ -77,6 +79,7 @@ impl Range {
             Range::NotNegative => NotNegative::try_from(number).err(),
             Range::Positive => Positive::try_from(number).err(),
             Range::Bound => Bound::try_from(number).err(),
+            Range::Friction => Friction::try_from(number).err(),
             Range::Fraction => Fraction::try_from(number).err(),
             Range::Limit => number.is_nan().then(|| "a limit must not be NaN".to_string()),
             Range::Stages => (number.fract() != 0.0 || !STAGES.contains(&(number as usize)))

@@ -1,7 +1,7 @@
 //! The tables `[[obstacle]]`, `[contact]`, `[[contact.pair]]` and `[[link]]` of a scene file, as `serde` reads them.
 
 use crate::scene::contact_settings::{LinkShapes, Touching};
-use crate::scene::scene_reading::scene_numbers::{Finite, Fraction, NotNegative, PoseTable, Positive};
+use crate::scene::scene_reading::scene_numbers::{Finite, Fraction, Friction, PoseTable, Positive};
 use toml::Spanned;
 
 #[derive(serde::Deserialize)]
@@ -11,7 +11,7 @@ pub(crate) struct ObstacleTable {
     pub shape: Spanned<ShapeTable>,
     #[serde(default)]
     pub pose: PoseTable,
-    pub friction: Option<NotNegative>,
+    pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
 }
 
@@ -43,7 +43,7 @@ pub(crate) enum ShapeKind {
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct ContactTable {
     pub pairs: Touching,
-    pub friction: Option<NotNegative>,
+    pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
     pub pair: Vec<Spanned<PairTable>>,
 }
@@ -53,7 +53,7 @@ pub(crate) struct ContactTable {
 pub(crate) struct PairTable {
     pub a: String,
     pub b: String,
-    pub friction: Option<NotNegative>,
+    pub friction: Option<Friction>,
     pub restitution: Option<Fraction>,
     pub ignore: Option<bool>,
 }

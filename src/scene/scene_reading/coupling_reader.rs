@@ -186,7 +186,17 @@ impl CouplingReader<'_> {
     }
 
     fn unknown(&self, what: &'static str, name: &Spanned<String>, owner: &Element) -> SceneError {
-        let problem = Problem::UnknownName { what, name: name.get_ref().clone(), robots: self.robots.len() };
+        let is_alone = self.robots.len() == 1;
+        let known = self.robots.iter().flat_map(|placed| {
+            let called = |own: &String| if is_alone { own.clone() } else { format!("{}/{own}", placed.name) };
+            let (links, joints) = (&placed.robot.links, &placed.robot.joints);
+            match what {
+                "link" => links.iter().map(|link| called(&link.name)).collect::<Vec<_>>(),
+                _ => joints.iter().map(|joint| called(&joint.name)).collect(),
+            }
+        });
+        let (known, robots) = (known.collect(), self.robots.len());
+        let problem = Problem::UnknownName { what, name: name.get_ref().clone(), robots, known };
         self.text.error(&name.span(), Some(owner.clone()), problem)
     }
 }

@@ -112,7 +112,8 @@ fn robot(text: &TomlText, table: Spanned<RobotTable>, files: &mut dyn SceneFiles
         Err(error) if matches!(*error.problem, Problem::Unreadable(_)) => {
             let message = error.to_string();
             let problem = Problem::Toml { key: Some("robot.urdf".to_string()), message };
-            return Err(text.error(&table.urdf.span(), None, problem));
+            let named = table.name.map(|name| Element::Robot(name.into_inner()));
+            return Err(text.error(&table.urdf.span(), named, problem));
         }
         read => read?,
     };

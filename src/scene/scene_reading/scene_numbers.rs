@@ -13,6 +13,14 @@ pub(crate) struct Finite(pub f64);
 #[serde(try_from = "f64")]
 pub(crate) struct NotNegative(pub f64);
 
+/// A friction coefficient: not negative, and at most [`MOST_FRICTION`].
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(try_from = "f64")]
+pub(crate) struct Friction(pub f64);
+
+/// The law of a cone that is nearly a half space is solved to fewer digits: with 1e5 one instant in some is not exact.
+const MOST_FRICTION: f64 = 1e4;
+
 /// A finite number greater than zero.
 #[derive(Clone, Copy, serde::Deserialize)]
 #[serde(try_from = "f64")]
@@ -39,6 +47,16 @@ impl TryFrom<f64> for NotNegative {
         match Finite::try_from(number)?.0 {
             number if number >= 0.0 => Ok(NotNegative(number)),
             number => Err(format!("{number} must not be negative")),
+        }
+    }
+}
+
+impl TryFrom<f64> for Friction {
+    type Error = String;
+    fn try_from(number: f64) -> Result<Self, String> {
+        match NotNegative::try_from(number)?.0 {
+            number if number <= MOST_FRICTION => Ok(Friction(number)),
+            number => Err(format!("{number:e} must be at most {MOST_FRICTION:e}; with 10 next to nothing slips")),
         }
     }
 }

@@ -33,7 +33,7 @@ impl CouplingReader<'_> {
                             // Whose fault it is that there is no such file stands in the scene.
                             Problem::Unreadable(_) => {
                                 let (key, message) = (Some("motor.target".to_string()), error.to_string());
-                                self.text.error(&span, None, Problem::Toml { key, message })
+                                self.text.error(&span, Some(owner.clone()), Problem::Toml { key, message })
                             }
                             _ => error,
                         })?;

@@ -4,7 +4,27 @@ use crate::scene::error::{Element, Problem, SceneError};
 use serde::de::DeserializeOwned;
 use std::ops::Range;
 use std::path::Path;
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+
+/// A table of which there may be several: its key, the keys of its names, and what it is in messages.
+type Named = (&'static str, &'static [&'static str], fn(&[&str]) -> Option<Element>);
+
+const NAMED: [Named; 8] = [
+    ("robot", &["name"], |names| Some(Element::Robot(names.first()?.to_string()))),
+    ("loop", &["name"], |names| Some(Element::Loop(names.first()?.to_string()))),
+    ("spring", &["name"], |names| Some(Element::Spring(names.first()?.to_string()))),
+    ("load", &["joint", "link"], |names| Some(Element::Load(names.first()?.to_string()))),
+    ("motor", &["joint"], |names| Some(Element::Motor(names.first()?.to_string()))),
+    ("joint", &["name"], |names| Some(Element::Joint(names.first()?.to_string()))),
+    ("obstacle", &["name"], |names| Some(Element::Obstacle(names.first()?.to_string()))),
+    ("link", &["name"], |names| Some(Element::Link(names.first()?.to_string()))),
+];
+
+const PAIR: Named = ("pair", &["a", "b"], |names| match names {
+    [a, b] => Some(Element::Pair(format!("{a:?} and {b:?}"))),
+    _ => None,
+});
 
 /// The text of a TOML file.
 pub(crate) struct TomlText<'t> {
@@ -22,11 +42,11 @@ impl TomlText<'_> {
             let line = error.span().map(|span| self.line(&span));
             let key = error.span().and_then(|span| self.key(span.start));
             // One line, whatever the file puts into it.
-            let mut message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+            let mut message = plain(&error.message().split_whitespace().collect::<Vec<_>>().join(" "));
             if let Some(table) = key.as_ref().filter(|key| !key.contains('.') && message.ends_with("a sequence")) {
                 message = format!("{message}; there may be several: write [[{table}]]");
             }
-            let element = error.span().and_then(|span| self.obstacle(span.start));
+            let element = error.span().and_then(|span| self.element(span.start));
             let problem = Box::new(Problem::Toml { key, message });
             SceneError { file: self.file.to_path_buf(), line, element, problem }
         })
@@ -44,17 +64,20 @@ impl TomlText<'_> {
         SceneError { file: self.file.to_path_buf(), line, element, problem: Box::new(problem) }
     }
 
-    /// The obstacle that a byte belongs to, if it has a name.
-    fn obstacle(&self, offset: usize) -> Option<Element> {
+    /// The part of the scene whose table a byte belongs to, if that says its name.
+    fn element(&self, offset: usize) -> Option<Element> {
         let table = DeTable::parse(self.text).ok()?;
-        let DeValue::Array(obstacles) = table.get_ref().get("obstacle")?.get_ref() else { return None };
-        let own = obstacles.iter().find(|obstacle| {
-            let mut found = Vec::new();
-            search_value(obstacle.get_ref(), offset, &mut Vec::new(), &mut found);
-            !found.is_empty()
-        })?;
-        let DeValue::String(name) = own.get_ref().as_table()?.get("name")?.get_ref() else { return None };
-        Some(Element::Obstacle(name.to_string()))
+        let root = table.get_ref();
+        let pairs = root.get("contact").and_then(|contact| contact.get_ref().as_table()?.get("pair"));
+        let arrays = NAMED.iter().filter_map(|named| Some((root.get(named.0)?, named)));
+        for (array, (_, keys, element)) in arrays.chain(pairs.map(|pairs| (pairs, &PAIR))) {
+            let DeValue::Array(array) = array.get_ref() else { continue };
+            let Some(own) = array.iter().find(|own| holds(own, offset)) else { continue };
+            let own = own.get_ref().as_table()?;
+            let names: Vec<&str> = keys.iter().filter_map(|key| own.get(*key)?.get_ref().as_str()).collect();
+            return element(&names);
+        }
+        None
     }
 
     /// The dotted name of the innermost key that a byte belongs to.
@@ -92,4 +115,28 @@ fn search_value<'t>(value: &'t DeValue, offset: usize, path: &mut Vec<&'t str>, 
         }
         _ => {}
     }
+}
+
+/// Whether a byte belongs to a table of an array: to its header, or to anything in it.
+fn holds(table: &Spanned<DeValue>, offset: usize) -> bool {
+    let mut found = Vec::new();
+    search_value(table.get_ref(), offset, &mut Vec::new(), &mut found);
+    table.span().contains(&offset) || !found.is_empty()
+}
+
+/// A message of the reader in the words of scene files, instead of those of its data types.
+fn plain(message: &str) -> String {
+    let Some((found, expected)) = message.rsplit_once(", expected ") else { return message.to_string() };
+    let (count, many) = (expected.strip_prefix("an array of length "), expected.strip_prefix("struct "));
+    let expected = match expected {
+        "f64" => "a number",
+        "usize" | "u64" | "u32" => "a whole number",
+        "a boolean" => "true or false",
+        _ if many.is_some() => "a table, { key = value, ... }",
+        _ => match count {
+            Some(count) => return format!("{found}, expected {count} numbers, [...]"),
+            None => expected,
+        },
+    };
+    format!("{found}, expected {expected}")
 }

@@ -37,7 +37,7 @@ impl Reader<'_> {
         let links = scene.robots.iter().flat_map(|robot| &robot.robot.links).filter(|_| touches);
         for shape in links.flat_map(|link| &link.collisions) {
             if let Geometry::Mesh(mesh) = &shape.geometry
-                && let Ok((_, bytes)) = mesh.read()
+                && let Some(Ok((_, bytes))) = mesh.read()
             {
                 self.mix(&bytes);
             }

@@ -250,26 +250,18 @@ fn a_decomposed_hook_has_room_for_a_ball_inside() {
     assert!(pieces.iter().any(|distance| *distance < 0.1 + 6.0 / 64.0), "{pieces:?}");
 }
 
-#[test]
-fn a_mesh_of_a_link_that_cannot_be_used_is_left_out_with_a_warning_where_it_could_touch() {
-    let folder = with_walker("bad_meshes");
+/// A folder with the walker whose leg has this mesh; its element is on line 8.
+fn with_mesh(folder: &Path, file: &str) {
     let meshed = std::fs::read_to_string(folder.join("meshed.urdf")).expect("there");
-    std::fs::write(folder.join("thin.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1e-8\nf 1 2 3\nf 2 4 3\n")
-        .expect("written");
-    std::fs::write(folder.join("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").expect("written");
-    std::fs::write(folder.join("empty.obj"), "v 0 0 0\n").expect("written");
-    std::fs::write(folder.join("cut.stl"), [0; 90]).expect("written");
-    std::fs::write(folder.join("cut.dae"), "<COLLADA>").expect("written");
-    std::fs::write(folder.join("other.ply"), "ply").expect("written");
-    for (file, reason) in [
-        ("none.obj", "was not found"),
-        ("thin.obj", "m of one plane"),
-        ("line.obj", "none of its triangles has an area"),
-        ("empty.obj", "there is no triangle in it"),
-        ("cut.dae", "is not well-formed XML"),
-        ("other.ply", ".stl, .obj and .dae"),
-    ] {
-        std::fs::write(folder.join("bad.urdf"), meshed.replace("twins.obj", file)).expect("written");
+    std::fs::write(folder.join("bad.urdf"), meshed.replace("twins.obj", file)).expect("written");
+}
+
+#[test]
+fn a_mesh_of_a_link_that_is_not_found_touches_nothing_with_a_warning_where_it_could_touch() {
+    let folder = with_walker("missing_mesh");
+    // In its place, in a package that is not installed, and at an address.
+    for file in ["none.obj", "package://none/leg.stl", "https://none/leg.stl"] {
+        with_mesh(&folder, file);
         let text = FLOATING.replace("walker", "bad");
         let said = |model: &Model| {
             let all: Vec<String> = model.warnings.iter().map(ToString::to_string).collect();
@@ -279,13 +271,72 @@ fn a_mesh_of_a_link_that_cannot_be_used_is_left_out_with_a_warning_where_it_coul
         let touching = model(&folder, &format!("{text}{FLOOR}"));
         let warnings = said(&touching);
         assert_eq!(warnings.len(), 1, "{file}: {warnings:?}");
-        for part in ["bad.urdf:8: link \"leg\": ", file, reason] {
+        for part in ["bad.urdf:8: link \"leg\": ", file, "was not found"] {
             assert!(warnings[0].contains(part), "{part:?} in {}", warnings[0]);
         }
         assert!(touching.mechanism.nonsmooth.colliders.iter().all(|collider| collider.name != "leg"));
         // Where nothing can touch, nobody looks.
         assert_eq!(said(&model(&folder, &text)), [""; 0], "{file}");
         assert_eq!(said(&model(&folder, &format!("{text}{FLOOR}[contact]\npairs = \"none\"\n"))), [""; 0], "{file}");
+    }
+}
+
+#[test]
+fn a_mesh_of_a_link_that_is_there_and_cannot_be_used_is_an_error_where_it_could_touch() {
+    let folder = with_walker("bad_meshes");
+    let write = |file: &str, text: &str| std::fs::write(folder.join(file), text).expect("written");
+    let tetrahedron =
+        |far: &str| format!("v 0 0 0\nv {far} 0 0\nv 0 {far} 0\nv 0 0 {far}\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    write("nothing.stl", "");
+    write("no faces.obj", "v 0 0 0\n");
+    write("point.obj", &tetrahedron("0"));
+    write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    write("thin.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1e-8\nf 1 2 3\nf 2 4 3\n");
+    write("nan.obj", &tetrahedron("nan"));
+    write("infinite.obj", &tetrahedron("inf"));
+    write("overflows.obj", &tetrahedron("1e200"));
+    write("kilometres.obj", &tetrahedron("5.1e5"));
+    write("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+    write("cut.dae", "<COLLADA>");
+    write("other.ply", "ply");
+    write("pointer.stl", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n");
+    // One triangle is said, and is not there; the header is 84 bytes.
+    let mut cut = vec![0; 90];
+    cut[80] = 1;
+    std::fs::write(folder.join("cut.stl"), &cut).expect("written");
+    for (file, reason) in [
+        ("nothing.stl", "neither a binary STL file nor one of text"),
+        ("no faces.obj", "there is no triangle in it"),
+        ("point.obj", "there is no triangle in it"),
+        ("line.obj", "none of its triangles has an area"),
+        ("thin.obj", "m of one plane"),
+        ("nan.obj", "is not finite"),
+        ("infinite.obj", "is not finite"),
+        ("overflows.obj", "is not finite"),
+        // The scale is 2.
+        ("kilometres.obj", "reaches 1020000 m from its origin, farther than 1e6 m"),
+        ("index.obj", "line 4: a polygon has a corner that does not exist"),
+        ("cut.stl", "it has 90 bytes, and says that it has 134"),
+        ("cut.dae", "is not well-formed XML"),
+        ("other.ply", ".stl, .obj and .dae"),
+        ("pointer.stl", "git lfs pull"),
+    ] {
+        with_mesh(&folder, file);
+        let text = FLOATING.replace("walker", "bad");
+        // What is thin has a border, which is what its pieces are refused for.
+        let choices = ["", "[[link]]\nname = \"leg\"\ncollision = \"decompose\"\n"];
+        for choice in choices.iter().take(if file == "thin.obj" { 1 } else { 2 }) {
+            let message = refusal(&folder, &format!("{text}{FLOOR}{choice}"));
+            assert!(message.lines().count() == 1, "{message}");
+            let place = format!("bad.urdf:8: link \"leg\": its collision mesh {file:?} cannot be used: ");
+            for part in [place.as_str(), reason, "collision = \"none\" in the [[link]] \"leg\" of the scene file"] {
+                assert!(message.contains(part), "{part:?} in {message}");
+            }
+        }
+        // What the message proposes helps, and where nothing can touch nobody looks.
+        model(&folder, &format!("{text}{FLOOR}[[link]]\nname = \"leg\"\ncollision = \"none\"\n"));
+        model(&folder, &text);
+        model(&folder, &format!("{text}{FLOOR}[contact]\npairs = \"none\"\n"));
     }
 }
 

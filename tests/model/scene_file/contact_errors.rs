@@ -44,6 +44,14 @@ fn wrong_obstacles_are_refused_with_file_line_and_key() {
         // Numbers.
         (half_space("friction = -0.1"), &["scene.toml:5: obstacle.friction: -0.1 must not be negative"]),
         (half_space("friction = nan"), &["scene.toml:5: obstacle.friction: NaN is not finite"]),
+        (half_space("friction = 1.1e4"), &["scene.toml:5: obstacle.friction: 1.1e4 must be at most 1e4"]),
+        (half_space("friction = \"abc\""), &["scene.toml:5: obstacle.friction: ", "\"abc\", expected a number"]),
+        (half_space("pose = { position = [0, 0] }"), &["scene.toml:5: obstacle.pose.position: ", "expected 3 numbers"]),
+        (
+            format!("{ONE}[[obstacle]]\nname = \"ramp\"\nshape = \"box\"\n"),
+            &["scene.toml:5: obstacle \"ramp\": obstacle.shape: ", "expected a table"],
+        ),
+        (format!("{ONE}[[obstacle]]\nname = \"ramp\"\n"), &["scene.toml:3: obstacle \"ramp\": ", "field `shape`"]),
         // An obstacle that has a name is called by it.
         (
             format!(
@@ -131,14 +139,28 @@ fn wrong_pairs_and_links_are_refused_with_file_line_and_name() {
     let cases: Vec<(String, &[&str])> = vec![
         (contact("pairs = \"some\""), &["scene.toml:4: contact.pairs: unknown variant `some`", "`environment`"]),
         (contact("friction = -1"), &["scene.toml:4: contact.friction: -1 must not be negative"]),
+        (contact("friction = 1e300"), &["scene.toml:4: contact.friction: 1e300 must be at most 1e4"]),
+        (
+            pair("base", "friction = 1e5"),
+            &["scene.toml:6: contact of \"base\" and \"arm\": ", "1e5 must be at most 1e4"],
+        ),
         (contact("friction = nan"), &["scene.toml:4: contact.friction: NaN is not finite"]),
         (contact("restitution = 2"), &["scene.toml:4: contact.restitution: 2 must be from 0 to 1"]),
         (contact("fiction = 1"), &["scene.toml:4: contact.fiction: unknown field"]),
         (pair("base", ""), &["scene.toml:3: contact of \"base\" and \"arm\": give its friction"]),
-        (pair("base", "friction = -1"), &["scene.toml:6: contact.pair.friction: -1 must not be negative"]),
-        (pair("base", "restitution = -1"), &["scene.toml:6: contact.pair.restitution: -1 must be from 0 to 1"]),
-        (pair("base", "ignore = 1"), &["scene.toml:6: contact.pair.ignore: "]),
-        (pair("base", "ignored = true"), &["scene.toml:6: contact.pair.ignored: unknown field"]),
+        (
+            pair("base", "friction = -1"),
+            &["scene.toml:6: contact of \"base\" and \"arm\": contact.pair.friction: -1 must not be negative"],
+        ),
+        (
+            pair("base", "restitution = -1"),
+            &["scene.toml:6: contact of \"base\" and \"arm\": contact.pair.restitution: -1 must be from 0 to 1"],
+        ),
+        (pair("base", "ignore = 1"), &["scene.toml:6: contact of \"base\" and \"arm\": contact.pair.ignore: "]),
+        (
+            pair("base", "ignored = true"),
+            &["scene.toml:6: contact of \"base\" and \"arm\": contact.pair.ignored: unknown field"],
+        ),
         (
             format!("{ROBOT}[[contact.pair]]\na = \"base\"\nfriction = 1"),
             &["scene.toml:3: contact.pair: missing field `b`"],
@@ -152,12 +174,15 @@ fn wrong_pairs_and_links_are_refused_with_file_line_and_name() {
             format!("{TWO}[[contact.pair]]\na = \"*\"\nb = \"*\"\nfriction = 1"),
             &["scene.toml:7: ", "names no link with a collision shape and no obstacle; there are none"],
         ),
-        (link("name = \"arm\""), &["scene.toml:3: link: missing field `collision`"]),
+        (link("name = \"arm\""), &["scene.toml:3: link \"arm\": link: missing field `collision`"]),
         (
             link("name = \"arm\"\ncollision = \"box\""),
-            &["scene.toml:5: link.collision: unknown variant `box`", "`hull`"],
+            &["scene.toml:5: link \"arm\": link.collision: unknown variant `box`", "`hull`"],
         ),
-        (link("name = \"leg\"\ncollision = \"hull\""), &["scene.toml:4: link \"leg\": there is no link \"leg\""]),
+        (
+            link("name = \"leg\"\ncollision = \"hull\""),
+            &["scene.toml:4: link \"leg\": there is no link \"leg\"; there are \"base\", \"arm\""],
+        ),
         (link("name = \"world\"\ncollision = \"hull\""), &["scene.toml:4: link \"world\": ", "no collision shape"]),
         (
             link("name = \"arm\"\ncollision = \"hull\"\n[[link]]\nname = \"shaped/arm\"\ncollision = \"none\""),

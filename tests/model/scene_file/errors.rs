@@ -29,7 +29,7 @@ fn what_is_wrong_is_said_with_file_line_and_key() {
         (format!("{ONE}velocities = {{ tilt = 1 }}"), &["scene.toml:3: ", "\"tilt\" does not move"]),
         (format!("{ONE}base = \"flying\""), &["scene.toml:3: robot.base: ", "`fixed` or `floating`"]),
         (format!("{ONE}velocity = {{ linear = [1, 0, 0] }}"), &["scene.toml:3: robot \"double\": ", "floating"]),
-        ("[[robot]]\nname = \"a\"".into(), &["scene.toml:1: robot: missing field `urdf`"]),
+        ("[[robot]]\nname = \"a\"".into(), &["scene.toml:1: robot \"a\": robot: missing field `urdf`"]),
         ("[[robot]]\nurdf = \"none.urdf\"".into(), &["scene.toml:2: robot.urdf: ", "none.urdf"]),
         ("[[robot]]\nurdf = \"ball.urdf\"\nname = \"a/b\"".into(), &["scene.toml:3: robot \"a/b\": "]),
         (format!("{ONE}{ONE}"), &["scene.toml:3: robot \"double\": ", "taken on line 1"]),
@@ -42,7 +42,7 @@ fn what_is_wrong_is_said_with_file_line_and_key() {
             &["scene.toml:6: ", "either tolerance, or stages and step"],
         ),
         (format!("{ONE}[simulation]\nrate = 1e7"), &["scene.toml:4: ", "at most 1e6"]),
-        (closing("hinge", &both), &["scene.toml:5: loop.type: unknown variant `hinge`", "`revolute`"]),
+        (closing("hinge", &both), &["scene.toml:5: loop \"c\": loop.type: unknown variant `hinge`", "`revolute`"]),
         (closing("revolute", &both.replace("lower", "knee")), &["scene.toml:6: loop \"c\": ", "no link \"knee\""]),
         (
             closing("revolute", &both.replacen("[0, 1, 0]", "[0, 0, 0]", 1)),
@@ -54,7 +54,7 @@ fn what_is_wrong_is_said_with_file_line_and_key() {
         ),
         (closing("fixed", &both.replacen(", axis = [0, 1, 0]", "", 1)), &["scene.toml:3: loop \"c\": ", "at none"]),
         (closing("revolute", &format!("{both}length = 1")), &["scene.toml:8: loop \"c\": ", "\"distance\""]),
-        (closing("spherical", "a = { link = \"lower\" }"), &["scene.toml:3: loop: missing field `b`"]),
+        (closing("spherical", "a = { link = \"lower\" }"), &["scene.toml:3: loop \"c\": loop: missing field `b`"]),
         (
             format!("{}[[loop]]\nname = \"c\"\ntype = \"planar\"\n{both}", closing("planar", &both)),
             &["scene.toml:8: loop \"c\": ", "taken on line 3"],

@@ -174,25 +174,73 @@ fn a_start_inside_a_floor_is_moved_out_and_said() {
     assert!(overlap < 1e-12, "{overlap}");
 }
 
-#[test]
-fn a_mesh_of_a_link_that_is_missing_a_line_or_cut_off_touches_nothing_and_the_run_says_where() {
-    let folder = touching("bad_meshes", "");
+/// Adds the robot whose tip has this mesh.
+fn with_mesh(folder: &Path, file: &str) {
     let urdf = std::fs::read_to_string(folder.join("touching.urdf")).expect("there");
+    let mesh = format!("<mesh filename=\"{file}\"/>");
+    std::fs::write(folder.join("bad.urdf"), urdf.replace("<sphere radius=\"0.1\"/>", &mesh)).expect("written");
+}
+
+#[test]
+fn a_mesh_of_a_link_that_is_missing_touches_nothing_and_the_run_says_where() {
+    let folder = touching("missing_mesh", "");
+    with_mesh(&folder, "none.obj");
+    let arguments = ["simulate", "bad.urdf", "--floor", "-1", "--duration", "0.1", "--no-log", "--json"];
+    let output = run(&folder, &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let said: Vec<&str> = report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+    let about: Vec<&&str> = said.iter().filter(|warning| warning.contains("so this shape touches nothing")).collect();
+    assert_eq!(about.len(), 1, "{said:?}");
+    for part in ["bad.urdf:", "link \"tip\"", "none.obj", "was not found"] {
+        assert!(about[0].contains(part), "{part:?} in {}", about[0]);
+    }
+}
+
+#[test]
+fn a_mesh_of_a_link_that_is_there_and_no_shape_ends_every_verb_with_exit_code_two_and_writes_nothing() {
+    let folder = touching("bad_meshes", "");
     std::fs::write(folder.join("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").expect("written");
     std::fs::write(folder.join("cut.stl"), [7; 90]).expect("written");
-    for (file, reason) in [("none.obj", "was not found"), ("line.obj", "has an area"), ("cut.stl", "cannot be used")] {
-        let mesh = format!("<mesh filename=\"{file}\"/>");
-        std::fs::write(folder.join("bad.urdf"), urdf.replace("<sphere radius=\"0.1\"/>", &mesh)).expect("written");
-        let arguments = ["simulate", "bad.urdf", "--floor", "-1", "--duration", "0.1", "--no-log", "--json"];
-        let output = run(&folder, &arguments);
-        assert_eq!(output.status.code(), Some(0), "{file}: {}", text(&output.stderr));
-        let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-        let said: Vec<&str> = report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
-        let about: Vec<&&str> =
-            said.iter().filter(|warning| warning.contains("so this shape touches nothing")).collect();
-        assert_eq!(about.len(), 1, "{file}: {said:?}");
-        for part in ["bad.urdf:", "link \"tip\"", file, reason] {
-            assert!(about[0].contains(part), "{part:?} in {}", about[0]);
+    for (file, reason) in [("line.obj", "has an area"), ("cut.stl", "it is cut off")] {
+        with_mesh(&folder, file);
+        let count = || std::fs::read_dir(&folder).expect("a folder").count();
+        let before = count();
+        for arguments in [
+            &["simulate", "bad.urdf", "--floor", "-1", "--duration", "0.1"][..],
+            &["simulate", "bad.urdf", "--floor", "-1", "--duration", "0.1", "--report", "page.html", "-o", "log.mcap"],
+            &["model", "bad.urdf", "--floor", "-1"],
+            &["model", "bad.urdf", "--floor", "-1", "-o", "model.html"],
+        ] {
+            let output = run(&folder, arguments);
+            assert_one_error(&output, 2, file);
+            for part in ["bad.urdf:", "link \"tip\"", file, "cannot be used", reason, "collision = \"none\""] {
+                assert!(text(&output.stderr).contains(part), "{part:?} in {}", text(&output.stderr));
+            }
+            assert_eq!(count(), before, "{file}: nothing was written");
         }
+        // Without contact the same robot runs.
+        let output = run(&folder, &["simulate", "bad.urdf", "--duration", "0.1", "--no-log"]);
+        assert_eq!(output.status.code(), Some(0), "{file}: {}", text(&output.stderr));
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_mesh_that_may_not_be_read_is_there_and_an_error() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = touching("unreadable_mesh", "");
+    with_mesh(&folder, "closed.stl");
+    std::fs::write(folder.join("closed.stl"), [0; 84]).expect("written");
+    std::fs::set_permissions(folder.join("closed.stl"), std::fs::Permissions::from_mode(0)).expect("closed");
+    if std::fs::read(folder.join("closed.stl")).is_ok() {
+        return; // The user of the tests may read everything.
+    }
+    let output = run(&folder, &["simulate", "bad.urdf", "--floor", "-1", "--no-log"]);
+    assert_one_error(&output, 2, "a mesh without permission");
+    assert!(
+        text(&output.stderr).contains("\"closed.stl\" cannot be used: it cannot be read"),
+        "{}",
+        text(&output.stderr)
+    );
 }

@@ -68,7 +68,7 @@ fn wrong_joints_motors_and_tables_write_nothing() {
     for (keys, place) in [
         ("[[motor]]\njoint = \"knee\"\nkind = \"effort\"\ntarget = 1\n", "scene.toml:4: motor on \"knee\": "),
         ("[[motor]]\njoint = \"hinge\"\nkind = \"effort\"\ntarget = \"gap.csv\"\n", "gap.csv:2: motor on \"hinge\": "),
-        ("[[joint]]\nname = \"hinge\"\nlimit = [2, 1]\n", "scene.toml:5: joint.limit: "),
+        ("[[joint]]\nname = \"hinge\"\nlimit = [2, 1]\n", "scene.toml:5: joint \"hinge\": joint.limit: "),
     ] {
         std::fs::write(folder.join("scene.toml"), format!("[[robot]]\nurdf = \"limited.urdf\"\n{keys}"))
             .expect("written");
