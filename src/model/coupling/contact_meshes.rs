@@ -60,9 +60,9 @@ impl ShapeReader {
             },
             Geometry::Mesh(mesh) => {
                 let unusable = |problem: String| CouplingProblem::Mesh {
-                    mesh: mesh.path.clone(),
-                    problem,
-                    link: touching.to_string(),
+                    mesh: mesh.path.as_str().into(),
+                    problem: problem.into(),
+                    link: touching.into(),
                 };
                 let Some(source) = self.source(number, mesh).map_err(|problem| refuse(unusable(problem)))? else {
                     let message =

@@ -25,7 +25,7 @@ pub enum CouplingProblem {
     #[error(
         "its collision mesh {mesh:?} cannot be used: {problem}. Mend the file, or let the link touch nothing: collision = \"none\" in the [[link]] {link:?} of the scene file"
     )]
-    Mesh { mesh: String, problem: String, link: String },
+    Mesh { mesh: Box<str>, problem: Box<str>, link: Box<str> },
     /// Convex pieces were asked for of a mesh that encloses nothing.
     #[error("its collision mesh {mesh:?} cannot be cut into convex pieces: {problem}")]
     Pieces { mesh: String, problem: Box<GeometryError> },
