@@ -232,7 +232,7 @@ fn a_mesh_that_may_not_be_read_is_there_and_an_error() {
     let folder = touching("unreadable_mesh", "");
     with_mesh(&folder, "closed.stl");
     std::fs::write(folder.join("closed.stl"), [0; 84]).expect("written");
-    std::fs::set_permissions(folder.join("closed.stl"), std::fs::Permissions::from_mode(0)).expect("closed");
+    std::fs::set_permissions(folder.join("closed.stl"), std::fs::Permissions::from_mode(0o000)).expect("closed");
     if std::fs::read(folder.join("closed.stl")).is_ok() {
         return; // The user of the tests may read everything.
     }
