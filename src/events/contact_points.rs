@@ -12,7 +12,8 @@ impl Eventful {
     pub(crate) fn report_contacts(&self, state: &State, out: &mut Vec<ContactPoint>) {
         let inside = self.left.as_ref().is_some_and(|left| state.time < left.time);
         let mode = self.stepped_in.as_ref().filter(|_| inside).unwrap_or(&self.mode);
-        if mode.contacts.is_empty() {
+        // What presses where nothing could be decided is an impulse: no force of that instant is its.
+        if mode.contacts.is_empty() || (self.undecided && !inside) {
             return;
         }
         let Eventful { whole, elements, touching, pieces, current, reporting, .. } = self;

@@ -95,6 +95,8 @@ pub struct Eventful {
     pub(super) ringing: f64,
     /// How often the law of contact could not be solved to its accuracy.
     pub(super) unsolved: usize,
+    /// Whether it could not be solved at all where the last step ended: the next one is of first order.
+    pub(super) undecided: bool,
     /// Steps of first order, and how long they were together (s).
     pub(super) first_order: (usize, f64),
     /// Whether everything has come to rest on contacts, and is not moved until something changes.
@@ -190,6 +192,7 @@ impl Eventful {
             between: Some(0.0),
             ringing: 0.0,
             unsolved: 0,
+            undecided: false,
             first_order: (0, 0.0),
             crowding: Crowding::CALM,
             stepped_over: None,
@@ -342,6 +345,7 @@ impl Eventful {
         let done = transit(&mut scene, mode, state, memory, &found, efforts);
         self.events.extend(done.events);
         self.unsolved += done.unsolved;
+        self.undecided = done.undecided;
         (self.fresh_joints, self.fresh_motors, self.fresh_pairs) = (done.joints, done.motors, done.pairs);
         self.enter(state);
         if self.stays_at_rest(inputs, state) {

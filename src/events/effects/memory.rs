@@ -70,6 +70,8 @@ pub(crate) struct Done {
     pub pairs: Vec<bool>,
     /// How often a law could not be solved to its accuracy.
     pub unsolved: usize,
+    /// Whether the contacts that touch could not be decided at all: no mode follows in which the scheme can go on.
+    pub undecided: bool,
 }
 
 impl Memory {

@@ -148,6 +148,7 @@ pub(crate) fn transit(
     }
     if unsolved {
         done.unsolved += 1;
+        done.undecided = true;
         mode.contacts = contacts.keep_closed();
     }
     note_joints(elements, state.time, [&before, mode], &met, &mut done);
