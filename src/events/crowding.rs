@@ -1,7 +1,7 @@
 //! Crowds of events: when so many steps end at events that first-order steps are taken instead, and how many.
 //!
 //! ```text
-//!     Σ (1 + (contacts/4)²) over the steps of 1e-5 s > 100, or of 1e-3 s > 400, or a step that cannot be made:    a crowd
+//!     Σ (1 + contacts/4) over the steps of 1e-5 s > 100, or of 1e-3 s > 400, or a step that cannot be made:    a crowd
 //!     it is left by first-order steps for 1e-4 s; after a crowd that ended less than ten times its length ago for twice as long as then, up to 51 ms
 //! ```
 //!

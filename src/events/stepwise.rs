@@ -49,7 +49,7 @@ impl Eventful {
     pub(super) fn is_crowded(&mut self, state: &State) -> bool {
         // Given steps may be short where nothing happens.
         let chosen = self.recipe.tolerance().is_some();
-        let work = if chosen { 1 + (self.mode.contacts.len() / CONTACTS_A_STEP).pow(2) } else { 1 };
+        let work = if chosen { 1 + self.mode.contacts.len() / CONTACTS_A_STEP } else { 1 };
         !self.touching.pairs.is_empty() && self.crowding.count(state.time, work)
     }
 
