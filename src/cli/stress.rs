@@ -20,10 +20,7 @@ pub struct StressArgs {
     #[arg(short, long, value_name = "DIR", value_parser = crate::cli::arguments::outputs::output_folder())]
     output: PathBuf,
 
-    /// Only the problem of this name (repeatable): mass_ratio, chain_length, spin_rate, stiff_spring, stiff_damper,
-    /// singular_positions, over_constraint, light_couplings, inertia, gimbal_lock, long_time, inconsistent_start, violent_motion,
-    /// joint_limits, dry_friction, motor_gain
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", help = only_help())]
     only: Vec<String>,
 
     /// Every second difficulty and every third step
@@ -33,6 +30,12 @@ pub struct StressArgs {
     /// Print errors only
     #[arg(long)]
     quiet: bool,
+}
+
+/// What `--only` takes, with the names of all problems.
+fn only_help() -> String {
+    let names: Vec<&str> = Problem::all().iter().map(|problem| problem.name).collect();
+    format!("Only the problem of this name (repeatable): {}", names.join(", "))
 }
 
 /// Does what the arguments say.

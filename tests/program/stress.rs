@@ -278,6 +278,15 @@ fn wrong_usage_is_one_line_and_touches_nothing() {
 }
 
 #[test]
+fn the_help_names_every_problem() {
+    let help = String::from_utf8(catena(&scratch("help"), &["--help"]).stdout).unwrap();
+    let words: HashSet<&str> = help.split(|letter: char| letter != '_' && !letter.is_ascii_lowercase()).collect();
+    let missing: Vec<&str> =
+        Problem::all().iter().map(|problem| problem.name).filter(|name| !words.contains(name)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+#[test]
 fn one_problem_can_be_mapped_alone() {
     let folder = scratch("only");
     let output = catena(&folder, &["-o", "out", "--only", "gimbal_lock", "--quick"]);
