@@ -291,11 +291,8 @@ impl Integrator for Eventful {
             next = next.min(state.time + LOOK);
         }
         self.stepped_over = None;
-        let advanced = if self.undecided || self.is_crowded(state) {
+        let advanced = if self.is_crowded(state) {
             self.origin.copy_from(state);
-            if self.undecided {
-                self.crowding.fail(state.time);
-            }
             Ok(self.stumble(inputs, state, next))
         } else {
             self.advance(inputs, state, next)

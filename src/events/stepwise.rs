@@ -45,8 +45,12 @@ const HOLDS: f64 = 1.0 - 1e-9;
 const CLOSED: f64 = 1e-9;
 
 impl Eventful {
-    /// Whether steps between events have become so many and so short that the run would not get on.
+    /// Whether steps between events have become so many and so short that the run would not get on, or nothing follows that the scheme could step in.
     pub(super) fn is_crowded(&mut self, state: &State) -> bool {
+        if self.undecided {
+            self.crowding.fail(state.time);
+            return true;
+        }
         // Given steps may be short where nothing happens.
         let chosen = self.recipe.tolerance().is_some();
         let work = if chosen { 1 + self.mode.contacts.len() / CONTACTS_A_STEP } else { 1 };

@@ -161,9 +161,8 @@ fn compared(motion: &Motion, tolerance: f64) -> Option<Compared> {
     Some(Compared { told, error, doubt })
 }
 
-/// Half a minute: `cargo test --release --test model assessed_random -- --ignored --nocapture`.
 #[test]
-#[ignore = "half a minute"]
+#[ignore = "half a minute: cargo test --release --test model assessed_random -- --ignored --nocapture"]
 fn of_hundreds_of_random_motions_next_to_none_is_less_accurate_than_it_says_and_few_estimates_are_thirty_times_off() {
     let (mut reached, mut wrong, mut judged, mut bright, mut dark) = (0, 0, 0, 0, 0);
     for number in 0..MOTIONS {

@@ -234,7 +234,8 @@ fn a_mesh_that_may_not_be_read_is_there_and_an_error() {
     std::fs::write(folder.join("closed.stl"), [0; 84]).expect("written");
     std::fs::set_permissions(folder.join("closed.stl"), std::fs::Permissions::from_mode(0o000)).expect("closed");
     if std::fs::read(folder.join("closed.stl")).is_ok() {
-        return; // The user of the tests may read everything.
+        println!("skipped: the user of the tests may read everything");
+        return;
     }
     let output = run(&folder, &["simulate", "bad.urdf", "--floor", "-1", "--no-log"]);
     assert_one_error(&output, 2, "a mesh without permission");
