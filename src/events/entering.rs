@@ -6,7 +6,7 @@
 //! ```
 
 use crate::events::crowding::STEP;
-use crate::events::effects::decision::held_bodies;
+use crate::events::effects::immobile::held_bodies;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::holding::Holding;
 use crate::events::integrator::{Eventful, larger};

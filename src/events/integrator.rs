@@ -142,6 +142,7 @@ impl Eventful {
             joints: vec![JointMode::Free { sliding: 0 }; elements.joints.len()],
             motors: vec![MotorMode::Unbounded; elements.motors.len()],
             contacts: Vec::new(),
+            idle: Vec::new(),
         };
         let touching = Touching::new(mechanism);
         let state = State::zero(mechanism);

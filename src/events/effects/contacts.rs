@@ -84,7 +84,7 @@ impl Contacts {
                 Watched::Margin => closed().any(|(_, closed)| closed.contact.flat_end().is_some()),
                 _ => false,
             };
-            if found.anew || found.triggers.iter().any(happens) {
+            if found.anew || before.idle.contains(&pair) || found.triggers.iter().any(happens) {
                 let within = size * if found.anew { TOUCHED_AT_START } else { TOUCHED };
                 let mut near: Vec<Contact> =
                     touching.near(pair, &bodies, within).into_iter().map(|(contact, _)| contact).collect();

@@ -32,7 +32,7 @@ use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::Vector3;
 
 /// Accelerations below this part of their terms are zero.
 const ROUNDING: f64 = 1e-10;
@@ -42,8 +42,6 @@ const DIFFERENCE: f64 = 1e-14;
 const LESS: f64 = 1e-9;
 /// A point of a flat end that tips over another carries nothing if it carries less than this part of what the other carries.
 const UNLOADED: f64 = 1e-9;
-/// A freedom that answers to an effort with less than this part of its free answer cannot move.
-const IMMOBILE: f64 = 1e-10;
 
 /// A mechanism at an event.
 pub(crate) struct Scene<'s> {
@@ -311,63 +309,4 @@ fn direction_in(joint: &TouchJoint, bodies: &[BodyState], slip: &Vector3<f64>) -
     let direction = slip.try_normalize(0.0)?;
     let [first, second] = tangents(&touch_motion(joint, bodies).normal);
     Some([direction.dot(&first), direction.dot(&second)])
-}
-
-/// For each body whether it is held: its joint is, or cannot move because others are.
-pub(crate) fn held_bodies(
-    whole: &Mechanism,
-    elements: &Elements,
-    mode: &Mode,
-    response: &mut Response,
-    state: &State,
-) -> Vec<bool> {
-    let mut held = mode.held_bodies(elements, whole.bodies.len());
-    let sticks = mode.contacts.iter().any(|closed| closed.slides.is_none());
-    // What follows a joint is held with it; loops and contacts may hold more.
-    if !(sticks || (held.contains(&true) && !whole.loops.is_empty())) {
-        return held;
-    }
-    let joints = (0..whole.bodies.len()).filter(|&body| held[body]);
-    let freedoms = joints.flat_map(|body| whole.bodies[body].joint.velocity_range());
-    let mut rows: Vec<Vec<f64>> = freedoms.map(|freedom| row_of_freedom(whole.velocity_count, freedom, 1.0)).collect();
-    if sticks {
-        let bodies = body_states(whole, state);
-        for closed in mode.contacts.iter().filter(|closed| closed.slides.is_none()) {
-            rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, true));
-        }
-    }
-    let rows = Rows::new(response, state, rows);
-    let inverse = pseudo_inverse(&rows.square);
-    let rest = |body: &usize| !held[*body] && (sticks || whole.bodies[*body].joint.velocity_range().len() == 1);
-    let others: Vec<usize> = (0..whole.bodies.len()).filter(rest).collect();
-    let freedoms = others.iter().flat_map(|&body| whole.bodies[body].joint.velocity_range());
-    let mut answers = response.diagonal(state, freedoms).into_iter();
-    for &body in &others {
-        // Y_ii − Y_iS (Y_SS)⁺ Y_Si: what is left of the answer.
-        held[body] = true;
-        for (freedom, answer) in whole.bodies[body].joint.velocity_range().zip(answers.by_ref()) {
-            let row = rows.columns().row(freedom);
-            let taken = (row * &inverse * row.transpose())[(0, 0)];
-            held[body] &= answer - taken <= IMMOBILE * answer;
-        }
-    }
-    held
-}
-
-/// The Moore–Penrose inverse of a positive semidefinite matrix, whatever the units of its rows.
-fn pseudo_inverse(square: &DMatrix<f64>) -> DMatrix<f64> {
-    let count = square.nrows();
-    let inverse: Vec<f64> =
-        (0..count).map(|row| if square[(row, row)] > 0.0 { 1.0 / square[(row, row)].sqrt() } else { 0.0 }).collect();
-    let scaled = DMatrix::from_fn(count, count, |row, column| square[(row, column)] * inverse[row] * inverse[column]);
-    let eigen = scaled.symmetric_eigen();
-    let largest = eigen.eigenvalues.max();
-    let mut sum = DMatrix::zeros(count, count);
-    for (index, &value) in eigen.eigenvalues.iter().enumerate() {
-        if value > IMMOBILE * largest {
-            let vector = eigen.eigenvectors.column(index);
-            sum += vector * vector.transpose() / value;
-        }
-    }
-    DMatrix::from_fn(count, count, |row, column| sum[(row, column)] * inverse[row] * inverse[column])
 }

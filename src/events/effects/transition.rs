@@ -13,6 +13,7 @@
 
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::{Scene, Undecided, Yielding, decide};
+use crate::events::effects::immobile::idle_pairs;
 use crate::events::effects::impact::{Impulses, Meeting, collide, holding_impulses};
 use crate::events::effects::memory::{Done, Found, Memory};
 use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, note_pairs};
@@ -151,6 +152,7 @@ pub(crate) fn transit(
         done.undecided = true;
         mode.contacts = contacts.keep_closed();
     }
+    mode.idle = idle_pairs(scene, state, mode, &contacts.candidates);
     note_joints(elements, state.time, [&before, mode], &met, &mut done);
     note_pairs(scene, state.time, [&before, mode], &met, &mut done);
     done

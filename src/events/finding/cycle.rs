@@ -51,8 +51,12 @@ mod tests {
 
     #[test]
     fn a_mode_comes_back_only_in_the_same_state_at_the_same_instant() {
-        let mode =
-            |sliding| Mode { joints: vec![JointMode::Free { sliding }], motors: Vec::new(), contacts: Vec::new() };
+        let mode = |sliding| Mode {
+            joints: vec![JointMode::Free { sliding }],
+            motors: Vec::new(),
+            contacts: Vec::new(),
+            idle: Vec::new(),
+        };
         let state =
             |time, velocity| State { time, position: vec![0.5], velocity: vec![velocity], compensation: vec![0.0] };
         let mut cycle = Cycle::default();

@@ -96,8 +96,10 @@ impl Watched {
         for (index, closed) in mode.contacts.iter().enumerate() {
             let pair = closed.contact.pair;
             let rubs = touching.pairs[pair].friction > 0.0;
+            // Where forces are not unique, friction follows the pressures of what slides even so. Flat ends have points where they press.
+            let shares = rubs && closed.slides.is_some() && closed.contact.flat_end().is_none();
             let own = [
-                (unique, Watched::Presses(index)),
+                (unique || shares, Watched::Presses(index)),
                 (unique && rubs && closed.slides.is_none(), Watched::Grips(index)),
                 (rubs && closed.slides.is_some() && (unique || slide(pair) > 1), Watched::Slips(index)),
                 (apart(pair), Watched::Feature(index)),
@@ -181,14 +183,15 @@ impl Watched {
             Watched::Approach(pair) => {
                 let closed = mode.contacts.iter().map(|closed| &closed.contact).filter(|known| known.pair == pair);
                 let closed: Vec<&Contact> = closed.collect();
-                if closed.is_empty() {
-                    return touching.distance(pair, bodies);
-                }
                 let Pair { size, reach, .. } = touching.pairs[pair];
+                if closed.is_empty() {
+                    let rounding = if mode.idle.contains(&pair) { COPLANAR * size } else { 0.0 };
+                    return touching.distance(pair, bodies) + rounding;
+                }
                 let within = if reach.contains(&f64::INFINITY) { size } else { NEARBY * size };
                 touching.beside(&closed, within, bodies) + COPLANAR * size
             }
-            Watched::Presses(index) => holding.of_contact(index)[0] + holding.rounding_of_contacts(),
+            Watched::Presses(index) => holding.of_contact(index)[0] + holding.rounding_of_pressures(),
             Watched::Grips(index) => {
                 let [pressure, along, across] = holding.of_contact(index);
                 let friction = touching.pairs[mode.contacts[index].contact.pair].friction;
@@ -227,7 +230,8 @@ impl Watched {
     pub fn rounding(self, holding: &Holding) -> f64 {
         match self {
             Watched::Bears(index, _) => holding.rounding(index),
-            Watched::Presses(_) | Watched::Grips(_) => holding.rounding_of_contacts(),
+            Watched::Presses(_) => holding.rounding_of_pressures(),
+            Watched::Grips(_) => holding.rounding_of_contacts(),
             _ => 0.0,
         }
     }

@@ -25,8 +25,9 @@ use crate::reduced::{Reaction, reactions_under};
 /// Roundings of an effort, relative to what it is the difference of.
 const ROUNDING: f64 = 2e-15;
 
-/// The same of a contact, whose force is the solution of a system with others.
+/// The same of a contact, whose force is the solution of a system with others; and where some of these imply others, to a part of 1e-10.
 const CONTACT_ROUNDING: f64 = 1e-13;
+const SHARED_ROUNDING: f64 = 1e-9;
 
 /// Works out what holds the joints of one mode.
 pub(crate) struct Holding {
@@ -132,6 +133,11 @@ impl Holding {
     /// What the roundings of the contacts may be (N).
     pub fn rounding_of_contacts(&self) -> f64 {
         CONTACT_ROUNDING * self.contact_size
+    }
+
+    /// What the roundings of their pressures may be (N).
+    pub fn rounding_of_pressures(&self) -> f64 {
+        if self.is_unique() { self.rounding_of_contacts() } else { SHARED_ROUNDING * self.contact_size }
     }
 
     /// m: positive while some efforts can hold all.

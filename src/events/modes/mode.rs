@@ -65,6 +65,8 @@ pub(crate) struct Mode {
     pub motors: Vec<MotorMode>,
     /// Those that are closed; all others are open.
     pub contacts: Vec<Closed>,
+    /// Pairs that touch without pressing, because others keep their gaps at zero ([`crate::events::effects::immobile`]).
+    pub idle: Vec<usize>,
 }
 
 /// Closed contacts as closures of what moves.

@@ -1,0 +1,111 @@
+//! What cannot move by itself because joints and contacts are held: bodies, and pairs that touch without pressing.
+//!
+//! ```text
+//!     left of the answer of a freedom i, or of a normal i, beside held rows S:    Y_ii − Y_iS (Y_SS)⁺ Y_Si
+//! ```
+//!
+//! Where nothing is left, to 1e-10 of Y_ii, the held rows say what it does. A pair whose gap they keep at zero, and that does not press, is idle: a wheel that
+//! touches a floor while its axle stands on the other wheel. Its gap has the roundings of theirs.
+
+use crate::events::effects::decision::{Candidate, Scene};
+use crate::events::modes::mode::{JointMode, Mode};
+use crate::instant::dynamics::response::Response;
+use crate::instant::holding::blocks::{Rows, row_of_freedom, rows_of_contact};
+use crate::instant::holding::elements::Elements;
+use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::motion::kinematics::body_states;
+use crate::mechanism::motion::state::State;
+use nalgebra::DMatrix;
+
+/// A freedom that answers to an effort with less than this part of its free answer cannot move.
+const IMMOBILE: f64 = 1e-10;
+
+/// The pairs of candidates of which none is closed in a mode, and whose gaps its held joints and closed contacts keep as they are.
+pub(crate) fn idle_pairs(scene: &mut Scene, state: &State, mode: &Mode, candidates: &[Candidate]) -> Vec<usize> {
+    let Scene { whole, elements, response, .. } = scene;
+    let closed = |pair: usize| mode.contacts.iter().any(|closed| closed.contact.pair == pair);
+    let open: Vec<&Candidate> = candidates.iter().filter(|candidate| !closed(candidate.contact.pair)).collect();
+    if open.is_empty() || mode.contacts.is_empty() {
+        return Vec::new();
+    }
+    let bodies = body_states(whole, state);
+    let held = elements.joints.iter().zip(&mode.joints).filter(|(_, mode)| matches!(mode, JointMode::Held { .. }));
+    let mut rows: Vec<Vec<f64>> =
+        held.map(|(joint, _)| row_of_freedom(whole.velocity_count, joint.coordinate.freedom, 1.0)).collect();
+    for closed in &mode.contacts {
+        rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, closed.slides.is_none()));
+    }
+    let count = rows.len();
+    rows.extend(open.iter().flat_map(|candidate| rows_of_contact(whole, &bodies, &candidate.contact.joint, false)));
+    let square = Rows::new(response, state, rows).square;
+    let inverse = pseudo_inverse(&square.view((0, 0), (count, count)).into_owned());
+    let mut idle = Vec::new();
+    for (index, candidate) in open.iter().enumerate() {
+        let (own, pair) = (count + index, candidate.contact.pair);
+        let row = square.view((own, 0), (1, count));
+        let taken = (row * &inverse * row.transpose())[(0, 0)];
+        if square[(own, own)] - taken <= IMMOBILE * square[(own, own)] && !idle.contains(&pair) {
+            idle.push(pair);
+        }
+    }
+    idle
+}
+
+/// For each body whether it is held: its joint is, or cannot move because others are.
+pub(crate) fn held_bodies(
+    whole: &Mechanism,
+    elements: &Elements,
+    mode: &Mode,
+    response: &mut Response,
+    state: &State,
+) -> Vec<bool> {
+    let mut held = mode.held_bodies(elements, whole.bodies.len());
+    let sticks = mode.contacts.iter().any(|closed| closed.slides.is_none());
+    // What follows a joint is held with it; loops and contacts may hold more.
+    if !(sticks || (held.contains(&true) && !whole.loops.is_empty())) {
+        return held;
+    }
+    let joints = (0..whole.bodies.len()).filter(|&body| held[body]);
+    let freedoms = joints.flat_map(|body| whole.bodies[body].joint.velocity_range());
+    let mut rows: Vec<Vec<f64>> = freedoms.map(|freedom| row_of_freedom(whole.velocity_count, freedom, 1.0)).collect();
+    if sticks {
+        let bodies = body_states(whole, state);
+        for closed in mode.contacts.iter().filter(|closed| closed.slides.is_none()) {
+            rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, true));
+        }
+    }
+    let rows = Rows::new(response, state, rows);
+    let inverse = pseudo_inverse(&rows.square);
+    let rest = |body: &usize| !held[*body] && (sticks || whole.bodies[*body].joint.velocity_range().len() == 1);
+    let others: Vec<usize> = (0..whole.bodies.len()).filter(rest).collect();
+    let freedoms = others.iter().flat_map(|&body| whole.bodies[body].joint.velocity_range());
+    let mut answers = response.diagonal(state, freedoms).into_iter();
+    for &body in &others {
+        // Y_ii − Y_iS (Y_SS)⁺ Y_Si: what is left of the answer.
+        held[body] = true;
+        for (freedom, answer) in whole.bodies[body].joint.velocity_range().zip(answers.by_ref()) {
+            let row = rows.columns().row(freedom);
+            let taken = (row * &inverse * row.transpose())[(0, 0)];
+            held[body] &= answer - taken <= IMMOBILE * answer;
+        }
+    }
+    held
+}
+
+/// The Moore–Penrose inverse of a positive semidefinite matrix, whatever the units of its rows.
+fn pseudo_inverse(square: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = square.nrows();
+    let inverse: Vec<f64> =
+        (0..count).map(|row| if square[(row, row)] > 0.0 { 1.0 / square[(row, row)].sqrt() } else { 0.0 }).collect();
+    let scaled = DMatrix::from_fn(count, count, |row, column| square[(row, column)] * inverse[row] * inverse[column]);
+    let eigen = scaled.symmetric_eigen();
+    let largest = eigen.eigenvalues.max();
+    let mut sum = DMatrix::zeros(count, count);
+    for (index, &value) in eigen.eigenvalues.iter().enumerate() {
+        if value > IMMOBILE * largest {
+            let vector = eigen.eigenvectors.column(index);
+            sum += vector * vector.transpose() / value;
+        }
+    }
+    DMatrix::from_fn(count, count, |row, column| sum[(row, column)] * inverse[row] * inverse[column])
+}
