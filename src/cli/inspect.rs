@@ -40,7 +40,7 @@ pub struct InspectArgs {
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = crate::cli::arguments::numbers::finite)]
     at: Option<f64>,
 
-    /// Show the events: impacts on limits, sticking and slipping, motors at their bounds
+    /// Show the events: impacts on limits and of contacts, sticking and slipping, motors at their bounds
     #[arg(long, conflicts_with = "at")]
     events: bool,
 
@@ -48,7 +48,7 @@ pub struct InspectArgs {
     #[arg(long, value_name = "FILE.csv", value_parser = crate::cli::arguments::outputs::output_file())]
     csv: Option<PathBuf>,
 
-    /// Draw positions, velocities, energy error, constraint error and reactions
+    /// Draw positions, velocities, energy error, constraint error, reactions and contact forces
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = crate::cli::arguments::outputs::output_file())]
     plot: Option<PathBuf>,
 

@@ -23,9 +23,9 @@ pub struct CouplingError {
 pub enum CouplingProblem {
     /// A collision mesh that is there and cannot be used.
     #[error(
-        "its collision mesh {mesh:?} cannot be used: {problem}. Mend the file, or let the link touch nothing: collision = \"none\" in the [[link]] {link:?} of the scene file"
+        "its collision mesh {mesh:?} cannot be used: {problem}. Mend the file, or leave this shape out in the scene file: [[link]] with name = {link:?}, shape = {shape}, collision = \"none\""
     )]
-    Mesh { mesh: Box<str>, problem: Box<str>, link: Box<str> },
+    Mesh { mesh: Box<str>, problem: Box<str>, link: Box<str>, shape: usize },
     /// Convex pieces were asked for of a mesh that encloses nothing.
     #[error("its collision mesh {mesh:?} cannot be cut into convex pieces: {problem}")]
     Pieces { mesh: String, problem: Box<GeometryError> },

@@ -107,7 +107,7 @@ impl fmt::Display for Report {
         write!(out, ", {} rejected", self.rejected_steps)?;
         match self.exact_newton_steps {
             0 => writeln!(out)?,
-            all if all == self.steps => writeln!(out, ", by the exact Newton method")?,
+            all if all == self.steps && all > 1 => writeln!(out, ", all {all} by the exact Newton method")?,
             some => writeln!(out, ", {some} by the exact Newton method")?,
         }
         if self.events.is_nonsmooth {
