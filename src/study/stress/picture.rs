@@ -28,9 +28,8 @@ const BELOW: i32 = 74;
 
 /// The methods that can run a case at least, and those that can run none.
 fn able_and_not(map: &Map) -> (Vec<Method>, Vec<Method>) {
-    let can = |method: &Method| {
-        map.cells.iter().any(|cell| cell.method == *method && cell.verdict != Verdict::NotApplicable)
-    };
+    let can =
+        |method: &Method| map.cells.iter().any(|cell| cell.method == *method && cell.verdict != Verdict::NotApplicable);
     map.methods.into_iter().partition(can)
 }
 

@@ -336,6 +336,20 @@ fn a_log_has_the_forces_of_what_stands_from_its_first_sample_on_and_curves_name_
     let up: f64 = contacts.iter().map(|contact| contact["force"][2].as_f64().expect("a force")).sum();
     // 12 kg; the solver of contacts is exact to 1e-10.
     assert!(contacts.len() == 8 && (up - 12.0 * 9.81).abs() < 1e-8, "{} contacts, {up} N", contacts.len());
+    // Of contacts alone there are curves and a table, but no place of anything.
+    let topics = ["--topics", "contacts,contact_forces"];
+    run(&folder, &[&["simulate", &rover, "--duration", "0.1", "-o", "contacts.mcap"], &topics[..]].concat());
+    for arguments in [&["inspect", "contacts.mcap", "--at", "0"][..], &["report", "contacts.mcap", "-o", "page.html"]] {
+        let output = run(&folder, arguments);
+        assert_one_error(&output, 2, &format!("{arguments:?}"));
+        assert!(
+            text(&output.stderr).contains("with tf, joint_states and multi_dof_joint_states"),
+            "{}",
+            text(&output.stderr)
+        );
+    }
+    let output = run(&folder, &["inspect", "contacts.mcap", "--csv", "contacts.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let gripper = robot("gripper_holds_box");
     run(&folder, &["simulate", &gripper, "--duration", "0.2", "-o", "gripper.mcap"]);
     let output = run(&folder, &["inspect", "gripper.mcap", "--plot", "curves.svg", "--curves", "contact"]);

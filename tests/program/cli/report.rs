@@ -110,7 +110,9 @@ fn the_report_is_of_the_end_of_the_run_that_was_asked_for() {
 fn the_report_counts_the_steps_that_the_exact_newton_method_solved() {
     let folder = folder("exact");
     let loops = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/four_bar_1.toml");
-    for (input, words) in [("pendulum.urdf", " rejected\n"), (loops, " rejected, all STEPS by the exact Newton method\n")] {
+    for (input, words) in
+        [("pendulum.urdf", " rejected\n"), (loops, " rejected, all STEPS by the exact Newton method\n")]
+    {
         let arguments = ["simulate", input, "--no-log", "--duration", "0.5"];
         let report = run(&folder, &[&arguments[..], &["--json"]].concat());
         let report: Value = serde_json::from_slice(&report.stdout).expect("one JSON object");
