@@ -62,8 +62,7 @@ impl ShapeReader {
                 let unusable = |problem: String| CouplingProblem::Mesh {
                     mesh: mesh.path.as_str().into(),
                     problem: problem.into(),
-                    link: touching.into(),
-                    shape: place,
+                    shape_of: Box::new((touching.to_string(), place)),
                 };
                 let Some(source) = self.source(number, mesh).map_err(|problem| refuse(unusable(problem)))? else {
                     let message =
