@@ -31,7 +31,7 @@ MARKERS = "os^vdPX<>"
 def line(row: Measured) -> str:
     """A row of the table."""
     cost = 1e6 * row.cpu_seconds_per_simulated_second
-    return f"  {row.method:36}{row.setting:28}{row.creep:10.1e}{row.moved:10.1e}{row.overlap:11.1e}{cost:12.4g}"
+    return f"  {row.method:36}{row.setting:28}{row.creep:10.1e}{row.moved:10.1e}{row.overlap:11.1e}{cost:14.4g}"
 
 
 def draw(rows: list[Measured], folder: Path) -> None:
@@ -85,7 +85,7 @@ def main() -> int:
         program = catena.find(chosen.catena)
         with tempfile.TemporaryDirectory() as folder:
             for scene in scenes():
-                head = f"  {'method':36}{'setting':28}{'creep m/s':>10}{'moved m':>10}{'overlap m':>11}{'CPU µs per s':>12}"
+                head = f"  {'method':36}{'setting':28}{'creep m/s':>10}{'moved m':>10}{'overlap m':>11}{'CPU µs per s':>14}"
                 print(f"{scene.title}\n{head}", flush=True)
                 runs = [standing_peers.ours(program, scene, Path(folder))]
                 runs += [standing_peers.mujoco(scene)] if there["MuJoCo"] else []

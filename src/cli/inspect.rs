@@ -17,6 +17,7 @@ use catena::output::inspection::summary::Summary;
 use catena::output::log::reading::decode::LoggedContact;
 use catena::output::log::reading::frames::{Frame, Visitor, visit};
 use catena::output::log::seconds;
+use catena::output::page::BARE;
 use catena::output::report::{JointReport, LinkReport, LoopReport, Numbers, as_object, carried_reports, link_reports};
 use clap::Args;
 use serde::Serialize;
@@ -40,7 +41,7 @@ pub struct InspectArgs {
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = crate::cli::arguments::numbers::finite)]
     at: Option<f64>,
 
-    /// Show the events: impacts on limits, sticking and slipping, motors at their bounds
+    /// Show the events: impacts on limits and of contacts, sticking and slipping, motors at their bounds
     #[arg(long, conflicts_with = "at")]
     events: bool,
 
@@ -48,7 +49,7 @@ pub struct InspectArgs {
     #[arg(long, value_name = "FILE.csv", value_parser = crate::cli::arguments::outputs::output_file())]
     csv: Option<PathBuf>,
 
-    /// Draw positions, velocities, energy error, constraint error and reactions
+    /// Draw positions, velocities, energy error, constraint error, reactions and contact forces
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = crate::cli::arguments::outputs::output_file())]
     plot: Option<PathBuf>,
 
@@ -210,7 +211,11 @@ fn instant(log: &Path, frame: &Frame, recorded: &Recorded) -> anyhow::Result<Log
         }
     }
     let coordinates = |name: &str| joints.get(name).map(|(q, w)| (q.as_slice(), w.as_slice()));
-    let other_model = || anyhow!("{}: its samples are not of the model it carries", log.display());
+    let other_model = || {
+        let has_joints = !scalar.names.is_empty() || !others.names.is_empty();
+        let why = if has_joints { "its samples are not of the model it carries" } else { BARE };
+        anyhow!("{}: {why}", log.display())
+    };
     let state = model.state_of_report(frame.time(), coordinates).ok_or_else(other_model)?;
     let mut links = link_reports(model, &state);
     let poses: HashMap<&str, _> = frame.links.iter().map(|pose| (pose.link.as_str(), pose)).collect();

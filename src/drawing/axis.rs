@@ -34,14 +34,16 @@ impl Axis {
                 let (first, last) = (low.ceil() as i32, high.floor() as i32);
                 let stride = (last - first) / labels + 1;
                 let labelled = |decade: &i32| decade.rem_euclid(stride) == 0;
-                let ticks = (first..=last).filter(labelled).map(|decade| (f64::from(decade), power_of_ten(decade)));
+                let decades = (first..=last).filter(labelled).map(|decade| (f64::from(decade), power_of_ten(decade)));
+                // One decade alone gives no scale: numbers between are labelled, too.
+                let ticks: Vec<(f64, String)> = if first < last { decades.collect() } else { few_ticks(low, high) };
                 // Lines at 2, 3 … 9 help where there are few decades and clutter where there are many.
                 let fine = if last - first > 7 { 1..=1 } else { 1..=9 };
                 let lines = (first - 1..=last + 1).flat_map(|decade| {
                     fine.clone().map(move |digit| (f64::from(decade) + f64::from(digit).log10(), digit == 1))
                 });
                 let grid = lines.filter(|line| (low..=high).contains(&line.0)).collect();
-                Axis { label: label.clone(), log: true, range: (low, high), ticks: ticks.collect(), grid }
+                Axis { label: label.clone(), log: true, range: (low, high), ticks, grid }
             }
         }
     }
@@ -57,6 +59,18 @@ impl Axis {
     pub fn tick_fraction(&self, tick: f64) -> f64 {
         (tick - self.range.0) / (self.range.1 - self.range.0)
     }
+}
+
+/// Ticks at 1, 2 and 5 times powers of ten in a range of few decades (logarithms to base ten).
+fn few_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
+    let decades = low.floor() as i32..=high.floor() as i32;
+    let ticks = decades.flat_map(|decade| {
+        [1, 2, 5].map(|digit| {
+            let words = if digit == 1 { power_of_ten(decade) } else { format!("{digit}·{}", power_of_ten(decade)) };
+            (f64::from(decade) + f64::from(digit).log10(), words)
+        })
+    });
+    ticks.filter(|tick| (low..=high).contains(&tick.0)).collect()
 }
 
 /// `10⁻⁶`.
@@ -86,5 +100,22 @@ fn tick_label(tick: f64, digits: usize) -> String {
         format!("{tick:.*}", if digits <= 6 { digits } else { 0 })
     } else {
         format!("{tick:.1e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_with_one_power_of_ten_or_none_has_labels_between() {
+        let labels = |values: [f64; 2]| {
+            let scale = Scale::Log { label: String::new(), least: 0.0, most: f64::MAX };
+            let axis = Axis::new(&scale, values.into_iter(), 8);
+            axis.ticks.into_iter().map(|tick| tick.1).collect::<Vec<_>>()
+        };
+        assert_eq!(labels([0.03, 0.4]), ["5·10⁻²", "10⁻¹", "2·10⁻¹", "5·10⁻¹"]);
+        assert_eq!(labels([2.0, 3.0]), ["2·10⁰"]);
+        assert_eq!(labels([0.03, 4.0]), ["10⁻¹", "10⁰"]);
     }
 }

@@ -18,10 +18,14 @@ const SPACE: i32 = 8;
 /// Left edge of the words beside a sample, from the edge of the legend.
 pub(crate) const WORDS: i32 = 54;
 
+/// Right edge of words of this size from their left edge on: a letter of this font is on average 0.45 times as wide as its size says.
+pub(crate) fn words_end(words: &str, left: i32, size: i32) -> i32 {
+    left + words.chars().count() as i32 * size * 23 / 50
+}
+
 /// Right and lower edge of the legend in pixels, where its upper edge is at `top`.
 pub(crate) fn legend_extent(picture: &Picture, top: i32) -> (i32, i32) {
-    // A letter of this font is on average 0.45 times as wide as its size says.
-    let end = |words: &str, indent: i32, size: i32| LEGEND + indent + words.chars().count() as i32 * size * 23 / 50;
+    let end = |words: &str, indent: i32, size: i32| words_end(words, LEGEND + indent, size);
     let (mut right, mut bottom) = (LEGEND, top + SPACE);
     for panel in picture.panels.iter().filter(|panel| !panel.series.is_empty()) {
         bottom += HEADING + CURVE * panel.series.len() as i32 + SPACE;

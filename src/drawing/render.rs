@@ -5,7 +5,7 @@
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{Drawn, INK, QUIET, png_of, svg_of, text, text_at};
 use crate::drawing::error::ChartError;
-use crate::drawing::legend::{LEGEND, draw_legend, legend_extent};
+use crate::drawing::legend::{LEGEND, WORDS, draw_legend, legend_extent, words_end};
 use crate::drawing::picture::{Figure, Picture, Series};
 use crate::drawing::strokes::{GRID, draw_line, draw_marker};
 use plotters::coord::Shift;
@@ -43,7 +43,7 @@ struct Page {
     letters: i32,
 }
 
-/// Each of several pictures that share their horizontal axis.
+/// Each of several pictures that share their horizontal axis; a long legend makes it wider.
 const STACKED: Page = Page { width: SIZE.0, height: 312, right: 1020, top: 44, bottom: 276, legend: 1044, letters: 16 };
 
 /// Height of the headline over several pictures, and of the last one, which names the axis.
@@ -144,19 +144,27 @@ fn stacked_png(figure: &Figure, path: &Path) -> Result<(), ChartError> {
 
 fn stacked_size(figure: &Figure) -> (i32, i32) {
     let others = figure.pictures.len().saturating_sub(1) as i32;
-    let page = Page { height: HEADLINE + STACKED.height * others + LAST_HEIGHT, ..STACKED };
-    page.size()
+    (stacked_page(figure).width, HEADLINE + STACKED.height * others + LAST_HEIGHT)
+}
+
+/// Each picture of a figure, with room for the longest name in its legends.
+fn stacked_page(figure: &Figure) -> Page {
+    let panels = figure.pictures.iter().flat_map(|picture| &picture.panels);
+    let names = panels.flat_map(|panel| &panel.series).map(|series| series.label.as_str());
+    let end = names.map(|name| words_end(name, STACKED.legend + WORDS, STACKED.letters)).fold(0, i32::max);
+    Page { width: STACKED.width.max(end + 16), ..STACKED }
 }
 
 fn draw_stack<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, figure: &Figure) -> Drawn<DB> {
     area.fill(&WHITE)?;
     text(area, &figure.title, (LEFT, 16), 28, HPos::Left, INK)?;
     text(area, &figure.subtitle, (LEFT, 54), 18, HPos::Left, QUIET)?;
+    let page = stacked_page(figure);
     let (_, mut rest) = area.split_vertically(HEADLINE);
     for (index, picture) in figure.pictures.iter().enumerate() {
         let is_last = index + 1 == figure.pictures.len();
         let (panel, below) = rest.split_vertically(if is_last { LAST_HEIGHT } else { STACKED.height });
-        draw(&panel, STACKED, picture)?;
+        draw(&panel, page, picture)?;
         rest = below;
     }
     Ok(())

@@ -112,7 +112,7 @@ pub enum LinkShapes {
     Hull,
     /// Convex pieces of each of their connected parts.
     Decompose,
-    /// Nothing: no collision shape of the link touches.
+    /// Nothing: the shape, or every shape of the link, touches nothing.
     None,
 }
 
@@ -123,6 +123,8 @@ pub struct SceneLink {
     pub link: LinkReference,
     /// Its name, as written.
     pub name: String,
+    /// The one collision shape that is meant, by its place among those of the link from 1, as in key paths; `None` for all.
+    pub shape: Option<usize>,
     /// What its collision meshes are taken for.
     pub shapes: LinkShapes,
     /// The line of its `name`.
@@ -156,6 +158,14 @@ impl Default for ContactSettings {
             obstacles: Vec::new(),
             links: Vec::new(),
         }
+    }
+}
+
+impl ContactSettings {
+    /// What a collision shape of a link is taken for, by its place among those of the link from 1: what is said of it, else of all of them.
+    pub fn choice(&self, link: LinkReference, number: usize) -> LinkShapes {
+        let said = |shape| self.links.iter().find(|said| said.link == link && said.shape == shape);
+        said(Some(number)).or_else(|| said(None)).map_or(LinkShapes::default(), |said| said.shapes)
     }
 }
 

@@ -169,8 +169,13 @@ pub enum Problem {
     #[error("the joint already has the [[joint]] of line {first_line}; write all keys into that")]
     SecondJoint { first_line: usize },
     /// Two tables for one link.
-    #[error("the link already has the [[link]] of line {first_line}; give one for each link")]
+    #[error(
+        "the link already has the [[link]] of line {first_line}; give one for each link, or for each `shape` of it"
+    )]
     SecondLink { first_line: usize },
+    /// A collision shape that a link has not.
+    #[error("it has no collision shape {number}: they are counted from 1, and it has {count}")]
+    NoCollisionShape { number: usize, count: usize },
     /// An entry of a table of times and values.
     #[error("{0}")]
     Table(String),

@@ -102,12 +102,14 @@ impl Loaded {
         let moved = mechanism.has_closures()
             && ((correction.position > UNNOTICEABLE && open()) || correction.velocity > UNNOTICEABLE);
         let onto_loops = moved.then(|| {
-            format!(
-                "the start was adjusted to close the loops: positions by up to {:.1e} rad or m, velocities by up to {:.1e} rad/s or m/s{}",
-                correction.position,
-                correction.velocity,
-                self.moved(wanted, &state)
-            )
+            let part =
+                |what: &str, most: f64, unit: &str| (most > 0.0).then(|| format!("{what} by up to {most:.1e} {unit}"));
+            let parts = [
+                part("positions", correction.position, "rad or m"),
+                part("velocities", correction.velocity, "rad/s or m/s"),
+            ];
+            let parts: Vec<String> = parts.into_iter().flatten().collect();
+            format!("the start was adjusted to close the loops: {}{}", parts.join(", "), self.moved(wanted, &state))
         });
         let warning = |message: String| Warning::odd(file, None, None, message);
         let mut warnings: Vec<Warning> = onto_loops.into_iter().chain(apart).map(warning).collect();

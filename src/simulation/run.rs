@@ -293,7 +293,7 @@ impl<'s> Simulation<'s> {
                 if progress.is_none() {
                     let course = Course::new(mechanism, state, options.duration, options.rate);
                     let mut course = if *figures { course } else { course.without_figures() };
-                    course.begin(watching)?;
+                    course.begin(mechanism, watching)?;
                     *progress = Some(Progress::Whole(Box::new(course)));
                 }
                 let Some(Progress::Whole(course)) = progress else { return Ok(()) };

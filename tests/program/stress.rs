@@ -11,6 +11,7 @@ use catena::mechanism::motion::state::State;
 use catena::stepping::integrator::Lobatto;
 use catena::study::chart::{Method as ChartMethod, Setting};
 use catena::study::stress::cell::Cell;
+use catena::study::stress::picture;
 use catena::study::stress::problem::{Truth, steps};
 use catena::study::stress::table::write_csv;
 use catena::study::stress::{Answer, Case, Ended, Map, Method, Problem, Verdict, report};
@@ -173,6 +174,25 @@ fn a_method_that_needs_independent_equations_fails_where_they_are_not_and_ours_d
         assert_eq!(survivors(map, Method::Baumgarte, place).0, 0);
         assert_eq!(survivors(map, Method::Chart(ChartMethod::LobattoTolerance), place), (6, 6));
     }
+}
+
+#[test]
+fn a_picture_has_a_panel_for_each_method_that_can_run_any_of_it_and_names_the_others_below() {
+    let mut left_out = 0;
+    for map in reduced() {
+        let svg = picture::svg(map).expect("a picture");
+        for method in map.methods {
+            let is_able = map.cells.iter().any(|cell| cell.method == method && cell.verdict != Verdict::NotApplicable);
+            left_out += usize::from(!is_able);
+            // Every text of the picture is a line of the file.
+            let label = method.label();
+            let name = &map.thinned.problem.name;
+            assert_eq!(svg.lines().any(|line| line == label), is_able, "{name}: {label}");
+            assert!(svg.contains(&label), "{name}: {label}");
+        }
+    }
+    // None of four knows contacts, of which there are three problems.
+    assert!(left_out >= 12, "{left_out}");
 }
 
 #[test]

@@ -22,7 +22,9 @@ use crate::instant::holding::elements::Elements;
 use crate::instant::holding::touching::{Contact, Touching};
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::forces::total::BodyWrench;
+use crate::mechanism::motion::contact_point::ContactPoint;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{TouchMotion, tangents, touch_motion};
@@ -46,6 +48,8 @@ pub(crate) struct Exerted {
     in_joints: Vec<f64>,
     /// Of the contacts on the bodies.
     wrenches: Vec<BodyWrench>,
+    /// The contacts at which there is no impact, as reports name them.
+    points: Vec<ContactPoint>,
     motors: Vec<f64>,
     /// Whether any state has been asked for.
     known: bool,
@@ -67,6 +71,7 @@ impl Exerted {
                 efforts: vec![0.0; mechanism.velocity_count],
                 in_joints: vec![0.0; mechanism.velocity_count],
                 wrenches: vec![BodyWrench::default(); mechanism.bodies.len()],
+                points: Vec::new(),
                 motors: Vec::with_capacity(elements.motors.len()),
                 known: false,
                 free: vec![0.0; mechanism.velocity_count],
@@ -107,6 +112,7 @@ impl Exerted {
         }
         self.in_joints.copy_from_slice(&self.efforts);
         self.wrenches.fill(BodyWrench::default());
+        self.points.clear();
         let bodies =
             if self.touching.pairs.is_empty() { Vec::new() } else { body_states(&self.mechanism, &self.state) };
         let contacts = self.take_contacts(&bodies);
@@ -114,6 +120,18 @@ impl Exerted {
             self.share(&bodies, &contacts);
         }
         (&self.efforts, &self.wrenches)
+    }
+
+    /// The contacts of a state in which motors alone drive, in the order of their pairs; none where there is an impact.
+    pub fn contacts(mechanism: &Mechanism, state: &State) -> Vec<ContactPoint> {
+        let Some(mut exerted) = Exerted::new(mechanism) else { return Vec::new() };
+        let effort = |motor: &Motor| {
+            let at = motor.coordinate;
+            motor.bounded(motor.effort(state.time, state.position[at.position], state.velocity[at.freedom]))
+        };
+        let motors: Vec<f64> = exerted.elements.motors.iter().map(effort).collect();
+        exerted.at(&state.position, &state.velocity, &motors);
+        exerted.points
     }
 
     /// The part of the efforts that were asked for last that acts in joints: of motors, friction and limits.
@@ -145,7 +163,8 @@ impl Exerted {
 
     /// Shares among the blocks what holds them, and adds it to the efforts and wrenches.
     fn share(&mut self, bodies: &[BodyState], contacts: &[(Contact, TouchMotion)]) {
-        let Exerted { elements, mechanism, response, state, efforts, in_joints, wrenches, free, blocks, .. } = self;
+        let Exerted { elements, touching, mechanism, response, state, efforts, in_joints, .. } = self;
+        let Exerted { wrenches, points, free, blocks, .. } = self;
         response.accelerations(state, efforts, free);
         let rows = Rows::of(response, state, blocks);
         let offset =
@@ -172,6 +191,9 @@ impl Exerted {
                 let directions = [touch.normal, along, across];
                 let force: Vector3<f64> =
                     directions.iter().zip(&forces[first..first + block.rows.len()]).map(|(d, f)| d * *f).sum();
+                if touch.rate >= -AT_REST {
+                    points.push(contact_point(touching, contact, touch, &force));
+                }
                 for (end, sign) in [(contact.joint.a.body, -1.0), (contact.joint.b.body, 1.0)] {
                     if let Some(body) = end {
                         wrenches[body].0 += sign * force;
@@ -181,5 +203,23 @@ impl Exerted {
             }
             first += block.rows.len();
         }
+    }
+}
+
+/// A contact with the force on the second body of its joint (N), as reports name it: by the colliders of its pair.
+fn contact_point(
+    touching: &Touching,
+    contact: &Contact,
+    touch: &TouchMotion,
+    on_second: &Vector3<f64>,
+) -> ContactPoint {
+    let sign = if contact.is_swapped() { 1.0 } else { -1.0 };
+    ContactPoint {
+        pair: touching.pairs[contact.pair].number,
+        position: touch.point,
+        normal: sign * touch.normal,
+        force: sign * on_second,
+        gap: touch.gap,
+        sticks: touch.slip.norm() <= AT_REST,
     }
 }

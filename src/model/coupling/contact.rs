@@ -6,12 +6,14 @@
 use crate::mechanism::description::contact::Collider;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::model::coupling::contact_meshes::ShapeReader;
-use crate::model::description::contact_pairs::{ContactRecord, LeftOutPair, NeverTouch, Owner, contact_pairs, matches};
+use crate::model::description::contact_pairs::{
+    ContactRecord, LeftOutPair, NeverTouch, Owner, contact_pairs, matches, rules_of_nothing,
+};
 use crate::model::description::contact_reach::ContactReach;
 use crate::model::description::coupling_error::{CouplingError, CouplingProblem};
 use crate::model::description::model_error::ModelError;
 use crate::model::description::robot_model::Model;
-use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, Touching, Warning, listed};
+use crate::scene::{ContactSettings, Element, LinkReference, LinkShapes, PairRule, Touching, Warning, listed};
 
 impl Model {
     /// Takes the colliders and the pairs that may touch into the mechanism, instead of those it has.
@@ -20,7 +22,7 @@ impl Model {
     /// [`ModelError`] for shapes of links without size, meshes that are there and cannot be used, names that nothing has, and obstacles with the
     /// name of a link. Meshes of links that are not found are left out, with a warning.
     pub fn set_contact(&mut self, settings: &ContactSettings) -> Result<(), ModelError> {
-        self.check_contact_names(settings)?;
+        let of_rules = self.check_contact_names(settings)?;
         let moving = settings.touching == Touching::All && self.robots.len() > 1;
         let mut colliders = Vec::new();
         let mut owners = Vec::new();
@@ -41,6 +43,7 @@ impl Model {
         let (pairs, left_out) = contact_pairs(settings, &colliders, &owners, &reach);
         self.mechanism.nonsmooth.colliders = colliders;
         self.mechanism.nonsmooth.pairs = pairs;
+        self.warnings.extend(of_rules);
         self.warnings.extend(Warning::of_kind(reader.warnings, "collision mesh", "collision meshes"));
         self.contact = ContactRecord { settings: settings.clone(), owners, left_out, meshes: reader.meshes };
         Ok(())
@@ -81,11 +84,14 @@ impl Model {
         for (index, link) in placed.robot.links.iter().enumerate() {
             let frame = &self.links[placed.links.start + index];
             let reference = LinkReference::Link { robot: number, link: index };
-            let said = settings.links.iter().find(|said| said.link == reference);
-            let choice = said.map_or(LinkShapes::default(), |said| said.shapes);
-            for given in link.collisions.iter().filter(|_| choice != LinkShapes::None) {
+            for (shape, given) in link.collisions.iter().enumerate() {
+                let choice = settings.choice(reference, shape + 1);
+                if choice == LinkShapes::None {
+                    continue;
+                }
                 let pose = frame.in_body * given.origin;
-                let shapes = reader.shapes((number, &placed.robot), [&link.name, &frame.name], given, choice)?;
+                let names = [link.name.as_str(), frame.name.as_str()];
+                let shapes = reader.shapes((number, &placed.robot), names, (shape + 1, given), choice)?;
                 let collider = |shape| Collider { name: frame.name.clone(), body: frame.body, pose, shape };
                 colliders.extend(shapes.into_iter().map(collider));
             }
@@ -93,33 +99,46 @@ impl Model {
         Ok(())
     }
 
-    /// Refuses names that nothing has, and names that two things have.
-    fn check_contact_names(&self, settings: &ContactSettings) -> Result<(), ModelError> {
-        let file = self.path();
+    /// Refuses names that nothing has, and names that two things have; warns of rules that name no two things that may touch.
+    fn check_contact_names(&self, settings: &ContactSettings) -> Result<Vec<Warning>, ModelError> {
+        let file = self.path().to_path_buf();
         for obstacle in &settings.obstacles {
             if self.link(&obstacle.name).is_some() {
                 let problem = ModelError::ObstacleNamedAsLink(obstacle.name.clone());
                 return Err(match obstacle.line {
-                    Some(line) => ModelError::InFile { file: file.to_path_buf(), line, problem: Box::new(problem) },
+                    Some(line) => ModelError::InFile { file, line, problem: Box::new(problem) },
                     None => problem,
                 });
             }
         }
-        let links =
-            self.robots.iter().flat_map(|placed| placed.robot.links.iter().zip(&self.links[placed.links.clone()]));
-        let touching = links.filter(|(link, _)| !link.collisions.is_empty()).map(|(_, frame)| &frame.name);
-        let known: Vec<String> =
-            touching.chain(settings.obstacles.iter().map(|obstacle| &obstacle.name)).cloned().collect();
+        let links = self.robots.iter().enumerate().flat_map(|(number, placed)| {
+            let links = placed.robot.links.iter().zip(&self.links[placed.links.clone()]);
+            let touching = links.filter(|(link, _)| !link.collisions.is_empty());
+            touching.map(move |(_, frame)| (frame.name.as_str(), Owner::Robot(number)))
+        });
+        let obstacles = settings.obstacles.iter().enumerate();
+        let obstacles = obstacles.map(|(index, obstacle)| (obstacle.name.as_str(), Owner::Obstacle(index)));
+        let named: Vec<(&str, Owner)> = links.chain(obstacles).collect();
+        let element = |rule: &PairRule| Element::Pair(format!("{:?} and {:?}", rule.a, rule.b));
         for rule in &settings.rules {
             for pattern in [&rule.a, &rule.b] {
-                if !known.iter().any(|name| matches(pattern, name)) {
+                if !named.iter().any(|(name, _)| matches(pattern, name)) {
+                    let known: Vec<String> = named.iter().map(|(name, _)| (*name).to_string()).collect();
                     let problem = CouplingProblem::NoShape { pattern: pattern.clone(), known: listed(&known) };
-                    let element = Element::Pair(format!("{:?} and {:?}", rule.a, rule.b));
-                    let (file, line) = (file.to_path_buf(), rule.line);
-                    return Err(ModelError::Coupling(CouplingError { file, line, element, problem }));
+                    return Err(ModelError::Coupling(CouplingError {
+                        file,
+                        line: rule.line,
+                        element: element(rule),
+                        problem,
+                    }));
                 }
             }
         }
-        Ok(())
+        let of_nothing = rules_of_nothing(settings, &named).into_iter().map(|(number, why)| {
+            let rule = &settings.rules[number];
+            let message = format!("this [[contact.pair]] changes nothing: {why}");
+            Warning::odd(&file, Some(rule.line), Some(element(rule)), message)
+        });
+        Ok(of_nothing.collect())
     }
 }

@@ -25,7 +25,7 @@ pub(crate) struct ShapeReader {
 
 impl ShapeReader {
     /// The shapes that a collision shape of a link of robot `number` stands for: several of a mesh in parts, none of a mesh that is not found, of
-    /// which there is a warning. The link is given by its names in the URDF and in the scene.
+    /// which there is a warning. The link is given by its names in the URDF and in the scene, the shape by its place among those of the link.
     ///
     /// # Errors
     /// [`ModelError`] for shapes without size, and for meshes that are there and cannot be used: a run without them would be one of another robot.
@@ -33,7 +33,7 @@ impl ShapeReader {
         &mut self,
         (number, robot): (usize, &Robot),
         [link, touching]: [&str; 2],
-        given: &LinkShape,
+        (place, given): (usize, &LinkShape),
         choice: LinkShapes,
     ) -> Result<Vec<Shape>, ModelError> {
         let refuse = |problem: CouplingProblem| {
@@ -62,7 +62,7 @@ impl ShapeReader {
                 let unusable = |problem: String| CouplingProblem::Mesh {
                     mesh: mesh.path.as_str().into(),
                     problem: problem.into(),
-                    link: touching.into(),
+                    shape_of: Box::new((touching.to_string(), place)),
                 };
                 let Some(source) = self.source(number, mesh).map_err(|problem| refuse(unusable(problem)))? else {
                     let message =

@@ -79,12 +79,12 @@ pub(crate) fn contact_pairs(
     let (mut pairs, mut left_out) = (Vec::new(), Vec::new());
     for (a, one) in colliders.iter().enumerate() {
         for (b, other) in colliders.iter().enumerate().skip(a + 1) {
-            let obstacle = match (owners[a], owners[b]) {
-                (Owner::Robot(_), Owner::Obstacle(obstacle)) if settings.touching != Touching::None => {
-                    Some(&settings.obstacles[obstacle])
-                }
-                (Owner::Robot(one), Owner::Robot(other)) if one != other && settings.touching == Touching::All => None,
-                _ => continue,
+            if never_asked(settings.touching, [owners[a], owners[b]]).is_some() {
+                continue;
+            }
+            let obstacle = match owners[b] {
+                Owner::Obstacle(obstacle) => Some(&settings.obstacles[obstacle]),
+                Owner::Robot(_) => None,
             };
             let Manner { friction, restitution, ignored } = manner(settings, obstacle, &one.name, &other.name);
             let pair = ContactPair { number: pairs.len(), a, b, friction, restitution };
@@ -100,6 +100,37 @@ pub(crate) fn contact_pairs(
         }
     }
     (pairs, left_out)
+}
+
+/// Why the shapes of these two are not even looked at; `None` if they are.
+fn never_asked(touching: Touching, owners: [Owner; 2]) -> Option<&'static str> {
+    match owners {
+        _ if touching == Touching::None => Some("contact is left out"),
+        [Owner::Obstacle(_), Owner::Obstacle(_)] => Some("obstacles do not touch each other"),
+        [Owner::Robot(one), Owner::Robot(other)] if one == other => Some("links of one robot do not touch each other"),
+        [Owner::Robot(_), Owner::Robot(_)] if touching != Touching::All => {
+            Some("links of different robots touch with pairs = \"all\" in [contact] only")
+        }
+        _ => None,
+    }
+}
+
+/// The rules that name no two things that may touch, by number, and why: among `named`, all links with collision shapes and all obstacles.
+pub(crate) fn rules_of_nothing(settings: &ContactSettings, named: &[(&str, Owner)]) -> Vec<(usize, &'static str)> {
+    if settings.touching == Touching::None {
+        return Vec::new();
+    }
+    let why = |rule: &PairRule| {
+        let of = |pattern: &str| -> Vec<Owner> {
+            named.iter().filter(|(name, _)| matches(pattern, name)).map(|(_, owner)| *owner).collect()
+        };
+        let (ones, others) = (of(&rule.a), of(&rule.b));
+        let pairs = ones.iter().flat_map(|one| others.iter().map(|other| [*one, *other]));
+        // Of the reasons that which can be mended by another `pairs`.
+        let reasons: Option<Vec<_>> = pairs.map(|owners| never_asked(settings.touching, owners)).collect();
+        reasons?.into_iter().max_by_key(|reason| reason.contains("[contact]"))
+    };
+    settings.rules.iter().enumerate().filter_map(|(number, rule)| Some((number, why(rule)?))).collect()
 }
 
 /// How two shapes touch, and on which line it says that they do not.

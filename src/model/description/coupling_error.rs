@@ -21,11 +21,12 @@ pub struct CouplingError {
 /// What can be wrong with something that couples or pushes bodies.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum CouplingProblem {
-    /// A collision mesh that is there and cannot be used.
+    /// A collision mesh that is there and cannot be used, of a link and with the place of the shape among those of the link.
     #[error(
-        "its collision mesh {mesh:?} cannot be used: {problem}. Mend the file, or let the link touch nothing: collision = \"none\" in the [[link]] {link:?} of the scene file"
+        "its collision mesh {mesh:?} cannot be used: {problem}. Mend the file, or leave this shape out in the scene file: [[link]] with name = {:?}, shape = {}, collision = \"none\"",
+        shape_of.0, shape_of.1
     )]
-    Mesh { mesh: Box<str>, problem: Box<str>, link: Box<str> },
+    Mesh { mesh: Box<str>, problem: Box<str>, shape_of: Box<(String, usize)> },
     /// Convex pieces were asked for of a mesh that encloses nothing.
     #[error("its collision mesh {mesh:?} cannot be cut into convex pieces: {problem}")]
     Pieces { mesh: String, problem: Box<GeometryError> },

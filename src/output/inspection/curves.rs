@@ -41,6 +41,8 @@ struct Gatherer<'k> {
     largest_kinetic: f64,
     /// Times of events (s).
     events: Vec<f64>,
+    /// Times of the first frame and of that before (s).
+    before: Option<[f64; 2]>,
     scene: String,
     method: String,
 }
@@ -121,16 +123,22 @@ impl Visitor for Gatherer<'_> {
         }
         let mut forces: Vec<(String, f64)> =
             contact_forces(frame).into_iter().map(|(pair, force)| (pair, norm(&force))).collect();
-        // What does not touch any more has no force.
+        // What does not touch yet, or not any more, has no force.
         let known = self.curves.iter().filter(|(quantity, _)| *quantity == Quantity::ContactForce);
-        for Curve { label, .. } in known.flat_map(|(_, curves)| curves) {
+        let known: Vec<String> = known.flat_map(|(_, curves)| curves).map(|curve| curve.label.clone()).collect();
+        for label in &known {
             if forces.iter().all(|(pair, _)| pair != label) {
                 forces.push((label.clone(), 0.0));
             }
         }
         for (pair, force) in forces {
+            if known.iter().all(|label| *label != pair) {
+                let none = self.before.into_iter().flatten();
+                none.for_each(|earlier| self.add(Quantity::ContactForce, &pair, earlier, 0.0));
+            }
             self.add(Quantity::ContactForce, &pair, time, force);
         }
+        self.before = Some([self.before.map_or(time, |[first, _]| first), time]);
         ControlFlow::Continue(())
     }
 
@@ -186,6 +194,7 @@ pub fn curves(log: &Path, kinds: &JointKinds, words: &[String]) -> Result<Figure
         initial: None,
         largest_kinetic: 0.0,
         events: Vec::new(),
+        before: None,
         scene: String::new(),
         method: String::new(),
     };
@@ -266,8 +275,8 @@ fn picture(quantity: Quantity, curves: Vec<Curve>, events: &[f64], end: f64, is_
 
 /// What fits into the legend: the beginning, and the end, by which joints of one robot and coordinates of one joint differ.
 fn shortened(label: &str) -> String {
-    const LETTERS: usize = 20;
-    const LAST: usize = 11;
+    const LETTERS: usize = 44;
+    const LAST: usize = 24;
     let count = label.chars().count();
     if count <= LETTERS {
         return label.to_string();

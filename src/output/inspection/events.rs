@@ -48,8 +48,8 @@ impl fmt::Display for LoggedEvents {
             self.list.iter().map(words).max().unwrap_or(0).max(head.chars().count())
         };
         let kinds = width("kind", &|event| event.kind.chars().count());
-        let joints = width("joint", &|event| event.what.chars().count());
-        writeln!(out, "  {:>18}  {:kinds$}  {:joints$}  impulse [N m s, N s]", "time [s]", "kind", "joint")?;
+        let joints = width("joint or a|b", &|event| event.what.chars().count());
+        writeln!(out, "  {:>18}  {:kinds$}  {:joints$}  impulse [N m s, N s]", "time [s]", "kind", "joint or a|b")?;
         for EventEntry { time, kind, what, impulse } in &self.list {
             match impulse {
                 Some(impulse) => writeln!(out, "  {time:>18.12}  {kind:kinds$}  {what:joints$}  {impulse:.6e}")?,

@@ -66,6 +66,9 @@ pub struct PageTable {
     pub rows: Vec<Vec<String>>,
 }
 
+/// What a log without links or joints lacks for one instant, or for a page.
+pub const BARE: &str = "its samples have no links or no joints: make the run again with tf, joint_states and multi_dof_joint_states in its --topics";
+
 /// Why there is no page.
 #[derive(Debug, thiserror::Error)]
 pub enum PageError {
@@ -75,6 +78,12 @@ pub enum PageError {
     /// There is nothing to play back.
     #[error("{log}: there are no samples in it; catena model draws the robot alone")]
     Empty {
+        /// The log.
+        log: String,
+    },
+    /// Its samples have no links or no joints.
+    #[error("{log}: {BARE}")]
+    Bare {
         /// The log.
         log: String,
     },
@@ -149,6 +158,7 @@ pub fn run_page(log: &Path, model: &Model, start: &State, options: &PageOptions)
     motion.finish();
     let name = || log.display().to_string();
     match motion.misfit {
+        Some(_) if motion.is_bare => return Err(PageError::Bare { log: name() }),
         Some(time) => return Err(PageError::Misfit { log: name(), time }),
         None if motion.times.is_empty() => return Err(PageError::Empty { log: name() }),
         None => {}

@@ -78,6 +78,8 @@ pub(super) struct Motion<'m> {
     pub events: Vec<EventEntry>,
     /// The sample that is not of this model, or not of the same joints as those before it (s).
     pub misfit: Option<f64>,
+    /// Whether that sample has neither links nor joints, or not both: their topics were not asked for.
+    pub is_bare: bool,
 }
 
 impl<'m> Motion<'m> {
@@ -103,6 +105,7 @@ impl<'m> Motion<'m> {
             contacts: Contacts::default(),
             events: Vec::new(),
             misfit: None,
+            is_bare: false,
         }
     }
 
@@ -121,6 +124,8 @@ impl<'m> Motion<'m> {
     fn take(&mut self, frame: &Frame) {
         if self.try_take(frame).is_none() {
             self.misfit = Some(frame.time());
+            self.is_bare =
+                frame.links.is_empty() || (frame.joints.names.is_empty() && frame.multi_dof.names.is_empty());
         }
     }
 

@@ -124,21 +124,21 @@ pub(crate) fn singular_warning(description: &MethodDescription) -> Option<String
 /// What the user should know, if contacts were too many or too contradictory for the solver in a run of this duration (s).
 pub(crate) fn unsolved_warning(description: &MethodDescription, duration: f64) -> Option<String> {
     let &MethodDescription { unsolved_contacts, first_order_steps: steps, first_order_time: time, .. } = description;
-    let compare = "compare it with a run of another step or tolerance";
-    if steps > 0 {
+    // Because the law of a step of first order is solved to first order, each such step is one of the unsolved, too.
+    let unsolved = unsolved_contacts.saturating_sub(steps);
+    let crowded = (steps > 0).then(|| {
         let steps = counted(steps, "first-order step", "first-order steps");
-        let share = rounded(100.0 * time / duration);
-        Some(format!(
-            "contacts changed faster than steps could follow: the run took {steps}, {share} % of its time; {compare}"
-        ))
-    } else if unsolved_contacts > 0 {
-        let instants = counted(unsolved_contacts, "instant", "instants");
-        Some(format!(
-            "the law of contact could not be solved exactly at {instants}: the run took the best that was found; {compare}"
-        ))
-    } else {
-        None
-    }
+        format!(
+            "contacts changed faster than steps could follow: the run took {steps}, {} % of its time",
+            rounded(100.0 * time / duration)
+        )
+    });
+    let inexact = (unsolved > 0).then(|| {
+        let instants = counted(unsolved, "instant", "instants");
+        format!("the law of contact could not be solved exactly at {instants}: the run took the best that was found")
+    });
+    let said: Vec<String> = crowded.into_iter().chain(inexact).collect();
+    (!said.is_empty()).then(|| format!("{}; compare it with a run of another step or tolerance", said.join("; ")))
 }
 
 /// The accuracy to expect of a run, from the run itself or from trial runs before it.
@@ -312,6 +312,27 @@ impl AccuracyReport {
 mod tests {
     use super::*;
     use crate::stepping::length::stage_choice::StageChoice;
+
+    #[test]
+    fn contacts_that_are_not_solved_are_said_beside_steps_of_first_order_and_without_them() {
+        let warning = |unsolved_contacts: usize, first_order_steps: usize| {
+            let method = MethodDescription::fixed("lobatto", 3, 4, 0.01);
+            unsolved_warning(
+                &MethodDescription { unsolved_contacts, first_order_steps, first_order_time: 0.25, ..method },
+                2.0,
+            )
+        };
+        assert_eq!(warning(0, 0), None);
+        let contains = |warning: Option<String>, parts: [&str; 2]| {
+            let said = warning.expect("a warning");
+            parts.map(|part| said.contains(part))
+        };
+        let parts = ["5 first-order steps, 12.5 % of its time", "not be solved exactly at 2 instants"];
+        // Each step of first order is counted in both.
+        assert_eq!(contains(warning(5, 5), parts), [true, false]);
+        assert_eq!(contains(warning(7, 5), parts), [true, true]);
+        assert_eq!(contains(warning(2, 0), parts), [false, true]);
+    }
 
     #[test]
     fn accuracies_among_the_roundings_of_a_motion_that_amplifies_them_are_not_said_to_be_reached_without_a_word() {

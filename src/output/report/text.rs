@@ -4,6 +4,8 @@ use crate::mechanism::ground::words::{counted, decimals, rounded};
 use crate::output::report::{Report, StepErrorReport};
 use std::fmt;
 
+/// Energies below this part of the largest are roundings of it, and written as 0.
+const ROUNDING: f64 = 1e-17;
 /// More warnings than this are only counted in the lines for people.
 const SHOWN_WARNINGS: usize = 10;
 
@@ -107,7 +109,7 @@ impl fmt::Display for Report {
         write!(out, ", {} rejected", self.rejected_steps)?;
         match self.exact_newton_steps {
             0 => writeln!(out)?,
-            all if all == self.steps => writeln!(out, ", by the exact Newton method")?,
+            all if all == self.steps && all > 1 => writeln!(out, ", all {all} by the exact Newton method")?,
             some => writeln!(out, ", {some} by the exact Newton method")?,
         }
         if self.events.is_nonsmooth {
@@ -120,23 +122,26 @@ impl fmt::Display for Report {
             self.energy.max_relative_error
         )?;
         let energy = &self.energy;
+        let parts = [energy.dissipated, energy.friction, energy.impacts, energy.work, energy.parts.spring];
+        let largest = parts.iter().fold(energy.initial.abs(), |largest, part| largest.max(part.abs()));
+        let joules = |part: f64| rounded(if part.abs() < ROUNDING * largest { 0.0 } else { part });
         if self.events.is_nonsmooth {
             writeln!(
                 out,
                 "              {} J dissipated by dampers, {} J by dry friction, {} J lost in impacts, {} J from motors and loads, {} J in springs",
-                rounded(energy.dissipated),
-                rounded(energy.friction),
-                rounded(energy.impacts),
-                rounded(energy.work),
-                rounded(energy.parts.spring)
+                joules(energy.dissipated),
+                joules(energy.friction),
+                joules(energy.impacts),
+                joules(energy.work),
+                joules(energy.parts.spring)
             )?;
         } else if energy.dissipated != 0.0 || energy.work != 0.0 {
             writeln!(
                 out,
                 "              {} J dissipated by dampers, {} J from motors and loads, {} J in springs",
-                rounded(energy.dissipated),
-                rounded(energy.work),
-                rounded(energy.parts.spring)
+                joules(energy.dissipated),
+                joules(energy.work),
+                joules(energy.parts.spring)
             )?;
         }
         writeln!(

@@ -181,23 +181,28 @@ impl CouplingReader<'_> {
     fn scene_links(&self, tables: Vec<Spanned<LinkTable>>) -> Result<Vec<SceneLink>, SceneError> {
         let mut links: Vec<SceneLink> = Vec::with_capacity(tables.len());
         for table in tables {
-            let LinkTable { name, collision } = table.into_inner();
+            let LinkTable { name, shape, collision } = table.into_inner();
             let owner = Element::Link(name.get_ref().clone());
             let point = self.point(&name, &Default::default(), &owner)?;
-            let touches = match point.link {
-                LinkReference::World => false,
-                LinkReference::Link { robot, link } => !self.robots[robot].robot.links[link].collisions.is_empty(),
+            let count = match point.link {
+                LinkReference::World => 0,
+                LinkReference::Link { robot, link } => self.robots[robot].robot.links[link].collisions.len(),
             };
-            if !touches {
+            if count == 0 {
                 let problem = Problem::Keys("it has no collision shape, so there is nothing to choose; leave it out");
                 return Err(self.text.error(&name.span(), Some(owner), problem));
             }
-            if let Some(first) = links.iter().find(|other| other.link == point.link) {
+            if let Some(shape) = shape.as_ref().filter(|shape| !(1..=count).contains(shape.get_ref())) {
+                let problem = Problem::NoCollisionShape { number: *shape.get_ref(), count };
+                return Err(self.text.error(&shape.span(), Some(owner), problem));
+            }
+            let shape = shape.map(Spanned::into_inner);
+            if let Some(first) = links.iter().find(|other| other.link == point.link && other.shape == shape) {
                 let problem = Problem::SecondLink { first_line: first.line };
                 return Err(self.text.error(&name.span(), Some(owner), problem));
             }
             let line = self.text.line(&name.span());
-            links.push(SceneLink { link: point.link, name: point.name, shapes: collision, line });
+            links.push(SceneLink { link: point.link, name: point.name, shape, shapes: collision, line });
         }
         Ok(links)
     }

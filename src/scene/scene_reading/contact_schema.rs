@@ -62,5 +62,6 @@ pub(crate) struct PairTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct LinkTable {
     pub name: Spanned<String>,
+    pub shape: Option<Spanned<usize>>,
     pub collision: LinkShapes,
 }

@@ -113,7 +113,7 @@ impl IslandRun<'_> {
         (self.kinetic, self.deviation, self.initial) = (initial.kinetic, 0.0, initial.total());
         (self.exchange, self.steps, self.iterations, self.failed) = (Exchange::default(), 0, 0, None);
         (self.shown, self.so_far) = (Shown::default(), None);
-        course.begin(&mut [&mut self.shown])?;
+        course.begin(&self.island.mechanism, &mut [&mut self.shown])?;
         self.course = Some(course);
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! The loop of a run: it makes steps, takes samples inside them, and passes both to the observers.
 
+use crate::instant::exerting::exerted::Exerted;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::contact_point::{ContactFigures, ContactPoint};
@@ -54,7 +55,7 @@ pub fn run(
     observers: &mut [&mut dyn Observer],
 ) -> (Summary, Result<(), RunError>) {
     let mut course = Course::new(mechanism, state, options.duration, options.rate);
-    let ended = course.begin(observers).and_then(|()| {
+    let ended = course.begin(mechanism, observers).and_then(|()| {
         course.proceed(mechanism, Inputs::NONE, state, integrator, Aim::END, options.interrupt, observers)
     });
     (course.summary(), ended)
@@ -148,9 +149,13 @@ impl Course {
         }
     }
 
-    /// Passes the start to the observers.
-    pub(crate) fn begin(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
+    /// Passes the start to the observers. Because no step has decided yet what holds there, its contacts are worked out from the state.
+    pub(crate) fn begin(&mut self, mechanism: &Mechanism, observers: &mut [&mut dyn Observer]) -> Result<(), RunError> {
         self.sampled = 1;
+        if let Some(start) = self.sampled_state.as_ref().filter(|_| !observers.is_empty()) {
+            let contacts = Exerted::contacts(mechanism, start);
+            observers.iter_mut().for_each(|observer| observer.contacts(&contacts));
+        }
         self.show(self.start, observers)
     }
 

@@ -1,4 +1,4 @@
-//! The picture of a map: a panel for each method, difficulty upwards, shorter steps to the right.
+//! The picture of a map: a panel for each method that can run any of it, difficulty upwards, shorter steps to the right.
 //!
 //! Colours are those of Okabe and Ito; every verdict that is not good has a mark of its own besides, for prints without colour.
 
@@ -26,8 +26,15 @@ const NARROW: i32 = 6;
 const RIGHT: i32 = 24;
 const BELOW: i32 = 74;
 
-fn size() -> (i32, i32) {
-    let rows = Method::ALL.len().div_ceil(COLUMNS) as i32;
+/// The methods that can run a case at least, and those that can run none.
+fn able_and_not(map: &Map) -> (Vec<Method>, Vec<Method>) {
+    let can =
+        |method: &Method| map.cells.iter().any(|cell| cell.method == *method && cell.verdict != Verdict::NotApplicable);
+    map.methods.into_iter().partition(can)
+}
+
+fn size(map: &Map) -> (i32, i32) {
+    let rows = able_and_not(map).0.len().div_ceil(COLUMNS) as i32;
     let columns = COLUMNS as i32;
     (LEFT + columns * PANEL.0 + (columns - 1) * GAP.0 + RIGHT, TOP + rows * PANEL.1 + (rows - 1) * GAP.1 + BELOW + 36)
 }
@@ -37,7 +44,7 @@ fn size() -> (i32, i32) {
 /// # Errors
 /// [`ChartError::Draw`] if the drawing library fails.
 pub fn svg(map: &Map) -> Result<String, ChartError> {
-    svg_of(map.thinned.problem.title, size(), |area| draw(area, map))
+    svg_of(map.thinned.problem.title, size(map), |area| draw(area, map))
 }
 
 /// Writes the picture as PNG.
@@ -45,7 +52,7 @@ pub fn svg(map: &Map) -> Result<String, ChartError> {
 /// # Errors
 /// [`ChartError::Draw`] if the drawing library fails or the file cannot be written.
 pub fn write_png(map: &Map, path: &Path) -> Result<(), ChartError> {
-    png_of(map.thinned.problem.title, size(), path, |area| draw(area, map))
+    png_of(map.thinned.problem.title, size(map), path, |area| draw(area, map))
 }
 
 fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, map: &Map) -> Drawn<DB> {
@@ -53,12 +60,13 @@ fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, map: &Map) -> Drawn<D
     let problem = &map.thinned.problem;
     text(area, problem.title, (24, 16), 28, HPos::Left, INK)?;
     legend(area, 62)?;
-    for (place, method) in map.methods.into_iter().enumerate() {
+    let (able, unable) = able_and_not(map);
+    for (place, method) in able.into_iter().enumerate() {
         let (column, row) = ((place % COLUMNS) as i32, (place / COLUMNS) as i32);
         let corner = (LEFT + column * (PANEL.0 + GAP.0), TOP + row * (PANEL.1 + GAP.1));
         panel(area, map, method, corner, column == 0)?;
     }
-    let (width, height) = size();
+    let (width, height) = size(map);
     text_at(area, problem.axis, (18, (TOP + height - BELOW - 36) / 2), 20, (HPos::Center, VPos::Top), true)?;
     text(area, "step [s], or tolerance [m]", ((LEFT + width - RIGHT) / 2, height - 76), 20, HPos::Center, INK)?;
     let judged: Vec<&str> = map
@@ -68,11 +76,12 @@ fn draw<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, map: &Map) -> Drawn<D
         .filter(|(answer, _)| answer.probes.is_none() && answer.refusal.is_none())
         .map(|(_, &place)| problem.difficulties[place])
         .collect();
-    if !judged.is_empty() {
-        let note = format!("no two reference runs agree, so judged by the energy alone: {}", judged.join(", "));
-        text(area, &note, (24, height - 36), 16, HPos::Left, QUIET)?;
-    }
-    Ok(())
+    let judged = (!judged.is_empty())
+        .then(|| format!("no two reference runs agree, so judged by the energy alone: {}", judged.join(", ")));
+    let unable: Vec<String> = unable.into_iter().map(|method| method.label()).collect();
+    let unable = (!unable.is_empty()).then(|| format!("not applicable to any cell: {}", unable.join("; ")));
+    let notes: Vec<String> = judged.into_iter().chain(unable).collect();
+    text(area, &notes.join(" · "), (24, height - 36), 16, HPos::Left, QUIET)
 }
 
 fn panel<DB: DrawingBackend>(

@@ -329,11 +329,12 @@ fn a_mesh_of_a_link_that_is_there_and_cannot_be_used_is_an_error_where_it_could_
             let message = refusal(&folder, &format!("{text}{FLOOR}{choice}"));
             assert!(message.lines().count() == 1, "{message}");
             let place = format!("bad.urdf:8: link \"leg\": its collision mesh {file:?} cannot be used: ");
-            for part in [place.as_str(), reason, "collision = \"none\" in the [[link]] \"leg\" of the scene file"] {
+            for part in [place.as_str(), reason, "[[link]] with name = \"leg\", shape = 1, collision = \"none\""] {
                 assert!(message.contains(part), "{part:?} in {message}");
             }
         }
         // What the message proposes helps, and where nothing can touch nobody looks.
+        model(&folder, &format!("{text}{FLOOR}[[link]]\nname = \"leg\"\nshape = 1\ncollision = \"none\"\n"));
         model(&folder, &format!("{text}{FLOOR}[[link]]\nname = \"leg\"\ncollision = \"none\"\n"));
         model(&folder, &text);
         model(&folder, &format!("{text}{FLOOR}[contact]\npairs = \"none\"\n"));

@@ -245,3 +245,119 @@ fn a_mesh_that_may_not_be_read_is_there_and_an_error() {
         text(&output.stderr)
     );
 }
+
+#[test]
+fn one_collision_shape_of_a_link_can_be_left_out_and_the_others_touch() {
+    let folder = touching("one_shape", "");
+    let urdf = std::fs::read_to_string(folder.join("touching.urdf")).expect("there");
+    let line = "<collision><geometry><mesh filename=\"line.obj\"/></geometry></collision></link>";
+    let two = urdf.replace("</collision></link>", &format!("</collision>{line}"));
+    std::fs::write(folder.join("two.urdf"), two).expect("written");
+    std::fs::write(folder.join("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").expect("written");
+    let floor = FLOOR.replace("space\" }", "space\" }\npose = { position = [0, 0, 1.2] }");
+    let scene = |links: &str| {
+        let robot = "[[robot]]\nurdf = \"two.urdf\"\npose = { position = [0, 0, 2.2] }\n";
+        std::fs::write(folder.join("scene.toml"), format!("{robot}{floor}{links}")).expect("written");
+    };
+    let link = |rest: &str| format!("[[link]]\nname = \"tip\"\n{rest}\n");
+    scene("");
+    let output = run(&folder, &["model", "scene.toml"]);
+    assert_one_error(&output, 2, "a line");
+    // The error says what to write, and that helps.
+    for part in ["name = \"tip\"", "shape = 2", "collision = \"none\""] {
+        assert!(text(&output.stderr).contains(part), "{part:?} in {}", text(&output.stderr));
+    }
+    scene(&link("shape = 2\ncollision = \"none\""));
+    assert_eq!(pairs(&folder, &["scene.toml"]), (vec!["tip|floor".to_string()], vec![]));
+    // What is said of a shape goes before what is said of the link.
+    scene(&(link("collision = \"none\"") + &link("shape = 1\ncollision = \"hull\"")));
+    assert_eq!(pairs(&folder, &["scene.toml"]), (vec!["tip|floor".to_string()], vec![]));
+    scene(&link("collision = \"none\""));
+    assert_eq!(pairs(&folder, &["scene.toml"]), (vec![], vec![]));
+    let none = "collision = \"none\"";
+    for (links, part) in [
+        (link(&format!("shape = 3\n{none}")), "no collision shape 3: they are counted from 1, and it has 2"),
+        (link(&format!("shape = 0\n{none}")), "no collision shape 0"),
+        (link(&format!("shape = 2\n{none}")).repeat(2), "already has the [[link]]"),
+        (link(none).repeat(2), "already has the [[link]]"),
+    ] {
+        scene(&links);
+        let output = run(&folder, &["model", "scene.toml"]);
+        assert_one_error(&output, 2, &links);
+        assert!(text(&output.stderr).contains(part), "{part:?} in {}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn a_contact_pair_that_changes_nothing_is_a_warning_with_its_line_and_the_reason() {
+    let folder = touching("pairs_of_nothing", "");
+    let robot = |name: &str, x: f64| {
+        format!("[[robot]]\nname = \"{name}\"\nurdf = \"touching.urdf\"\npose = {{ position = [{x}, 0, 2.2] }}\n")
+    };
+    let robots = robot("one", 0.0) + &robot("two", 3.0) + FLOOR;
+    let pair = |a: &str, b: &str| format!("[[contact.pair]]\na = \"{a}\"\nb = \"{b}\"\nfriction = 0.9\n");
+    let warnings = |contact: &str, pair: &str| -> Vec<String> {
+        std::fs::write(folder.join("scene.toml"), format!("{robots}{contact}{pair}")).expect("written");
+        let output = run(&folder, &["simulate", "scene.toml", "--duration", "0.01", "--no-log", "--json"]);
+        let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let all = report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str);
+        all.filter(|warning| warning.contains("changes nothing")).map(str::to_string).collect()
+    };
+    let (default, all, none) = ("", "[contact]\npairs = \"all\"\n", "[contact]\npairs = \"none\"\n");
+    for (contact, rule, reason) in [
+        (default, pair("one/tip", "two/tip"), Some("pairs = \"all\" in [contact]")),
+        (default, pair("one/*", "one/tip"), Some("links of one robot do not touch each other")),
+        (all, pair("one/tip", "one/tip"), Some("links of one robot do not touch each other")),
+        (all, pair("fl*", "floor"), Some("obstacles do not touch each other")),
+        (all, pair("one/tip", "two/tip"), None),
+        (all, pair("one/tip", "*"), None),
+        (default, pair("floor", "*/tip"), None),
+        (none, pair("one/tip", "two/tip"), None),
+    ] {
+        let said = warnings(contact, &rule);
+        assert_eq!(said.len(), usize::from(reason.is_some()), "{rule}: {said:?}");
+        if let Some(reason) = reason {
+            let line = format!("scene.toml:{}: contact of", 12 + contact.lines().count());
+            assert!(said[0].contains(reason) && said[0].contains(&line), "{reason}, {line}: {}", said[0]);
+        }
+    }
+}
+
+#[test]
+fn a_log_has_the_forces_of_what_stands_from_its_first_sample_on_and_curves_name_every_pair() {
+    let folder = folder("standing");
+    let robot = |name: &str| format!("{}/robots/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let rover = robot("rover_turns");
+    let output = run(&folder, &["simulate", &rover, "--duration", "0.1", "-o", "rover.mcap"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let output = run(&folder, &["inspect", "rover.mcap", "--at", "0", "--json"]);
+    let sample: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let contacts = sample["contacts"].as_array().expect("contacts");
+    let up: f64 = contacts.iter().map(|contact| contact["force"][2].as_f64().expect("a force")).sum();
+    // 12 kg; the solver of contacts is exact to 1e-10.
+    assert!(contacts.len() == 8 && (up - 12.0 * 9.81).abs() < 1e-8, "{} contacts, {up} N", contacts.len());
+    // Of contacts alone there are curves and a table, but no place of anything.
+    let topics = ["--topics", "contacts,contact_forces"];
+    run(&folder, &[&["simulate", &rover, "--duration", "0.1", "-o", "contacts.mcap"], &topics[..]].concat());
+    for arguments in [&["inspect", "contacts.mcap", "--at", "0"][..], &["report", "contacts.mcap", "-o", "page.html"]] {
+        let output = run(&folder, arguments);
+        assert_one_error(&output, 2, &format!("{arguments:?}"));
+        assert!(
+            text(&output.stderr).contains("with tf, joint_states and multi_dof_joint_states"),
+            "{}",
+            text(&output.stderr)
+        );
+    }
+    let output = run(&folder, &["inspect", "contacts.mcap", "--csv", "contacts.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let gripper = robot("gripper_holds_box");
+    run(&folder, &["simulate", &gripper, "--duration", "0.2", "-o", "gripper.mcap"]);
+    let output = run(&folder, &["inspect", "gripper.mcap", "--plot", "curves.svg", "--curves", "contact"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let curves = std::fs::read_to_string(folder.join("curves.svg")).expect("there");
+    for name in ["gripper/left_finger|box/box", "gripper/right_finger|box/box"] {
+        assert!(curves.contains(name), "{name}");
+    }
+    // What does not touch yet has a force of zero, so that the axis begins there.
+    assert!(curves.contains(">0</text>") || curves.contains(">\n0\n</text>"), "no label 0 on the axis of forces");
+}

@@ -144,11 +144,11 @@ impl CollisionShapes {
         for (number, placed) in model.robots.iter().enumerate() {
             for (index, link) in placed.robot.links.iter().enumerate() {
                 let reference = LinkReference::Link { robot: number, link: index };
-                if settings.links.iter().any(|said| said.link == reference && said.shapes == LinkShapes::None) {
-                    continue;
-                }
                 let frame = &model.links[placed.links.start + index];
-                for given in &link.collisions {
+                for (shape, given) in link.collisions.iter().enumerate() {
+                    if settings.choice(reference, shape + 1) == LinkShapes::None {
+                        continue;
+                    }
                     if let Geometry::Mesh(mesh) = &given.geometry
                         && let Some(file) = &mesh.resolved
                     {

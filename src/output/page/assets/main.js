@@ -74,7 +74,7 @@ async function openPage() {
   const isRun = header.kind === "run";
   byId("name").textContent = header.name;
   byId("about").textContent = isRun ? `run from ${header.source}` : `model of ${header.source}`;
-  byId("keys").textContent = isRun ? "space: play · ← →: one sample · shift: ten · F frames · R reactions · O contacts · G grid · B obstacles · S shapes · C camera" : "F frames · G grid · B obstacles · S shapes · C camera";
+  byId("keys").textContent = isRun ? "space: play · ← →: one sample · shift: ten · F frames · R reactions · O contacts · G grid · B obstacles · S shapes · L follow · C camera" : "F frames · G grid · B obstacles · S shapes · C camera";
   const bytes = await unpackedBytes(byId("packed").textContent);
   const motion = new Motion(unpackedDoubles(bytes, header.times), unpackedFloats(bytes, header.poses), header.tree.bodies.length);
   const values = unpackedFloats(bytes, header.values);
